@@ -1,7 +1,7 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
@@ -10,6 +10,8 @@ from cli.outputs import EITHER, check_file, check_folder, refuse_foreign, writin
 from cli.sign import Signed
 
 if TYPE_CHECKING:
+    from calib.ecu.fmu import Version
+    from calib.ecu.width import Width
     from calib.store.version import Stored
 
 
@@ -28,9 +30,9 @@ def export(
     ),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     points: int | None = option("Breakpoints on each axis, least error; else all rows.", "N"),
-    bits: int | None = option("8, 16 or 32; for c-header, a2l, ecu.", "BITS", "--fixed-point"),
-    single: bool = option("Single precision; for c-header, a2l, ecu.", None, "--float"),
-    sample_time: float | None = option("Time from call to call [s], 0.01; for ecu.", "S"),
+    bits: int | None = option("8, 16 or 32; for c-header, a2l, ecu, fmu.", "BITS", "--fixed-point"),
+    single: bool = option("Single precision; for c-header, a2l, ecu, fmu.", None, "--float"),
+    sample_time: float | None = option("Time from call to call [s], 0.01; for ecu, fmu.", "S"),
     prefix: str | None = option("Of all labels; the table's name, of code bte.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
@@ -45,6 +47,8 @@ def export(
     such as discs that fade, only --without-effect. Every file states the table's id, digest and
     state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
+    from dataclasses import replace
+
     from calib.base.errors import ExchangeError
     from calib.exports.export import CODES, require_released
     from calib.exports.export import export as write
@@ -54,11 +58,24 @@ def export(
     signed.check(table, stored)
     quality = read_quality(validation, stored) if validation else UNPROVED
     if form and form.lower() in CODES:
+        from calib.ecu.car_source import require_time
+        from calib.ecu.width import Width
+        from calib.table.exported import Precision
+
         require_released(stored, without_effect, unreleased=unreleased)
-        precision = points, bits, single
+        left = stored.table.vehicle.effects.without(*without_effect)
+        car = replace(stored.table.vehicle, effects=left)
+        stored = replace(stored, table=replace(stored.table, vehicle=car))
+        with at_option("--points, --fixed-point, --float", ExchangeError):
+            width = Width.of(Precision(points, bits, single))
         step = 0.01 if sample_time is None else sample_time
-        more: dict[str, Any] = {"quality": quality, "elf": elf}
-        return _code(stored, out, form.lower(), precision, step, prefix or "bte", more)
+        with at_option("--sample-time", ExchangeError):
+            require_time(step)
+        if form.lower() == "ecu":
+            return _code(stored, out, width, step, prefix, quality=quality, elf=elf)
+        if elf or prefix is not None or validation:
+            raise misuse("not for an FMU", "--elf, --prefix, --validation")
+        return _fmu(stored, out, width, step, 2 if form.lower() == "fmu2" else 3)
     if sample_time is not None:
         raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
     check_file(out)
@@ -81,36 +98,44 @@ def export(
 
 
 def _code(
-    stored: "Stored",
-    out: Path,
-    form: str,
-    how: tuple[int | None, int | None, bool],
-    sample_time: float,
-    prefix: str,
-    more: dict[str, Any],
+    stored: "Stored", out: Path, width: "Width", step: float, prefix: str | None, **more: Any
 ) -> Answer:
-    """Write the estimator as C, with the numbers of a table; ``more`` for a folder alone."""
+    """Write the estimator as C, with the numbers of a table, to a folder."""
     from calib.base.errors import ExchangeError
-    from calib.ecu.bundle import names, write_bundle
+    from calib.ecu.bundle import OURS, names, require_prefix, write_bundle
+    from calib.ecu.car_source import PREFIX
+    from calib.ecu.labels import code_maps
+
+    first = PREFIX if prefix is None else prefix
+    with at_option("--prefix", ExchangeError):
+        require_prefix(first)
+    check_folder(out, names(first))
+    for name in names(first):
+        refuse_foreign(out / name, lambda data: OURS in data)
+    with at_option("--points, --fixed-point, --float, --elf", ExchangeError), writing(out):
+        files = write_bundle(stored, out, width, step, first, **more)
+    for axis in code_maps(stored.table, first, width)[0]:
+        say(f"{axis.label}: {axis.placed}")
+    return _coded(stored, out, "ecu", width, step, files)
+
+
+def _fmu(stored: "Stored", out: Path, width: "Width", step: float, version: "Version") -> Answer:
+    """Write the same code as an FMU."""
     from calib.ecu.fmu import write_fmu
-    from calib.ecu.width import Width
-    from calib.table.exported import Precision
     from calib.table.generation import require_maps
 
     require_maps(stored.table, stored.id)
-    with at_option("--points, --fixed-point, --float, --sample-time, --prefix", ExchangeError):
-        width = Width.of(Precision(*how))
-        if form == "ecu":
-            check_folder(out, names(prefix))
-            with writing(out):
-                files = write_bundle(stored, out, width, sample_time, prefix, **more)
-        else:
-            check_file(out)
-            version: Literal[2, 3] = 2 if form == "fmu2" else 3
-            told = f"{stored.id}, {stored.state.words}"
-            with writing(out):
-                write_fmu(stored.table, out, sample_time, width, version, told)
-            files = [out]
+    check_file(out)
+    refuse_foreign(out, lambda data: stored.digest.encode() in data)
+    told = f"{stored.id}, {stored.state.words}"
+    with writing(out):
+        write_fmu(stored.table, out, step, width, version, told, stored.digest)
+    return _coded(stored, out, f"fmu{version}", width, step, [out])
+
+
+def _coded(
+    stored: "Stored", out: Path, form: str, width: "Width", step: float, files: list[Path]
+) -> Answer:
     document = {
         "table": stored.id,
         "digest": stored.digest,
@@ -120,7 +145,7 @@ def _code(
         "files": [path.name for path in files],
         "float": width.bits,
         "cell": width.cell,
-        "sample_time": sample_time,
+        "sample_time": step,
     }
     return Answer(document, f"{out}: {stored.id} as {form}, {len(files)} files")
 

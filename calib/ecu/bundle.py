@@ -44,6 +44,15 @@ TOOLS = ("a2l", "cdfx", "dcm")
 _TOLERANCE = {64: 1e-9, 32: 1e-4}
 """Relative difference of the vectors from Python by the bits of the floating point."""
 
+OURS = b"brake-cal"
+"""What every file of the folder has in it."""
+
+_HEADERS = frozenset(
+    """assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal
+    stdarg stdbool stddef stdint stdio stdlib string tgmath time wchar wctype""".split()  # noqa: SIM905
+)
+"""Headers of C: a file of that name would stand before them."""
+
 _ROLLED, _BRAKED = 3.0, 3.0  # time of the vectors without and with brake [s]
 _SEED = 1
 
@@ -54,6 +63,13 @@ def names(prefix: str = PREFIX) -> tuple[str, ...]:
     made = ("bte_config.h", "bte_car.c", "vectors.h", "CMakeLists.txt", README)
     of_tools = (f"{PREFIX}.{form}" for form in TOOLS)
     return tuple(_renamed(name, prefix) for name in (*given, *made, *of_tools))
+
+
+def require_prefix(prefix: str) -> None:
+    """Raise ExchangeError for a name that C does not take for files and labels."""
+    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", prefix) or prefix in _HEADERS:
+        expected = "a letter, then up to 15 of letters, digits and _, and no header of C"
+        raise ExchangeError(f"the prefix {prefix!r}", expected=expected)
 
 
 def write_bundle(
@@ -79,25 +95,23 @@ def write_bundle(
     out; ExchangeError for a name that C does not take, or a time without a block; ProgramError
     where ``elf`` does not hold the table.
     """
-    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", prefix):
-        raise ExchangeError(
-            f"the prefix {prefix!r}", expected="a letter, then up to 15 of A-Z 0-9 _"
-        )
+    require_prefix(prefix)
     require_time(sample_time)
     require_maps(stored.table, stored.id)
     samples, told = vectors(as_exported(stored.table, width.how), sample_time, width)
-    about = f"{stored.id}, digest {stored.digest}, {stored.state.words}".replace("*/", "* /")
+    about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.words}".replace("*/", "* /")
     texts = {path.name: path.read_text() for path in sorted(SOURCE.iterdir()) if path.is_file()}
     texts["bte_config.h"] = config(width)
-    texts["bte_car.c"] = car_source(stored.table, sample_time, width, about, stored.version)
+    texts["bte_car.c"] = car_source(stored.table, sample_time, width, "$about", stored.version)
     texts["vectors.h"] = "\n".join(_vectors(samples, told, sample_time, width)) + "\n"
-    texts[README] = Template(texts[README]).substitute(
+    renamed = {name: _renamed(text, prefix) for name, text in texts.items()}
+    renamed["bte_car.c"] = renamed["bte_car.c"].replace("$about", about)
+    renamed[README] = Template(renamed[README]).substitute(
         table=stored.id, digest=stored.digest, state=stored.state.words, bits=width.bits,
         cell=width.cell, step=f"{sample_time:g}", ms=f"{1e3 * sample_time:g}_ms".replace(".", "_"),
         count=len(samples),
     )  # fmt: skip
-    code = {_renamed(name, prefix): _renamed(text, prefix) for name, text in texts.items()}
-    files = {name: text.encode() for name, text in code.items()}
+    files = {_renamed(name, prefix): text.encode() for name, text in renamed.items()}
     files |= _for_tools(stored, width, prefix, quality, elf)
     with workshop(folder) as work:
         for name, content in files.items():
@@ -144,7 +158,7 @@ def _vectors(samples: Array, told: Array, sample_time: float, width: Width) -> I
     """vectors.h: every sample, and the answers at the ends of the blocks."""
     every = Timing.of(sample_time).samples
     kept = told[every - 1 :: every]
-    yield f"/* Answers of Python to {len(samples)} samples, of each block of {every}. */"
+    yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
     yield f"#define COUNT {len(samples)}U\n#define EVERY {every}U"
     yield f"#define TOLERANCE {_TOLERANCE[width.bits]:g}"
     for name, rows in (("inputs", samples), ("expected", kept)):

@@ -86,7 +86,13 @@ VARIABLES = (
 
 
 def write_fmu(
-    table: Table, path: Path, sample_time: float, width: Width, version: Version, told: str
+    table: Table,
+    path: Path,
+    sample_time: float,
+    width: Width,
+    version: Version,
+    told: str,
+    digest: str,
 ) -> bytes:
     """Write a table as an FMU to the file ``path``, and return what was written.
 
@@ -98,8 +104,9 @@ def write_fmu(
     width : of the numbers inside; those of the variables are in double.
     version : of FMI, 2 for 2.0 or 3 for 3.0.
     told : what the FMU says of its table, in a sentence without its point.
+    digest : of the table, the comment of the zip.
 
-    The bytes depend on nothing but these, and the comment of the zip is the table's digest. Raises
+    The bytes depend on nothing but these. Raises
     StoreError as `require_plain`; ExchangeError for a precision that C does not have; OSError.
     """
     require_plain(table)
@@ -118,7 +125,7 @@ def write_fmu(
         "communication step is a multiple of that, and the inputs are held in it.",
         compiled=[file for file in sources if file.endswith(".c")],
     )
-    content = _zipped(described, sources, table.digest)
+    content = _zipped(described, sources, digest)
     write_whole(path, content)
     return content
 

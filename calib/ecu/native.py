@@ -5,6 +5,7 @@ bte.c + bte_car.c --cc--> shared object --ctypes--> answers of every sample
 
 import ctypes
 import os
+import shlex
 import shutil
 import subprocess
 from dataclasses import dataclass, replace
@@ -35,22 +36,26 @@ FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-s
 """Without contraction every compiler gives the same bits."""
 
 
-def compiler() -> str:
-    """The C compiler of this machine: $CC, else cc. Raises ProgramError where there is none."""
-    named = os.environ.get("CC") or "cc"
-    if (found := shutil.which(named)) is None:
+def compiler() -> list[str]:
+    """The C compiler of this machine with its options: $CC, else cc.
+
+    Raises ProgramError where there is none.
+    """
+    named = shlex.split(os.environ.get("CC") or "cc")
+    if shutil.which(named[0]) is None:
         raise ProgramError(
             "no C compiler",
-            where=named,
+            where=named[0],
             expected="cc on PATH, or CC",
             do="install gcc or clang: `apt install gcc`, `xcode-select --install`, or MSYS2",
         )
-    return found
+    return named
 
 
 def config(width: Width) -> str:
     """bte_config.h."""
-    return f"#define BTE_FLOAT {width.bits}\n#define BTE_CELL {width.cell}\n"
+    made = f"#define BTE_FLOAT {width.bits}\n#define BTE_CELL {width.cell}\n"
+    return f"/* The precision of the estimator of brake-cal. */\n{made}"
 
 
 @dataclass(frozen=True)
@@ -73,9 +78,11 @@ class Native:
             files = [SOURCE / "bte.c", SOURCE / "bte_run.c", folder / "bte_car.c"]
             made = folder / "bte.so"
             paths = [f"-I{folder}", f"-I{SOURCE}", *map(str, files), "-o", str(made), "-lm"]
-            done = subprocess.run([cc, *FLAGS, *paths], capture_output=True, text=True, check=False)
+            line = [*cc, *FLAGS, *paths]
+            done = subprocess.run(line, capture_output=True, text=True, check=False)
             if done.returncode:
-                raise ProgramError("the C code does not compile", where=cc, do=done.stderr[-400:])
+                why = done.stderr[-400:] or f"it ended with {done.returncode} and said nothing"
+                raise ProgramError("the C code does not compile", where=cc[0], do=why)
             return ctypes.CDLL(str(made))
 
     def run(self, samples: Array) -> Array:

@@ -52,7 +52,7 @@ def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
         f"-D{prefix.upper()}_VECTORS",
     ]
     at = {"cwd": tmp_path / "code", "check": True, "text": True, "capture_output": True}
-    subprocess.run([compiler(), *flags, *files, "-o", "vectors", "-lm"], **at)
+    subprocess.run([*compiler(), *flags, *files, "-o", "vectors", "-lm"], **at)
     assert "0 reasons differ" in subprocess.run(["./vectors"], **at).stdout
     text = "".join(path.read_text() for path in made if path.suffix in (".c", ".h"))
     assert ("bte" in text) == (prefix == "bte")
@@ -63,7 +63,7 @@ def linked(folder):
     program = folder / "program"
     flags = ["-std=c99", "-g", "-gdwarf-4", "-no-pie", "-ffp-contract=off", "-DBTE_VECTORS"]
     files = [folder / name for name in ("bte.c", "bte_car.c", "bte_run.c")]
-    subprocess.run([compiler(), *flags, *files, "-o", program, "-lm"], check=True)
+    subprocess.run([*compiler(), *flags, *files, "-o", program, "-lm"], check=True)
     return program
 
 
@@ -130,13 +130,25 @@ def test_without_a_compiler_it_is_said(fitted, monkeypatch):
         coded(fitted, Precision())
 
 
-@needs_cc
-def test_the_commands_write_and_judge_the_code(brake_cal, kept, tmp_path, monkeypatch):
-    ran = brake_cal(
-        *("tables", "export", kept.id, "--store", kept.path.parent.parent, "--format", "ecu"),
-        *("--float", "--out", tmp_path / "code", "--json"),
-    )
-    assert ran.code == 0
-    told = json.loads(ran.out)
-    assert (told["format"], told["float"]) == ("ecu", 32)
-    assert set(told["files"]) == set(names())
+def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, kept, tmp_path):
+    words = ("tables", "export", kept.id, "--store", kept.path.parent.parent, "--format")
+    code, own = tmp_path / "code", tmp_path / "own"
+    for _ in range(2):
+        ran = brake_cal(*words, "ecu", "--float", "--out", code, "--json")
+        assert ran.code == 0
+        told = json.loads(ran.out)
+        assert (told["format"], told["float"]) == ("ecu", 32)
+        assert set(told["files"]) == set(names()) == {path.name for path in code.iterdir()}
+    own.mkdir()
+    (own / "CMakeLists.txt").write_text("project(own)\n")
+    for more in (
+        ("ecu", "--out", own),
+        ("fmu3", "--out", own / "CMakeLists.txt"),
+        ("fmu2", "--out", own / "car.fmu", "--prefix", "x"),
+        ("ecu", "--out", own / "code", "--prefix", "math"),
+        ("ecu", "--out", own / "code", "--sample-time", 0.0),
+        ("dcm", "--out", own / "car.dcm", "--sample-time", 0.01),
+    ):
+        assert brake_cal(*words, *more).code == 2
+    assert [path.name for path in own.iterdir()] == ["CMakeLists.txt"]
+    assert (own / "CMakeLists.txt").read_text() == "project(own)\n"

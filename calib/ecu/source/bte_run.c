@@ -1,4 +1,4 @@
-/* Runs the estimator over many samples: in a test, on a host, on the target.
+/* Runs the estimator of brake-cal over many samples: in a test, on a host, on the target.
  *
  * With BTE_VECTORS defined it is a program that compares with vectors.h, which Python wrote.
  */

@@ -1,3 +1,4 @@
+/* Runs the estimator of brake-cal, in a test. */
 #ifndef BTE_RUN_H
 #define BTE_RUN_H
 
