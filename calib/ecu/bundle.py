@@ -99,7 +99,8 @@ def write_bundle(
     require_time(sample_time)
     require_maps(stored.table, stored.id)
     samples, told = vectors(as_exported(stored.table, width.how), sample_time, width)
-    about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.words}".replace("*/", "* /")
+    state = stored.state.words.replace("*/", "* /")
+    about = f"By brake-cal: {stored.id}, digest {stored.digest}, {state}"
     texts = {path.name: path.read_text() for path in sorted(SOURCE.iterdir()) if path.is_file()}
     texts["bte_config.h"] = config(width)
     texts["bte_car.c"] = car_source(stored.table, sample_time, width, "$about", stored.version)
