@@ -97,7 +97,9 @@ def car_source(table: Table, sample_time: float, width: Width, told: str, versio
     parts = [_array(axis.label, axis.values, width) for axis in axes]
     parts += [_cells(grid, width) for grid in grids]
     tyre = {"tyre_force": table.tyre.force, "tyre_slip": table.tyre.slip}
-    parts += [f"static {_defined('bte_real', name, x, width)}" for name, x in tyre.items()]
+    for name, x in tyre.items():
+        told_of = ", ".join(map(width.number, x.tolist()))
+        parts.append(f"static BTE_CAL bte_real {name}[] = {{{told_of}}};")
     z, shift, slip, level_z = (axis.label for axis in axes)
     of = {(grid.column, len(grid.axes)): grid for grid in grids}
     ratio = [of[name, 3] for name in _RATIO]
@@ -152,10 +154,6 @@ def _public(kind: str, label: str, numbers: Iterable[str]) -> str:
     told = list(numbers)
     declared = f"BTE_CAL {kind} {label}[{len(told)}]"
     return f"extern {declared};\nBTE_CAL_DATA {declared} = {{{', '.join(told)}}};"
-
-
-def _defined(kind: str, name: str, values: Array, width: Width) -> str:
-    return f"BTE_CAL {kind} {name}[] = {{{', '.join(map(width.number, values.tolist()))}}};"
 
 
 def _told(x: float | list[float], width: Width) -> str:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from calib.ecu.width import Width
 from calib.estimation.constants import LEVEL, PADS, SLIP
-from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Scalar, build, maps_of
+from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, build, maps_of
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 from calib.table.table import Table
@@ -49,17 +49,17 @@ def code_data(
     how = width.how
     whole = build(stored, how.points, quality, how.bits, date, first=first, most_axes=most_axes)
     axes, grids = code_maps(stored.table, first, width, most_axes)
-    version = next(one for one in whole.scalars if one.label == version_label(first))
+    versions = (one for one in whole.scalars if one.label == version_label(first))
     return replace(
-        whole, axes=axes, curves=(), grids=grids, scalars=(_whole(version),),
+        whole,
+        axes=axes,
+        curves=(),
+        grids=grids,
+        scalars=tuple(replace(one, fixed=None) for one in versions),
         single=width.bits == 32,
-    )  # fmt: skip
+    )
 
 
 def version_label(first: str) -> str:
     """Label of the version of the table."""
     return f"{first}_version"
-
-
-def _whole(one: Scalar) -> Scalar:
-    return replace(one, fixed=None)

@@ -84,10 +84,11 @@ def replayed(
     ``base`` is the one without effects, as a model has it.
     """
     plain = without_form(at, settled)
-    if not at.names and at.hypothesis.walk is None:
-        base = plain
     own = placed(held.problem, plain)
-    return Replayed(at, plain, base, own, held.replays(base, own), held.replays(plain, own))
+    logs = held.replays(plain, own)
+    if not at.names and at.hypothesis.walk is None:
+        return Replayed(at, plain, plain, own, logs, logs)
+    return Replayed(at, plain, base, own, held.replays(base, own), logs)
 
 
 def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
