@@ -50,7 +50,7 @@ def export(
     from dataclasses import replace
 
     from calib.base.errors import ExchangeError
-    from calib.exports.export import CODES, require_released
+    from calib.exports.export import CODES, require_handed_out
     from calib.exports.export import export as write
     from calib.store.evidence import UNPROVED, read_quality
 
@@ -62,7 +62,7 @@ def export(
         from calib.ecu.width import Width
         from calib.table.exported import Precision
 
-        require_released(stored, without_effect, unreleased=unreleased)
+        require_handed_out(stored, without_effect, unreleased=unreleased)
         left = stored.table.vehicle.effects.without(*without_effect)
         car = replace(stored.table.vehicle, effects=left)
         stored = replace(stored, table=replace(stored.table, vehicle=car))

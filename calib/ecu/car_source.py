@@ -20,7 +20,7 @@ from calib.ecu.online import Timing
 from calib.ecu.width import Width
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
-from calib.estimation.reasons import FASTEST, LATERAL, LOCK, RECOVER, STEERING
+from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING
 from calib.exports.dataset import Grid
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
@@ -44,22 +44,21 @@ def require_time(sample_time: float) -> None:
         raise ExchangeError(f"a sample time of {sample_time:g} s", expected=expected)
 
 
-def tuning(table: Table, timing: Timing) -> dict[str, float]:
+def tuning(c: Constants) -> dict[str, float]:
     """The tuned numbers by their names in `bte_tuning`."""
-    c = constants(table, SensorNoise(**table.noise), timing.block)
     scalars = (field.name for field in fields(Constants) if field.type is float)
     of_step = {name: getattr(c, name) for name in scalars if name not in _FROM_TABLE}
     return of_step | {
         "bite": BITE, "moving": MOVING, "steady": STEADY, "radius_walk": WALK,
         "steering": STEERING, "lateral": LATERAL, "lock": LOCK, "recover": RECOVER,
-        "slows": FASTEST / NOMINAL_RADIUS, "turning": MOVING / NOMINAL_RADIUS,
+        "slows": HARDEST / NOMINAL_RADIUS, "turning": MOVING / NOMINAL_RADIUS,
     }  # fmt: skip
 
 
-def car_numbers(table: Table, sample_time: float) -> dict[str, float | list[float]]:
+def car_numbers(table: Table, c: Constants, sample_time: float) -> dict[str, float | list[float]]:
     """The scalars of `bte_car` by name, those of axles as (front, rear)."""
     car, known = table.vehicle, known_effects(table).parameters
-    timing, (front, rear) = Timing.of(sample_time), axle_loads(car, np.zeros(1))
+    front, rear = axle_loads(car, np.zeros(1))
     drag, rolling = known[DRAG[0]], known[ROLLING[0]]
     lever = car.cg_height / (car.weight * car.wheelbase)
     axles = (car.front, car.rear)
@@ -80,7 +79,7 @@ def car_numbers(table: Table, sample_time: float) -> dict[str, float | list[floa
         "inertia": [axle.wheel_inertia for axle in axles],
         "torque_gain": [axle.torque_gain for axle in axles],
         "pad_friction": [axle.pad_friction for axle in axles],
-        "ramp_ratio": constants(table, SensorNoise(**table.noise), timing.block).ramp_ratio,
+        "ramp_ratio": c.ramp_ratio,
         "log_ratio": table.calibration.pad_log_ratio.value,
     }
 
@@ -93,7 +92,8 @@ def car_source(table: Table, sample_time: float, width: Width, told: str, versio
     require_time(sample_time)
     axes, grids = code_maps(table, PREFIX, width)
     table = as_exported(table, width.how)
-    timing, numbers = Timing.of(sample_time), car_numbers(table, sample_time)
+    timing = Timing.of(sample_time)
+    c = constants(table, SensorNoise(**table.noise), timing.block)
     parts = [_array(axis.label, axis.values, width) for axis in axes]
     parts += [_cells(grid, width) for grid in grids]
     tyre = {"tyre_force": table.tyre.force, "tyre_slip": table.tyre.slip}
@@ -107,10 +107,10 @@ def car_source(table: Table, sample_time: float, width: Width, told: str, versio
     mean, sigma = (of[name, 2] for name in SLIP)
     members = {
         "version": f"&{version_label(PREFIX)}",
-        "tuning": _nested(tuning(table, timing), width),
+        "tuning": _nested(tuning(c), width),
         "samples": f"{timing.samples}U",
         "waiting": f"{timing.waiting}U",
-        **{name: _told(x, width) for name, x in numbers.items()},
+        **{name: _told(x, width) for name, x in car_numbers(table, c, sample_time).items()},
         "tyre": _axis("tyre_force"),
         "tyre_slip": "tyre_slip",
         "z": _axis(z),
@@ -132,7 +132,7 @@ def car_source(table: Table, sample_time: float, width: Width, told: str, versio
             f"/* {told} */",
             '#include "bte.h"',
             "#define COUNT(x) ((uint16_t)(sizeof(x) / sizeof((x)[0])))",
-            f"extern {numbered};\n{numbered} = {width.number(version)};",
+            f"extern {numbered};\nBTE_CAL_DATA {numbered} = {width.number(version)};",
             *parts,
             f"const bte_car bte_this_car = {{\n{body}\n}};\n",
         ]

@@ -58,6 +58,17 @@ def config(width: Width) -> str:
     return f"/* The precision of the estimator of brake-cal. */\n{made}"
 
 
+def write_sources(table: Table, sample_time: float, width: Width, folder: Path) -> list[Path]:
+    """Write what is of a car into a folder, and return all files of a program that runs samples.
+
+    Raises ExchangeError as `car_source`.
+    """
+    car = folder / "bte_car.c"
+    (folder / "bte_config.h").write_text(config(width))
+    car.write_text(car_source(table, sample_time, width, "made to be run here"))
+    return [SOURCE / "bte.c", SOURCE / "bte_run.c", car]
+
+
 @dataclass(frozen=True)
 class Native:
     """The code of a table at a sample time [s], in a precision."""
@@ -72,10 +83,7 @@ class Native:
         cc = compiler()
         with TemporaryDirectory() as name:
             folder = Path(name)
-            (folder / "bte_config.h").write_text(config(self.width))
-            source = car_source(self.table, self.sample_time, self.width, "compiled for a test")
-            (folder / "bte_car.c").write_text(source)
-            files = [SOURCE / "bte.c", SOURCE / "bte_run.c", folder / "bte_car.c"]
+            files = write_sources(self.table, self.sample_time, self.width, folder)
             made = folder / "bte.so"
             paths = [f"-I{folder}", f"-I{SOURCE}", *map(str, files), "-o", str(made), "-lm"]
             line = [*cc, *FLAGS, *paths]
@@ -90,8 +98,7 @@ class Native:
         real = np.float64 if self.width.bits == 64 else np.float32
         given = np.ascontiguousarray(samples, real)
         told = np.empty((len(given), OUTPUTS), real)
-        pointers = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))
-        first, last = pointers
+        first, last = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))
         self.library.bte_run(first, ctypes.c_uint32(len(given)), last)
         return told.astype(np.float64)
 

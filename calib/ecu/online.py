@@ -20,7 +20,7 @@ from calib.car.braking import MOVING
 from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import given, pads_of
-from calib.estimation.reasons import FASTEST, LATERAL, LOCK, RECOVER, STEERING, Reason
+from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
 from calib.estimation.state import Sample, State, started
 from calib.estimation.step import step
 from calib.model.resistance import RESISTANCE
@@ -173,7 +173,7 @@ class Online:
         middle = np.median(seen, axis=0)
         mean = 0.5 * (wheels[2] + wheels[3])
         speed = car.rear.rolling_radius * mean
-        slowed = self.fastest - FASTEST / NOMINAL_RADIUS * self.sample_time
+        slowed = self.fastest - HARDEST / NOMINAL_RADIUS * self.sample_time
         self.fastest = fastest = max(middle.max(), slowed)
         locks = fastest - middle.min() > LOCK * max(fastest, 1.0)
         locks = locks and fastest > MOVING / NOMINAL_RADIUS

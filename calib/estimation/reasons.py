@@ -46,7 +46,7 @@ LATERAL = 3.0
 curve; radii 0.5 % apart, left to right, look like as much at 30 m/s."""
 LOCK = 0.15
 """Relative departure of a wheel from the others that only ABS or a locked wheel shows."""
-FASTEST = 15.0
+HARDEST = 15.0
 """Deceleration [m/s^2] that no road lets a car have: wheels that slow more lock, all four too."""
 RECOVER = 1.0
 """Time after such a departure [s]: the filters behind the signals have forgotten it."""
@@ -74,7 +74,7 @@ def _locks(log: Log, s: Signals) -> Mask:
     if s.v is not None and s.lead_in.any():  # all four may lock together
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))
         fastest = np.maximum(fastest, per_speed * s.v)
-    slows = FASTEST / NOMINAL_RADIUS * s.time
+    slows = HARDEST / NOMINAL_RADIUS * s.time
     fastest = np.maximum.accumulate(fastest + slows) - slows
     apart = fastest - wheels.min(axis=0) > LOCK * np.maximum(fastest, 1.0)
     return np.asarray(apart & (fastest > MOVING / NOMINAL_RADIUS))

@@ -388,9 +388,8 @@ def build(
     """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
     ``most_axes`` of a map that the format can hold: one of more is written in slices; ``first``
-    part of every label, of the table's name if not given. Raises
-    ExchangeError for more points than rows, a width that C does not have, and a rounded axis that
-    does not increase.
+    part of every label, of the table's name if not given. Raises ExchangeError for more points than
+    rows, a width that C does not have, and a rounded axis that does not increase.
     """
     table, how = stored.table, Precision(points, bits, single)
     first = prefix(stored.name if first is None else first)

@@ -95,10 +95,13 @@ def _over(data: Dataset, axis: Axis) -> list[str]:
     return [one.label for one in data.maps if axis.label in [a.label for a in one.axes]]
 
 
-def require_released(
+def require_handed_out(
     stored: Stored, without_effects: Sequence[str] = (), *, unreleased: bool = False
 ) -> None:
-    """Raise StoreError for a version that must not be handed out, as `export` has it."""
+    """Raise StoreError for a version that is not released, or has effects that no ECU senses.
+
+    And ExchangeError, as `export` has it.
+    """
     if not (stored.state.released or unreleased):
         raise StoreError(
             f"is {stored.state.words}",
@@ -173,7 +176,7 @@ def export(
     >>> written.form, written.data.id, [len(axis.values) for axis in written.data.axes[:2]]
     ('dcm', 'sedan-sim@1', [16, 16])
     """
-    require_released(stored, without_effects, unreleased=unreleased)
+    require_handed_out(stored, without_effects, unreleased=unreleased)
     path = Path(path)
     form = _form_of(path, form)
     for given, has, what in (

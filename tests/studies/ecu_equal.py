@@ -93,9 +93,7 @@ def compared(seed: int) -> Found:
     for name, how in HOW.items():
         width = Width.of(how)
         given = width.rounded(samples)
-        online = Online(as_exported(table, how), step)
-        rows = (dict(zip(RANGES, row, strict=True)) for row in given.tolist())
-        right = np.array([(one.reason, *np.concatenate(one[1:])) for one in map(online.step, rows)])
+        right = Online(as_exported(table, how), step).run(given)
         told = native_of(seed // 10, step, name).run(given)
         apart = np.abs(told - right) / np.maximum(np.abs(right), 1e-6)
         worst[name] = float(apart[:, 1:].max())

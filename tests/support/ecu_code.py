@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.ecu.car_source import car_source
-from calib.ecu.native import OUTPUTS, SOURCE, config
+from calib.ecu.native import OUTPUTS, SOURCE, write_sources
 from calib.ecu.width import Width
 from calib.table.table import Table
 
@@ -58,19 +57,12 @@ class Code:
 
     folder: Path
     width: Width
+    sources: list[Path]  # of a program, besides its own
 
     @classmethod
     def of(cls, table: Table, sample_time: float, width: Width, folder: Path) -> "Code":
         """Write it."""
-        (folder / "bte_config.h").write_text(config(width))
-        source = car_source(table, sample_time, width, "made for a test")
-        (folder / "bte_car.c").write_text(source)
-        return cls(folder, width)
-
-    @property
-    def sources(self) -> list[Path]:
-        """All files that a program of it consists of, besides its own."""
-        return [SOURCE / "bte.c", SOURCE / "bte_run.c", self.folder / "bte_car.c"]
+        return cls(folder, width, write_sources(table, sample_time, width, folder))
 
     @property
     def include(self) -> list[str]:

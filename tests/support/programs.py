@@ -5,12 +5,12 @@ import shutil
 import struct
 import subprocess
 
-import pytest
+from tests.support.compilers import needs
 
 GCC = shutil.which("gcc")
 OBJDUMP = shutil.which("objdump")
 
-needs_gcc = pytest.mark.skipif(GCC is None or OBJDUMP is None, reason="no gcc and objdump here")
+needs_gcc = needs("gcc", "objdump")
 
 LINK = ["-no-pie", "-nostdlib", "-Wl,-e,main"]
 

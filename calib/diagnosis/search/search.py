@@ -69,9 +69,9 @@ def searched(problem: Problem, holdout: Sequence[Log]) -> "Search":
         runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
         search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
         search.run()
-        if not search.quieter():
+        if (noise := search.quieter()) is None:
             return search
-        problem = replace(problem, noise=search.noise())
+        problem = replace(problem, noise=noise)
 
 
 @dataclass
@@ -111,15 +111,13 @@ class Search:
         found = _with_alike(self.best)
         self.base, self.best = self.base if found.names else found, found
 
-    def noise(self) -> ChannelNoise:
-        """The noise of the unbraked parts with the best explanation."""
-        at = self.best
-        return unbraked_noise(self.problem.vehicle, at.base, at.effects, self.problem.runs)
-
-    def quieter(self) -> bool:
-        """Whether the best explanation leaves less than the noise of any channel."""
-        limit = _QUIETER * self.problem.noise.sigma
-        return bool(self.best.names) and bool(np.any(self.noise().sigma <= limit))
+    def quieter(self) -> ChannelNoise | None:
+        """The noise that effects leave in the unbraked parts, if a channel has less with them."""
+        at, problem = self.best, self.problem
+        if not at.names:
+            return None
+        noise = unbraked_noise(problem.vehicle, at.base, at.effects, problem.runs)
+        return noise if np.any(noise.sigma <= _QUIETER * problem.noise.sigma) else None
 
     @cached_property
     def plain(self) -> Explanation:

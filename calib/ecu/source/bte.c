@@ -454,16 +454,21 @@ static bte_reason reason_of(const bte_state *s, const bte_block *x, bte_real lev
     return reason;
 }
 
+/* Share of the front axle in the brake force; ln of the ratio of what acts on the axles, besides. */
+static bte_real front_share(const bte_car *car, bte_real log_ratio) {
+    bte_real gain[BTE_AXLES];
+    for (unsigned a = 0; a < BTE_AXLES; a++) {
+        gain[a] = car->torque_gain[a] * car->pad_friction[a] / car->radius[a];
+    }
+    return gain[BTE_FRONT] / (gain[BTE_FRONT] + gain[BTE_REAR] * exponential(-log_ratio));
+}
+
 /* Pad friction of both axles by level and ratio; distances to their bounds add up as squares. */
 static void tell_pads(bte_state *s, bte_real log_odds, const bte_real level[BTE_BOUNDS],
                       const bte_real ratio[BTE_BOUNDS]) {
     const bte_car *car = s->car;
-    bte_real gain[BTE_AXLES], part[BTE_AXLES][BTE_BOUNDS];
-    for (unsigned a = 0; a < BTE_AXLES; a++) {
-        gain[a] = car->torque_gain[a] * car->pad_friction[a] / car->radius[a];
-    }
-    const bte_real odds = gain[BTE_REAR] * exponential(-log_odds);
-    const bte_real share = gain[BTE_FRONT] / (gain[BTE_FRONT] + odds);
+    const bte_real share = front_share(car, log_odds);
+    bte_real part[BTE_AXLES][BTE_BOUNDS];
     for (unsigned b = 0; b < BTE_BOUNDS; b++) {
         const bte_real rear = -logarithm(share * exponential(ratio[b]) + (R(1.0) - share));
         const unsigned other = b == BTE_MEDIAN ? b : 3U - b;
@@ -490,7 +495,7 @@ void bte_take(bte_state *s, const bte_block *x) {
     const bte_real *p = s->speed, blocks = s->sums[0];
     const bool is_new = blocks == R(0.0);
     const bte_real z = is_new ? c->usual_z : s->mean_z;
-    const bte_real shift = s->sums[2] / (is_new ? R(1.0) : blocks) / z;
+    const bte_real mean_shift = s->sums[2] / (is_new ? R(1.0) : blocks), shift = mean_shift / z;
     bte_corners cell;
     const bte_real middle[3] = {z, shift, R(0.0)};
     corners(car, middle, &cell);
@@ -523,8 +528,7 @@ void bte_take(bte_state *s, const bte_block *x) {
     const bool of_map = shift >= first && shift <= last;
     bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS], unread = R(1.0);
     const bte_real at[3] = {z, shift, (slip - usual) / sigma};
-    const bte_real error[2] = {eta_error(s, s->sums[2] / (is_new ? R(1.0) : blocks), z, blocks) / z,
-                               slip_sigma / sigma};
+    const bte_real error[2] = {eta_error(s, mean_shift, z, blocks) / z, slip_sigma / sigma};
     read_ratio(car, at, error, now);
     for (unsigned b = 0; b < BTE_BOUNDS; b++) {
         prior[b] = on_line(car->before[b], car->before_step[b], at_z);
@@ -701,11 +705,7 @@ static void take_block(bte_state *s) {
         nominal += R(2.0) * car->torque_gain[a] * car->pad_friction[a] / car->radius[a] * p;
     }
     const bte_real alone = demanded / turning;
-    const bte_real gain_f = car->torque_gain[BTE_FRONT] * car->pad_friction[BTE_FRONT]
-                            / car->radius[BTE_FRONT];
-    const bte_real gain_r = car->torque_gain[BTE_REAR] * car->pad_friction[BTE_REAR]
-                            / car->radius[BTE_REAR];
-    const bte_real share = gain_f / (gain_f + gain_r * exponential(-car->log_ratio));
+    const bte_real share = front_share(car, car->log_ratio);
     const bte_real part[BTE_AXLES] = {share, R(1.0) - share};
     const bte_real z_alone = alone / car->weight;
     const bte_real load_alone[BTE_AXLES] = {car->weight * (car->load_f + car->height * z_alone),

@@ -4,13 +4,17 @@
  */
 #include "bte_run.h"
 
+bte_sample bte_sample_of(const bte_real x[BTE_INPUTS]) {
+    const bte_sample sample = {x[0], x[1], {x[2], x[3], x[4], x[5]}, x[6], x[7], {x[8], x[9]}};
+    return sample;
+}
+
 void bte_run(const bte_real *samples, uint32_t count, bte_real *out) {
     static bte_state state;
     bte_init(&state, &bte_this_car);
     for (uint32_t i = 0; i < count; i++) {
-        const bte_real *x = &samples[i * BTE_INPUTS];
         bte_real *y = &out[i * BTE_OUTPUTS];
-        const bte_sample sample = {x[0], x[1], {x[2], x[3], x[4], x[5]}, x[6], x[7], {x[8], x[9]}};
+        const bte_sample sample = bte_sample_of(&samples[i * BTE_INPUTS]);
         bte_output told;
         bte_step(&state, &sample, &told);
         y[0] = (bte_real)told.reason;

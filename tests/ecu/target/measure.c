@@ -38,8 +38,7 @@ static uint32_t timed(const bte_sample *sample, bte_output *told) {
 
 __attribute__((noinline)) static void step_all(void) {
     for (uint32_t i = 0; i < COUNT; i++) {
-        const bte_real *x = &samples[i * BTE_INPUTS];
-        const bte_sample sample = {x[0], x[1], {x[2], x[3], x[4], x[5]}, x[6], x[7], {x[8], x[9]}};
+        const bte_sample sample = bte_sample_of(&samples[i * BTE_INPUTS]);
         bte_output told;
         const uint32_t ticks = timed(&sample, &told);
         figures[TICKS] += ticks;
