@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, progress, this_run
+from cli.console import complain, progress
 from cli.logs import named, opened, tell
 from cli.options import Map, logs
 
@@ -40,7 +40,7 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
         "unreadable": [{"source": path, "error": str(wrong)} for path, wrong in failed],
     }
     useless = FAILED * (not all(one.usable for one in found))
-    return Answer(document, facts(found, this_run().verbose), UNREADABLE if failed else useless)
+    return Answer(document, facts(found), UNREADABLE if failed else useless)
 
 
 def _findings(path: Path, mapping: Map) -> "Findings":

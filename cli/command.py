@@ -60,8 +60,8 @@ def _flag(text: str, *flags: str) -> Any:
     return typer.Option(*flags, callback=_ask, expose_value=False, help=text)
 
 
-Quiet = Annotated[bool, _flag("Print only results, warnings and errors.", "--quiet", "-q")]
-Verbose = Annotated[bool, _flag("Print details, too.", "--verbose", "-v")]
+Quiet = Annotated[bool, _flag("Print the verdict alone, warnings and errors.", "--quiet", "-q")]
+Verbose = Annotated[bool, _flag("Print all details of the answer.", "--verbose", "-v")]
 Force = Annotated[bool, _flag("Replace a file that exists, whatever it holds.", "--force")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")]

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 PIPED_WIDTH = 120
-"""Columns of output that does not go to a terminal, if COLUMNS is not set."""
+"""Columns of a table that does not go to a terminal, if COLUMNS is not set; lines stay whole."""
 
 
 @dataclass
@@ -94,12 +94,14 @@ def at_option(option: str | None, error: type[Exception]) -> Iterator[None]:
 
 
 def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
-    """Print a result on stdout, without markup; of facts the verdict is the last line."""
+    """Print a result on stdout, without markup; of facts the details only with -v."""
     from calib.show.terminal import drawn
 
-    console = _console(to or sys.stdout)
-    for part in [result] if isinstance(result, str) else drawn(result):
-        console.print(part, soft_wrap=isinstance(part, str))
+    stream, run = to or sys.stdout, this_run()
+    console, piped = _console(stream), _piped(stream)
+    told = {"quiet": run.quiet, "details": run.verbose}
+    for part in [result] if isinstance(result, str) else drawn(result, **told):
+        console.print(part, soft_wrap=piped or isinstance(part, str))
 
 
 def emit_line(text: str) -> None:
@@ -175,6 +177,10 @@ def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
         yield step
 
 
+def _piped(stream: IO[str]) -> bool:
+    return not stream.isatty() and "COLUMNS" not in os.environ
+
+
 def _console(stream: IO[str]) -> "Console":
     """A console that shows text and obeys none of it, also in the cells of a grid."""
     from rich.console import Console
@@ -184,6 +190,6 @@ def _console(stream: IO[str]) -> "Console":
         def render_str(self, text: str, **options: Any) -> Text:
             return super().render_str(printable(text, "\n\t"), **options)
 
-    width = None if stream.isatty() or "COLUMNS" in os.environ else PIPED_WIDTH
+    width = PIPED_WIDTH if _piped(stream) else None
     # Names and remarks of users may hold brackets and colons, so no string is taken as markup.
     return SafeConsole(file=stream, width=width, highlight=False, markup=False, emoji=False)

@@ -47,10 +47,15 @@ def doctor(
     wrong = [one.name for one in found if one.state == WRONG]
     can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
     rows = [(x.name, x.state, "; ".join(filter(None, (x.what, x.do)))) for x in found]
+    heads, odd = ("what", "state", "found"), [row for row in rows if row[1] != FINE]
     verdict = WRONG if wrong else FINE
     return Answer(
         {"version": VERSION, "verdict": verdict, "findings": found},
-        Facts(headline=f"{PROGRAM} {can}", tables=[Table(("what", "state", "found"), rows)]),
+        Facts(
+            headline=f"{PROGRAM} {can}",
+            tables=[Table(heads, odd)],
+            parts=[Facts("All that was looked at", tables=[Table(heads, rows)])],
+        ),
         FAILED * bool(wrong),
     )
 

@@ -219,7 +219,7 @@ def fleet(
     ),
     *,
     order: str | None = option("Column that orders the logs, else names.", "COLUMN"),
-    figure: list[str] = option("Only this metric; repeatable.", "NAME"),
+    metric: list[str] = option("Only this metric; repeatable.", "NAME"),
     out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
@@ -236,13 +236,13 @@ def fleet(
     from calib.show.html import page_of
 
     if results.is_dir():
-        if order or figure or out:
+        if order or metric or out:
             raise misuse("a DIR takes no option: its pages are written there")
         return _index(results)
     check_folder(out, ("fleet.json", "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
-    found = summarise(opened, tuple(figure))
+    found = summarise(opened, tuple(metric))
     if out is not None:
         title = printable(f"{results.absolute().parent.name}/{results.name}")
         with progress("drawing the report"):

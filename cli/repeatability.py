@@ -23,7 +23,7 @@ def repeatability(
         setting="vehicle",
     ),
     plan: Path = option("Columns log,car,station,road,vehicle.", "P.csv"),
-    quantity: list[str] = option(
+    metric: list[str] = option(
         "Judge only this metric; repeatable.", "NAME", known="calib.line.gauge.study:METRICS"
     ),
     eta: float = option("eta - 1 where D, f1 and f2 are compared [%].", "PERCENT", built_in=0.15),
@@ -53,7 +53,7 @@ def repeatability(
         raise misuse("needed: not every log has one in the plan", "--vehicle")
     with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
         found = study(
-            readings(places, channel_map, reference, quantity or METRICS, step), held, reference
+            readings(places, channel_map, reference, metric or METRICS, step), held, reference
         )
     document = to_dict(found)
     if out is not None:

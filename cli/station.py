@@ -125,8 +125,6 @@ def station(
         say("no exports: only a released table may reach an ECU")
     elif export and (beyond := not_sensed(stored.table.vehicle.effects)):
         say(f"no exports: an ECU cannot sense {', '.join(beyond)}; see `brake-cal tables export`")
-    if found.passed and not stored.state.released:
-        say("a person decides: `brake-cal tables release` with this station.json as --evidence")
     return Answer(document, facts(found, stored), FAILED * (not found.passed))
 
 

@@ -187,7 +187,7 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
         "state": after.state.word,
         "why": after.state.words,
     }
-    told = f"; the evidence is {verdict}" * (verdict == CONSISTENT)
+    told = f"; the evidence: {verdict}" * (verdict in (CONSISTENT, "warning"))
     return Answer(document, f"{after.id} is {after.state.words}; {same}{told}")
 
 

@@ -150,28 +150,20 @@ def facts(document: dict[str, Any]) -> Facts:
     failed = [one["name"] for one in checks if not one["held"]]
     headline = f"{len(failed)} of {len(checks)} checks fail: {', '.join(failed)}."
     heads = ("check", "expected", "result", "value", "tolerance", "unit")
+    environment = [(name, text) for name, text in document["environment"].items() if text]
     about = ((x["name"], f"{x['quantity']} [{x['unit']}]. Truth: {x['truth']}.") for x in checks)
+    colours = ["passed" if one["held"] else "failed" for one in checks]
+    table = Cells(heads, [_row(one) for one in checks], verdicts=colours)
     return Facts(
         f"Qualification of {PROGRAM} on this machine",
         headline=headline if failed else f"All {len(checks)} checks hold.",
         verdict=document["verdict"],
         word=document["verdict"].upper(),
-        rows=[
-            ("Date", document["date"]),
-            ("Results, SHA-256", document["digest"]),
-            *((name.capitalize(), text) for name, text in document["environment"].items() if text),
-        ],
-        tables=[
-            Cells(
-                heads,
-                [_row(one) for one in checks],
-                "A check holds within the tolerance of its expected value.",
-                ["passed" if one["held"] else "failed" for one in checks],
-            )
-        ],
+        rows=[("date", document["date"]), ("SHA-256 of the results", document["digest"])],
         parts=[
+            Facts("A check holds within the tolerance of its expected value", tables=[table]),
             Facts("What each check computes, and where its truth comes from", rows=list(about)),
-            Facts("Packages", rows=list(document["packages"].items())),
+            Facts("Machine and packages", rows=[*environment, *document["packages"].items()]),
             Facts("Sample logs, with their SHA-256", rows=[*document["files"].items()],
                   folded=True),
         ],

@@ -15,12 +15,10 @@ _FOR = {
 """Each purpose as it is told."""
 
 
-def facts(found: Sequence[Findings], details: bool = False) -> Facts:
-    """A line for each log; with ``details`` what it contains as well."""
-    if not details:
-        return Facts(notes=[line(one) for one in found])
-    parts = [Facts(title=one.source, rows=_rows(one), headline=line(one)) for one in found]
-    return Facts(parts=parts)
+def facts(found: Sequence[Findings]) -> Facts:
+    """A line for each log, and what it contains."""
+    parts = [Facts(title=one.source, rows=_rows(one)) for one in found]
+    return Facts(notes=[line(one) for one in found], parts=parts)
 
 
 def line(findings: Findings) -> str:

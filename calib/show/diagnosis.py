@@ -6,6 +6,7 @@ What is not told here, `diagnosis.json` has.
 import math
 
 from calib.base.names import AXLE_NAMES
+from calib.base.plain import counted
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
 from calib.diagnosis.explanation.own import FACTORS, OWN, sizes
@@ -54,14 +55,13 @@ INNOVATION = "mean squared innovation (1 = noise)"
 def facts(found: Diagnosis, title: str) -> Facts:
     """A diagnosis of the car ``title``, with a part for each effect that is named."""
     gap, (word, verdict) = found.gap, KINDS[outcome(found)]
-    numbers = [("gap before, times the noise", f"{gap.before:.1f}")]
-    if found.verdict != NO_GAP:
-        numbers += [
-            ("gap after, times the noise", f"{gap.after:.1f}"),
-            ("of the gap closed", f"{100.0 * gap.closed:.1f} %"),
-        ]
+    after = f" to {gap.after:.1f}" if found.verdict != NO_GAP else ""
+    closed = f", {100.0 * gap.closed:.1f} % closed" if found.verdict != NO_GAP else ""
+    on = counted(len(found.measured), "hold-out")
+    size = f"{gap.before:.1f}{after} times the noise{closed}, on {on}"
     named = {effect.name for effect in found.effects}
     rows = (
+        *((spaced(effect.name), _sizes(effect)) for effect in found.effects),
         ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
@@ -77,11 +77,32 @@ def facts(found: Diagnosis, title: str) -> Facts:
         headline=_verdict_of(found),
         verdict=verdict,
         word=word,
-        numbers=[*numbers, ("hold-out logs", str(len(found.measured)))],
+        numbers=[("gap", size)],
         rows=[row for row in rows if row[1]],
-        tables=[_states(found), _unseen(found)],
+        next=_next(found),
         warnings=found.warnings,
-        parts=[_effect(effect, found) for effect in found.effects],
+        parts=[
+            *(_effect(effect, found) for effect in found.effects),
+            Facts("The logs", tables=[_states(found), _unseen(found)]),
+        ],
+    )
+
+
+def _next(found: Diagnosis) -> str:
+    """What follows: the drive that tells causes apart, or the table with the model."""
+    separate = [effect.separate_by for effect in found.effects if effect.separate_by]
+    if found.verdict == _AMBIGUOUS and separate:
+        return separate[0]
+    if found.verdict == NAMED:
+        return "brake-cal fit RAMP COAST --vehicle V.toml --model DIR/model.toml"
+    return ""
+
+
+def _sizes(effect: Named) -> str:
+    """The parameters of an effect with their 95 % intervals."""
+    return "; ".join(
+        "{} {} (95 %: {})".format(spaced(name), *estimate(value))
+        for name, value in effect.parameters.items()
     )
 
 

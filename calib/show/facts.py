@@ -3,8 +3,9 @@
     facts of a result -> Facts --calib.show.terminal-> lines and grids
                                --calib.show.html-----> one file
 
-A terminal prints tables, rows and notes, then the headline, so that the verdict is the last line;
-`calib.show.html.page` begins with it. Warnings go to stderr, and pictures only to a page.
+The head of an answer is the headline, what matters once, and the next step: a terminal prints no
+more without -v, and a page begins with it. What is for those who ask is in parts. Warnings go to
+stderr, and pictures only to a page.
 """
 
 from collections.abc import Sequence
@@ -70,8 +71,9 @@ class Facts:
     numbers : the most important ones, each with its name.
     rows : names and their texts.
     tables, notes, warnings, pictures : in this order.
-    parts : facts with a title of their own, such as those of each stop; ``folded`` ones are shown
-        on demand.
+    next : what to do next, a command where there is one.
+    parts : details with a title of their own, such as those of each stop: on a terminal with -v;
+        on a page ``folded`` ones are shown on demand.
     """
 
     title: str = ""
@@ -82,6 +84,7 @@ class Facts:
     rows: Sequence[Row] = ()
     tables: Sequence[Table] = ()
     notes: Sequence[str] = ()
+    next: str = ""
     warnings: Sequence[PlausibilityWarning] = ()
     pictures: Sequence[Picture] = ()
     parts: "Sequence[Facts]" = ()

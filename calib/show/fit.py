@@ -15,7 +15,7 @@ from calib.show.table import sheet
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, budget_of, words
+from calib.table.budget import advice_lines, budget_of, limiting, words
 from calib.table.budget import summary as budget_summary
 
 _CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
@@ -26,25 +26,29 @@ def facts(stored: Stored, mass: MassUsed) -> Facts:
     table, said, cal = stored.table, answer(stored), stored.table.calibration
     budgets, count = budget_of(table).axles, len(table.warnings)
     pads = {"front pads": cal.pad_friction_f, "rear pads": cal.pad_friction_r}
-    return Facts(
-        title=f"Table {stored.id}",
-        headline=f"{stored.id} is {verdict(stored)}; next: {said.next}",
-        verdict=WARNING if count else PASSED,
-        word=f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
-        numbers=[
-            *((name, plus_minus(x.value, x.ci95[1] - x.value)) for name, x in pads.items()),
-            ("of the vehicle file's", f"{100.0 * cal.pad_scale.value:.1f} %"),
-            ("usable up to", f"{said.decelerations[1]:.2f} g"),
-        ],
+    advice = advice_lines(budgets)
+    details = Facts(
+        "What was estimated",
         rows=[
             ("state", stored.state.words),
-            ("range", said.limit),
             ("mass", str(mass)),
+            ("pads over the vehicle file's", f"{100.0 * cal.pad_scale.value:.1f} %"),
             *((f"{w} pads", words(of)) for w, of in zip(AXLE_NAMES.values(), budgets, strict=True)),
         ],
-        tables=[_figures(stored)],
-        notes=[*advice_lines(budgets), *table.remarks],
+        tables=[_estimated(stored)],
+        notes=[*advice[1:], *table.remarks],
+    )
+    return Facts(
+        title=f"Table {stored.id}",
+        headline=verdict(stored),
+        verdict=WARNING if count else PASSED,
+        word=f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
+        numbers=[(name, plus_minus(x.value, x.ci95[1] - x.value)) for name, x in pads.items()],
+        rows=[("range", said.ends), ("limited by", limiting(budgets))],
+        notes=advice[:1],
+        next=said.next,
         warnings=table.warnings,
+        parts=[details],
     )
 
 
@@ -52,11 +56,12 @@ def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrig
     """The facts with pictures and origin; ``ramps`` are the logs with braking of the fit."""
     panels = sheet(stored.table, stored.id, tuple(measure(stored.table, log) for log in ramps))
     logs = [(log.role, log.name, log.digest) for log in stored.table.provenance.logs]
-    parts = [origin(given, stored, logs)]
-    return replace(facts(stored, mass), pictures=[Picture(_CURVES, panels)], parts=parts)
+    told = facts(stored, mass)
+    parts = [*told.parts, origin(given, stored, logs)]
+    return replace(told, pictures=[Picture(_CURVES, panels)], parts=parts)
 
 
-def _figures(stored: Stored) -> Table:
+def _estimated(stored: Stored) -> Table:
     """What was estimated beside the pads, and how far the ramp went."""
     q = stored.table.quality
     rows = [
@@ -70,7 +75,7 @@ def _figures(stored: Stored) -> Table:
         ("Deceleration at the largest eta", f"{q['eta_peak_deceleration']:.2f}", "", "g"),
         ("Front axle locks first up to", f"{q['front_biased_up_to']:.2f}", "", "g"),
     ]
-    return Table(("figure", "value", "95 % interval", "unit"), rows, "What was estimated.")
+    return Table(("", "value", "95 % interval", "unit"), rows)
 
 
 def document(stored: Stored, mass: MassUsed) -> dict[str, object]:

@@ -12,6 +12,8 @@ from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
 from calib.show.numbers import number
 
+_FIRST = 5
+"""Number of logs that stand apart in the head of the answer."""
 _NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
 _HEADS = (
@@ -39,15 +41,22 @@ def facts(found: Summary, title: str = "") -> Facts:
         headline=headline(found),
         verdict=_kind(found),
         numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
-        rows=apart[:_NAMES],
-        tables=[
-            Table(("error", "logs", "such as"), errors, "Logs without a result."),
-            Table(_HEADS, [_row(found, look) for look in looks], "All metrics."),
-            Table(("column", "logs"), classes, "Other columns."),
-        ],
-        notes=[
-            *([f"And {more} more stand apart: fleet.json has them."] if more > 0 else []),
-            *(f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies),
+        rows=apart[:_FIRST],
+        notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies],
+        parts=[
+            Facts(
+                "All that stands apart",
+                rows=apart[:_NAMES] if len(apart) > _FIRST else (),
+                notes=[f"And {more} more: fleet.json has them."] if more > 0 else [],
+            ),
+            Facts(
+                "All metrics",
+                tables=[
+                    Table(("error", "logs", "such as"), errors, "Logs without a result."),
+                    Table(_HEADS, [_row(found, look) for look in looks]),
+                    Table(("column", "logs"), classes, "Other columns."),
+                ],
+            ),
         ],
     )
 
@@ -63,7 +72,8 @@ def report(found: Summary, title: str) -> Facts:
         Facts("Metrics to look at", notes=_MARKS, parts=[_metric(found, look) for look in told]),
         Facts(quiet, parts=[_metric(found, look) for look in calm], folded=True),
     ]
-    return replace(facts(found, title), parts=parts)
+    head = facts(found, title)
+    return replace(head, parts=[*head.parts, *parts])
 
 
 def _metric(found: Summary, look: Look) -> Facts:

@@ -14,6 +14,8 @@ from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Stroke
 
 _MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
+_SHOWN = 5
+"""Metrics in the head of the answer that break their limit; all are in the details."""
 _NAMED = 12
 """Above this number the cars are numbered, not named."""
 
@@ -30,6 +32,7 @@ def facts(found: GaugeStudy) -> Facts:
         told = ["none of the metrics could be judged: their repeats do not scatter"]
     heads = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc", "of tolerance")
     rows = [(one.name, *_cells(one), one.verdict) for one in found.results]
+    worst = [(row[0], row[4], row[6], row[8]) for row in rows if row[8] in REFUSED]
     caption = "Repeatability, reproducibility and cars: standard deviations [1]."
     negative = [
         f"{one.name}: variances that came out negative count as zero: {', '.join(names)}"
@@ -42,8 +45,14 @@ def facts(found: GaugeStudy) -> Facts:
         headline="; ".join(told),
         verdict=word,
         word=WORDS.get(word, "Not judged"),
-        tables=[Table(("metric", *heads, "verdict"), rows, caption)],
-        notes=[*negative, *found.notes],
+        tables=[Table(("metric", "%GRR", "ndc", "verdict"), worst[:_SHOWN])],
+        parts=[
+            Facts(
+                "All metrics",
+                tables=[Table(("metric", *heads, "verdict"), rows, caption)],
+                notes=[*negative, *found.notes],
+            )
+        ],
     )
 
 

@@ -33,21 +33,48 @@ from calib.show.origin import PageOrigin, origin
 from calib.show.stop import pads_over_time
 from calib.show.table import sheet
 from calib.store.evidence import read_quality
+from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, budget_of, words
 
+_AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
+_SHOWN = 3
+"""Limits that are not held, in the head of the answer; all are in the details."""
 _CURVES = "The curves that the estimator looks up, with their 95 % bands."
 
 
 def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
-    """The verdict on a car, the worst metrics first, without a path.
+    """The verdict on a car, what is not held and what to do, and all metrics, without a path.
 
     ``date`` is the one that was stated for the run, "" for none: a clock would change the bytes.
     """
-    table, identity = found.table, found.identity
-    name = identity.vin or identity.serial or table.vehicle.name
-    mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
+    identity = found.identity
+    bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
+    return Facts(
+        title=f"Brake torque calibration of {identity.vin or identity.serial or stored.name}",
+        headline=f"{stored.id} is {_AS[stored.state.word]}; {found.headline}",
+        verdict=found.verdict,
+        word=WORDS[found.verdict],
+        rows=[
+            *zip(("front pads", "rear pads"), _of_ramp(found), strict=True),
+            *((check.verdict, f"{check.text}. {check.action}") for check in bad[:_SHOWN]),
+        ],
+        notes=[f"{len(bad) - _SHOWN} more are not held (-v)"] * (len(bad) > _SHOWN),
+        next=_next(found, stored),
+        warnings=found.warnings,
+        parts=[_checks(found), _run(found, date)],
+    )
+
+
+def _next(found: StationOutcome, stored: Stored) -> str:
+    if stored.state.word == DRAFT:
+        return f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
+    return "" if found.passed else "find the cause, and run the car again"
+
+
+def _checks(found: StationOutcome) -> Facts:
+    """Every metric with its limit, the worst first."""
     of_stops: dict[str, list[Judgement]] = {}
     for check in found.checks:
         if check.stop is not None:
@@ -58,28 +85,25 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     by_stop, unknown_too = judged(f"Stop by stop, in this order: {stops}.", [*of_stops.values()])
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
     steps = [(check.verdict, check.text, check.action) for check in bad]
-    heads = ("verdict", "result", "next step")
+    colours = [step[0] for step in steps]
+    missed = Cells(("verdict", "result", "next step"), steps, "Limits that are not held.", colours)
+    return Facts("Metrics", tables=[missed, car, by_stop], notes=[*unknown, *unknown_too])
+
+
+def _run(found: StationOutcome, date: str) -> Facts:
+    """Who, when, on which car, by which limits."""
+    mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
     return Facts(
-        title=f"Brake torque calibration of {name}",
-        headline=f"{stored.id}, {stored.state.why}: {found.headline}.",
-        verdict=found.verdict,
-        word=WORDS[found.verdict],
+        "The run",
         rows=[
-            ("Vehicle", table.vehicle.name),
-            *((TITLES[name], value) for name, value in identity.given().items()),
+            ("Vehicle", found.table.vehicle.name),
+            *((TITLES[name], value) for name, value in found.identity.given().items()),
             ("Mass", str(found.results[0].mass)),
             ("Date", date or "not stated (--date)"),
             ("Operator", found.by or "not stated (--by)"),
             ("Limits file", found.limits_file or "none: those of the program"),
             ("Golden table", f"{found.golden.id}{mean}" if found.golden else "none given"),
         ],
-        tables=[
-            Cells(heads, steps, "Limits that are not held.", [step[0] for step in steps]),
-            car,
-            by_stop,
-        ],
-        notes=[*unknown, *unknown_too],
-        warnings=found.warnings,
     )
 
 
@@ -91,6 +115,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     told = facts(found, stored, date)
     parts = [
         _pads(found),
+        *told.parts,
         Facts("The table", pictures=[curves]),
         Facts("The stops", pictures=stops),
         Facts("Remarks", notes=remarks, folded=True),
@@ -101,12 +126,8 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 
 def _pads(found: StationOutcome) -> Facts:
     """Pad friction from the ramp and by stop, and what its interval is made of."""
-    cal, budgets = found.table.calibration, budget_of(found.table).axles
-    of_ramp = [
-        plus_minus(pad.value, pad.ci95[1] - pad.value)
-        for pad in (cal.pad_friction_f, cal.pad_friction_r)
-    ]
-    rows = [("the ramp", *of_ramp)]
+    budgets = budget_of(found.table).axles
+    rows = [("the ramp", *_of_ramp(found))]
     rows += [
         (f"{i}: {r.log}", *(pads(r.figures, axle) or "not known" for axle in "fr"))
         for i, r in enumerate(found.results, 1)
@@ -120,6 +141,15 @@ def _pads(found: StationOutcome) -> Facts:
         ],
         notes=advice_lines(budgets),
     )
+
+
+def _of_ramp(found: StationOutcome) -> list[str]:
+    """Pad friction from the ramp, front and rear."""
+    cal = found.table.calibration
+    return [
+        plus_minus(pad.value, pad.ci95[1] - pad.value)
+        for pad in (cal.pad_friction_f, cal.pad_friction_r)
+    ]
 
 
 def store_and_write(

@@ -5,18 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from calib.base.plain import counted
+from calib.base.names import AXLE_NAMES
+from calib.base.plain import counted, plain, plus_minus
 from calib.exports.compare import Difference as FromFile
 from calib.exports.read import Returned
-from calib.show.facts import FAILED, Facts, Row, Table
-from calib.store.answer import answer, verdict_lines
+from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
+from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures, mean_figures
 from calib.store.journal import Entry
 from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
-from calib.table.budget import budget_of, words
+from calib.table.budget import budget_of, limiting, words
 from calib.table.compare import Difference
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
@@ -55,17 +56,39 @@ def listed(rows: Sequence[Listed]) -> Facts:
 
 def shown(stored: Stored) -> Facts:
     """Whether a table may be used, how good it is, and what it is made of."""
-    table, said, keys = stored.table, answer(stored), ", ".join(key_ids(stored))
-    (low, high), pads = said.decelerations, table.calibration
+    table, said = stored.table, answer(stored)
+    cal, budgets = table.calibration, budget_of(table).axles
+    logs = ", ".join(log.name for log in table.provenance.logs)
+    parents = ", ".join(parent.id for parent in table.provenance.parents)
+    return Facts(
+        headline=verdict(stored),
+        verdict=PASSED if said.usable else WARNING,
+        rows=[
+            ("state", stored.state.words),
+            ("front pads", _with_ends(cal.pad_friction_f)),
+            ("rear pads", _with_ends(cal.pad_friction_r)),
+            ("range", said.limit),
+            ("limited by", limiting(budgets)),
+            ("made of", parents or logs),
+        ],
+        next=said.next,
+        parts=[_made_of(stored), Facts("Curves", tables=[_curves(table)])],
+    )
+
+
+def _with_ends(value: Value) -> str:
+    return plus_minus(value.value, value.ci95[1] - value.value)
+
+
+def _made_of(stored: Stored) -> Facts:
+    """What the record of a table holds, but for its curves."""
+    table, car, keys = stored.table, stored.table.vehicle, ", ".join(key_ids(stored))
+    by_axle = zip(AXLE_NAMES.values(), budget_of(table).axles, strict=True)
     rows: list[Row] = [
-        ("to be used", said.may),
-        ("usable", f"{low:.2f} to {high:.2f} g, eta - 1 up to {100 * (said.eta[1] - 1):.2f} %"),
-        ("limited by", said.limit),
         *(("warning", str(warning)) for warning in table.warnings),
-        ("table", stored.id),
         ("digest", stored.digest),
         ("signed", f"by key {keys}; `tables verify --key` checks it" if keys else "no"),
-        ("vehicle", f"{table.vehicle.name}, {table.vehicle.mass:g} kg"),
+        ("vehicle", f"{car.name}, {car.mass:g} kg"),
         *table.provenance.identity.items(),
         *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
         *(
@@ -74,17 +97,15 @@ def shown(stored: Stored) -> Facts:
         ),
         *(("by hand", str(one)) for one in table.by_hand),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
-        *((of.effect, str(of)) for of in effect_figures(table)),
-        ("pad scale", _interval(pads.pad_scale)),
-        ("pad friction front", _interval(pads.pad_friction_f)),
-        ("pad friction rear", _interval(pads.pad_friction_r)),
-        *zip(("front pads", "rear pads"), map(words, budget_of(table).axles), strict=True),
-        *((name, _map(part)) for name in MAPS if (part := getattr(table, name)) is not None),
-        ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
-        *((metric, f"{number:.4g}") for metric, number in table.quality.items()),
-    ]
-    notes = [*table.remarks, *verdict_lines(stored)]
-    return Facts(rows=rows, tables=[_curves(table)], notes=notes)
+        *((of.effect.replace("_", " "), str(of)) for of in effect_figures(table)),
+        ("pad scale", _interval(table.calibration.pad_scale)),
+        *((f"{axle} pads", words(of)) for axle, of in by_axle),
+        *((name.replace("_", " "), _map(part)) for name in MAPS
+          if (part := getattr(table, name)) is not None),
+        ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
+        *((plain(key).name, plain(key).with_unit(x)) for key, x in table.quality.items()),
+    ]  # fmt: skip
+    return Facts("Record", rows=rows, notes=table.remarks)
 
 
 def shown_document(stored: Stored) -> dict[str, Any]:
@@ -203,11 +224,11 @@ def _short(written: str | None) -> str:
 def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
     """Which versions are damaged, and, with a key, which are signed as what."""
     rows = []
-    for verdict in verdicts:
-        by = f"signed as {verdict.signed}" if verdict.signed else "not signed by this key"
+    for one in verdicts:
+        by = f"signed as {one.signed}" if one.signed else "not signed by this key"
         sound = f"sound, {by}" if with_key else "sound"
-        rows.append((verdict.id, "; ".join(verdict.violations) or sound))
-    colours = ["" if verdict.sound else FAILED for verdict in verdicts]
+        rows.append((one.id, "; ".join(one.violations) or sound))
+    colours = ["" if one.sound else FAILED for one in verdicts]
     return Facts(tables=[Table(("table", "verdict"), rows, verdicts=colours)])
 
 

@@ -1,42 +1,99 @@
 """Facts on a terminal, drawn by rich, which is imported with this file."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import zip_longest
+from textwrap import wrap
 
-from rich.console import JustifyMethod, RenderableType
+from rich.console import Console, ConsoleOptions, JustifyMethod, RenderableType, RenderResult
 from rich.table import Table as Grid
 from rich.text import Text
 
 from calib.base.printable import printable
-from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Table
+from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Row, Table
 
-_STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "", UNJUDGED: "dim", "": ""}
+_NARROWEST = 20
+"""Columns that a text has at least, beside its name."""
+_STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "green", UNJUDGED: "dim", "": ""}
 
 
-def drawn(facts: Facts) -> Iterator[RenderableType]:
-    """What is printed one below the other: strings without markup, and grids. Parts come first."""
-    for part in facts.parts:
+def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterator[RenderableType]:
+    """What is printed one below the other: the headline alone if ``quiet`` and there is one.
+
+    ``details`` come first, so that the answer is last. A string is printed whole, to be copied
+    from; all else is cut to lines at words.
+    """
+    head = replace(facts, parts=()).filled
+    for part in facts.parts if details or not head else ():
         if part.filled:
-            yield Text(printable(part.title), style="bold")
-            yield from drawn(part)
-            yield ""
+            yield from [Text(printable(part.title), style="bold")] * bool(part.title)
+            yield from drawn(part, details=details)
+            yield from [""] * (head or part is not facts.parts[-1])
+    if told := ": ".join(text for text in (facts.word, facts.headline) if text):
+        yield Text(printable(told), style=f"bold {_STYLES[facts.verdict]}".strip())
+        if quiet:
+            return
     for table in facts.tables:
         if table.rows:
-            yield from [table.caption] * bool(table.caption)
-            yield _grid(table)
-            yield from [""] * bool(table.caption)
-    rows = [*facts.numbers, *facts.rows]
-    width = max((len(name) for name, _ in rows), default=0)
-    yield from (f"{name:<{width}}  {text}" for name, text in rows)  # whole lines, to copy from
-    yield from facts.notes
-    if last := ": ".join(text for text in (facts.word, facts.headline) if text):
-        yield last
+            yield from [Text(printable(table.caption))] * bool(table.caption)
+            yield _Grid(table)
+    if rows := [*facts.numbers, *facts.rows]:
+        yield _Terms(rows)
+    yield from (Text(printable(note)) for note in facts.notes)
+    if facts.next:
+        yield f"Next: {facts.next}"
 
 
-def _grid(table: Table) -> Grid:
-    grid = Grid(box=None, header_style="bold", pad_edge=False)
-    for head, numeric in zip(table.heads, table.numeric, strict=True):
-        justify: JustifyMethod = "right" if numeric else "left"
-        grid.add_column(head, justify=justify, overflow="fold", no_wrap=numeric)
-    for i, row in enumerate(table.rows):
-        grid.add_row(*row, style=_STYLES[table.verdicts[i]] if table.verdicts else "")
-    return grid
+class _Terms:
+    """Names and their texts side by side; numbers keep their units on their line."""
+
+    def __init__(self, rows: Sequence[Row]) -> None:
+        self.rows = [(printable(name), printable(text)) for name, text in rows]
+        self.indent = max(len(name) for name, _ in rows) + 2
+
+    def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
+        width = max(options.max_width - self.indent, _NARROWEST)
+        for name, text in self.rows:
+            lines = [text] if options.no_wrap else wrap(text, width)
+            for head, line in zip_longest([name], lines or [""], fillvalue=""):
+                yield Text(f"{head:<{self.indent}}{line}".rstrip())
+
+
+def _longest(texts: Iterable[str]) -> int:
+    """Length of the longest word."""
+    return max(len(word) for text in texts for word in text.split(" "))
+
+
+class _Grid:
+    """A table; where its words and numbers do not fit side by side, a block of lines for a row."""
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+        self.least = [
+            max(_longest([head]), max(map(len, cells)) if numeric else _longest(cells))
+            for head, numeric, *cells in zip(table.heads, table.numeric, *table.rows, strict=True)
+        ]
+
+    def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
+        fits = sum(self.least) + 2 * (len(self.least) - 1) <= options.max_width
+        yield from [self._grid()] if fits else self._blocks()
+
+    def _style(self, row: int) -> str:
+        return _STYLES[self.table.verdicts[row]] if self.table.verdicts else ""
+
+    def _grid(self) -> Grid:
+        grid = Grid(box=None, header_style="bold", pad_edge=False)
+        columns = zip(self.table.heads, self.table.numeric, self.least, strict=True)
+        for head, numeric, least in columns:
+            justify: JustifyMethod = "right" if numeric else "left"
+            named = "\n".join(wrap(head, least)) if numeric else head
+            grid.add_column(named, justify=justify, no_wrap=numeric, min_width=least)
+        for i, row in enumerate(self.table.rows):
+            grid.add_row(*row, style=self._style(i))
+        return grid
+
+    def _blocks(self) -> Iterator[RenderableType]:
+        for i, (name, *cells) in enumerate(self.table.rows):
+            yield Text(printable(name), style=f"bold {self._style(i)}".strip())
+            told = zip(self.table.heads[1:], cells, strict=True)
+            yield _Terms([(f"  {head}", cell) for head, cell in told if cell])

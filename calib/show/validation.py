@@ -23,23 +23,38 @@ from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, words
+from calib.table.budget import advice_lines, limiting, words
 from calib.table.exported import Precision
 
-_BY_STOP = "What an ECU makes of the table, beside the best estimate; 95 % intervals."
 _PROOFS = {
     TRUTH: "the torques in the logs",
-    REFERENCE: "v, which shows a contradiction, but no error that the ramp made",
+    REFERENCE: "v: it shows a contradiction, but no error that the ramp made",
     NONE: "nothing: the logs hold neither torques nor v",
 }
+_SHOWN = 4
+"""Stops in the head of the answer, and limits that are broken; all are in the details."""
 
 
 def facts(stored: Stored, results: Sequence[Validation], how: Precision | None = None) -> Facts:
     """A table judged by logs, as exported (``how``) or in full; each warning is among them."""
-    found = list(results)
-    warnings = [*stored.table.warnings, *(w for result in found for w in result.all_warnings)]
-    failed, proof = not all(result.passed for result in found), proof_of(found)
+    found = sorted(results, key=lambda result: result.passed)
+    warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
+    failed, proof = not all(result.passed for result in found), proof_of(list(results))
     verdict = FAILED if failed else WARNING if warnings else PASSED
+    budgets = [result.budget for result in found if result.budget]
+    advice = advice_lines(of for budget in budgets for of in budget)
+    details = Facts(
+        "The ECU beside the best estimate; 95 % intervals",
+        tables=[_beside_best(stored, found)],
+        rows=[
+            ("table", f"{stored.id}, {stored.state.why}"),
+            ("vehicle", stored.table.vehicle.name),
+            ("mass", str(found[0].mass)),
+            *_limiting(found),
+            *_by_curves(found),
+        ],
+        notes=advice,
+    )
     return Facts(
         title=f"Validation of {stored.id}",
         headline=_outcome(stored, found),
@@ -47,16 +62,14 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
         word=CONSISTENT.capitalize() if proof == NONE and not failed else WORDS[verdict],
         tables=[_by_stop(stored, found)],
         rows=[
-            ("Judged by", _PROOFS[proof]),
-            ("Table", f"{stored.id}, {stored.state.why}"),
-            *([] if how is None else [("As exported", str(how))]),
-            ("Vehicle", stored.table.vehicle.name),
-            ("Mass", str(found[0].mass)),
-            *_limiting(found),
-            *_by_curves(found),
+            *[row for result in found for row in _against(result)][:_SHOWN],
+            ("judged by", _PROOFS[proof]),
+            *([] if how is None else [("as exported", str(how))]),
+            *(("limited by", limiting(budget)) for budget in budgets[:1]),
         ],
-        notes=advice_lines(of for result in found for of in result.budget or ()),
+        next=_next(stored, found),
         warnings=warnings,
+        parts=[details],
     )
 
 
@@ -67,47 +80,70 @@ def report(
     how: Precision | None = None,
 ) -> Facts:
     """The facts with a part for each stop, and with their origin."""
-    logs = [(r.role, r.log, r.digest) for r in results]
-    parts = [*map(_stop, results), origin_of(origin, stored, logs)]
-    return replace(facts(stored, results, how), parts=parts)
+    logs, told = [(r.role, r.log, r.digest) for r in results], facts(stored, results, how)
+    parts = [*told.parts, *map(_stop, results), origin_of(origin, stored, logs)]
+    return replace(told, parts=parts)
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
-    """How many logs are within the limits, and what comes next.
-
-    Stops with other pads than the ramp's prove nothing of its table.
-    """
+    """On how many stops the table holds its limits; of one stop, how its pads changed."""
     failed, of = [result.log for result in results if not result.passed], len(results)
+    told = f"{stored.id} is within the limits on {of - len(failed)} of {counted(of, 'stop')}"
+    if of == 1 and not failed and (change := _change(stored, results[0])) is not None:
+        whole = round(100.0 * abs(change))
+        how = f"{whole} % {'weaker' if change < 0.0 else 'stronger'} than" if whole else "as"
+        told += f"; pads {how} on the ramp"
+    return told
+
+
+def _change(stored: Stored, r: Validation) -> float | None:
+    """Pad level of the ECU in a stop over that of the ramp, less 1."""
+    level = r.figures["ecu_pad_level"]
+    return None if level is None else level / stored.table.calibration.pad_scale.value - 1.0
+
+
+def _next(stored: Stored, results: list[Validation]) -> str:
+    """What follows: stops with other pads than the ramp's prove nothing of its table."""
     together = agreement(results)
     if any(result.role == CALIBRATION for result in results):
-        then = "next: validate again without the logs of the fit"
-    elif failed:
-        then = f"not {', '.join(failed)}; next: look at it with brake-cal check and brake-cal plot"
-    elif together is not None and together.differ:
-        then = (
-            "next: find out why the pads differ between the stops of one road, and validate again"
-        )
-    elif stored.state.word != DRAFT:
-        then = f"{stored.id} is {stored.state.word}"
-    else:
-        then = (
-            f"next: brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
-        )
-        if any(result.all_warnings for result in results):
-            then += ", where no warning speaks against the table"
-    return f"{of - len(failed)} of {counted(of, 'log')} within the limits; {then}"
+        return "validate again without the logs of the fit"
+    if failed := [result for result in results if not result.passed]:
+        return f"look at {failed[0].log}: brake-cal plot {stored.id} LOG"
+    if together is not None and together.differ:
+        return "find out why the pads differ between the stops of one road, and validate again"
+    if stored.state.word != DRAFT:
+        return f"nothing; {stored.id} is {stored.state.word}"
+    if any(result.all_warnings for result in results):
+        return "look at the warnings; release the table where none speaks against it"
+    return f"brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
 
 
 def _by_stop(stored: Stored, results: list[Validation]) -> Table:
-    """Of each stop the ECU, the best estimate, its change since the ramp, and the truth."""
+    """What an ECU makes of each stop, and the truth where it is known."""
     rows, colours = [], []
-    for r in results:
-        colour = PASSED if r.passed else FAILED
-        for cells in _of_one(stored, r):
-            rows.append((r.log, *cells))
-            colours.append(colour)
-    heads = ("stop", "", "front pads", "rear pads", "pad level", "valid", "verdict")
-    return Table(heads, rows, _BY_STOP, colours)
+    for r in results[:_SHOWN]:
+        change = _change(stored, r)
+        rows.append(
+            (
+                r.log,
+                *_known([pads(r.figures, axle, "ecu_") for axle in "fr"]),
+                "not known" if change is None else signed_percent(change),
+                plain("valid_share").with_unit(r.figures["ecu_valid_share"]),
+                word(r),
+            )
+        )
+        colours.append(PASSED if r.passed else FAILED)
+    if more := len(results) - len(rows):
+        rows.append((f"{more} more (-v)", *[""] * 5))
+        colours.append("")
+    heads = ("stop", "front pads", "rear pads", "since ramp", "valid", "verdict")
+    return Table(heads, rows, verdicts=colours)
+
+
+def _beside_best(stored: Stored, results: list[Validation]) -> Table:
+    """Of each stop the ECU, the best estimate, its change since the ramp, and the truth."""
+    rows = [(r.log, *cells) for r in results for cells in _of_one(stored, r)]
+    return Table(("stop", "", "front pads", "rear pads", "pad level", "valid"), rows)
 
 
 def _of_one(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
@@ -115,29 +151,35 @@ def _of_one(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     level = mean_of(of, "ecu_pad_level", "ecu_interval_level")
     ecu = [pads(of, "f", "ecu_"), pads(of, "r", "ecu_"), level]
     share = plain("valid_share").with_unit
-    yield "ECU", *_known(ecu), share(of["ecu_valid_share"]), word(r)
+    yield "ECU", *_known(ecu), share(of["ecu_valid_share"])
     with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
     best = [pads(of, "f"), pads(of, "r"), mean_of(of, "pad_level", "interval_level")]
-    yield with_v, *_known(best), share(of["valid_share"]), ""
+    yield with_v, *_known(best), share(of["valid_share"])
     then = {"f": cal.pad_friction_f.value, "r": cal.pad_friction_r.value}
     now = {axle: of[f"pad_friction_{axle}"] for axle in then}
     change = [signed_percent(x / then[axle] - 1.0) for axle, x in now.items() if x is not None]
     if len(change) == len(then):
-        yield "since the ramp", *change, "", "", ""
+        yield "since the ramp", *change, "", ""
     true = [of[name] for name in ("true_pad_friction_f", "true_pad_friction_r", "true_pad_level")]
     if any(x is not None for x in true):
-        yield "truth", *("" if x is None else f"{x:.3f}" for x in true), "", ""
+        yield "truth", *("" if x is None else f"{x:.3f}" for x in true), ""
 
 
 def _known(cells: Sequence[str | None]) -> list[str]:
     return [cell or "not known" for cell in cells]
 
 
+def _against(r: Validation) -> Iterator[Row]:
+    """What makes a stop fail."""
+    for text in [NO_HOLDOUT] if r.role == CALIBRATION else broken(r):
+        yield r.log, text
+
+
 def _limiting(results: list[Validation]) -> list[Row]:
     """What stands beside the table: limits that are not held, what the intervals are made of."""
-    rows = []
+    rows: list[Row] = []
     for r in results:
-        rows += [(r.log, text) for text in ([NO_HOLDOUT] if r.role == CALIBRATION else broken(r))]
+        rows += _against(r)
         rows += [
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()

@@ -70,11 +70,13 @@ def facts(vehicle: Vehicle) -> Facts:
             ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
             ("rear lifts at", f"{found.rear_lifts_at:.2f} g"),
         ],
-        tables=[
+        parts=[
+            Facts("Axles, brake force and locking", tables=[
             Cells(("axle", "front", "rear"), axles),
             Cells(("g", "pressure [bar]", "front [%]", "ideal [%]", "friction front",
                    "friction rear", "torque front [N m]", "torque rear [N m]"), brakes),
             Cells(("road friction", "locks first", "at [g]", "at [bar]"), locks),
+            ]),
         ],
         warnings=plausible(vehicle),
     )  # fmt: skip

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
-from calib.table.budget import budget_of, largest
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,7 @@ class Answer:
 
 
 def answer(stored: Stored) -> Answer:
-    """The answer for a version of a store."""
+    """Return the answer for a version of a store."""
     paper, state, q = stored.table.paper, stored.state, stored.table.quality
     peak, end, real = (
         q.get(key) for key in ("eta_peak_deceleration", "deceleration_max", "eta_peak_is_real")
@@ -46,38 +45,21 @@ def answer(stored: Stored) -> Answer:
     )
 
 
-_USE = {DRAFT: "for trials and for a validation, not for an ECU", RELEASED: "for an ECU"}
+_USE = {DRAFT: "for trials and a validation, not for an ECU", RELEASED: "for an ECU"}
 """What a version in a state is for; nothing in any other state."""
 
 
-def verdict_lines(stored: Stored) -> list[str]:
-    """The answer in two lines: for what it is usable and what limits it, and what comes next."""
-    return [f"{stored.id} is {verdict(stored)}", f"next: {answer(stored).next}"]
-
-
 def verdict(stored: Stored) -> str:
-    """For what a version is usable, up to how many g, what limits it, in one line."""
-    word, cal = stored.state.word, stored.table.calibration
+    """For what a version is usable, and up to how many g, in one line."""
+    word = stored.state.word
     if word not in _USE:
-        return f"usable for nothing: it is {word}"
-    said = answer(stored)
-    front, rear = (
-        f"{100.0 * (pads.ci95[1] / pads.value - 1.0):.0f} %"
-        for pads in (cal.pad_friction_f, cal.pad_friction_r)
-    )
-    parts = [largest(of).replace("_", " ") for of in budget_of(stored.table).axles]
-    return (
-        f"usable {_USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
-        f"{front} front and {rear} rear, limited by {' and '.join(dict.fromkeys(parts))}"
-    )
+        return f"{stored.id} is of no use: it is {word}"
+    return f"{stored.id} is usable {_USE[word]}, up to {stored.table.paper.usable[1]:.2f} g"
 
 
 def _next(stored: Stored) -> str:
-    id_, warned = stored.id, "look at its warnings, then " if stored.table.warnings else ""
     return {
-        RELEASED: f"`brake-cal tables export {stored.name} --format dcm --out {stored.name}.dcm`",
-        DRAFT: f"{warned}validate it on stops (`brake-cal validate {id_} STOP... --out results`) "
-        f"and release it (`brake-cal tables release {id_} --reason ... "
-        "--evidence results/summary.json`)",
-        REJECTED: "find the cause, and fit the car again; or release it on new evidence",
+        RELEASED: f"brake-cal tables export {stored.name} --format ecu --out {stored.name}_ecu",
+        DRAFT: f"brake-cal validate {stored.id} STOP... --out results",
+        REJECTED: "find the cause and fit the car again, or release it on new evidence",
     }.get(stored.state.word, "fit the car again")

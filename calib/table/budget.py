@@ -5,8 +5,9 @@ areas and radii of the brakes, which are taken as the vehicle file has them.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
+from calib.base.names import AXLE_NAMES
 from calib.base.plain import rows
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
@@ -41,6 +42,19 @@ def words(parts: Parts) -> str:
     ordered = sorted(parts.items(), key=lambda one: -one[1])[:3]
     told = (f"{part.replace('_', ' ')} {100.0 * x:.1f} %" for part, x in ordered)
     return "one sigma of " + ", ".join(told)
+
+
+def limiting(axles: Sequence[Parts]) -> str:
+    """The largest part of each axle, one standard deviation.
+
+    >>> limiting([{"tyres": 0.01, "mass": 0.03}, {"unlike_pads": 0.04}])
+    'mass (3.0 % front), unlike pads (4.0 % rear)'
+    """
+    told: dict[str, list[str]] = {}
+    for axle, parts in zip(AXLE_NAMES.values(), axles, strict=True):
+        most = largest(parts)
+        told.setdefault(most.replace("_", " "), []).append(f"{100.0 * parts[most]:.1f} % {axle}")
+    return ", ".join(f"{part} ({', '.join(of)})" for part, of in told.items())
 
 
 def advice_lines(axles: Iterable[Parts]) -> list[str]:

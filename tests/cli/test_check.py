@@ -15,7 +15,8 @@ STOP = SEDAN / "basalt_wet_pads.csv"
 CAR = ("--vehicle", SEDAN / "vehicle.toml")
 
 
-def test_a_log_is_usable_useless_or_unreadable(brake_cal, tmp_path):
+def test_a_log_is_usable_useless_or_unreadable(brake_cal, tmp_path, monkeypatch):
+    monkeypatch.delenv("COLUMNS")
     write_csv(changed(made_run(), p_mc=None), tmp_path / "useless.csv")
     coast, useless, none = SEDAN / "coast.csv", tmp_path / "useless.csv", tmp_path / "none.csv"
     for logs, code in (((coast,), 0), ((coast, useless), 1), ((none, useless, coast), 3)):

@@ -240,3 +240,21 @@ def test_no_output_replaces_an_input(brake_cal, tmp_path, name):
     ran = brake_cal(*words)
     assert (ran.code, ran.result) == (2, "")
     assert log.read_bytes() == before
+
+
+SHORT = {
+    "check": ("check", RAMP, OURS / "coast.csv"),
+    "validate": ("validate", "sedan-2up", *sorted(OURS.glob("*wet_pads.csv")), *STORED),
+    "station": ("station", RAMP, OURS / "dry_asphalt_stop.csv", *CAR, "--out", "run"),
+    "show": ("tables", "show", "sedan-2up", *STORED),
+    "fit": ("fit", RAMP, *CAR),
+    "vehicle": ("vehicle", "show", OURS / "vehicle.toml"),
+    "doctor": ("doctor",),
+}
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_an_answer_is_a_headline_and_seven_lines(brake_cal, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    lines = brake_cal(*SHORT[name]).result.splitlines()
+    assert 0 < len(lines) <= 8, lines

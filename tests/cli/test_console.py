@@ -53,12 +53,12 @@ def test_nothing_in_a_string_is_markup_and_no_line_is_cut(capsys):
     assert capsys.readouterr() == (f"{text}\n", f"error: {text}\n")
 
 
-def test_quiet_prints_the_same_result_and_verbose_tells_more(brake_cal, tmp_path):
+def test_quiet_prints_the_verdict_and_verbose_tells_more(brake_cal, tmp_path):
     usual = brake_cal(*FIT, "--store", tmp_path / "a")
     quiet = brake_cal(*FIT, "--store", tmp_path / "b", "-q")
     assert "fitting" in usual.err
     assert "fitting" not in quiet.err
-    assert quiet.out == usual.out.replace(str(tmp_path / "a"), str(tmp_path / "b"))
+    assert quiet.out == usual.out.splitlines(keepends=True)[0]
     assert "no such file" in brake_cal("check", tmp_path / "none.csv", "-q").err
     assert "brake-cal.toml" in brake_cal("settings").err  # one run does not hush the next
     for words in (("-q", "-v", "check"), ("-v", "check", "-q"), ("check", "-qv")):

@@ -21,7 +21,7 @@ def document():
 def test_view_lists_columns_and_events(brake_cal):
     ran = brake_cal("log", RAMP)
     assert ran.code == 0
-    for text in ("p_mc", "rad/s", "rate [Hz]", "lead-in", "bite", "braking", "200"):
+    for text in ("p_mc", "rad/s", "rate", "[Hz]", "lead-in", "bite", "braking", "200"):
         assert text in ran.out
 
 

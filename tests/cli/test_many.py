@@ -164,7 +164,7 @@ def test_a_fleet_is_written_and_told(brake_cal, tmp_path):
     ordered = told(brake_cal("fleet", path, "--order", "built", "--json"))
     assert ordered["ordered_by"] == "built"
     assert ordered["figures"]["built"]["change"] is None  # what orders the line does not drift
-    for words in (("--figure", "pad_fricton_f"), ("--order", "biult")):
+    for words in (("--metric", "pad_fricton_f"), ("--order", "biult")):
         assert brake_cal("fleet", path, *words).code == 3
 
 

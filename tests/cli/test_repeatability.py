@@ -40,7 +40,7 @@ def plan_of(root, stations=True):
 
 def test_a_study(brake_cal, ramps, tmp_path):
     out = tmp_path / "gauge"
-    ran = brake_cal("repeatability", "--plan", plan_of(ramps), "--vehicle", VEHICLE, "--quantity",
+    ran = brake_cal("repeatability", "--plan", plan_of(ramps), "--vehicle", VEHICLE, "--metric",
                     "pad_scale", "--out", out, "--json")  # fmt: skip
     assert ran.code == 0, ran.err
     told = json.loads(ran.out)
@@ -59,7 +59,7 @@ def test_limits_that_fail(brake_cal, ramps, tmp_path):
     limits = tmp_path / "limits.toml"
     limits.write_text("schema = 1\n[limits]\npad_scale_grr = { max = 0.0001 }\n")
     ran = brake_cal("repeatability", "--plan", plan_of(ramps, stations=False), "--vehicle", VEHICLE,
-                    "--quantity", "pad_scale", "--limits", limits, "--json")  # fmt: skip
+                    "--metric", "pad_scale", "--limits", limits, "--json")  # fmt: skip
     assert ran.code == 1, ran.err
     assert json.loads(ran.out)["quantities"]["pad_scale"]["verdict"] == "bad"
 
@@ -67,7 +67,7 @@ def test_limits_that_fail(brake_cal, ramps, tmp_path):
 @pytest.mark.parametrize(
     ("more", "code"),
     [
-        (("--quantity", "pad_scael", "--plan", "plan.csv"), 2),
+        (("--metric", "pad_scael", "--plan", "plan.csv"), 2),
         (("--plan", "nowhere.csv"), 3),
         (("--plan", "plan.csv", "nowhere.csv"), 3),
         ((), 2),

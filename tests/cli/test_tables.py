@@ -43,7 +43,7 @@ def test_show_holds_the_whole_table(tables, two):
     assert shown["curves"]["paper"]["f1"] == curves["paper"]["f1"].tolist()
     assert shown["peak"] == pytest.approx({"eta": 1.005, "D": C * 0.005})
     assert shown["answer"]["usable"] is True
-    out = tables("show", "sedan@1").out
+    out = tables("show", "sedan@1", "-v").out
     # the last row: z = 0.3, D = 0.135, rear share (1.1556 - 0.3*0.615)/2.805 = 0.3462
     for part in (shown["digest"], "ramp.csv (abababababab)", "1.00500  0.300  +0.0467  -0.0883"):
         assert part in out
@@ -57,7 +57,7 @@ def test_maps_are_shown_and_compared_like_curves(tables, two):
     shown = told(tables("show", "sedan@3", "--json"))
     assert shown["curves"]["map"]["ratio"] == made_map().ratio.tolist()
     assert len(shown["curves"]["draws"]["peak"]) == 40
-    assert "4 x 5 x 3 cells, z 0.1 to 0.8" in tables("show", "sedan@3").out
+    assert "4 x 5 x 3 cells, z 0.1 to 0.8" in tables("show", "sedan@3", "-v").out
     found = told(tables("diff", "sedan@1", "sedan@3", "--json"))
     assert found["apart"] == ["map", "level_map", "draws"]
     assert told(tables("diff", "sedan@3", "sedan@3", "--json"))["identical"] is True

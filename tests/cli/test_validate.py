@@ -110,7 +110,7 @@ def test_without_truth_and_v_it_is_consistent_and_a_release_says_so(brake_cal, b
 
 
 def test_the_ecu_stands_beside_the_best_estimate_and_the_truth(run):
-    ran = run("wet.csv")
+    ran = run("wet.csv", "-v")
     rows = [line.split() for line in ran.out.splitlines() if line.startswith("wet")]
     found = {row[1]: row for row in rows if "," not in row[0]}
     assert {"ECU", "best,", "truth"} <= set(found)

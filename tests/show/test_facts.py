@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
 from calib.show.html import is_page, page_of
-from cli.console import emit
+from cli.console import begin, emit, this_run
 
 SVG = b"<svg/>"
 
@@ -44,6 +44,7 @@ def full(text, folded=False):
         rows=[(text, text)],
         tables=[table],
         notes=[text],
+        next=text,
         warnings=[warning],
         pictures=[Picture(text, SVG)],
         parts=[part],
@@ -61,7 +62,7 @@ def test_a_page_shows_every_text_as_it_was_and_fetches_nothing(folded, text):
     plain, found = Reader(page_of(full("x", folded))), Reader(html)
     assert is_page(html.encode())
     assert found.tags == plain.tags
-    assert "".join(found.texts).count(text) >= 23
+    assert "".join(found.texts).count(text) >= 24
     assert found.values.count(text) >= 3  # labels of tables and pictures, read aloud
     assert {"script", "iframe"}.isdisjoint(found.tags)
     assert not [v for v in plain.values if "//" in v or v.startswith("/")]
@@ -74,10 +75,30 @@ def test_a_part_without_content_is_not_shown_and_a_live_page_loads_itself_again(
     assert "http-equiv" in page_of(empty, again=10)
 
 
-def test_a_terminal_prints_the_verdict_last_and_obeys_nothing():
+def printed(facts, *, quiet=False, verbose=False):
     out = io.StringIO()
-    emit(full("\x1b[31m[b]x"), out)
-    text = out.getvalue()
-    assert "\x1b" not in text
-    assert text.count("[b]x") == 19
-    assert text.rstrip().rsplit("\n", 1)[1].count("[b]x") == 2
+    begin()
+    this_run().quiet, this_run().verbose = quiet, verbose
+    emit(facts, out)
+    begin()
+    return out.getvalue()
+
+
+def test_a_terminal_prints_the_answer_last_and_obeys_nothing():
+    """The head has 13 texts: word, headline, a table of 5, 2 rows of 2, a note, the next step."""
+    facts = full("\x1b[31m[b]x")
+    short, quiet, whole = printed(facts), printed(facts, quiet=True), printed(facts, verbose=True)
+    assert "\x1b" not in whole
+    assert [text.count("[b]x") for text in (quiet, short, whole)] == [2, 13, 20]
+    assert short.startswith(quiet)
+    assert whole.endswith(short)
+
+
+@pytest.mark.parametrize("width", [40, 60, 200])
+def test_a_table_that_is_too_wide_becomes_blocks_and_numbers_stay_whole(width, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(width))
+    cells = [(f"stop_{i}_on_a_wet_road", "0.381\xa0±\xa00.026", "95.2\xa0%") for i in range(2)]
+    text = printed(Facts(tables=[Table(("stop", "front pads", "valid"), cells)]))
+    assert all(text.count(cell) == 1 + (cell is not name) for name, *more in cells for cell in more)
+    assert max(map(len, text.splitlines())) <= width
+    assert text.count("front pads") == (2 if width == 40 else 1)

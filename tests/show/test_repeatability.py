@@ -22,7 +22,7 @@ def test_every_ramp_and_the_mean_of_every_car_is_drawn(found):
 
 def test_the_facts_have_a_row_for_every_metric_and_the_page_its_panels(found):
     told, page = facts(found), sheet(found)
-    rows = told.tables[0].rows
+    rows = told.parts[0].tables[0].rows
     assert len(page.panels) == len(rows) == len(found.results) == 2
     assert rows[0][4] == f"{100.0 * found.results[0].gauge.grr.value:.1f}"
     assert set(rows[1][1:-1]) == {"-"}  # its repeats do not scatter

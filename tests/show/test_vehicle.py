@@ -30,7 +30,7 @@ def test_the_lines_meet_where_the_bias_turns():
 
 def test_what_the_file_says_of_its_pads_is_shown_where_it_does():
     told = replace(VEHICLE, rear=replace(VEHICLE.rear, pad_friction_tolerance=0.03))
-    rows, more = (facts(car).tables[0].rows for car in (VEHICLE, told))
+    rows, more = (facts(car).parts[0].tables[0].rows for car in (VEHICLE, told))
     assert [row[1:] for row in more[len(rows) :]] == [("", "3")]
 
 

@@ -189,9 +189,10 @@ class StationOutcome:
         """The verdict in a sentence with its counts."""
         n, count = self.counts(), len(self.warnings)
         parts = {"failed": n[FAILED], "with a warning": n[WARNING], "not known": n[NOT_KNOWN]}
-        named = ", ".join(f"{number} {word}" for word, number in parts.items() if number)
+        named = [f"{number} {word}" for word, number in parts.items() if number]
         more = f"; {counted(count, 'warning')} of its logs" if count else ""
-        return f"{len(self.checks)} checks: {named or 'all passed'}{more}{self._unproved}"
+        told = ", ".join([f"{counted(n[PASSED], 'check')} passed", *named])
+        return f"{told}{more}{self._unproved}"
 
     @property
     def _unproved(self) -> str:
