@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from calib.base.errors import not_finite
-from calib.base.plain import listed, rows
+from calib.base.plain import listed, plain, rows
 
 _ROWS = {row["code"]: row for row in rows("warnings.csv")}
 UNITS = {code: row["unit"] for code, row in _ROWS.items()}
@@ -44,11 +44,11 @@ class PlausibilityWarning:
 
     @property
     def text(self) -> str:
-        """The warning as a sentence, without the log."""
-        return (
-            f"{self.code} is {self.amount}, expected {self.bounds}; "
-            f"likely {', or '.join(self.causes)}; {self.do}"
-        )
+        """The warning as a sentence, without the log, and with the most likely cause alone."""
+        name = plain(self.code).name
+        named = self.code if name == self.code else f"{name} ({self.code})"
+        told = f"{named}: {self.amount}, expected {self.bounds}"
+        return "; ".join([told, *(f"likely {cause}" for cause in self.causes[:1]), self.do])
 
     @property
     def amount(self) -> str:

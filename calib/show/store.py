@@ -23,6 +23,8 @@ from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
+_SHOWN = 6
+"""Differences of a file in the head of the answer; all are in the details."""
 _ROWS = 12
 """Rows of f1 and f2 that are printed; all of them are in the JSON."""
 _PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
@@ -196,10 +198,15 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
     ]
     return Facts(
         headline=headline,
-        tables=[
-            Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves),
-            Table(("value", first.id, second.id, "in 95 % bands"), values),
-            Table(("section", "key", first.id, second.id), changes),
+        tables=[Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves)],
+        parts=[
+            Facts(
+                "Values and texts",
+                tables=[
+                    Table(("value", first.id, second.id, "in 95 % bands"), values),
+                    Table(("section", "key", first.id, second.id), changes),
+                ],
+            )
         ],
         notes=[
             *(f"{curve}: no common axis, or only in one of both" for curve in found.apart),
@@ -298,7 +305,14 @@ def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:
         headline = f"agrees with {stored.id} {how}"
     return Facts(
         headline=headline,
-        tables=[Table(("object", "points", "from", "to", "unit"), cells)],
-        rows=[("table", found.table), *found.facts.items()],
-        notes=[f"differs: {what}" for what in told.wrong],
+        verdict=FAILED if told.wrong else PASSED,
+        notes=[f"differs: {what}" for what in told.wrong[:_SHOWN]],
+        parts=[
+            Facts("All that differs", notes=[f"differs: {what}" for what in told.wrong]),
+            Facts(
+                "What is in the file",
+                rows=[("table", found.table), *found.facts.items()],
+                tables=[Table(("object", "points", "from", "to", "unit"), cells)],
+            ),
+        ],
     )

@@ -88,7 +88,7 @@ def report(
 def _outcome(stored: Stored, results: list[Validation]) -> str:
     """On how many stops the table holds its limits; of one stop, how its pads changed."""
     failed, of = [result.log for result in results if not result.passed], len(results)
-    told = f"{stored.id} is within the limits on {of - len(failed)} of {counted(of, 'stop')}"
+    told = f"{stored.id} holds on {of - len(failed)} of {counted(of, 'stop')}"
     if of == 1 and not failed and (change := _change(stored, results[0])) is not None:
         whole = round(100.0 * abs(change))
         how = f"{whole} % {'weaker' if change < 0.0 else 'stronger'} than" if whole else "as"

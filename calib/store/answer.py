@@ -45,7 +45,7 @@ def answer(stored: Stored) -> Answer:
     )
 
 
-_USE = {DRAFT: "for trials and a validation, not for an ECU", RELEASED: "for an ECU"}
+_USE = {DRAFT: "for trials, not yet for an ECU", RELEASED: "for an ECU"}
 """What a version in a state is for; nothing in any other state."""
 
 
@@ -54,7 +54,7 @@ def verdict(stored: Stored) -> str:
     word = stored.state.word
     if word not in _USE:
         return f"{stored.id} is of no use: it is {word}"
-    return f"{stored.id} is usable {_USE[word]}, up to {stored.table.paper.usable[1]:.2f} g"
+    return f"{stored.id} is {_USE[word]}, up to {stored.table.paper.usable[1]:.2f} g"
 
 
 def _next(stored: Stored) -> str:

@@ -56,7 +56,7 @@ def test_weak_front_pads_are_estimated(fitted):
     assert found.figures["valid_share"] > 0.75
     assert min(held(found.estimate, 0.7, 1.0, "change")) > 0.9
     (warning,) = (w for w in found.warnings if w.code == "pads_changed_apart")
-    assert "swapped" in warning.text
+    assert any("swapped" in cause for cause in warning.causes)
     verdicts = {v.purpose: v.usable for v in check(log).verdicts}
     assert verdicts["validate"]
 
