@@ -19,16 +19,10 @@ COLUMNS = (
 )
 """Numeric columns of a result that are drawn; every program wrote them."""
 
-LATER = (
-    *(f"pad_level{end}" for end in ("", "_lower", "_upper")),
-    *("ecu_valid", "ecu_pad_level", "ecu_pad_friction_f", "ecu_pad_friction_r"),
-)
-"""Those that are drawn where the file has them."""
-
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Estimates of one log, shapes (n,): ``values`` by `COLUMNS` and `LATER`, ``valid``.
+    """Estimates of one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
 
     ``name`` is the stem of the log; ``digest`` the SHA-256 of the file.
     """
@@ -61,10 +55,9 @@ def read_result(path: Path) -> StoredResult:
     try:
         data = read_bounded(path, RESULT)
         found = read_table(io.BytesIO(data))
-        names = found.column_names
     except (OSError, ArrowException, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    missing = [name for name in (*COLUMNS, "valid") if name not in names]
+    missing = [name for name in (*COLUMNS, "valid") if name not in found.column_names]
     if missing or found.num_rows < 2:
         raise InputError(
             f"no column {', '.join(missing)}" if missing else "fewer than two samples",
@@ -72,8 +65,7 @@ def read_result(path: Path) -> StoredResult:
             expected="a result of `brake-cal validate --out`",
         )
     try:
-        drawn = (*COLUMNS, *(name for name in LATER if name in names))
-        values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in drawn}
+        values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
         valid = np.asarray(found["valid"].to_numpy(zero_copy_only=False), dtype=bool)
     except (ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"holds more than numbers ({cause})", where=path) from cause

@@ -12,6 +12,7 @@ import io
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from string import ascii_letters
 from typing import Any
@@ -19,7 +20,18 @@ from typing import Any
 import numpy as np
 
 from calib.base.write import write_whole
-from calib.show.style import WIDTH, Array, Axes, Figure, Mask, Stroke, reach, smooth, styled
+from calib.show.style import (
+    HEIGHT,
+    WIDTH,
+    Array,
+    Axes,
+    Figure,
+    Mask,
+    Stroke,
+    reach,
+    smooth,
+    styled,
+)
 
 _POINTS = 72.0
 """Points to the inch."""
@@ -50,6 +62,8 @@ class Line:
         y, colour = np.asarray(self.y, float), self.look["color"]
         if self.band is not None:
             ax.fill_between(self.x, *self.band, color=colour, alpha=_BAND, lw=0.0, zorder=1)
+            for end in self.band:  # where two bands overlap their ends tell them apart
+                ax.plot(self.x, end, color=colour, linewidth=0.5, alpha=0.6, zorder=1)
         if self.mean:
             ax.plot(self.x, y, color=colour, linewidth=0.5, alpha=_RAW)
             y = smooth(np.asarray(self.x), y, self.mean)
@@ -110,8 +124,10 @@ class Panel:
         drawn = [(line, line.fill(ax)) for line in self.lines]
         means = [y if self.where is None else y[self.where] for line, y in drawn if line.mean]
         for text, *at in self.texts:
-            shift: dict[str, Any] = {"xytext": (4.0, -9.5), "textcoords": "offset points"}
-            ax.annotate(text, (at[0], at[1]), fontsize=7.0, **shift)
+            left = self.xlim is not None and at[0] > np.mean(self.xlim)  # there is room
+            shift: dict[str, Any] = {"xytext": (-4.0 if left else 4.0, -9.5), "fontsize": 7.0}
+            side = "right" if left else "left"
+            ax.annotate(text, (at[0], at[1]), textcoords="offset points", ha=side, **shift)
         ax.set(xlabel=self.x, ylabel=self.y)
         for limit, set_to in ((self.xlim, ax.set_xlim), (self._height(means), ax.set_ylim)):
             if limit is not None:
@@ -122,6 +138,10 @@ class Panel:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
         return _POINTS * legend.get_window_extent().height / legend.figure.dpi
+
+    def shares(self, other: "Panel") -> bool:
+        """Whether both have the same x axis, so that it need not be told twice."""
+        return self.xlim is not None and (self.x, self.xlim) == (other.x, other.xlim)
 
     def _height(self, means: list[Array]) -> tuple[float, float] | None:
         return self.ylim or reach(*means, zero=True)
@@ -158,21 +178,32 @@ class Sheet:
         return tuple(panel.name for panel in self.panels)
 
     def overview(self) -> Figure:
-        """The page: A4 wide, about 2.5 in per row."""
+        """The page: A4 wide and 2.5 in for each row, at most A4 high."""
         from matplotlib.figure import Figure
 
         rows = self.rows or tuple((name,) for name in self.names)
         heights = self.heights if len(self.heights) == len(rows) else self.heights * len(rows)
         panels = {panel.name: panel for panel in self.panels}
+        above = {
+            up
+            for upper, lower in pairwise(rows)
+            for up, down in zip(upper, lower, strict=True)
+            if upper.count(up) == lower.count(down) and panels[up].shares(panels[down])
+        }
         with styled():
-            figure = Figure(figsize=(WIDTH, 2.5 * sum(heights) + 0.8), layout="constrained")
+            height = min(2.5 * sum(heights) + 0.8, HEIGHT)
+            figure = Figure(figsize=(WIDTH, height), layout="constrained")
             places = figure.subplot_mosaic([list(r) for r in rows], height_ratios=heights)
             legends = {n: panels[n].fill(ax) for n, ax in places.items()}
             top = {n: next(i for i, row in enumerate(rows) if n in row) for n in places}
             for i, (name, ax) in enumerate(places.items()):
                 # titles of one row are at one height
                 room = max(legends[n] for n in places if top[n] == top[name])
-                ax.set_title(f"({ascii_letters[i]}) {panels[name].title}", pad=4.0 + room)
+                letter = f"({ascii_letters[i]}) " * (len(places) > 1)
+                ax.set_title(letter + panels[name].title, pad=4.0 + room)
+                if name in above:
+                    ax.set_xlabel("")
+                    ax.tick_params(labelbottom=False)
             _frame(figure, self, 150)
         return figure
 
@@ -187,6 +218,16 @@ class Sheet:
             ax.set_title(panel.title, pad=4.0 + panel.fill(ax))
             _frame(figure, self, 125)
         return figure
+
+
+def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
+    """Panels side by side in so many ``columns``; the last one fills its row.
+
+    >>> rows_of(["a", "b", "c"], 2)
+    (('a', 'b'), ('c', 'c'))
+    """
+    filled = [*names, *[names[-1]] * (-len(names) % columns)]
+    return tuple(tuple(filled[i : i + columns]) for i in range(0, len(filled), columns))
 
 
 def _frame(figure: Figure, sheet: Sheet, width: int) -> None:

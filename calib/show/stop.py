@@ -1,19 +1,19 @@
-"""A stop with its estimate: the panels of Figs. 13 to 16, and with truth the lines of 9 to 11."""
+"""A stop with its estimate, pads first, as in Figs. 13 to 16; with truth the lines of 9 to 11."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from calib.base.names import WHEELS
+from calib.base.names import AXLE_NAMES
 from calib.base.plain import plain, plus_minus
-from calib.car.effects.effect import Pair
 from calib.car.forces import brake_torque
 from calib.car.vehicle import Vehicle
 from calib.estimation.baselines import METHODS
 from calib.estimation.estimator import Estimate
-from calib.estimation.metrics import truth_of
+from calib.estimation.metrics import Truth, truth_of
 from calib.estimation.validate import Validation
 from calib.logs.log import Log
 from calib.run.filters import runs
@@ -25,16 +25,15 @@ from calib.show.style import (
     BODY,
     DASH_DOT,
     DOTTED,
+    ETA,
     FRONT,
     IDENTIFIED,
     LAW,
     LEVEL,
     MEAN,
-    NOMINAL,
     REAR,
     SHADE,
     TRUTH,
-    WHEEL_STROKES,
     Array,
     Mask,
     Stroke,
@@ -43,40 +42,41 @@ from calib.show.style import (
 )
 from calib.table.table import Table
 
-_TIME = "time [s]"
-_SHADED = "Grey: the sample is not valid, and no estimate is drawn."
-_RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
-_ECU = 0.7
-"""Width of the line of what an ECU without a speed makes of the table."""
-_SLIP_MEAN = 0.3
-"""Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
+_STROKES = {"f": FRONT, "r": REAR}
+_BEFORE: Stroke = {"linestyle": DASH_DOT, "linewidth": 0.9}
+"""Look of the pads of the ramp, or of a vehicle file, in the colour of the axle."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
     "mean_gain": ("one mean gain, [16]", LEVEL),
     "gradient_paper": ("gradient law, curves", LAW),
     "gradient_map": ("gradient law, map", {"color": "#E69F00", "linestyle": DOTTED}),
 }
 """Methods that can be drawn beside the estimate: few, so that it stays visible."""
+_METHODS = ("methods-front", "methods-rear")
+"""Panels of the axles, side by side."""
+_PADS, _FORCE = "pad friction [1]", "force over load [1]"
+_GREY = "Grey: no valid answer"
 _ENDS = ("", "_lower", "_upper")
-_AXLES = (("f", "front", FRONT), ("r", "rear", REAR))
+_SLIP_MEAN = 0.3
+"""Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
+_LEAST = 0.05
+"""Shortest time without a valid answer that is told [s]."""
 _EVERY = 5
 """Samples between two points of a line on a page: 25 ms at 200 Hz."""
+
+_Values = Mapping[str, Any]
+"""Columns of an estimate, (n,) each."""
+_Lines = Sequence[Line]
+_Over = Callable[..., Panel]
 
 
 def of_result(result: StoredResult) -> Sheet:
     """The sheet of a stored result."""
-    valid, means = result.valid, ("none", "none")
-    if valid.any():
-        means = (_mean_pads(result, "f"), _mean_pads(result, "r"))
-    panels = _panels(result.values, valid, means, _over(result.values["time"], valid))
-    return Sheet(
-        kind="stop",
-        name=result.name,
-        panels=tuple(panels),
-        rows=_pairs(panels),
-        title=f"Stop {result.name}",
-        note=f"Result {result.name}, digest {result.digest[:16]}. {_SHADED} Bands are 95 %.",
-        result=_in_words(means).capitalize(),
-    )
+    values, valid = result.values, result.valid
+    means = [_mean_pads(result, axle) if valid.any() else None for axle in _STROKES]
+    over = _over(values["time"], valid)
+    panels = [_pads(values, valid, over), *_signals(values, valid, over)]
+    note = f"Result {result.name}, digest {result.digest[:16]}. Bands are 95 %. {_GREY}."
+    return _sheet("stop", result.name, panels, note, [_in_words(means)])
 
 
 def of_validation(
@@ -88,171 +88,179 @@ def of_validation(
     *,
     compare: bool = True,
 ) -> Sheet:
-    """The sheet of the ``result`` on ``log`` with the table ``name`` and ``vehicle``.
+    """The sheet of the ``result`` on ``log`` with the table ``name``.
 
-    With ``compare`` the `BASELINES` are drawn, too.
+    Beside the estimate are the pads of the ramp, or those of ``vehicle``; with ``compare`` the
+    `BASELINES`, too.
     """
-    e, car = result.estimate, result.estimate.car
-    means = _means(result)
+    e, values = result.estimate, result.estimate.columns()
     over = _over(e.time, e.valid)
-    others = {key: METHODS[key](e) for key in BASELINES} if compare else {}
-    more = _beside(e, others, "of the table" if vehicle is None else "of the vehicle file")
-    wheels = [Line(e.time, log[f"omega_{w}"], WHEEL_STROKES[w], w) for w in WHEELS]
-    if "v" in log:  # first, so that it is drawn below the wheels
-        wheels.insert(0, Line(e.time, log["v"] / car.rear.rolling_radius, BODY, "$V/R$"))
-    panels = (
-        over("wheel-speeds", "Wheel speeds", y="wheel speed [rad/s]", lines=wheels, columns=5),
-        *_panels(e.columns(), e.valid, means, over, more),
-    )
-    kind = "stop" if truth_of(e) is None else "simulation"
+    first = _pads(values, e.valid, over, _other_pads(e, vehicle))
+    panels = [
+        first,
+        *(_methods(e, first.lines[:2], over) if compare else ()),
+        *_signals(values, e.valid, over, _other_torques(e, vehicle), _slips(e)),
+    ]
     lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
-    refused = {why: lasts for why, lasts in lost.items() if lasts >= 0.05}
+    refused = [f"{lasts:.1f}\u00a0s {why}" for why, lasts in lost.items() if lasts >= _LEAST]
     warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
     notes = (
-        f"Estimator with table {name}, digest {table.digest[:16]}.",
+        f"Table {name}, digest {table.digest[:16]}. Bands are 95 %.",
+        f"{_GREY}{': ' * bool(refused)}{', '.join(refused)}.",
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
-        _SHADED,
-        *(
-            f"Not valid for {lasts:.1f}\u00a0s: {why}."
-            for why, lasts in refused.items()
-            if lasts >= 0.05
-        ),
     )
-    told = "; ".join([word(result), *broken(result), _in_words(means)])
-    return Sheet(
-        kind=kind,
-        name=log.name,
-        panels=panels,
-        rows=_pairs(panels),
-        title=f"{kind.capitalize()} {log.name}",
-        note=" ".join((*notes, "Bands are 95 %.")),
-        result=told[0].upper() + told[1:],
-    )
+    told = [word(result), *broken(result), _in_words([pads(result.figures, x) for x in _STROKES])]
+    kind = "stop" if truth_of(e) is None else "simulation"
+    return _sheet(kind, log.name, panels, " ".join(notes), told)
 
 
 def pads_over_time(result: Validation) -> Picture:
     """Pad friction of both axles of a stop, for a page."""
-    part = {name: values[::_EVERY] for name, values in result.estimate.columns().items()}
-    valid = np.asarray(part["valid"], bool)
-    panels = _panels(part, valid, _means(result), _over(result.estimate.time[::_EVERY], valid))
-    caption = f"{result.log}: pad friction with its 95 % band; grey: not valid."
-    return Picture(caption, Sheet("stop", result.log, tuple(panels)), ("pad-front", "pad-rear"))
+    e = result.estimate
+    values = {name: x[::_EVERY] for name, x in e.columns().items()}
+    time, valid = e.time[::_EVERY], e.valid[::_EVERY]
+    panel = _pads(values, valid, _over(time, valid), _other_pads(e, None))
+    caption = f"{result.log}: pad friction with its 95 % band; grey: no valid answer."
+    return Picture(caption, Sheet("stop", result.log, (panel,)))
 
 
-def _means(result: Validation) -> tuple[str, str]:
-    """Pad friction of both axles in words."""
-    return pads(result.figures, "f") or "none", pads(result.figures, "r") or "none"
+def _sheet(kind: str, name: str, panels: list[Panel], note: str, told: Sequence[str]) -> Sheet:
+    """One panel a row, but methods side by side. Pads, which are the answer, have most room."""
+    names = [panel.name for panel in panels]
+    methods = tuple(name for name in names if name in _METHODS)
+    rows: list[tuple[str, ...]] = [(name,) * 2 for name in names if name not in _METHODS]
+    if methods:
+        rows.insert(1, methods)
+    text = "; ".join(told)
+    return Sheet(
+        kind=kind,
+        name=name,
+        panels=tuple(panels),
+        rows=tuple(rows),
+        heights=(1.2, *(0.85,) * (len(rows) - 1)),
+        title=f"{kind.capitalize()} {name}",
+        note=note,
+        result=text[0].upper() + text[1:],
+    )
 
 
-def _over(time: Array, valid: Mask) -> Callable[..., Panel]:
+def _over(time: Array, valid: Mask) -> _Over:
     """The maker of a panel over ``time`` (n,), grey where it is not ``valid``."""
     last = time.size - 1
     grey = [Mark(time[a], time[min(b, last)], {"color": SHADE}) for a, b in runs(~valid)]
-    return partial(Panel, x=_TIME, marks=grey, xlim=(time[0], time[-1]))
+    return partial(Panel, x="time [s]", marks=grey, xlim=(time[0], time[-1]), columns=2)
 
 
-def _pairs(panels: Sequence[Panel]) -> tuple[tuple[str, str], ...]:
-    """Rows of two; a last one alone is as wide as both."""
-    names = [panel.name for panel in panels]
-    return tuple(zip(names[::2], [*names[1::2], names[-1]], strict=False))
+def _in_words(means: Iterable[str | None]) -> str:
+    told = (f"{x} {mean or 'none'}" for x, mean in zip(AXLE_NAMES.values(), means, strict=True))
+    return f"pad friction {', '.join(told)} (95 %)"
 
 
-def _in_words(means: tuple[str, str]) -> str:
-    return f"pad friction front {means[0]}, rear {means[1]} (95 %)"
-
-
-def _mean_pads(result: StoredResult, side: str) -> str:
+def _mean_pads(result: StoredResult, axle: str) -> str:
     """As the validation counts them, over the valid samples."""
-    columns = (result.values[f"pad_friction_{side}{end}"] for end in ("", "_lower", "_upper"))
+    columns = (result.values[f"pad_friction_{axle}{end}"] for end in _ENDS)
     mu, lower, upper = (values[result.valid] for values in columns)
     mean = float(np.mean(mu))
     return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
 
 
-def _panels(
-    values: Mapping[str, Any],
-    valid: Mask,
-    means: tuple[str, str],
-    over: Callable[..., Panel],
-    more: Mapping[str, Sequence[Line]] | None = None,
-) -> list[Panel]:
-    """Panels of a stop in the order of Fig. 13, with ``more`` lines by the names of the panels."""
-    time, more = values["time"], more or {}
-    forces, torques, of_pads = [], [], []
-    for mean, (side, axle, stroke) in zip(means, _AXLES, strict=True):
-        force, label = values[f"normalised_force_{side}"], f"{axle} $F_{side}$"
-        forces.append(Line(time, force, stroke, label, mean=MEAN))
-        torque = (values[f"brake_torque_{side}l"] + values[f"brake_torque_{side}r"]) / 1e3
-        torques.append(Line(time, torque, stroke, f"{axle} compensated", mean=MEAN))
-        beside = more.get(f"pad-{axle}", ())
-        lines, ends = _bounded(f"pad_friction_{side}", values, valid, stroke, beside)
-        title, unit = f"{axle.capitalize()} pad friction: {mean}", "pad friction [1]"
-        of_pads.append(over(f"pad-{axle}", title, y=unit, lines=lines, ylim=ends, columns=2))
-    z = Line(time, values["z"], BODY, "$z = -a_x/g$", mean=MEAN)
-    ratio = 100.0 * (values["eta"] - 1.0)
-    eta = Line(time, ratio, _RATIO, r"$\eta - 1$, zeroed", mean=_SLIP_MEAN)
-    slips = [*more.get("slip", ()), eta]
-    torques += more.get("axle-torques", ())
-    levels = []
-    if "pad_level" in values:
-        lines, ends = _bounded("pad_level", values, valid, IDENTIFIED, ())
-        title = "Brake torque over that of the file's pads"
-        levels = [over("pad-level", title, y="pad level [1]", lines=lines, ylim=ends, columns=2)]
-    return [
-        over("deceleration", "Deceleration", y="deceleration [g]", lines=[z]),
-        over("normalised-forces", "Normalised forces", y="normalised force [1]", lines=forces),
-        over("slip", "Slip and speed ratio", y=r"slip, $\eta - 1$ [%]", lines=slips, where=valid),
-        *of_pads,
-        *levels,
-        over("axle-torques", "Axle brake torques", y="axle torque [kN m]", lines=torques,
-             columns=2),
-    ]  # fmt: skip
+def _pads(values: _Values, valid: Mask, over: _Over, beside: _Lines = ()) -> Panel:
+    """Panel (d) and Fig. 9: the estimates with their intervals over the pads as they were.
 
-
-def _bounded(
-    name: str, values: Mapping[str, Any], valid: Mask, stroke: Stroke, more: Sequence[Line]
-) -> tuple[list[Line], tuple[float, float] | None]:
-    """Panel (d) and Fig. 9, one axle, or both: the estimate with its interval over others.
-
-    Beside it what an ECU makes of the table, thin; then the ends of y. The valid samples set them;
-    other methods may leave the panel, but widen it to a limit.
+    The valid samples set the ends of y; intervals before the bite are wide.
     """
-    pad, lower, upper = (np.where(valid, values[f"{name}{end}"], np.nan) for end in _ENDS)
-    look: Stroke = {**stroke, "linewidth": 1.7}
-    label = r"estimate $\mu_{p,c}$, 95 %" if name != "pad_level" else "estimate, 95 %"
-    estimate = Line(values["time"], pad, look, label, (lower, upper))
-    if "ecu_valid" in values:
-        of_ecu = np.where(np.asarray(values["ecu_valid"], bool), values[f"ecu_{name}"], np.nan)
-        thin: Stroke = {**stroke, "linewidth": _ECU}
-        more = (*more, Line(values["time"], of_ecu, thin, "ECU, without $v$"))
-    known = [y[valid & np.isfinite(y)] for y in (np.asarray(line.y) for line in more)]
-    wide = [np.percentile(y, [5, 95]) for y in known if y.size]
-    return [*more, estimate], reach(lower, upper, *wide)
+    lines, ends = [], [_tails(line.y) for line in beside]
+    for axle, look in _STROKES.items():
+        pad, lower, upper = (
+            np.where(valid, values[f"pad_friction_{axle}{end}"], np.nan) for end in _ENDS
+        )
+        thick, label = {**look, "linewidth": 1.8}, f"{AXLE_NAMES[axle]}, with 95 % band"
+        lines.append(Line(values["time"], pad, thick, label, (lower, upper)))
+        ends += [lower, upper]
+    return over("pads", "Pad friction", y=_PADS, lines=[*lines, *beside], ylim=reach(*ends))
 
 
-def _beside(e: Estimate, others: Mapping[str, Pair], whose: str) -> dict[str, list[Line]]:
-    """What a log has beside the estimate, by panel: slips, other methods, nominal pads, truth."""
-    found = dict[str, list[Line]](slip=[], **{"axle-torques": []})
-    car = e.car
-    truth, time, slips = truth_of(e), e.time, e.slips
-    for i, (_, name, stroke) in enumerate(_AXLES):
-        axle, pressure = (car.front, car.rear)[i], np.maximum((e.read.p_f, e.read.p_r)[i], 0.0)
-        if slips is not None:
-            label = f"{name} slip"
-            found["slip"].append(Line(time, 100.0 * slips[i], stroke, label, mean=_SLIP_MEAN))
-        held = [
-            Line(time, np.where(e.valid, others[key][i], np.nan), look, label)
-            for key, (label, look) in BASELINES.items()
-            if key in others
+def _tails(y: Array | Sequence[float]) -> Array:
+    """The 2 and the 98 % of a line, which may leave the panel, but widens it so far."""
+    known = np.asarray(y)[np.isfinite(y)]
+    return np.percentile(known, [2, 98]) if known.size else known
+
+
+def _before(e: Estimate, vehicle: Vehicle | None) -> list[tuple[str, float]]:
+    """Pad friction of both axles [1] on the ramp or in the file of a ``vehicle``, and in words."""
+    then = e.table.calibration
+    whose, both = "on the ramp", (then.pad_friction_f.value, then.pad_friction_r.value)
+    if vehicle is not None:
+        whose, both = "by the file", (vehicle.front.pad_friction, vehicle.rear.pad_friction)
+    return [(f"{x} {whose}", mu) for x, mu in zip(AXLE_NAMES.values(), both, strict=True)]
+
+
+def _other_pads(e: Estimate, vehicle: Vehicle | None) -> list[Line]:
+    """The pads as they were before the stop, and the true ones where they are known."""
+    ends = e.time[[0, -1]]
+    lines = [
+        Line(ends, [mu, mu], {**_BEFORE, "color": look["color"]}, f"{whose}, {mu:.3f}")
+        for (whose, mu), look in zip(_before(e, vehicle), _STROKES.values(), strict=True)
+    ]
+    return lines + _true(e, lambda truth: [smooth(e.time, mu) for mu in truth.pad_friction])
+
+
+def _true(e: Estimate, of: Callable[[Truth], Iterable[Array]]) -> list[Line]:
+    """What is true of both axles, where it is known."""
+    truth = truth_of(e)
+    both = zip(of(truth) if truth else (), ("truth", ""), strict=False)
+    return [Line(e.time, y, TRUTH, label) for y, label in both]
+
+
+def _methods(e: Estimate, estimates: _Lines, over: _Over) -> list[Panel]:
+    """The estimate of each axle among other methods, which set the axis of both."""
+    given = [(METHODS[key](e), label, look) for key, (label, look) in BASELINES.items()]
+    lines = [
+        [
+            *(Line(e.time, np.where(e.valid, y[i], np.nan), look, text) for y, text, look in given),
+            replace(estimate, band=None, label="estimate"),
         ]
-        nominal = np.full(time.size, axle.pad_friction)
-        held.append(Line(time, nominal, NOMINAL, rf"$\mu_{{p,n}}$ {whose}"))
-        thin: Stroke = {"color": stroke["color"], "linestyle": DASH_DOT, "linewidth": 0.9}
-        torque = 2.0 * brake_torque(axle, axle.pad_friction, pressure) / 1e3
-        torques = [Line(time, torque, thin, f"{name}, pads {whose}", mean=MEAN)]
-        if truth is not None:
-            held.append(Line(time, smooth(time, truth.pad_friction[i]), TRUTH, "truth"))
-            torques.append(Line(time, 2.0 * truth.torque[i] / 1e3, TRUTH, f"{name} truth"))
-        found[f"pad-{name}"] = held
-        found["axle-torques"] += torques
-    return found
+        for i, estimate in enumerate(estimates)
+    ]
+    ends = reach(*(_tails(line.y) for axle in lines for line in axle))
+    return [
+        over(name, f"{axle.capitalize()} pads by method", y=_PADS, lines=of, ylim=ends)
+        for name, axle, of in zip(_METHODS, AXLE_NAMES.values(), lines, strict=True)
+    ]
+
+
+def _other_torques(e: Estimate, vehicle: Vehicle | None) -> list[Line]:
+    """What the pads as they were would make of the pressure, and the true torques [kN m]."""
+    lines, axles = [], ((e.car.front, e.read.p_f, FRONT), (e.car.rear, e.read.p_r, REAR))
+    for (whose, mu), (axle, p, of) in zip(_before(e, vehicle), axles, strict=True):
+        torque = 2.0 * brake_torque(axle, mu, np.maximum(p, 0.0)) / 1e3
+        look = {**_BEFORE, "color": of["color"]}
+        lines.append(Line(e.time, torque, look, whose.replace(" ", " pads ", 1), mean=MEAN))
+    return lines + _true(e, lambda truth: 2.0 * truth.torque / 1e3)
+
+
+def _slips(e: Estimate) -> list[Line]:
+    """Slip of both axles [%]; none without v."""
+    told = zip(e.slips or (), AXLE_NAMES.values(), _STROKES.values(), strict=False)
+    return [
+        Line(e.time, 100.0 * s, look, f"{name} slip", mean=_SLIP_MEAN) for s, name, look in told
+    ]
+
+
+def _signals(
+    values: _Values, valid: Mask, over: _Over, torques: _Lines = (), slips: _Lines = ()
+) -> list[Panel]:
+    """Torques, forces and slip, from which the pads follow, over other lines."""
+    time, forces, brakes = values["time"], [], []
+    for axle, look in _STROKES.items():
+        name = AXLE_NAMES[axle]
+        forces.append(Line(time, values[f"normalised_force_{axle}"], look, name, mean=MEAN))
+        torque = (values[f"brake_torque_{axle}l"] + values[f"brake_torque_{axle}r"]) / 1e3
+        brakes.append(Line(time, torque, look, name, mean=MEAN))
+    z = Line(time, values["z"], BODY, "deceleration over g", mean=MEAN)
+    eta = Line(time, 100.0 * (values["eta"] - 1.0), IDENTIFIED, "\u03b7 - 1", mean=_SLIP_MEAN)
+    return [
+        over("axle-torques", "Brake torque", y="axle torque [kN m]", lines=[*brakes, *torques]),
+        over("normalised-forces", "Force over load", y=_FORCE, lines=[*forces, z], columns=3),
+        over("slip", "Slip", y=f"slip, {ETA}", lines=[*slips, eta], where=valid, columns=3),
+    ]

@@ -23,8 +23,8 @@ else:
 
 Stroke = dict[str, Any]
 
-WIDTH = 8.27
-"""Width of a page [in]: A4."""
+WIDTH, HEIGHT = 8.27, 11.69
+"""Width of a page [in], and its largest height: A4."""
 
 BAR = 1e5
 """Pressures are drawn in bar [Pa]."""
@@ -47,6 +47,8 @@ WHEEL_STROKES: dict[str, Stroke] = {
 }
 
 SHADE = "#E9E9E9"
+ETA = "\u03b7 - 1 [%]"
+"""Name of an axis: rear wheel speed over front one."""
 MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
 
