@@ -32,7 +32,7 @@ from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
 from calib.show.sheet import Line, Panel
-from calib.show.style import FRONT, MEAN, NOMINAL, REAR, Array, Mask, Stroke
+from calib.show.style import BODY, FRONT, MEAN, REAR, Array, Mask, Stroke
 from calib.table.table import Table
 
 _GROUP = 5
@@ -160,9 +160,9 @@ def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = 
 def panel(ramp: MeasuredRamp, name: str) -> Panel:
     """Fig. 5: the forces of a ramp over time; z is between them, but for the drag of the air."""
     lines = (
-        Line(ramp.time, ramp.F_f, FRONT, "front $F_f$", mean=MEAN),
-        Line(ramp.time, ramp.z, NOMINAL, "$z$ as measured", mean=MEAN),
-        Line(ramp.time, ramp.F_r, REAR, "rear $F_r$", mean=MEAN),
+        Line(ramp.time, ramp.F_f, FRONT, "front", mean=MEAN),
+        Line(ramp.time, ramp.F_r, REAR, "rear", mean=MEAN),
+        Line(ramp.time, ramp.z, BODY, "deceleration over g", mean=MEAN),
     )
-    title = f"Forces of {ramp.name} (Fig. 5)"
-    return Panel(name, title, "time [s]", "normalised force, $z$ [1]", lines, columns=3)
+    title = f"Force over load in {ramp.name} (Fig. 5)"
+    return Panel(name, title, "time [s]", "force over load [1]", lines)

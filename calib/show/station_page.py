@@ -109,7 +109,7 @@ def _run(found: StationOutcome, date: str) -> Facts:
 
 def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
     """The facts with pads, curves, stops and origin; equal inputs give equal facts."""
-    curves = Picture(_CURVES, sheet(found.table, stored.id), ("f1-f2", "difference"))
+    curves = Picture(_CURVES, sheet(found.table, stored.id), ("f1-f2", "map"))
     stops = [pads_over_time(r) for r in found.results]
     remarks = [*found.table.remarks, *map(str, found.caveats)]
     told = facts(found, stored, date)

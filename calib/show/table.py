@@ -1,13 +1,12 @@
-"""A table on a page: Figs. 2, 3 and 6, and D(eta).
+"""A table on a page: f1 and f2 (Fig. 6), what its map tells of the pads, and its tyre (Fig. 3).
 
 With the ramps it was made of, their measured points are drawn too, and Fig. 5.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
-from calib.base.intervals import Z95
 from calib.base.plain import plus_minus
 from calib.show.ramp import MeasuredRamp, panel, points
 from calib.show.sheet import Line, Mark, Panel, Sheet
@@ -15,8 +14,10 @@ from calib.show.style import (
     BODY,
     DASHED,
     DOTTED,
+    ETA,
     FRONT,
     IDENTIFIED,
+    LAW,
     LONG,
     NOMINAL,
     REAR,
@@ -24,7 +25,7 @@ from calib.show.style import (
     Array,
     Stroke,
 )
-from calib.show.vehicle import beta_point, brake_torques, nominal_ratio, rear_per_front
+from calib.table.maps import PadMap, Reader
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 _Ramps = tuple[MeasuredRamp, ...]
@@ -37,11 +38,18 @@ _FLAGS = {
 }
 """Word, line style and width of each flag of a cell."""
 
-ETA = r"$\eta - 1$ [%]"
 _FREED = "ramps, drag taken out"
 """What was done to the measured points beside a curve over eta; the note says it in full."""
 _MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
+_MAPPED: dict[float, Stroke] = {
+    0.1: {**LAW, "linestyle": DASHED},
+    0.2: IDENTIFIED,
+    0.4: {**BODY, "linestyle": DOTTED},
+}
+"""Decelerations at which the map is drawn [g]."""
+_SEEN = 0.02
+"""Share of the stops from which a cell of the map is drawn."""
 
 
 def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
@@ -50,17 +58,13 @@ def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
     pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
     front, rear = (plus_minus(pad.value, pad.ci95[1] - pad.value) for pad in pads)
-    last = table.paper.usable[1]
+    last, of_map = table.paper.usable[1], [] if table.map is None else [_map(table.map)]
     return Sheet(
         kind="table",
         name=name,
-        panels=(_torques(table), _tyre(table, ramps), *_over_eta(table, ramps), *of_ramps),
-        rows=(
-            ("torque-distribution", "tyre"),
-            ("f1-f2", "difference"),
-            *((panel.name,) * 2 for panel in of_ramps),
-        ),
-        heights=(1.25, 1.0, *(0.95 for _ in of_ramps)),
+        panels=(_curves(table, ramps), *of_map, _tyre(table, ramps), *of_ramps),
+        rows=(("f1-f2", "f1-f2"), ("map" if of_map else "tyre", "tyre")),
+        heights=(1.4, 1.2),
         title=f"Table {name}",
         note=_note(table, bool(ramps)),
         result=f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f}\u00a0g",
@@ -80,26 +84,6 @@ def _note(table: Table, ramps: bool) -> str:
             "out, and the estimator adds them."
         )
     return note
-
-
-def _torques(table: Table) -> Panel:
-    """Fig. 2 with the identified and the nominal pads, and the end of the usable range."""
-    vehicle, pads, end = table.vehicle, table.calibration, table.paper.usable[1]
-    found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
-    betas = {
-        r"$\beta$, pads as identified": (found, IDENTIFIED),
-        r"$\beta$, nominal pads": (nominal_ratio(vehicle), NOMINAL),
-    }
-    panel = brake_torques("Brake torque distribution (Fig. 2)", vehicle, betas, 0.8)
-    front, rear = (torque / 1e3 for torque in beta_point(vehicle, found, end))
-    mark: Stroke = {"color": BODY["color"], "marker": "|", "ms": 12.0, "mew": 1.4, "linestyle": ""}
-    ends, half = np.array(panel.xlim), Z95 * pads.pad_log_ratio.sigma
-    band = np.exp(-half) * found * ends, np.exp(half) * found * ends
-    more = (
-        Line(ends, found * ends, IDENTIFIED, band=band),
-        Line([front], [rear], mark, f"usable up to {end:.2f} g"),
-    )
-    return replace(panel, lines=(*panel.lines, *more))
 
 
 def by_flag(
@@ -133,9 +117,9 @@ def _tyre(table: Table, ramps: _Ramps) -> Panel:
                 lines.append(points(ramp, 100.0 * slip, force, stroke, label))
     return Panel(
         "tyre",
-        "Common tyre curve (Fig. 3)",
+        "Tyre of both axles (Fig. 3)",
         "slip [%]",
-        "normalised force [1]",
+        "force over load [1]",
         lines,
         xlim=(-0.02 * x[-1], 1.05 * x[-1]),
         ylim=(-0.02 * curve.force[-1], 1.1 * curve.force[-1]),
@@ -143,19 +127,18 @@ def _tyre(table: Table, ramps: _Ramps) -> Panel:
     )
 
 
-def _over_eta(table: Table, ramps: _Ramps) -> tuple[Panel, Panel]:
-    """Fig. 6 and D; the end of the usable range and the decelerations up to it are marked."""
-    p, d = table.paper, table.difference
-    x, x_d = 100.0 * (p.eta - 1.0), 100.0 * (d.eta - 1.0)
+def _curves(table: Table, ramps: _Ramps) -> Panel:
+    """Fig. 6; the end of the usable range and the decelerations up to it are marked."""
+    p = table.paper
+    x, both = 100.0 * (p.eta - 1.0), [one for one in ramps if one.both]
     f = [
-        *by_flag(x, p.f1, p.flag, FRONT, "$f_1$", (p.f1_lower, p.f1_upper)),
-        *by_flag(x, p.f2, p.flag, REAR, "$f_2$", (p.f2_lower, p.f2_upper)),
+        *by_flag(x, p.f1, p.flag, FRONT, "f1, front,", (p.f1_lower, p.f1_upper)),
+        *by_flag(x, p.f2, p.flag, REAR, "f2, rear,", (p.f2_lower, p.f2_upper)),
     ]
-    D = by_flag(x_d, d.D, d.flag, IDENTIFIED, "$D$", (d.lower, d.upper))
-    for i, ramp in enumerate(one for one in ramps if one.both):
-        at, freed = 100.0 * (ramp.eta - 1.0), "" if i else _FREED
-        f += [points(ramp, at, ramp.f1, FRONT, freed), points(ramp, at, ramp.f2, REAR)]
-        D.append(points(ramp, at, ramp.D, IDENTIFIED, freed))
+    for i, ramp in enumerate(both):
+        at = 100.0 * (ramp.eta - 1.0)
+        f.append(points(ramp, at, ramp.f1, FRONT, "" if i else _FREED))
+        f.append(points(ramp, at, ramp.f2, REAR))
     reach = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
     (low, high), end = p.usable, 100.0 * (p.usable_eta[1] - 1.0)
     line: Stroke = {"color": BODY["color"], "linewidth": 0.9, "linestyle": LONG}
@@ -171,11 +154,38 @@ def _over_eta(table: Table, ramps: _Ramps) -> tuple[Panel, Panel]:
         Line(reach, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6}),
         Line(places, np.zeros(places.size), ticks),
     ]
-    below = [(f"{z:.1f} g", at, 0.0) for z, at in zip(decelerations, places, strict=True)]
-    above = [(text, at, 0.12 * float(np.max(d.upper))) for text, at, _ in below]
-    return (
-        Panel("f1-f2", "Normalised force curves (Fig. 6)", ETA, "$f_1$, $f_2$ [1]",
-              [*zero, *f], marks, below, reach, columns=2),
-        Panel("difference", r"Difference $D = F_f - F_r$", ETA, "$D$ [1]",
-              [*zero, *D], marks, above, reach, columns=2),
-    )  # fmt: skip
+    texts = [(f"{z:.1f} g", at, 0.0) for z, at in zip(decelerations, places, strict=True)]
+    return Panel(
+        "f1-f2",
+        "Force over load, less deceleration over g (Fig. 6)",
+        ETA,
+        "f1, f2 [1]",
+        [*f, *zero],
+        marks,
+        texts,
+        reach,
+        columns=2,
+    )
+
+
+def _map(of: PadMap) -> Panel:
+    """What eta tells of the pads, at decelerations and at the slip that is usual there."""
+    lines = [read_at(of, z, look, f"at {z:.1f} g") for z, look in _MAPPED.items()]
+    return map_panel("Map: pads over those of the ramp", lines)
+
+
+def read_at(of: PadMap, z: float, look: Stroke, label: str) -> Line:
+    """Front over rear pads [1] over eta - 1 [%] in a map at ``z`` [g], where stops show it."""
+    shift = of.axes["shift"]
+    read = Reader(of, ("change", "change_lower", "change_upper", "share"))
+    change, lower, upper, share = read(np.full_like(shift, z), shift, np.zeros_like(shift))
+    seen = share > _SEEN  # what hardly any stop shows has a wide answer that nobody will see
+    y, low, high = (np.exp(x[seen]) for x in (change, lower, upper))
+    return Line(100.0 * z * shift[seen], y, look, label, (low, high))
+
+
+def map_panel(title: str, lines: Sequence[Line]) -> Panel:
+    """The panel of lines that `read_at` gives."""
+    known = [x for line in lines for x in line.x]
+    even = Line((min(known), max(known)), (1.0, 1.0), NOMINAL, "as on the ramp")
+    return Panel("map", title, ETA, "front over rear pads [1]", [*lines, even], columns=2)

@@ -21,9 +21,9 @@ def pieces(panel, symbol):
 
 def test_f1_and_f2_are_those_of_the_table():
     drawn = panel(figures.sheet(TABLE, "sedan@1"), "f1-f2")
-    assert np.array_equal(pieces(drawn, "$f_1$"), TABLE.paper.f1)
-    assert np.array_equal(pieces(drawn, "$f_2$"), TABLE.paper.f2)
-    assert np.array_equal(line(drawn, "$f_1$ in the table")[0], PERCENT)
+    assert np.array_equal(pieces(drawn, "f1, front,"), TABLE.paper.f1)
+    assert np.array_equal(pieces(drawn, "f2, rear,"), TABLE.paper.f2)
+    assert np.array_equal(line(drawn, "f1, front, in the table")[0], PERCENT)
 
 
 def test_a_piece_is_as_bad_as_the_worse_of_its_ends():
@@ -46,24 +46,39 @@ def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     )
     x, y = line(panel(sheet, "tyre"), "rear axle, ramps")
     assert (x[0], y[0]) == pytest.approx((100.0 * run.slip_r[first].mean(), run.F_r[first].mean()))
-    assert line(panel(sheet, "forces"), "front $F_f$")[1] is run.F_f
+    assert line(panel(sheet, "forces"), "front")[1] is run.F_f
 
 
 def test_a_ramp_with_one_axle_is_not_drawn_over_the_curves_of_both(sedan, ramp):
     for run, there in ((one_axle(IDEAL, "r"), False), (ramp, True)):
         sheet = figures.sheet(sedan, "sedan@1", (measure(sedan, run),))
-        for name in ("f1-f2", "difference"):
-            assert ("ramps, drag taken out" in labels(panel(sheet, name))) == there
+        assert ("ramps, drag taken out" in labels(panel(sheet, "f1-f2"))) == there
 
 
 def test_the_usable_range_is_marked_in_eta_and_deceleration():
     # z = 60 (eta - 1), known up to 0.475 % and 0.285 g; 0.1 g is at 1/600 and 0.2 g at 1/300
     percent, end = 100.0 * (TABLE.paper.eta[-2] - 1.0), TABLE.paper.z[-2]
     assert (percent, end) == pytest.approx((0.475, 0.285))
-    for name in ("f1-f2", "difference"):
-        drawn = panel(figures.sheet(TABLE, "sedan@1"), name)
-        upright, grey = drawn.marks
-        assert (upright.start, upright.end, grey.start) == pytest.approx((0.475,) * 3)
-        assert grey.end == drawn.xlim[1]
-        marks = {text: x for text, x, _ in drawn.texts}
-        assert marks == pytest.approx({"0.1 g": 1.0 / 6.0, "0.2 g": 1.0 / 3.0})
+    drawn = panel(figures.sheet(TABLE, "sedan@1"), "f1-f2")
+    upright, grey = drawn.marks
+    assert (upright.start, upright.end, grey.start) == pytest.approx((0.475,) * 3)
+    assert grey.end == drawn.xlim[1]
+    marks = {text: x for text, x, _ in drawn.texts}
+    assert marks == pytest.approx({"0.1 g": 1.0 / 6.0, "0.2 g": 1.0 / 3.0})
+
+
+def test_the_map_is_drawn_as_the_ratio_of_the_pads_that_it_has(sedan):
+    drawn = panel(figures.sheet(sedan, "sedan@1"), "map")
+    assert line(drawn, "as on the ramp")[1] == pytest.approx(1.0)
+    # between two cells of z and of slip the map is linear, at its own shifts it is as written
+    z, shift, slip = sedan.map.axes.values()
+    low = np.searchsorted(z, 0.2) - 1
+    weight, mid = (0.2 - z[low]) / (z[low + 1] - z[low]), slip.size // 2
+    change, share = (sedan.map.grid(name) for name in ("change", "share"))
+    at, share = (
+        (1.0 - weight) * x[low].mean(axis=-1) + weight * x[low + 1].mean(axis=-1)
+        for x in (change[..., mid - 1 : mid + 1], share[..., mid - 1 : mid + 1])
+    )
+    x, y = line(drawn, "at 0.2 g")
+    assert x == pytest.approx(20.0 * shift[share > 0.02])
+    assert y == pytest.approx(np.exp(at[share > 0.02]))

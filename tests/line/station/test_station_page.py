@@ -97,7 +97,7 @@ def test_markup_in_names_stays_text(html):
 def test_every_figure_has_a_text_and_every_table_a_caption(html):
     seen = read(html)
     images = [attributes for tag, attributes in seen.attributes if tag == "img"]
-    assert len(images) == 6  # the second panel of a figure is told with the first
+    assert len(images) == 4  # the second panel of a figure is told with the first
     assert sum(len(image["alt"]) > 40 for image in images) == 3
     assert seen.tags.count("table") == seen.tags.count("caption")
     assert dict(seen.attributes)["html"] == {"lang": "en"}
