@@ -1,8 +1,8 @@
 """A log without table or vehicle: what is in it, and all its columns in one picture.
 
 Events are marked as `calib.run.driving_record` finds them. Columns of one kind and unit share a
-panel; a long log is drawn by the lowest and the highest value of each of `BINS` parts, so that no
-peak is lost.
+panel; four wheel speeds, which are one line to the eye, are on the page as slip. A long log is
+drawn by the lowest and the highest value of each of `BINS` parts, so that no peak is lost.
 """
 
 from collections.abc import Iterable
@@ -26,8 +26,19 @@ from calib.run.driving_record import (
     RunEvent,
 )
 from calib.show.facts import Facts, Picture, Table
-from calib.show.sheet import Line, Mark, Panel, Sheet
-from calib.show.style import BODY, FRONT, IDENTIFIED, REAR, WHEEL_STROKES, Array, Stroke, as_text
+from calib.show.sheet import Line, Mark, Panel, Sheet, rows_of
+from calib.show.style import (
+    BODY,
+    ETA,
+    FRONT,
+    IDENTIFIED,
+    REAR,
+    WHEEL_STROKES,
+    Array,
+    Stroke,
+    as_text,
+    reach,
+)
 
 _RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
 _NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
@@ -38,14 +49,27 @@ _EVENTS: dict[str, Stroke] = {
     BITES: {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))},
 }
 """Spans are pale behind lines of all colours."""
+_TIME = "time [s]"
 _SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 
 BINS = 2000
 """Parts of a long log; a page has some 1000 pixels."""
-_PANEL = 0.62
+_PANEL = 0.72
 """Height of a panel, over that of a usual one."""
-MOST = 40
-"""Panels of one picture; more are not readable."""
+_COLUMN, MOST = 8, 24
+"""Panels above each other before there are two columns, and of one picture; more are not readable.
+"""
+_TITLES = {
+    "p_mc": "Pressure of the master cylinder",
+    "a_x": "Acceleration",
+    "omega": "Wheel speeds",
+    "v": "Speed over ground",
+    "p": "Pressure at the wheels",
+    "T_disc": "Temperature of the discs",
+    "steering": "Steering wheel",
+    "T_drive": "Torque of engine or motor",
+}
+"""Titles of panels by the kind of their columns; a foreign column has its name."""
 
 
 def facts(
@@ -90,33 +114,74 @@ def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
-    marks, ends = list(events), (time[0], time[-1])
-    panels: list[Panel] = []
-    for title, columns in groups.items():
-        lines = [
-            Line(*envelope(time, one.values), _look(one.name, columns), as_text(one.name))
-            for one in columns
-        ]
+    found, ends = list(events), (time[0], time[-1])
+    channels, panels = channels_log(log), dict[str, Panel]()
+    whole = all(name in channels for name in _SPINS)
+    for axis, columns in groups.items():
         kind = _kind(columns[0].name)
-        name = title if any(panel.name == kind for panel in panels) else kind
-        panels.append(Panel(name, as_text(title), "time [s]", as_text(title), lines, columns=6))
-    channels = channels_log(log)
-    if all(name in channels for name in _SPINS):
+        name = axis if kind in panels else kind
+        if kind == "omega" and whole:
+            panels["slip"] = _slip(channels, found)
+        places = [one.name.rpartition("_")[2] for one in columns] if len(columns) > 1 else [""]
+        lines = [
+            Line(*envelope(time, one.values), _look(one.name, columns), place)
+            for one, place in zip(columns, places, strict=True)
+        ]
+        title = _TITLES.get(kind, as_text(kind))
+        panels[name] = Panel(name, title, _TIME, as_text(axis), lines, columns=4)
+    if whole:
         look: Stroke = {**IDENTIFIED, "linewidth": 0.8}
-        line = Line(*envelope(time, raw_eta(channels)), look, r"$\omega_r/\omega_f - 1$")
-        panels.append(Panel("eta", "Speed ratio, raw", "time [s]", r"$\eta - 1$ [%]", [line]))
-    panels = [
-        replace(panel, marks=_marked(marks, named=not i), xlim=ends)
-        for i, panel in enumerate(panels)
+        line = Line(*envelope(time, raw_eta(channels)), look)
+        panels["eta"] = Panel("eta", "Wheel speed rear over front, less 1", _TIME, ETA, [line])
+    drawn = [
+        replace(panel, marks=_marked(found, named=not i), xlim=ends)
+        for i, panel in enumerate(panels.values())
     ]
+    names = [name for name in panels if "slip" not in panels or name != "omega"]
     return Sheet(
         kind="log",
         name=log.name,
-        panels=tuple(panels),
+        panels=tuple(drawn),
+        rows=rows_of(names, 1 + (len(names) > _COLUMN)),
         heights=(_PANEL,),
         title=f"Log {log.name}",
-        note=f"Digest {log.digest[:16]}, {time.size} samples. Nothing is filtered or zeroed.",
+        note=f"Digest {log.digest[:16]}, {time.size} samples. Nothing is filtered. "
+        + "Slip is over one radius of all wheels, that of the lead-in." * ("slip" in panels),
     )
+
+
+def _slip(log: Log, events: Iterable[RunEvent]) -> Panel:
+    """Slip of the wheels; without v how far each is below their mean."""
+    found, with_v = slips(log, events), "v" in log
+    lines = [
+        Line(*envelope(log.time, slip), {**WHEEL_STROKES[wheel], "linewidth": 0.8}, wheel)
+        for wheel, slip in found.items()
+    ]
+    known = np.concatenate([slip[np.isfinite(slip)] for slip in found.values()])
+    ends = reach(np.percentile(known, [1, 99])) if known.size else None
+    title = "Slip of the wheels" if with_v else "Wheel speeds below their mean"
+    return Panel("slip", title, _TIME, "slip [%]", lines, ylim=ends, columns=4)
+
+
+def slips(log: Log, events: Iterable[RunEvent]) -> dict[str, Array]:
+    """100 (1 - R omega/v) of each wheel [%], (n,); NaN below 3 m/s.
+
+    R is one radius, by which the mean of the wheels does not slip in the lead-in, or else in the
+    whole log. Without v the speed is that of the mean of the wheels.
+    """
+    wheels = {wheel: log[f"omega_{wheel}"] for wheel in WHEELS}
+    mean = np.mean([*wheels.values()], axis=0)
+    v = log["v"] if "v" in log else NOMINAL_RADIUS * mean
+    moving = v > MOVING
+    turning = moving & (mean > MOVING / NOMINAL_RADIUS)
+    rolls = np.zeros(mean.size, bool)
+    for event in events:
+        if event.kind == LEAD_IN:
+            rolls |= turning & (event.start <= log.time) & (log.time <= event.end)
+    rolls = rolls if rolls.any() else turning
+    radius = np.median((v / np.where(turning, mean, 1.0))[rolls]) if rolls.any() else NOMINAL_RADIUS
+    speed = np.where(moving, v, np.nan)
+    return {wheel: 100.0 * (1.0 - radius * omega / speed) for wheel, omega in wheels.items()}
 
 
 def whole_of(log: Log) -> WholeLog:
