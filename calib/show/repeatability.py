@@ -1,7 +1,10 @@
-"""A gauge study: the causes of scatter as a table, and every metric by car and station.
+"""A gauge study: the causes of scatter as a table, and as a picture what the verdicts rest on.
 
-|  .  o       one column a car, one mark a station, a line at the car's mean
+%GRR | - |  - |           one column a metric, in the colour of its verdict, over its limit
+value |  .  o             one column a car, one mark a station, a line at the car's mean
 """
+
+import textwrap
 
 import numpy as np
 
@@ -9,13 +12,22 @@ from calib.base.plain import plain
 from calib.line.gauge.gauge_rr import CAR, REPEATABILITY, REPRODUCIBILITY
 from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
-from calib.show.sheet import Line, Panel, Sheet
-from calib.show.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR, Stroke, as_text
+from calib.show.sheet import Line, Mark, Panel, Sheet
+from calib.show.style import BODY, DASHED, IDENTIFIED, LAW, NOMINAL, Stroke, as_text
 
 _MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
-_COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
 _SHOWN = 5
 """Metrics in the head of the answer that break their limit; all are in the details."""
+_COLOURS = (*(s["color"] for s in (IDENTIFIED, LAW, BODY, NOMINAL)), "#E69F00", "#56B4E9")
+_HEAT = {
+    GaugeVerdict.GOOD: "#DDF1EA",
+    GaugeVerdict.MARGINAL: "#FBF1CC",
+    GaugeVerdict.BAD: "#F6D9CC",
+    GaugeVerdict.ALIKE: "#E9E9E9",
+    GaugeVerdict.NOT_JUDGED: "#FFFFFF",
+}
+_LETTERS = 15
+"""Letters of a metric's name in a line below its column."""
 _NAMED = 12
 """Above this number the cars are numbered, not named."""
 
@@ -71,8 +83,10 @@ def _cells(result: GaugeResult) -> tuple[str, ...]:
 
 
 def sheet(found: GaugeStudy) -> Sheet:
-    """Return the sheet of a gauge study: a panel for every metric."""
-    panels = tuple(_panel(found, result) for result in found.results)
+    """The sheet of a gauge study: all verdicts, then the pads and what is not good enough."""
+    first, *others = found.results
+    bad = [one for one in others if one.verdict == GaugeVerdict.BAD]
+    panels = (_verdicts(found), *(_panel(found, one) for one in (first, *bad)))
     told = facts(found)
     stations = f", {len(found.stations)} stations" if found.stations else ""
     sentences = (
@@ -84,33 +98,70 @@ def sheet(found: GaugeStudy) -> Sheet:
         kind="repeatability",
         name="repeatability",
         panels=panels,
-        heights=(0.8,),
+        heights=(0.9, *(0.7,) * (len(panels) - 1)),
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
         note=". ".join(s[0].upper() + s[1:] for s in sentences) + ".",
         result=f"{told.word}: {told.headline}",
     )
 
 
+def _verdicts(found: GaugeStudy) -> Panel:
+    """%GRR of each metric with its 95 % interval, over its limit; nothing where cars are alike."""
+    point: Stroke = {**BODY, "marker": "o", "linestyle": ""}
+    limit: Stroke = {**BODY, "linestyle": DASHED, "linewidth": 0.9}
+    lines, marks = [], []
+    for i, one in enumerate(found.results):
+        marks.append(Mark(i - 0.48, i + 0.48, {"color": _HEAT[one.verdict]}))
+        if one.gauge is None or not one.gauge.cars_differ:
+            continue
+        share = one.gauge.grr
+        lines.append(Line([i, i], [100.0 * end for end in share.ci95], BODY))
+        lines.append(Line([i], [100.0 * share.value], point))
+        lines += [
+            Line([i - 0.48, i + 0.48], [100.0 * judged.high] * 2, limit)
+            for judged in one.judgements
+            if judged.figure == "grr" and judged.high is not None
+        ]
+    words = [
+        "\n".join(textwrap.fill(text, _LETTERS) for text in (as_text(_name(one)), one.verdict))
+        for one in found.results
+    ]
+    return Panel(
+        "verdicts",
+        "Share of the gauge in the scatter, 95 % interval, and its limit (dashed)",
+        "",
+        "%GRR [%]",
+        lines,
+        marks,
+        xlim=(-0.5, len(found.results) - 0.5),
+        ylim=(-5.0, 105.0),
+        xticks=words,
+    )
+
+
+def _name(result: GaugeResult) -> str:
+    return plain(result.name).name.replace("_", " ")
+
+
 def _panel(found: GaugeStudy, result: GaugeResult) -> Panel:
     """The values: one column for each car, with its stations side by side."""
-    cars, stations = found.cars, found.stations or ("",)
-    x = np.array([float(cars.index(r.car)) for r in found.readings])
+    cars, stations, one = found.cars, found.stations or ("",), plain(result.name)
+    x, y = np.array([float(cars.index(r.car)) for r in found.readings]), one.factor * result.values
     lines = []
     for k, station in enumerate(stations):
         here = np.array([r.station == station for r in found.readings])
         aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
         mark: Stroke = {"marker": _MARKS[k % len(_MARKS)], "linestyle": "", "ms": 3.2, "alpha": 0.8}
         look = {"color": _COLOURS[k % len(_COLOURS)], **mark}
-        lines.append(Line(x[here] + aside, result.values[here], look, as_text(station)))
+        lines.append(Line(x[here] + aside, y[here], look, as_text(station)))
     for i in range(len(cars)):
-        mean = float(np.mean(result.values[x == i]))
+        mean = float(np.mean(y[x == i]))
         lines.append(Line([i - 0.35, i + 0.35], [mean, mean], BODY))
-    title = plain(result.name).name
     return Panel(
         f"{result.name}-values",
-        f"{title}: {result.verdict}",
+        f"{as_text(_name(result))}: {result.verdict}",
         "car, in order of its name",
-        f"{title} [1]",
+        f"value [{one.unit or 1}]",
         lines,
         xlim=(-0.6, len(cars) - 0.4),
         xticks=[as_text(car) for car in cars] if len(cars) <= _NAMED else (),
