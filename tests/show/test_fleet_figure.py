@@ -5,7 +5,7 @@ from calib.line.fleet.results import open_fleet
 from calib.line.fleet.summary import summarise
 from calib.show.fleet_figure import sheet, window
 from calib.show.sheet import render
-from tests.support.fleet_results import results
+from tests.support.fleet_results import LOST, results
 from tests.support.plot_lines import labels, line, panel
 
 
@@ -23,6 +23,8 @@ def test_every_log_is_a_point_and_the_far_one_a_mark_at_the_edge(found):
     x, y = line(order, "stands apart")
     assert 134 in x
     assert max(y) == high < 0.55
+    assert ("car134", 134.0, high) in order.texts
+    assert line(order, "no value")[0].tolist() == [n + 1.0 for n in LOST]
 
 
 def test_the_levels_of_a_change_are_drawn(found):
@@ -47,4 +49,4 @@ def test_a_name_with_dollars_and_slashes_is_drawn_as_it_is(tmp_path):
     odd = {"a$b/c$": ([1.0, 2.0, 3.0], pa.float64(), "1")}
     few = summarise(open_fleet(results(tmp_path / "r.parquet", 3, extra=odd)))
     look = next(one for one in few.looks if one.metric.name == "a$b/c$")
-    assert sheet(few, look).panels[0].x == r"a\$b/c\$"
+    assert sheet(few, look).panels[0].title == r"a\$b/c\$"

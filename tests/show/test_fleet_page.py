@@ -22,7 +22,7 @@ def test_the_page_has_a_part_with_pictures_for_each_metric(found):
     metrics = [metric for part in told.parts for metric in part.parts]
     assert len(metrics) == 3
     text = page_of(told)
-    assert text.count("image/svg+xml") == 6
+    assert text.count("image/svg+xml") == 3
     assert "csv: &lt;b&gt;ends&lt;/b&gt; at " in text
 
 
