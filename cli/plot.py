@@ -31,17 +31,21 @@ def plot(
     out: Path | None = option("File to write: .png, .svg or .pdf.", "FILE", writes="picture"),
     store: options.Tables,
     vehicle: options.OtherPads,
-    figure: str | None = option("One figure of the page, not all.", "NAME"),
+    figure: str | None = option("One panel of the page, not all; see above.", "NAME"),
     limits: options.StopLimits,
     compare: bool = option("Draw other methods beside the estimate of a stop."),
     channel_map: options.Map,
 ) -> Answer:
     """Draw tables, logs and results.
 
-    A table: its curves, and with the ramps it was made of, their measured points. Two tables: one
-    against the other. A table and another log: the stop with the estimate and the verdict. A log or
-    a result: its channels. A PDF holds all pages, of PNG and SVG there is one file per page;
-    without --out they are PNG files in this directory, named after their content.
+    A table: its curves and its map, and with the ramps it was made of, their measured points. Two
+    tables: one against the other. A table and another log: the stop, pads first, with the verdict.
+    A log: its channels. A PDF holds all pages, of PNG and SVG there is one file per page; without
+    --out they are PNG files in this directory, named after their content.
+
+    Panels for --figure, of a table: f1-f2, map, tyre, and forces of a ramp. Of two tables: pads,
+    map, f1-f2. Of a stop or a result: pads, axle-torques, normalised-forces, slip, and with
+    --compare methods-front, methods-rear. Of a log: slip, eta, and its channels: omega, p_mc, ...
     """
     from dataclasses import replace
 

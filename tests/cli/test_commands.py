@@ -171,7 +171,7 @@ FILES = {
     "limits": ("limits",),
     "log": ("log", RAMP),
     "map": ("map", OURS / "coast.csv"),
-    "plot": ("plot", "sedan-2up", "--figure", "difference", *STORED),
+    "plot": ("plot", "sedan-2up", "--figure", "f1-f2", *STORED),
     "simulate": ("simulate", "--manoeuvre", "stop", *CAR),
     "export": ("tables", "export", "sedan-2up", *STORED),
     "vehicle": ("vehicle", "show", OURS / "vehicle.toml"),

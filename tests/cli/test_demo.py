@@ -77,6 +77,7 @@ def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo
                 found = getattr(getattr(now, part), name)
                 scale = np.max(np.abs(values))
                 assert found == pytest.approx(values, abs=0.02 * scale), (one.id, part, name)
+    sample_store.draw_pads(demo)
     for name, figure in sample_store.PICTURES.items():
         kept, now = (
             matplotlib.image.imread(path)[..., :3]

@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -49,10 +50,10 @@ def test_a_table_becomes_one_page_named_after_it(plot):
 
 @pytest.mark.parametrize(("name", "magic"), [("a.png", PNG), ("a.SVG", SVG), ("a.pdf", PDF)])
 def test_the_ending_names_the_format_and_the_bytes_are_the_same_again(plot, name, magic):
-    assert plot("sedan@1", "--figure", "difference", "--out", name).code == 0
+    assert plot("sedan@1", "--figure", "f1-f2", "--out", name).code == 0
     first = Path(name).read_bytes()
     assert first.startswith(magic)
-    assert plot("sedan@1", "--figure", "difference", "--out", name).code == 0
+    assert plot("sedan@1", "--figure", "f1-f2", "--out", name).code == 0
     assert Path(name).read_bytes() == first
 
 
@@ -75,19 +76,19 @@ def test_another_log_is_drawn_as_a_stop(plot):
 
 def test_a_simulation_with_the_wrong_vehicle(plot):
     run = LOGS / "simulation_study" / "stop_noisy.parquet"
-    ran = plot("sedan-2up", run, "--vehicle", WRONG, "--json", "--figure", "deceleration")
+    ran = plot("sedan-2up", run, "--vehicle", WRONG, "--json", "--figure", "pads")
     assert json.loads(ran.out)["sheets"][0]["kind"] == "simulation"
 
 
 def test_two_tables_are_compared(plot):
-    assert plot("sedan@1", "sedan@2", "--figure", "tyre").code == 0
-    assert files() == ["sedan@1_sedan@2-tyre.png"]
+    assert plot("sedan@1", "sedan@2", "--figure", "pads").code == 0
+    assert files() == ["sedan@1_sedan@2-pads.png"]
 
 
 def test_a_log_needs_no_store(brake_cal, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert brake_cal("plot", STOP, "--figure", "omega").code == 0
-    assert files() == ["basalt_wet_pads-omega.png"]
+    assert brake_cal("plot", STOP, "--figure", "slip").code == 0
+    assert files() == ["basalt_wet_pads-slip.png"]
 
 
 def test_a_result_of_validate(plot, brake_cal, tables):
@@ -111,15 +112,28 @@ def test_logs_of_one_name_do_not_overwrite_each_other(plot):
     assert files() == ["basalt_wet_pads-eta-2.png", "basalt_wet_pads-eta.png"]
 
 
+def test_the_help_names_every_panel(plot, brake_cal):
+    """But the other channels of a log."""
+    told = brake_cal("plot", "--help").out
+    for given in (
+        ("sedan-2up", RAMP),
+        ("sedan@1", "sedan@2"),
+        ("sedan-2up", STOP, "--compare"),
+        (STOP, "--figure", "eta"),
+    ):
+        (sheet,) = json.loads(plot(*given, "--json").out)["sheets"]
+        assert {*sheet["figures"]} - {*read_log(STOP).channels} <= {*re.findall(r"[\w-]+", told)}
+
+
 def test_one_figure(plot):
     assert plot("sedan@1", "--figure", "f1-f2").out == "sedan@1-f1-f2.png\n"
-    assert plot("sedan@1", "--figure", "difference", "--out", "t.png").out == "t.png\n"
+    assert plot("sedan@1", "--figure", "tyre", "--out", "t.png").out == "t.png\n"
 
 
 def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
     ran = plot("sedan@1", "--figure", "f3")
     assert (ran.code, ran.result) == (2, "")
-    assert "torque-distribution, tyre, f1-f2" in ran.err
+    assert "known: f1-f2, tyre" in ran.err
     assert files() == []
 
 

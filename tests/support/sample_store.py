@@ -15,8 +15,12 @@ from tests.support.manual import run
 
 ROOT = Path(__file__).parents[2]
 STORE = ROOT / "tables"
-PICTURES = {"table": "sedan-2up@2", "stop": "basalt_wet_pads", "diagnosis": "diagnosis"}
+PICTURES = {"table": "sedan-2up@2", "stop": "pads", "diagnosis": "diagnosis"}
 """File in `sample_logs/figures/`, and figure of the demo that it is."""
+_PADS = (
+    "brake-cal plot sedan-2up@2 sample_logs/sedan/basalt_wet_pads.csv "
+    "--figure pads --out figures/pads.png"
+)
 
 _RELEASES = {
     "sedan-2up@2": ("sedan/dry_asphalt_stop.csv", "sedan/basalt_wet_pads.csv"),
@@ -32,6 +36,11 @@ _RELEASES = {
 def picture(name: str) -> Path:
     """A picture of the README and the manual."""
     return ROOT / "sample_logs" / "figures" / f"{name}.png"
+
+
+def draw_pads(demo: Path) -> None:
+    """The one panel of the README, in the folder of the demo."""
+    assert run(demo, _PADS) == 0
 
 
 def main() -> None:
@@ -52,6 +61,7 @@ def main() -> None:
         for line in lines:
             if code := run(Path(folder), line):
                 raise SystemExit(f"ended with {code}: {line}")
+        draw_pads(demo)
         shutil.rmtree(STORE)
         shutil.copytree(demo / "tables", STORE)
         for name, figure in PICTURES.items():
