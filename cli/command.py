@@ -218,6 +218,7 @@ def _flag_of(name: str, info: Any) -> str:
 
 
 def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:
+    this_run().facts = answer.facts
     warn(getattr(answer.facts, "warnings", ()))
     if page is not None and answer.page is not None:
         write_file(page, answer.page().encode(), "--report")

@@ -31,15 +31,17 @@ PIPED_WIDTH = 120
 
 @dataclass
 class CommandRun:
-    """One run of the program: what was asked for, and whether its document was printed.
+    """One run of the program: what was asked for, and what it answered.
 
-    ``inputs`` are the files that were given, by the name of their parameter.
+    ``inputs`` are the files that were given, by the name of their parameter; ``documents`` counts
+    the JSON documents that were printed; ``facts`` are those of the answer, if it has any.
     """
 
     quiet: bool = False
     verbose: bool = False
     force: bool = False
     documents: int = 0
+    facts: "Facts | str" = ""
     inputs: dict[str, list[Path]] = field(default_factory=dict)
 
     def file(self, name: str) -> Path | None:

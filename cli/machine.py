@@ -1,34 +1,15 @@
-"""`brake-cal demo`, `doctor` and `qualify`: the program tried out, on this machine."""
+"""`brake-cal doctor` and `qualify`: whether the program works on this machine."""
 
 from datetime import UTC, datetime
 from pathlib import Path
 
 from calib.base.program import PROGRAM, VERSION
 from cli.command import FAILED, Answer, command
-from cli.console import json_text, progress, say
+from cli.console import json_text, progress
 from cli.options import option
 from cli.outputs import check_folder, write_folder
 
 DOCUMENT, REPORT = "qualification.json", "qualification.html"
-
-
-@command("brake-cal demo", "brake-cal demo --out somewhere")
-def demo(
-    *,
-    out: Path = option(
-        "Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")
-    ),
-) -> Answer:
-    """Try all steps on the sample logs.
-
-    Checks, fits, validates and draws them, prints the paper's two studies, and diagnoses a car with
-    a hidden effect.
-    """
-    from calib.help.demo import run
-
-    check_folder(out, ())
-    out.mkdir(parents=True, exist_ok=True)
-    return Answer(*run(out, say))
 
 
 @command("brake-cal doctor", "brake-cal doctor --json")

@@ -15,10 +15,11 @@ from cli import tables, vehicles
 from cli.check import check
 from cli.command import Quiet, Verbose, add, group
 from cli.console import begin, complain, emit_json, say, this_run
+from cli.demo import demo
 from cli.diagnose import Greedy, diagnose
 from cli.fit import fit
 from cli.log import log
-from cli.machine import demo, doctor, qualify
+from cli.machine import doctor, qualify
 from cli.many import batch, fleet, watch
 from cli.maps import map_
 from cli.plot import plot

@@ -147,7 +147,6 @@ def test_numpy_is_the_only_heavy_import_at_the_top_of_calib():
 
 
 def test_what_computes_is_imported_without_what_reads_files():
-    """All but the demo, which is a session at the command line: it reads files."""
-    modules = [module_of(f) for f in FILES if not is_schema(f) and f.name != "demo.py"]
+    modules = [module_of(f) for f in FILES if not is_schema(f)]
     assert len(modules) > 200
     assert loaded_after(f"import {', '.join(modules)}") & {"pydantic", "tomlkit"} == set()

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 import typer.main
 
+from calib.help.demo import Step
 from calib.help.samples import sample_logs
 from calib.store.store import Store
 from cli.main import app
@@ -51,8 +52,8 @@ def readme_commands() -> list[str]:
 
 
 def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
-    folders = {"sample_logs", "tables", "results", "figures", "diagnosis"}
-    assert {p.name for p in demo.iterdir()} == folders
+    folders = {"sample_logs", "tables", "results", "figures", "pages", "diagnosis"}
+    assert {p.name for p in demo.iterdir()} == {*folders, "index.html"}
     found = json.loads((demo / "diagnosis/diagnosis.json").read_text())
     hidden = json.loads((sample_logs() / "hidden/case_2/answer.json").read_text())
     assert [effect["name"] for effect in found["effects"]] == hidden["effects"]
@@ -66,6 +67,32 @@ def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
         assert figure.read_bytes()[:4] == b"\x89PNG"
 
 
+def test_its_index_leads_to_every_page_and_to_the_figures_of_the_paper(demo: Path) -> None:
+    text = (demo / "index.html").read_text(encoding="utf-8")
+    links = re.findall('<a href="([^"]+)"', text)
+    assert all((demo / link).exists() for link in links)
+    assert {*links} >= {str(p.relative_to(demo)) for p in demo.glob("pages/*.html")}
+    drawn = {n for x in links if x.startswith("figures") for n in re.findall(r"\d+", x)}
+    assert drawn == {str(n) for n in (*range(2, 7), *range(8, 12), *range(13, 17))}
+
+
+def test_a_command_with_another_answer_ends_its_chain(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ramp = "brake-cal check sample_logs/sedan/ramp_wet_asphalt.csv"
+    chains = (
+        (Step("", "one", "ramp", "another answer", ramp), Step("", "two", "next", "", ramp)),
+        (Step("", "three", "none", "", "brake-cal check none.csv"),),
+        (Step("", "four", "sample_logs", "", ramp),),
+    )
+    monkeypatch.setattr("calib.help.demo.CHAINS", chains)
+    assert run(tmp_path, "brake-cal demo --json") == 1
+    steps = json.loads(capsys.readouterr().out)["steps"]
+    assert {one["leaves"]: one["passed"] for one in steps} == {
+        "ramp": False, "none": False, "sample_logs": True,
+    }  # fmt: skip
+
+
 def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo: Path) -> None:
     ours, made = Store(sample_store.STORE), Store(demo / "tables")
     assert [one.id for one in ours.list()] == [one.id for one in made.list()]
@@ -77,11 +104,11 @@ def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo
                 found = getattr(getattr(now, part), name)
                 scale = np.max(np.abs(values))
                 assert found == pytest.approx(values, abs=0.02 * scale), (one.id, part, name)
-    sample_store.draw_pads(demo)
-    for name, figure in sample_store.PICTURES.items():
+    sample_store.draw(demo)
+    for name in sample_store.PICTURES:
         kept, now = (
             matplotlib.image.imread(path)[..., :3]
-            for path in (sample_store.picture(name), demo / "figures" / f"{figure}.png")
+            for path in (sample_store.picture(name), demo / "figures" / f"{name}.png")
         )
         assert kept.shape == now.shape
         assert np.mean(np.abs(kept - now)) < 0.01, name

@@ -1,4 +1,4 @@
-"""The tables in `tables/` and the pictures in `sample_logs/figures/`: what the demo makes.
+"""The tables in `tables/`, which the demo makes, and the pictures in `sample_logs/figures/`.
 
     python -m tests.support.sample_store
 
@@ -11,16 +11,21 @@ import shutil
 import tempfile
 from pathlib import Path
 
+from calib.car.vehicle_file import read_vehicle
+from calib.diagnosis.diagnose import diagnose
+from calib.logs.read import read_log
+from calib.show.diagnosis_page import sheet
+from calib.show.sheet import save
 from tests.support.manual import run
 
 ROOT = Path(__file__).parents[2]
 STORE = ROOT / "tables"
-PICTURES = {"table": "sedan-2up@2", "stop": "pads", "diagnosis": "diagnosis"}
-"""File in `sample_logs/figures/`, and figure of the demo that it is."""
-_PADS = (
-    "brake-cal plot sedan-2up@2 sample_logs/sedan/basalt_wet_pads.csv "
-    "--figure pads --out figures/pads.png"
-)
+_DRAWN = {
+    "table": "sedan-2up@2 sample_logs/sedan/ramp*.csv",
+    "stop": "sedan-2up@2 sample_logs/sedan/basalt_wet_pads.csv --figure pads",
+}
+"""Picture, and what `brake-cal plot` draws there in the folder of the demo."""
+PICTURES = (*_DRAWN, "diagnosis")
 
 _RELEASES = {
     "sedan-2up@2": ("sedan/dry_asphalt_stop.csv", "sedan/basalt_wet_pads.csv"),
@@ -38,9 +43,18 @@ def picture(name: str) -> Path:
     return ROOT / "sample_logs" / "figures" / f"{name}.png"
 
 
-def draw_pads(demo: Path) -> None:
-    """The one panel of the README, in the folder of the demo."""
-    assert run(demo, _PADS) == 0
+def draw(demo: Path) -> None:
+    """Draw each picture into the figures of the demo."""
+    for name, inputs in _DRAWN.items():
+        assert run(demo, f"brake-cal plot {inputs} --out figures/{name}.png") == 0
+    case = demo / "sample_logs/hidden/case_2"
+    searched, held = (
+        [read_log(path) for path in sorted((case / part).iterdir())]
+        for part in ("calibration", "holdout")
+    )
+    car = read_vehicle(case / "vehicle.toml")
+    drawn = sheet(diagnose(car, searched, held), car.name)
+    save({demo / "figures/diagnosis.png": [drawn.overview()]})
 
 
 def main() -> None:
@@ -61,11 +75,11 @@ def main() -> None:
         for line in lines:
             if code := run(Path(folder), line):
                 raise SystemExit(f"ended with {code}: {line}")
-        draw_pads(demo)
+        draw(demo)
         shutil.rmtree(STORE)
         shutil.copytree(demo / "tables", STORE)
-        for name, figure in PICTURES.items():
-            shutil.copyfile(demo / "figures" / f"{figure}.png", picture(name))
+        for name in PICTURES:
+            shutil.copyfile(demo / "figures" / f"{name}.png", picture(name))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,117 @@
+"""`brake-cal demo`: command lines on the sample logs, run side by side as in a shell."""
+
+import glob
+import io
+import os
+import runpy
+import shlex
+import shutil
+import sys
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cli.command import FAILED, Answer, command
+from cli.console import progress, say, this_run
+from cli.options import option
+from cli.outputs import check_folder, write_file
+
+if TYPE_CHECKING:
+    from calib.help.demo import Ran, Step
+
+_PRELOADED = (
+    *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
+    *("scipy.special", "matplotlib.figure", "matplotlib.backends.backend_pdf", "jinja2"),
+    *(
+        "calib.fitting.fit",
+        "calib.estimation.validate",
+        "calib.show.choose",
+        "calib.diagnosis.diagnose",
+    ),
+)
+"""What the commands import late; the server from which workers are forked imports it once."""
+
+
+@command("brake-cal demo", "brake-cal demo --out somewhere")
+def demo(
+    *,
+    out: Path = option(
+        "Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")
+    ),
+) -> Answer:
+    """Try the program on the sample logs, in about ten seconds.
+
+    Runs commands that check, fit, validate, diagnose and draw, and says what each answered; a page
+    links the pages they wrote and the paper's figures. Exit code 1 if one gave another answer than
+    expected.
+    """
+    from dataclasses import replace
+
+    from calib.help.demo import CHAINS, INDEX, facts
+    from calib.help.samples import sample_logs
+    from calib.show.html import page_of
+
+    check_folder(out, (INDEX,))
+    shutil.copytree(sample_logs(), out / "sample_logs", dirs_exist_ok=True)
+    count, ran = sum(map(len, CHAINS)), {}
+    with progress(f"running {count} commands in {out}", count) as step:
+        for one, got in _side_by_side(out, CHAINS):
+            ran[one] = got
+            if not one.figure or not got.passed:
+                say(f"\n{one.what}\n  {one.line}\n  {'' if got.passed else 'FAILED: '}{got.answer}")
+            step()
+    found = facts(ran)
+    write_file(out / INDEX, page_of(found).encode())
+    answers = [vars(one) | vars(got) for one, got in ran.items()]
+    return Answer(
+        {"folder": out, "index": out / INDEX, "verdict": found.verdict, "steps": answers},
+        replace(found, tables=[], headline=f"{found.headline}; open {out / INDEX}"),
+        FAILED * (found.verdict == "failed"),
+    )
+
+
+def _side_by_side(
+    folder: Path, chains: "tuple[tuple[Step, ...], ...]"
+) -> "Iterator[tuple[Step, Ran]]":
+    """Run the chains on all cores; each step as it is done. What fails ends its chain."""
+    from calib.base.processes import cores, end, workers
+
+    pool = workers(min(cores(), len(chains)), *_PRELOADED)
+    running: dict[Future[Ran], tuple[Step, ...]] = {}
+    try:
+        for chain in chains:
+            running[pool.submit(_run, folder.resolve(), chain[0])] = chain
+        while running:
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                (step, *rest), got = running.pop(future), future.result()
+                yield step, got
+                if rest and got.passed:
+                    running[pool.submit(_run, folder.resolve(), rest[0])] = tuple(rest)
+    finally:
+        end(pool)
+
+
+def _run(folder: Path, step: "Step") -> "Ran":
+    """Run one line as `python -m cli.main` would, in a process that runs nothing else meanwhile.
+
+    Its answer is the last line that it prints, up to what to do next, and its first two numbers.
+    """
+    from calib.base.settings import VARIABLE
+    from calib.help.demo import Ran
+
+    os.environ[VARIABLE] = ""  # no settings of a project around it
+    os.chdir(folder)
+    words = shlex.split(step.line)
+    sys.argv = [file for word in words for file in sorted(glob.glob(word)) or [word]]
+    out, err, code = io.StringIO(), io.StringIO(), 0
+    with redirect_stdout(out), redirect_stderr(err):
+        try:
+            runpy.run_module("cli.main", run_name="__main__")
+        except SystemExit as ended:
+            code = int(ended.code or 0)
+    said = (out.getvalue() or err.getvalue()).strip().splitlines() or [""]
+    numbers = getattr(this_run().facts, "numbers", ())[:2]
+    told = [said[-1].partition("; ")[0].rstrip("."), *map(" ".join, numbers)]
+    return Ran("; ".join(told), not code and step.expected in said[-1])
