@@ -67,7 +67,7 @@ def demo(
     answers = [vars(one) | vars(got) for one, got in ran.items()]
     return Answer(
         {"folder": out, "index": out / INDEX, "verdict": found.verdict, "steps": answers},
-        replace(found, tables=[], headline=f"{found.headline}; open {out / INDEX}"),
+        replace(found, tables=[], next=f"open {out / INDEX}"),
         FAILED * (found.verdict == "failed"),
     )
 
@@ -96,7 +96,7 @@ def _side_by_side(
 def _run(folder: Path, step: "Step") -> "Ran":
     """Run one line as `python -m cli.main` would, in a process that runs nothing else meanwhile.
 
-    Its answer is the last line that it prints, up to what to do next, and its first two numbers.
+    Its answer is its headline with the first two numbers; without one, the last line it prints.
     """
     from calib.base.settings import VARIABLE
     from calib.help.demo import Ran
@@ -111,7 +111,10 @@ def _run(folder: Path, step: "Step") -> "Ran":
             runpy.run_module("cli.main", run_name="__main__")
         except SystemExit as ended:
             code = int(ended.code or 0)
-    said = (out.getvalue() or err.getvalue()).strip().splitlines() or [""]
-    numbers = getattr(this_run().facts, "numbers", ())[:2]
-    told = [said[-1].partition("; ")[0].rstrip("."), *map(" ".join, numbers)]
-    return Ran("; ".join(told), not code and step.expected in said[-1])
+    facts, printed = this_run().facts, (out.getvalue() or err.getvalue()).strip().splitlines()
+    if isinstance(facts, str) or not facts.headline:
+        answer = printed[-1] if printed else ""
+    else:
+        numbers = map(" ".join, facts.numbers[:2])
+        answer = "; ".join([": ".join(filter(None, (facts.word, facts.headline))), *numbers])
+    return Ran(answer, not code and step.expected in answer)
