@@ -92,6 +92,14 @@ _HEAD = """\
 schema = 1
 """
 
+_TAIL = """
+# What else is known of the car is given to `brake-cal fit`, which says what each would gain:
+#   --mass "1800 kg"  as weighed for these runs
+#   --bench B.toml    brake forces on a roller brake tester, see `brake-cal schema bench`
+#   --tyre T.tir      property file of the tyres; twice: of the front and of the rear axle
+#   --fleet-prior     tyres and loads are like those of the released cars of this model
+"""
+
 
 def vehicle_text(values: Mapping[str, str]) -> str:
     """The file with ``values`` by path of the key, as written: "1744 kg" or "2".
@@ -102,7 +110,7 @@ def vehicle_text(values: Mapping[str, str]) -> str:
     for section, keys in groupby(KEYS, lambda key: key.section):
         head = f"[{section}]\n" if section else ""
         text += f"\n{head}" + "\n".join("".join(_lines(key, values)) for key in keys)
-    return text
+    return text + _TAIL
 
 
 def _lines(key: VehicleKey, values: Mapping[str, str]) -> Iterator[str]:

@@ -23,7 +23,7 @@ from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, limiting, words
+from calib.table.budget import STOP, advice_lines, limiting, words
 from calib.table.exported import Precision
 
 _PROOFS = {
@@ -42,7 +42,7 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
     failed, proof = not all(result.passed for result in found), proof_of(list(results))
     verdict = FAILED if failed else WARNING if warnings else PASSED
     budgets = [result.budget for result in found if result.budget]
-    advice = advice_lines(of for budget in budgets for of in budget)
+    advice = advice_lines((of for budget in budgets for of in budget), STOP)
     details = Facts(
         "The ECU beside the best estimate; 95 % intervals",
         tables=[_beside_best(stored, found)],

@@ -6,7 +6,9 @@ areas and radii of the brakes, which are taken as the vehicle file has them.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
+from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import rows
 from calib.car.bias import front_share
@@ -19,8 +21,35 @@ Parts = dict[str, float]
 Variances = Mapping[str, float]
 """The squares, of ln of pad level or ratio too."""
 
-_ADVICE = {row["part"]: row["do"] for row in rows("budget.csv", "calib.table")}
-"""What shrinks each part: an entry in the vehicle file, or a drive."""
+RAMP, STOP = "ramp", "stop"
+"""Whose budget it is: of a fit, or of a stop, whose ``tyres`` are what the ramp left open."""
+
+
+@dataclass(frozen=True)
+class _Advice:
+    """What to ``do``, and the share of each part that it leaves in a budget ``of`` one kind [1]."""
+
+    do: str
+    of: str
+    leaves: Mapping[str, float]
+
+    def left(self, parts: Parts) -> float:
+        """Standard deviation of what is left of a budget [1]; a mass that was stated stays."""
+        weighed = parts.get("mass", 0.0) < _NOT_STATED
+        shares = {p: s for p, s in self.leaves.items() if not (p == "mass" and weighed)}
+        return math.hypot(*(x * shares.get(part, 1.0) for part, x in parts.items()))
+
+
+_NOT_STATED = 0.99 * Vehicle.mass_tolerance
+"""A mass that is known better was weighed, or its tolerance is stated [1]."""
+
+
+def _read(row: dict[str, str]) -> _Advice:
+    cells = {part: cell for part, cell in row.items() if part not in ("do", "of")}
+    return _Advice(row["do"], row["of"], {part: float(x) for part, x in cells.items() if x})
+
+
+_ADVICE = tuple(map(_read, rows("budget.csv", "calib.table")))
 
 
 def deviations(variances: Variances) -> Parts:
@@ -57,17 +86,44 @@ def limiting(axles: Sequence[Parts]) -> str:
     return ", ".join(f"{part} ({', '.join(of)})" for part, of in told.items())
 
 
-def advice_lines(axles: Iterable[Parts]) -> list[str]:
-    """One line for each part that is the largest of an axle, with what would shrink it."""
-    most = dict.fromkeys(map(largest, axles))
-    return [f"to shrink {part.replace('_', ' ')}: {_ADVICE[part]}" for part in most]
+def advice_lines(axles: Iterable[Parts], of: str = RAMP) -> list[str]:
+    """What narrows the 95 % intervals, and by how much, the most useful first; [] if nothing does.
+
+    ``axles`` budgets of front and rear pads in turn; of several the widest counts. How far the
+    shares of `budget.csv` hold on the reference car is in `tests/fitting/test_advice.py`.
+
+    >>> advice_lines([{"mass": 0.005, "noise": 0.02}, {"mass": 0.005, "noise": 0.04}])
+    ['brake twice as long: front ±4 % -> ±3 %, rear ±8 % -> ±6 %']
+    """
+    given = list(axles)
+    widest = [max(side, key=_sigma) for side in (given[::2], given[1::2]) if side]
+    found = []
+    for one in _useful(of):
+        left = [one.left(parts) for parts in widest]
+        widths = [
+            (axle, *(f"±{100.0 * Z95 * x:.0f} %" for x in (_sigma(parts), after)))
+            for axle, parts, after in zip(AXLE_NAMES.values(), widest, left, strict=False)
+        ]
+        if gains := [f"{axle} {a} -> {b}" for axle, a, b in widths if a != b]:
+            found.append((math.prod(left), f"{one.do}: {', '.join(gains)}"))
+    return [line for _, line in sorted(found)]
 
 
-def summary(front: Parts, rear: Parts) -> dict[str, object]:
+def summary(front: Parts, rear: Parts, of: str = RAMP) -> dict[str, object]:
     """Both axles for a JSON file: their parts, the largest of each, and what shrinks it."""
     axles = {"front": front, "rear": rear}
     most = {axle: largest(parts) for axle, parts in axles.items()}
-    return {**axles, "largest": {axle: {"part": p, "do": _ADVICE[p]} for axle, p in most.items()}}
+    shrinks = {p: min(_useful(of), key=lambda one: one.leaves.get(p, 2.0)) for p in most.values()}
+    told = {axle: {"part": p, "do": shrinks[p].do} for axle, p in most.items()}
+    return {**axles, "largest": told}
+
+
+def _useful(of: str) -> list[_Advice]:
+    return [one for one in _ADVICE if one.of in ("", of)]
+
+
+def _sigma(parts: Parts) -> float:
+    return math.hypot(*parts.values())
 
 
 def axle_parts(

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.plain import rows
-from calib.table.budget import advice_lines, axle_parts, budget_of, summary
+from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, budget_of, summary
 from calib.table.table import TableBudget, Value
 from tests.support.tables import VEHICLE, from_content, made_table
 
-PARTS = [row["part"] for row in rows("budget.csv", "calib.table")]
+PARTS = [x for x in rows("budget.csv", "calib.table")[0] if x not in ("do", "of")]
 VARIANCES = st.dictionaries(st.sampled_from(PARTS), st.floats(0.0, 1e-2), max_size=len(PARTS))
 
 
@@ -33,7 +33,24 @@ def test_summary_names_the_largest_part_and_what_to_do():
     assert told["largest"]["front"]["part"] == "mass"
     assert "mass_tolerance" in told["largest"]["front"]["do"]
     assert told["largest"]["rear"]["part"] == "tyres"
-    assert len(advice_lines([front, rear, front])) == 2
+    # the front pads by the mass, the rear ones by what they are not alike in
+    assert len(advice_lines([front, rear, front])) == 3
+    assert advice_lines([]) == []
+
+
+@pytest.mark.parametrize(("of", "lacks"), [(RAMP, []), (STOP, ["resistance", "load_geometry"])])
+def test_every_part_has_an_advice_of_its_own(of, lacks):
+    told = rows("budget.csv", "calib.table")
+    for part in set(PARTS) - {*lacks}:
+        do = summary({part: 0.04}, {part: 0.04}, of)["largest"]["front"]["do"]
+        assert any(row["do"] == do and row["of"] in ("", of) and row[part] for row in told), part
+
+
+def test_a_mass_that_was_stated_needs_no_scale():
+    rest = {"tyres": 0.03, "unlike_pads": 0.01}
+    for mass, weigh in ((0.005, False), (0.02, False), (0.03, True), (0.0329, True)):
+        lines = advice_lines([{"mass": mass, **rest}] * 2)
+        assert any("--mass" in line for line in lines) == weigh
 
 
 OLD = replace(
