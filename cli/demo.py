@@ -41,7 +41,7 @@ def demo(
         "Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")
     ),
 ) -> Answer:
-    """Try the program on the sample logs, in about ten seconds.
+    """Try the program on the sample logs, in about fifteen seconds.
 
     Runs commands that check, fit, validate, diagnose and draw, and says what each answered; a page
     links the pages they wrote and the paper's figures. Exit code 1 if one gave another answer than
@@ -116,5 +116,7 @@ def _run(folder: Path, step: "Step") -> "Ran":
         answer = printed[-1] if printed else ""
     else:
         numbers = map(" ".join, facts.numbers[:2])
-        answer = "; ".join([": ".join(filter(None, (facts.word, facts.headline))), *numbers])
+        answer = "; ".join(
+            [": ".join(filter(None, (facts.word, facts.headline.rstrip(".")))), *numbers]
+        )
     return Ran(answer, not code and step.expected in answer)
