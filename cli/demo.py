@@ -102,6 +102,7 @@ def _run(folder: Path, step: "Step") -> "Ran":
     from calib.help.demo import Ran
 
     os.environ[VARIABLE] = ""  # no settings of a project around it
+    os.environ.pop("COLUMNS", None)  # lines stay whole
     os.chdir(folder)
     words = shlex.split(step.line)
     sys.argv = [file for word in words for file in sorted(glob.glob(word)) or [word]]
