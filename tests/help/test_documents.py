@@ -21,7 +21,7 @@ COMMANDS = (
     ("plot-json", "plot car --out table.png"),
     ("simulate-json", "simulate stop.csv --vehicle car.toml --out sim.csv"),
     ("effects-json", "effects hydraulic_lag"),
-    ("map-json", "map run.csv"),
+    ("map-json", "map my_ramp.csv"),
     ("settings-json", "settings"),
     ("manual-json", "manual"),
     ("tables-json", "tables list"),

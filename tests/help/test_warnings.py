@@ -3,7 +3,7 @@
 from calib.base.warning import UNITS
 from calib.help.page import FOLDER
 
-PAGES = "".join((FOLDER / f"{name}.md").read_text() for name in ("validation", "vehicle_file"))
+PAGES = "".join((FOLDER / f"{name}.md").read_text() for name in ("troubleshooting", "vehicle_file"))
 """Codes of logs and results, and of vehicle files. `_f` stands for both axles, a key for itself."""
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -17,8 +18,8 @@ from tests.support.tyre_files import written
 FOLDER = Path(__file__).parents[2] / "calib" / "manual"
 PAGES = sorted(FOLDER.glob("*.md"))
 
-LANGUAGES = ("sh", "python", "toml", "json", "text")
-"""Of a block of code; text is output or a drawing, and nobody runs or reads it."""
+LANGUAGES = ("sh", "powershell", "python", "toml", "json", "text")
+"""Of a block of code; text is output or a drawing, and nobody runs or reads it, nor PowerShell."""
 
 _BLOCK = re.compile(
     r"(?:<!-- (?P<mark>[^\n]*?) -->\n)?```(?P<head>[^\n]*)\n(?P<text>.*?)^```$",
@@ -83,12 +84,24 @@ LOGS = {
     "stop_2.csv": "transition_dry_to_basalt.csv",
 }
 
-FOREIGN = {
-    "time [s]": "Zeit [s]",
-    "p_mc [bar]": "Bremsdruck [bar]",
-    "a_x [m/s^2]": "Laengsbeschleunigung [m/s^2]",
-    "v [m/s]": "Geschwindigkeit [m/s]",
+OWN = {
+    "my_ramp.csv": "ramp_wet_asphalt.csv",
+    "my_coast.csv": "coast.csv",
+    "my_stop.csv": "basalt_wet_pads.csv",
 }
+"""Logs of the same runs by another program."""
+
+FOREIGN = {
+    "time [s]": ("Time [ms]", 1e3),
+    "p_mc [bar]": ("BrkPress [kPa]", 1e2),
+    "a_x [m/s^2]": ("Decel [g]", -1.0 / 9.80665),
+    "omega_fl [rad/s]": ("WhlSpdFL [rpm]", 30.0 / np.pi),
+    "omega_fr [rad/s]": ("WhlSpdFR [rpm]", 30.0 / np.pi),
+    "omega_rl [rad/s]": ("WhlSpdRL [rpm]", 30.0 / np.pi),
+    "omega_rr [rad/s]": ("WhlSpdRR [rpm]", 30.0 / np.pi),
+    "v [m/s]": ("GPS_Speed [km/h]", 3.6),
+}
+"""Its name and unit of each channel, and its number for 1 of ours."""
 
 
 MODEL = """schema = 1
@@ -108,14 +121,18 @@ brake_force = ["62 daN", "128 daN", "194 daN"]
 
 
 def working_folder(folder: Path) -> None:
-    """What the examples begin with: logs, a vehicle, a table `car@1`, and results of one stop."""
+    """What the examples begin with: logs, vehicles, a table `car@1`, and results of one stop."""
     (folder / "sample_logs").symlink_to(sample_logs())
     for name, source in LOGS.items():
         shutil.copy(sample_logs() / "sedan" / source, folder / name)
-    frame = pd.read_csv(folder / "ramp.csv").rename(columns=FOREIGN)
-    frame.to_csv(folder / "run.csv", index=False)
-    vehicle = (sample_logs() / "sedan" / "vehicle.toml").read_text().replace("sedan-2up", "car")
-    (folder / "car.toml").write_text(vehicle)
+    for name, source in OWN.items():
+        frame = pd.read_csv(sample_logs() / "sedan" / source)
+        own = {theirs: frame[ours] * scale for ours, (theirs, scale) in FOREIGN.items()}
+        pd.DataFrame(own).to_csv(folder / name, index=False, float_format="%.7g")
+    vehicle = (sample_logs() / "sedan" / "vehicle.toml").read_text()
+    (folder / "car.toml").write_text(vehicle.replace("sedan-2up", "car"))
+    weighed = vehicle.replace("[chassis]", "[chassis]\nmass_tolerance = 0.005\nmotor_odds = 0")
+    (folder / "my_car.toml").write_text(weighed.replace("sedan-2up", "my_car"))
     (folder / "bench.toml").write_text(BENCH)
     written(folder / "tyre.tir")
     (folder / "found").mkdir()
