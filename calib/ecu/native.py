@@ -17,8 +17,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
-from calib.ecu.car_source import car_source
-from calib.ecu.online import RANGES, require_plain
+from calib.ecu.car_source import SOURCE, sources
+from calib.ecu.online import ANSWERS, CHANNELS, require_plain
 from calib.ecu.width import Width
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
@@ -28,9 +28,8 @@ from calib.table.exported import Precision
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
-SOURCE = Path(__file__).parent / "source"
-OUTPUTS = 1 + 3 * 7
-"""Numbers that the code answers with: a reason, and seven quantities with their bounds."""
+OUTPUTS = 1 + 3 * len(ANSWERS)
+"""Numbers that the code answers with: a reason, and `ANSWERS` with their bounds."""
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 """Without contraction every compiler gives the same bits."""
@@ -52,21 +51,16 @@ def compiler() -> list[str]:
     return named
 
 
-def config(width: Width) -> str:
-    """bte_config.h."""
-    made = f"#define BTE_FLOAT {width.bits}\n#define BTE_CELL {width.cell}\n"
-    return f"/* The precision of the estimator of brake-cal. */\n{made}"
-
-
 def write_sources(table: Table, sample_time: float, width: Width, folder: Path) -> list[Path]:
-    """Write what is of a car into a folder, and return all files of a program that runs samples.
+    """Write a program that runs samples into a folder, and return the files that are compiled.
 
-    Raises ExchangeError as `car_source`.
+    Raises ExchangeError as `sources`.
     """
-    car = folder / "bte_car.c"
-    (folder / "bte_config.h").write_text(config(width))
-    car.write_text(car_source(table, sample_time, width, "made to be run here"))
-    return [SOURCE / "bte.c", SOURCE / "bte_run.c", car]
+    files = sources(table, sample_time, width, "made to be run here")
+    files["bte_run.c"] = (SOURCE / "bte_run.c").read_text()
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    return [folder / name for name in files if name.endswith(".c")]
 
 
 @dataclass(frozen=True)
@@ -137,6 +131,6 @@ def coded(table: Table, how: Precision) -> Coded:
 
 
 def samples_of(log: Log) -> Array:
-    """What an ECU would read in a log (n, 10), by the channels of `RANGES`."""
+    """What an ECU would read in a log (n, 10), by `CHANNELS`."""
     nothing = np.zeros_like(log.time)
-    return np.stack([log.channels.get(name, nothing) for name in RANGES], axis=1)
+    return np.stack([log.channels.get(name, nothing) for name in CHANNELS], axis=1)

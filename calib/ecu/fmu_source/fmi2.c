@@ -35,7 +35,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (x != NULL) {
         x->log = host->logger;
         x->host = host->componentEnvironment;
-        start(&x->fmu);
+        reset(&x->fmu);
     }
     return x;
 }
@@ -48,8 +48,13 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerant, fmi2Real t
     return fmi2OK;
 }
 
-fmi2Status fmi2Reset(fmi2Component c) {
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     start(c);
+    return fmi2OK;
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    reset(c);
     return fmi2OK;
 }
 
@@ -71,7 +76,6 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real length, fmi2Boole
 
 DOES_NOTHING(fmi2SetDebugLogging, (fmi2Component c, fmi2Boolean on, size_t n, const fmi2String x[]))
 DOES_NOTHING(fmi2EnterInitializationMode, (fmi2Component c))
-DOES_NOTHING(fmi2ExitInitializationMode, (fmi2Component c))
 DOES_NOTHING(fmi2Terminate, (fmi2Component c))
 
 HAS_NO(fmi2GetBoolean, fmi2Boolean)

@@ -39,7 +39,7 @@ fmi3Instance fmi3InstantiateCoSimulation(
     if (x != NULL) {
         x->log = log;
         x->host = host;
-        start(&x->fmu);
+        reset(&x->fmu);
     }
     return x;
 }
@@ -52,8 +52,13 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean tolerant, fmi
     return fmi3OK;
 }
 
-fmi3Status fmi3Reset(fmi3Instance c) {
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
     start(c);
+    return fmi3OK;
+}
+
+fmi3Status fmi3Reset(fmi3Instance c) {
+    reset(c);
     return fmi3OK;
 }
 
@@ -82,33 +87,26 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 length, fmi3
 }
 
 DOES_NOTHING(fmi3SetDebugLogging, (fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String x[]))
-DOES_NOTHING(fmi3ExitInitializationMode, (fmi3Instance c))
 DOES_NOTHING(fmi3Terminate, (fmi3Instance c))
 
-HAS_NO(fmi3GetFloat32, (SOME, fmi3Float32 values[], size_t n))
-HAS_NO(fmi3GetInt8, (SOME, fmi3Int8 values[], size_t n))
-HAS_NO(fmi3GetUInt8, (SOME, fmi3UInt8 values[], size_t n))
-HAS_NO(fmi3GetInt16, (SOME, fmi3Int16 values[], size_t n))
-HAS_NO(fmi3GetUInt16, (SOME, fmi3UInt16 values[], size_t n))
-HAS_NO(fmi3GetUInt32, (SOME, fmi3UInt32 values[], size_t n))
-HAS_NO(fmi3GetInt64, (SOME, fmi3Int64 values[], size_t n))
-HAS_NO(fmi3GetUInt64, (SOME, fmi3UInt64 values[], size_t n))
-HAS_NO(fmi3GetBoolean, (SOME, fmi3Boolean values[], size_t n))
-HAS_NO(fmi3GetString, (SOME, fmi3String values[], size_t n))
-HAS_NO(fmi3GetBinary, (SOME, size_t sizes[], fmi3Binary values[], size_t n))
-HAS_NO(fmi3GetClock, (SOME, fmi3Clock values[]))
-HAS_NO(fmi3SetFloat32, (SOME, const fmi3Float32 values[], size_t n))
-HAS_NO(fmi3SetInt8, (SOME, const fmi3Int8 values[], size_t n))
-HAS_NO(fmi3SetUInt8, (SOME, const fmi3UInt8 values[], size_t n))
-HAS_NO(fmi3SetInt16, (SOME, const fmi3Int16 values[], size_t n))
-HAS_NO(fmi3SetUInt16, (SOME, const fmi3UInt16 values[], size_t n))
+#define HAS_NONE_OF(type) \
+    HAS_NO(fmi3Get##type, (SOME, fmi3##type values[], size_t n)) \
+    HAS_NO(fmi3Set##type, (SOME, const fmi3##type values[], size_t n))
+
+HAS_NONE_OF(Float32)
+HAS_NONE_OF(Int8)
+HAS_NONE_OF(UInt8)
+HAS_NONE_OF(Int16)
+HAS_NONE_OF(UInt16)
+HAS_NONE_OF(UInt32)
+HAS_NONE_OF(Int64)
+HAS_NONE_OF(UInt64)
+HAS_NONE_OF(Boolean)
+HAS_NONE_OF(String)
 HAS_NO(fmi3SetInt32, (SOME, const fmi3Int32 values[], size_t n))
-HAS_NO(fmi3SetUInt32, (SOME, const fmi3UInt32 values[], size_t n))
-HAS_NO(fmi3SetInt64, (SOME, const fmi3Int64 values[], size_t n))
-HAS_NO(fmi3SetUInt64, (SOME, const fmi3UInt64 values[], size_t n))
-HAS_NO(fmi3SetBoolean, (SOME, const fmi3Boolean values[], size_t n))
-HAS_NO(fmi3SetString, (SOME, const fmi3String values[], size_t n))
+HAS_NO(fmi3GetBinary, (SOME, size_t sizes[], fmi3Binary values[], size_t n))
 HAS_NO(fmi3SetBinary, (SOME, const size_t sizes[], const fmi3Binary values[], size_t n))
+HAS_NO(fmi3GetClock, (SOME, fmi3Clock values[]))
 HAS_NO(fmi3SetClock, (SOME, const fmi3Clock values[]))
 HAS_NO(fmi3GetIntervalDecimal, (SOME, fmi3Float64 values[], fmi3IntervalQualifier kinds[]))
 HAS_NO(fmi3GetIntervalFraction,
