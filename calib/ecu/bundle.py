@@ -24,9 +24,10 @@ from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
 from calib.ecu.car_source import CONFIG, PREFIX, SOURCE, require_time, sources
+from calib.ecu.channels import A_X, CHANNELS, FL, limits, samples_of
 from calib.ecu.labels import code_data
-from calib.ecu.native import OUTPUTS, samples_of
-from calib.ecu.online import A_X, CHANNELS, FL, Online, Timing, limits
+from calib.ecu.native import OUTPUTS
+from calib.ecu.online import Online, Timing
 from calib.ecu.width import Width
 from calib.exports.addresses import find_addresses
 from calib.exports.write import FORMATS

@@ -19,8 +19,9 @@ from calib.car.bias import force_per_pressure, front_share
 from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
+from calib.ecu.channels import limits
 from calib.ecu.labels import code_maps, version_label
-from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, Timing, limits
+from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, Timing
 from calib.ecu.width import Width
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects

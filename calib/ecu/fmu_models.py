@@ -9,7 +9,7 @@ from typing import NamedTuple
 from calib.base.names import AXLE_NAMES, AXLES
 from calib.car.magic_formula import MagicFormula
 from calib.car.model import WET_ASPHALT, Model
-from calib.ecu.online import ANSWERS, CHANNELS
+from calib.ecu.channels import ANSWERS, CHANNELS
 from calib.estimation.known import known_effects
 from calib.estimation.reasons import Reason
 from calib.table.table import Table

@@ -12,13 +12,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
 from calib.ecu.car_source import SOURCE, sources
-from calib.ecu.online import ANSWERS, CHANNELS, require_plain
+from calib.ecu.channels import ANSWERS, samples_of
+from calib.ecu.online import require_plain
 from calib.ecu.width import Width
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
@@ -30,6 +32,9 @@ from calib.table.table import Table
 
 OUTPUTS = 1 + 3 * len(ANSWERS)
 """Numbers that the code answers with: a reason, and `ANSWERS` with their bounds."""
+
+_READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
+"""Fields of a `Readout` by the order of `ANSWERS`."""
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 """Without contraction every compiler gives the same bits."""
@@ -101,14 +106,11 @@ class Native:
 
         The change since the ramp, which the code does not have, stays that of the estimate.
         """
-        told = self.run(samples_of(log)).T
-        parts = (Bounded(*told[i : i + 3]) for i in range(1, OUTPUTS, 3))
-        level, ratio, pads_f, pads_r, torque_f, torque_r, torque_sum = parts
-        return replace(
-            e.ecu, step=e.ecu.step._replace(reason=told[0]),
-            level=level, ratio=ratio, pads_f=pads_f, pads_r=pads_r,
-            torque_f=torque_f, torque_r=torque_r, torque_sum=torque_sum,
-        )  # fmt: skip
+        reason, *told = self.run(samples_of(log)).T
+        parts: dict[str, Any] = {
+            name: Bounded(*told[3 * i : 3 * i + 3]) for i, name in enumerate(_READ_OUT)
+        }
+        return replace(e.ecu, step=e.ecu.step._replace(reason=reason), **parts)
 
 
 def coded(table: Table, how: Precision) -> Coded:
@@ -128,9 +130,3 @@ def coded(table: Table, how: Precision) -> Coded:
         return known[key].readout(e, log)
 
     return run
-
-
-def samples_of(log: Log) -> Array:
-    """What an ECU would read in a log (n, 10), by `CHANNELS`."""
-    nothing = np.zeros_like(log.time)
-    return np.stack([log.channels.get(name, nothing) for name in CHANNELS], axis=1)

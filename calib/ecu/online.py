@@ -8,15 +8,28 @@ fail, and the clock is the task of the ECU.
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import StoreError
-from calib.base.names import AXLE_NAMES, WHEELS, G
+from calib.base.names import WHEELS, G
 from calib.car.bias import front_share
 from calib.car.braking import MOVING
+from calib.ecu.channels import (
+    A_X,
+    CHANNELS,
+    DRIVE,
+    DRIVEN,
+    FL,
+    FR,
+    OMEGA,
+    P_MC,
+    RL,
+    RR,
+    STEERING,
+    limits,
+)
 from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import given, pads_of
@@ -29,48 +42,6 @@ from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import LATERAL_TIME, turning
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
-
-
-class Channel(NamedTuple):
-    """A sensor [SI]: the ``low`` and ``high`` end of what it reads while it works.
-
-    From sample to sample it changes by ``jump`` and ``rate`` times their distance in time [s] at
-    most; what changes by more is an error of the bus.
-    """
-
-    unit: str
-    meaning: str
-    low: float
-    high: float
-    jump: float = math.inf
-    rate: float = 0.0
-
-
-_UNKNOWN = "0 where nobody knows"
-CHANNELS = {
-    "p_mc": Channel("Pa", "Pressure of the master cylinder", -1e6, 4e7, 1e7),
-    "a_x": Channel("m/s2", "Specific force at the center of gravity, forward positive: braking is "
-        "negative", -30.0, 30.0, 15.0),
-    **{f"omega_{w}": Channel("rad/s", f"Speed of wheel {w}", -50.0, 500.0, 5.0, 5e3)
-        for w in WHEELS},
-    "steering": Channel("rad", f"Angle at the driver's wheel; {_UNKNOWN}", -50.0, 50.0),
-    "driven": Channel("1", f"1 while the accelerator is pressed; {_UNKNOWN}", 0.0, 1.0),
-    **{f"T_drive_{axle}": Channel("N.m", f"Torque of engine or motor at both {name} wheels, "
-        f"negative where it slows; {_UNKNOWN}", -2e4, 2e4) for axle, name in AXLE_NAMES.items()},
-}  # fmt: skip
-"""What an ECU reads at one time; a sample (10,) has this order, in Python and in C."""
-
-P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_ = range(len(CHANNELS))
-OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, None)
-
-ANSWERS = {
-    "level": ("1", "Brake torque over that of the vehicle file's pads"),
-    "ratio": ("1", "Friction of the front pads over that of the rear ones"),
-    **{f"pad_friction_{a}": ("1", f"Friction of the {at} pads") for a, at in AXLE_NAMES.items()},
-    **{f"brake_torque_{a}": ("N.m", f"Torque of one {at} brake") for a, at in AXLE_NAMES.items()},
-    "brake_torque_sum": ("N.m", "Torque of all brakes"),
-}
-"""What is answered, with unit and meaning: (7, 3), each a median with its 95 % bounds."""
 
 HELD_TIME, HELD_PRESSURE = 0.1, 5e5
 """Time [s] for which a_x keeps a value while the pressure moves by so much [Pa], and the car rolls:
@@ -127,7 +98,7 @@ class Online:
         self.held, self.p_held, self.lateral, self.since_lock = 0.0, 0.0, 0.0, 2.0 * RECOVER
         self.before = np.zeros((2, len(WHEELS)))
         self.rows: list[tuple[float, ...]] = []
-        self.omega: Array | None = None
+        self.omega: list[Array] = []
         axles, c = (table.vehicle.front, table.vehicle.rear), Constants
         self.gains = np.array([axle.torque_gain for axle in axles])
         self.filed = np.array([axle.pad_friction for axle in axles])
@@ -139,11 +110,11 @@ class Online:
     def step(self, sample: Array) -> tuple[Reason, Array]:
         """Take in a sample (10,) of `CHANNELS`, and give `ANSWERS` (7, 3); all are finite."""
         fine = self._good(sample)
-        disturbed = self._disturbed(fine)
+        worst = self._disturbed(fine)
         x, self.begun = self.last, True
         front, rear = 0.5 * (x[FL] + x[FR]), 0.5 * (x[RL] + x[RR])
         driven = x[DRIVEN] > 0.5
-        self.rows.append((x[P_MC], -x[A_X] / G, front, rear, *x[DRIVE], disturbed, driven))
+        self.rows.append((x[P_MC], -x[A_X] / G, front, rear, *x[DRIVE], worst, driven))
         if len(self.rows) == self.timing.samples:
             self._take()
         level, _, *pads = self.of_block
@@ -196,38 +167,25 @@ class Online:
         return REASONS[disturbed(recent, self.lateral, x[STEERING])] if fine else Reason.FAULT
 
     def _take(self) -> None:
-        """The block that is complete."""
-        means = np.mean(self.rows, axis=0)
-        p, z, omega, drive = means[0], means[1], means[2:4], means[4:6]
-        worst, driven = np.max(self.rows, axis=0)[6:]
-        nothing, car = np.zeros(1), self.table.vehicle
-        spin = np.zeros(2) if self.omega is None else (omega - self.omega) / self.timing.block
+        """The block that is complete, as arrays (1,)."""
+        p, z, *omega, drive_f, drive_r = np.mean(self.rows, axis=0)[:6, None]
+        worst, driven = np.max(self.rows, axis=0)[6:, None]
+        before, nothing, car = self.omega or omega, np.zeros(1), self.table.vehicle
+        spin = [(x - was) / self.timing.block for x, was in zip(omega, before, strict=True)]
         if self.faulty or worst == Reason.FAULT:  # of a reading that was held nothing is known
-            spin = -G * z / np.array([car.front.rolling_radius, car.rear.rolling_radius])
-        self.omega, self.faulty = omega, worst == Reason.FAULT
-        self.rows = []
+            spin = [-G * z / axle.rolling_radius for axle in (car.front, car.rear)]
+        self.omega, self.faulty, self.rows = omega, bool(worst == Reason.FAULT), []
         b = Blocks(
-            end=nothing, p_f=p + nothing, p_r=p + nothing,
-            drive_f=drive[0] + nothing, drive_r=drive[1] + nothing,
-            z=z + nothing, omega_f=omega[0] + nothing, omega_r=omega[1] + nothing, v=None,
-            speed=car.rear.rolling_radius * omega[1] + nothing,
-            spin_f=spin[0] + nothing, spin_r=spin[1] + nothing, lead_in=nothing > 0.0,
+            end=nothing, p_f=p, p_r=p, drive_f=drive_f, drive_r=drive_r,
+            z=z, omega_f=omega[0], omega_r=omega[1], v=None,
+            speed=car.rear.rolling_radius * omega[1],
+            spin_f=spin[0], spin_r=spin[1], lead_in=nothing > 0.0,
             samples=self.timing.samples, length=self.timing.block,
         )  # fmt: skip
-        rows = given(self.table, b, worst + nothing, with_v=False)._replace(driven=driven + nothing)
+        rows = given(self.table, b, worst, with_v=False)._replace(driven=driven)
         answer = step(self.constants, self.state, Sample(*(float(x[0]) for x in rows)))
         share = front_share(car, rows.log_odds)
         pads = pads_of(share, answer.level[:, None], answer.ratio[:, None])[..., 0]
         ratio = self.filed[0] / self.filed[1] * np.exp(answer.ratio)
         self.of_block = np.vstack([np.exp(answer.level), ratio, self.filed[:, None] * pads])
         self.reason = REASONS[int(answer.reason)]
-
-
-def limits(sample_time: float) -> tuple[Array, Array, Array]:
-    """Low and high ends and largest changes of `CHANNELS` (10,) between calls [s]."""
-    rows = [
-        (c.low, c.high, min(c.jump + c.rate * sample_time, c.high - c.low))
-        for c in CHANNELS.values()
-    ]
-    low, high, jump = np.array(rows).T
-    return low, high, jump

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.ecu.native import Native, samples_of
+from calib.ecu.channels import samples_of
+from calib.ecu.native import Native
 from calib.ecu.width import Width
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log

@@ -11,10 +11,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from calib.ecu.channels import CHANNELS, samples_of
 from calib.ecu.fmu import write_fmu
 from calib.ecu.fmu_models import ESTIMATOR, V0, car_of, simulated
-from calib.ecu.native import samples_of
-from calib.ecu.online import CHANNELS, Online
+from calib.ecu.online import Online
 from calib.ecu.width import Width
 from calib.logs.read import read_log
 from calib.model.simulate import simulate

@@ -8,8 +8,9 @@ import pytest
 
 from calib.base.errors import StoreError
 from calib.car.effects.effects import Effects
-from calib.ecu.native import Native, samples_of
-from calib.ecu.online import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, Online, require_plain
+from calib.ecu.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
+from calib.ecu.native import Native
+from calib.ecu.online import Online, require_plain
 from calib.ecu.width import Width
 from calib.estimation.estimator import estimate
 from calib.estimation.reasons import Reason

@@ -17,8 +17,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.native import Native, samples_of
-from calib.ecu.online import CHANNELS, Online
+from calib.ecu.channels import CHANNELS, samples_of
+from calib.ecu.native import Native
+from calib.ecu.online import Online
 from calib.ecu.width import Width
 from calib.fitting.fit import fit
 from calib.table.exported import Precision, as_exported

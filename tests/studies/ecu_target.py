@@ -15,7 +15,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.native import Native, samples_of
+from calib.ecu.channels import samples_of
+from calib.ecu.native import Native
 from calib.ecu.online import Online
 from calib.ecu.width import Width
 from calib.estimation.reasons import Reason

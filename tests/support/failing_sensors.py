@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.ecu.online import CHANNELS
+from calib.ecu.channels import CHANNELS
 
 LOW, HIGH = np.array([(channel.low, channel.high) for channel in CHANNELS.values()]).T
 NO_NUMBERS = np.array([np.nan, np.inf, -np.inf, 1e30, -1e30, 1e-40, 0.0])
