@@ -65,11 +65,10 @@ def write_fmu(
     StoreError as `require_plain`; ExchangeError for a precision that C does not have; OSError.
     """
     require_plain(table)
-    name, step = prefix(table.vehicle.name), repr(float(sample_time))
+    name, step = f"{prefix(table.vehicle.name)}_{of.name}", repr(float(sample_time))
     files = sources(table, sample_time, width, f"{name}, SHA-256 {table.digest}")
-    for file, place in (
-        ("fmu.h", "fmu.h"), ("model.h", of.header), (f"fmi{version}.c", f"fmi{version}.c")
-    ):  # fmt: skip
+    glue = {file: file for file in ("fmu.h", "fmi.h", f"fmi{version}.c")}
+    for file, place in (glue | {"model.h": f"{of.name}.h"}).items():
         files[file] = (GLUE / place).read_text(encoding="utf-8")
     given = ", ".join(repr(x.start) for x in of.given)
     count = len(of.variables) - len(of.given) - 1
@@ -79,7 +78,7 @@ def write_fmu(
     files["fmu_config.h"] = "".join(f"#define FMU_{key} {x}\n" for key, x in own.items()) + numbers
     described = _described(
         version,
-        name=printable(table.vehicle.name),
+        name=f"{printable(table.vehicle.name)}, {of.name}",
         identifier=name,
         token=token,
         step=step,

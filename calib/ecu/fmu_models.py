@@ -28,12 +28,12 @@ class Variable(NamedTuple):
 
 @dataclass(frozen=True)
 class FmuModel:
-    """``header`` in C that has its steps; ``what`` it is in words; ``variables``.
+    """``name`` of the header in C that has its steps; ``what`` it is in words; ``variables``.
 
     The place of a variable is its reference: what is given, what is told, and last the reason.
     """
 
-    header: str
+    name: str
     what: str
     variables: tuple[Variable, ...]
 
@@ -45,7 +45,7 @@ class FmuModel:
 
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
 ESTIMATOR = FmuModel(
-    "estimator.h",
+    "estimator",
     "Brake torque of each axle, estimated",
     (
         *(Variable(x, c.unit, c.meaning, "input", "continuous", 0.0) for x, c in CHANNELS.items()),
@@ -99,7 +99,7 @@ def car_of(table: Table) -> FmuModel:
     given = ((name, CHANNELS[name]) for name in _CAR)
     told = ((name, CHANNELS[name]) for name in _TOLD)
     return FmuModel(
-        "car.h",
+        "car",
         "The car of the table as calib.simulate has it",
         (
             *(Variable(x, c.unit, c.meaning, "input", "continuous", 0.0) for x, c in given),

@@ -36,12 +36,18 @@ def log():
     return read_log(sample_logs() / "sedan" / "dry_asphalt_stop.csv")
 
 
-@pytest.fixture(scope="module", params=WIDTHS)
+@pytest.fixture(scope="module")
 def code(request, log, tmp_path_factory):
     table = Store(ROOT / "tables").load("sedan-2up").table
     return Code.of(table, log.sample_time, WIDTHS[request.param], tmp_path_factory.mktemp("code"))
 
 
+def of(*widths):
+    """The code in some of the precisions."""
+    return pytest.mark.parametrize("code", widths, indirect=True)
+
+
+@of("double", "int16")
 @pytest.mark.parametrize("cc", BOTH)
 def test_compilers_remark_nothing(code, cc):
     for language in ("c -std=c99", "c -std=c11", "c -std=c17", "c++"):
@@ -49,11 +55,13 @@ def test_compilers_remark_nothing(code, cc):
         called(cc, "-x", *language.split(), "-O1", *STRICT, "-c", *files, folder=code.folder)
 
 
+@of("single")
 @needs("cppcheck")
 def test_what_cppcheck_says_of_misra_is_argued(code):
     assert code.remarks().keys() == ARGUED.keys()
 
 
+@of("double", "int16")
 @pytest.mark.parametrize("cc", BOTH)
 def test_sanitizers_find_nothing_and_answers_stay_finite(code, log, cc):
     checks = (f"-fsanitize={SANITIZERS[cc]}", "-fno-sanitize-recover=all")
@@ -68,8 +76,8 @@ def test_sanitizers_find_nothing_and_answers_stay_finite(code, log, cc):
             assert np.isfinite(told).all()
 
 
+@of("single", "int16")
 @needs_m4f
-@pytest.mark.parametrize("code", ["single", "int16"], indirect=True)
 def test_a_small_ecu_has_the_bits_of_every_compiler_and_room_for_it(code, log):
     samples, table = samples_of(log), Store(ROOT / "tables").load("sedan-2up").table
     on_target = code.on_target(samples)

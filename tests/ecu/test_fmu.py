@@ -97,7 +97,7 @@ def test_another_program_finds_no_fault_in_it(version, model, table, tmp_path):
     about = fmpy.read_model_description(path)
     assert TOLD in about.description
     assert odd.digest.encode() in content
-    assert about.modelName == '<"&\'>   "/* ü'
+    assert about.modelName == f'<"&\'>   "/* ü, {model}'
     assert about.coSimulation.canHandleVariableCommunicationStepSize is False
     units = {x.name: x.unit for x in about.modelVariables}
     assert (units["p_mc"], units["brake_torque_f"], units["reason"]) == ("Pa", "N.m", None)

@@ -32,12 +32,20 @@ typedef struct {
     model model;
 } fmu;
 
-static void start(fmu *x) { x->reason = model_start(&x->model, x->reals, x->reals + GIVEN); }
+static const char *start(fmu *x) {
+    x->reason = model_start(&x->model, x->reals, x->reals + GIVEN);
+    return NULL;
+}
 
-static void reset(fmu *x) {
+static const char *reset(fmu *x) {
     memcpy(x->reals, first_given, sizeof first_given);
     x->time = 0.0;
-    start(x);
+    return start(x);
+}
+
+static const char *begin_at(fmu *x, double time) {
+    x->time = time;
+    return NULL;
 }
 
 static const char *get_reals(const fmu *x, const uint32_t at[], size_t count, double values[]) {
