@@ -134,14 +134,12 @@ def _car(table: Table, sample_time: float, width: Width, told: str, version: int
     for name, x in (("tyre_force", table.tyre.force), ("tyre_slip", table.tyre.slip)):
         values = _initial(x.tolist(), width)
         arrays.append(f"static BTE_CAL bte_real {name}[] = {values};")
-    z, shift, slip, level_z = (_axis(axis.label) for axis in axes)
+    *over, level_z = (_axis(axis.label) for axis in axes)
     of = {(grid.column, len(grid.axes)): _map(grid) for grid in grids}
     members = _numbers(table, sample_time) | {
         "tyre": _axis("tyre_force"),
         "tyre_slip": "tyre_slip",
-        "z": z,
-        "shift": shift,
-        "slip": slip,
+        "axes": over,
         "ratio": [of[name, 3] for name in _RATIO],
         "slip_mean": of[SLIP[0], 2],
         "slip_sigma": of[SLIP[1], 2],

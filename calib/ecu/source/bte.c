@@ -133,41 +133,44 @@ static bte_real width(const bte_axis *axis, bte_real x) {
     return axis->x[place.at + 1U] - axis->x[place.at];
 }
 
-/* A quantity with its bounds over one axis. */
-static void on_line(const bte_map map[BTE_BOUNDS], bte_place at, bte_real out[BTE_BOUNDS]) {
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        const bte_real low = (bte_real)map[b].cells[at.at];
-        const bte_real high = (bte_real)map[b].cells[at.at + 1U];
-        out[b] = map[b].step * (low * (R(1.0) - at.along) + high * at.along);
-    }
-}
-
-/* The corners of the cell of the map of the ratio around a place, with their weights. */
+/* The corners of the cell of a map around a place, with their weights. */
 typedef struct {
-    uint16_t cell[8], row[8]; /* of a map over all axes, and of one without the last */
+    unsigned count, cell[8];
     bte_real weight[8];
 } bte_corners;
 
-static void corners(const bte_car *car, const bte_real at[3], bte_corners *out) {
-    const bte_place z = BTE_FIND(&car->z, at[0]), shift = BTE_FIND(&car->shift, at[1]),
-                    slip = BTE_FIND(&car->slip, at[2]);
-    for (unsigned i = 0; i < 8U; i++) {
-        const unsigned a = i >> 2, b = (i >> 1) & 1U, c = i & 1U;
-        const unsigned row = (z.at + a) * car->shift.count + shift.at + b;
-        out->row[i] = (uint16_t)row;
-        out->cell[i] = (uint16_t)(row * car->slip.count + slip.at + c);
-        out->weight[i] = (a ? z.along : R(1.0) - z.along)
-                         * (b ? shift.along : R(1.0) - shift.along)
-                         * (c ? slip.along : R(1.0) - slip.along);
+/* Over as many axes: each parts what the axes before it have in two. */
+static bte_corners corners(const bte_axis axes[], unsigned many, const bte_real at[]) {
+    bte_corners out;
+    out.count = 1U;
+    out.cell[0] = 0U;
+    out.weight[0] = R(1.0);
+    for (unsigned a = 0; a < many; a++) {
+        const bte_place place = BTE_FIND(&axes[a], at[a]);
+        for (unsigned i = 0; i < out.count; i++) {
+            out.cell[i] = out.cell[i] * axes[a].count + place.at;
+            out.cell[out.count + i] = out.cell[i] + 1U;
+            out.weight[out.count + i] = out.weight[i] * place.along;
+            out.weight[i] *= R(1.0) - place.along;
+        }
+        out.count *= 2U;
     }
+    return out;
 }
 
-static bte_real in_map(const bte_map *map, const uint16_t place[8], const bte_real weight[8]) {
+static bte_real in_map(const bte_map *map, const bte_corners *at) {
     bte_real sum = R(0.0);
-    for (unsigned i = 0; i < 8U; i++) {
-        sum += weight[i] * (bte_real)map->cells[place[i]];
+    for (unsigned i = 0; i < at->count; i++) {
+        sum += at->weight[i] * (bte_real)map->cells[at->cell[i]];
     }
     return map->step * sum;
+}
+
+static void in_maps(const bte_map map[BTE_BOUNDS], const bte_corners *at,
+                    bte_real out[BTE_BOUNDS]) {
+    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
+        out[b] = in_map(&map[b], at);
+    }
 }
 
 /* --- what is remembered: calib/estimation/state.py ------------------------------------------- */
@@ -399,22 +402,19 @@ static bte_real eta_error(const bte_state *s, bte_real shift, bte_real z, bte_re
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
-static void read_ratio(const bte_car *car, const bte_real at[3], const bte_real error[2],
+static void read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES], const bte_real error[2],
                        bte_real out[BTE_BOUNDS]) {
-    const bte_real most[2] = {width(&car->shift, at[1]), R(1.0)};
-    bte_corners cell;
-    corners(car, at, &cell);
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        out[b] = in_map(&car->ratio[b], cell.cell, cell.weight);
-    }
+    const bte_real most[2] = {width(&car->axes[BTE_SHIFT], at[BTE_SHIFT]), R(1.0)};
+    bte_corners cell = corners(car->axes, BTE_MAP_AXES, at);
+    in_maps(car->ratio, &cell, out);
     for (unsigned axis = 0; axis < 2U; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
         bte_real end[2];
         for (unsigned i = 0; i < 2U; i++) {
-            bte_real place[3] = {at[0], at[1], at[2]};
+            bte_real place[BTE_MAP_AXES] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
             place[axis + 1U] += i == 0U ? -step : step;
-            corners(car, place, &cell);
-            end[i] = in_map(&car->ratio[BTE_MEDIAN], cell.cell, cell.weight);
+            cell = corners(car->axes, BTE_MAP_AXES, place);
+            end[i] = in_map(&car->ratio[BTE_MEDIAN], &cell);
         }
         const bte_real more = R(0.5) * Z95 * (error[axis] / step) * (end[1] - end[0]);
         widen(out, more, more);
@@ -487,11 +487,9 @@ static void take(bte_state *s, const bte_block *x) {
     const bool is_new = blocks == R(0.0);
     const bte_real z = is_new ? c->usual_z : s->mean_z;
     const bte_real mean_shift = s->sums[2] / (is_new ? R(1.0) : blocks), shift = mean_shift / z;
-    bte_corners cell;
-    const bte_real middle[3] = {z, shift, R(0.0)};
-    corners(car, middle, &cell);
-    const bte_real usual = in_map(&car->slip_mean, cell.row, cell.weight);
-    const bte_real sigma = in_map(&car->slip_sigma, cell.row, cell.weight);
+    bte_real at[BTE_MAP_AXES] = {z, shift, R(0.0)};
+    const bte_corners row = corners(car->axes, BTE_SLIP, at), at_z = corners(&car->level_z, 1U, at);
+    const bte_real usual = in_map(&car->slip_mean, &row), sigma = in_map(&car->slip_sigma, &row);
     /* slip: one of what was measured and what the map has; what it was off, the scale of a_x was */
     const bte_real known = g->p[SLIP][SLIP], rest = usual - g->x[SLIP];
     const bte_real gain = R(1.0) / (known + square(sigma)), both = g->p[SLIP][SCALE];
@@ -504,20 +502,19 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_real pads = steady * clip(acts, c->least_share, R(1.0) / c->least_share);
     const bte_real noise = largest(s->level.p[LEVEL][LEVEL], R(0.0)) / square(steady);
     const bte_real accelerometer = s->demand.variance / square(z) + scale_variance;
-    const bte_place at_z = BTE_FIND(&car->level_z, z);
     bte_real level[BTE_BOUNDS];
-    on_line(car->level, at_z, level);
+    in_maps(car->level, &at_z, level);
     const bte_real wider = Z95 * root(smallest(noise, R(1.0)) + accelerometer);
     widen(level, wider, wider);
     move_by(level, logarithm(pads * scaled));
     /* ratio */
-    const bte_real first = car->shift.x[0], last = car->shift.x[car->shift.count - 1U];
-    const bool of_map = shift >= first && shift <= last;
+    const bte_axis *shifts = &car->axes[BTE_SHIFT];
+    const bool of_map = shift >= shifts->x[0] && shift <= shifts->x[shifts->count - 1U];
     bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS], unread = R(1.0);
-    const bte_real at[3] = {z, shift, (slip - usual) / sigma};
+    at[BTE_SLIP] = (slip - usual) / sigma;
     const bte_real error[2] = {eta_error(s, mean_shift, z, blocks) / z, slip_sigma / sigma};
     read_ratio(car, at, error, now);
-    on_line(car->before, at_z, prior);
+    in_maps(car->before, &at_z, prior);
     const bte_real read = (now[BTE_UPPER] - now[BTE_LOWER])
                           / (prior[BTE_UPPER] - prior[BTE_LOWER]);
     if (of_map && !is_new && z >= c->least_z && read < R(1.0)) {

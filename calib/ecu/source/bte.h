@@ -81,6 +81,8 @@ enum {
     BTE_ANSWERS
 };
 
+enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
+
 /* A value over rising points. Maps are read linearly between cells and held beyond their ends. */
 typedef struct {
     BTE_CAL bte_real *x;
@@ -137,7 +139,7 @@ typedef struct {
     bte_real ramp_ratio;               /* ln of the pads' ratio on the ramp */
     bte_axis tyre;                     /* normalised force, and the slip at it [1] */
     BTE_CAL bte_real *tyre_slip;
-    bte_axis z, shift, slip;           /* axes of `ratio`; the map of the slip has the first two */
+    bte_axis axes[BTE_MAP_AXES];           /* of `ratio`; the maps of the slip have the first two */
     bte_map ratio[BTE_BOUNDS], slip_mean, slip_sigma;
     bte_axis level_z;                  /* of the level, and of the ratio before eta is read */
     bte_map level[BTE_BOUNDS], before[BTE_BOUNDS];

@@ -11,7 +11,7 @@
 static bte_state state;
 static uint32_t figures[5] = {sizeof(bte_state)};
 
-#ifdef __arm__
+#ifdef __ARM_ARCH_7EM__
 #define CPACR (*(volatile uint32_t *)0xE000ED88U)
 #define SYSTICK ((volatile uint32_t *)0xE000E010U) /* control, reload, value */
 #define FULL 0xFFFFFFU
