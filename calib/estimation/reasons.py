@@ -64,12 +64,9 @@ def disturbances(log: Log, s: Signals, cornering: Array) -> Index:
 def disturbed(locked: Mask | bool, cornering: Array | float, steered: Array | float) -> Index:
     """A `Reason`, or 0, by whether a wheel locks or just has, and by what corners and steers."""
     with np.errstate(invalid="ignore"):
-        shown = {
-            Reason.LOCKED: locked,
-            Reason.CORNERS: ~(np.abs(cornering) < LATERAL),
-            Reason.TURNED: ~(np.abs(steered) < STEERING),
-        }
-    return np.select(list(shown.values()), list(shown), 0)
+        corners, turned = ~(np.abs(cornering) < LATERAL), ~(np.abs(steered) < STEERING)
+    told = np.where(corners, Reason.CORNERS, np.where(turned, Reason.TURNED, 0))
+    return np.where(locked, Reason.LOCKED, told)
 
 
 def _locks(log: Log, s: Signals) -> Mask:
