@@ -75,7 +75,7 @@ def export(
             return _code(stored, out, width, step, prefix, quality=quality, elf=elf)
         if elf or prefix is not None or validation:
             raise misuse("not for an FMU", "--elf, --prefix, --validation")
-        return _fmu(stored, out, width, step, 2 if form.lower() == "fmu2" else 3)
+        return _fmu(stored, out, width, step, form.lower())
     if sample_time is not None:
         raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
     check_file(out)
@@ -119,18 +119,21 @@ def _code(
     return _coded(stored, out, "ecu", width, step, files)
 
 
-def _fmu(stored: "Stored", out: Path, width: "Width", step: float, version: "Version") -> Answer:
-    """Write the same code as an FMU."""
+def _fmu(stored: "Stored", out: Path, width: "Width", step: float, form: str) -> Answer:
+    """Write the same code, or the simulated car, as an FMU."""
     from calib.ecu.fmu import write_fmu
+    from calib.ecu.fmu_models import ESTIMATOR, car_of
     from calib.table.generation import require_maps
 
     require_maps(stored.table, stored.id)
     check_file(out)
     refuse_foreign(out, lambda data: stored.digest.encode() in data)
+    of = car_of(stored.table) if form.startswith("car") else ESTIMATOR
+    version: Version = 2 if form.endswith("2") else 3
     told = f"{stored.id}, {stored.state.words}"
     with writing(out):
-        write_fmu(stored.table, out, step, width, version, told, stored.digest)
-    return _coded(stored, out, f"fmu{version}", width, step, [out])
+        write_fmu(stored.table, out, step, width, version, of, told, stored.digest)
+    return _coded(stored, out, form, width, step, [out])
 
 
 def _coded(

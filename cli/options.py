@@ -89,9 +89,10 @@ def _declared(
 
 def _checked(make: Make | None, known: str) -> Callable[[Any], Any]:
     def checked(value: Any) -> Any:
-        if known:
-            for one in value if isinstance(value, list) else [value]:
-                require_known(one, _known(known))
+        if known and isinstance(value, list):
+            value = [require_known(one, _known(known)) for one in value]
+        elif known:
+            value = require_known(value, _known(known))
         made = _named(make) if isinstance(make, str) else make
         return made(value) if made else value
 
@@ -108,14 +109,16 @@ def _known(place: str) -> list[str]:
     return [str(one) for one in (found() if callable(found) else found)]
 
 
-def require_known(written: str, known: Collection[str], what: str = "") -> None:
-    """Refuse a name that is not known, with the one that may be meant."""
+def require_known(written: str, known: Collection[str], what: str = "") -> str:
+    """A name as it is known, written in capitals or not; refuse another, with the one meant."""
     from calib.base.toml import did_you_mean
 
-    if written not in known:
+    same = [written] if written in known else [x for x in known if x.lower() == written.lower()]
+    if not same:
         near = did_you_mean(written, known)
         hint = f"{near} known:" if near else "known:"
         raise misuse(f"unknown {what}{written!r}; {hint} {', '.join(known)}")
+    return same[0]
 
 
 def _from_settings(name: str, when: Callable[[typer.Context], bool]) -> Callable[..., Any]:

@@ -23,10 +23,11 @@ from calib.base.errors import ExchangeError
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
-from calib.ecu.car_source import PREFIX, car_source, require_time
+from calib.ecu.car_source import CONFIG, PREFIX, SOURCE, require_time, sources
+from calib.ecu.channels import A_X, CHANNELS, FL, limits, samples_of
 from calib.ecu.labels import code_data
-from calib.ecu.native import OUTPUTS, SOURCE, config, samples_of
-from calib.ecu.online import RANGES, Online, Timing
+from calib.ecu.native import OUTPUTS
+from calib.ecu.online import Online, Timing
 from calib.ecu.width import Width
 from calib.exports.addresses import find_addresses
 from calib.exports.write import FORMATS
@@ -102,22 +103,38 @@ def write_bundle(
     state = stored.state.words.replace("*/", "* /")
     about = f"By brake-cal: {stored.id}, digest {stored.digest}, {state}"
     texts = {path.name: path.read_text() for path in sorted(SOURCE.iterdir()) if path.is_file()}
-    texts["bte_config.h"] = config(width)
-    texts["bte_car.c"] = car_source(stored.table, sample_time, width, "$about", stored.version)
+    texts |= sources(stored.table, sample_time, width, "$about", stored.version)
     texts["vectors.h"] = "\n".join(_vectors(samples, told, sample_time, width)) + "\n"
     renamed = {name: _renamed(text, prefix) for name, text in texts.items()}
     renamed["bte_car.c"] = renamed["bte_car.c"].replace("$about", about)
     renamed[README] = Template(renamed[README]).substitute(
         table=stored.id, digest=stored.digest, state=stored.state.words, bits=width.bits,
         cell=width.cell, step=f"{sample_time:g}", ms=f"{1e3 * sample_time:g}_ms".replace(".", "_"),
-        count=len(samples),
+        count=len(samples), inputs="\n".join(_inputs(sample_time)),
     )  # fmt: skip
     files = {_renamed(name, prefix): text.encode() for name, text in renamed.items()}
     files |= _for_tools(stored, width, prefix, quality, elf)
     with workshop(folder) as work:
         for name, content in files.items():
             write_whole(work / name, content)
-        return publish(work, folder, README)
+        return publish(work, folder, README, _of_any_prefix)
+
+
+def _of_any_prefix(folder: Path) -> Iterator[str]:
+    """Files of this program in a folder, whatever their prefix was."""
+    end = _renamed("bte_config.h", "")
+    for config in folder.glob(f"*{end}"):
+        if config.read_bytes().startswith(CONFIG.encode()):
+            for name in names(config.name.removesuffix(end)):
+                if (folder / name).is_file() and OURS in (folder / name).read_bytes():
+                    yield name
+
+
+def _inputs(sample_time: float) -> Iterator[str]:
+    """Rows of a table of what the code reads."""
+    for (name, x), low, high, jump in zip(CHANNELS.items(), *limits(sample_time), strict=True):
+        most = f"{jump:g}" if jump < high - low else ""
+        yield f"| `{name}` | {x.unit} | {low:g} to {high:g} | {most} | {x.meaning} |"
 
 
 def _for_tools(
@@ -150,8 +167,8 @@ def vectors(table: Table, sample_time: float, width: Width) -> tuple[Array, Arra
     log = add_noise(simulate(default_model(car), time, 15e5 * braked, 30.0, name="vectors"), _SEED)
     samples = width.rounded(samples_of(log))
     late = log.time > log.time[-1] - 0.5
-    samples[late, list(RANGES).index("omega_fl")] *= 0.5
-    samples[-5:, list(RANGES).index("a_x")] = 99.0
+    samples[late, FL] *= 0.5
+    samples[-5:, A_X] = 99.0
     return samples, Online(table, sample_time).run(samples)
 
 

@@ -12,13 +12,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
-from calib.ecu.car_source import car_source
-from calib.ecu.online import RANGES, require_plain
+from calib.ecu.car_source import SOURCE, sources
+from calib.ecu.channels import ANSWERS, samples_of
+from calib.ecu.online import require_plain
 from calib.ecu.width import Width
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
@@ -28,9 +30,11 @@ from calib.table.exported import Precision
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
-SOURCE = Path(__file__).parent / "source"
-OUTPUTS = 1 + 3 * 7
-"""Numbers that the code answers with: a reason, and seven quantities with their bounds."""
+OUTPUTS = 1 + 3 * len(ANSWERS)
+"""Numbers that the code answers with: a reason, and `ANSWERS` with their bounds."""
+
+_READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
+"""Fields of a `Readout` by the order of `ANSWERS`."""
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 """Without contraction every compiler gives the same bits."""
@@ -52,21 +56,16 @@ def compiler() -> list[str]:
     return named
 
 
-def config(width: Width) -> str:
-    """bte_config.h."""
-    made = f"#define BTE_FLOAT {width.bits}\n#define BTE_CELL {width.cell}\n"
-    return f"/* The precision of the estimator of brake-cal. */\n{made}"
-
-
 def write_sources(table: Table, sample_time: float, width: Width, folder: Path) -> list[Path]:
-    """Write what is of a car into a folder, and return all files of a program that runs samples.
+    """Write a program that runs samples into a folder, and return the files that are compiled.
 
-    Raises ExchangeError as `car_source`.
+    Raises ExchangeError as `sources`.
     """
-    car = folder / "bte_car.c"
-    (folder / "bte_config.h").write_text(config(width))
-    car.write_text(car_source(table, sample_time, width, "made to be run here"))
-    return [SOURCE / "bte.c", SOURCE / "bte_run.c", car]
+    files = sources(table, sample_time, width, "made to be run here")
+    files["bte_run.c"] = (SOURCE / "bte_run.c").read_text()
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    return [folder / name for name in files if name.endswith(".c")]
 
 
 @dataclass(frozen=True)
@@ -107,14 +106,11 @@ class Native:
 
         The change since the ramp, which the code does not have, stays that of the estimate.
         """
-        told = self.run(samples_of(log)).T
-        parts = (Bounded(*told[i : i + 3]) for i in range(1, OUTPUTS, 3))
-        level, ratio, pads_f, pads_r, torque_f, torque_r, torque_sum = parts
-        return replace(
-            e.ecu, step=e.ecu.step._replace(reason=told[0]),
-            level=level, ratio=ratio, pads_f=pads_f, pads_r=pads_r,
-            torque_f=torque_f, torque_r=torque_r, torque_sum=torque_sum,
-        )  # fmt: skip
+        reason, *told = self.run(samples_of(log)).T
+        parts: dict[str, Any] = {
+            name: Bounded(*told[3 * i : 3 * i + 3]) for i, name in enumerate(_READ_OUT)
+        }
+        return replace(e.ecu, step=e.ecu.step._replace(reason=reason), **parts)
 
 
 def coded(table: Table, how: Precision) -> Coded:
@@ -134,9 +130,3 @@ def coded(table: Table, how: Precision) -> Coded:
         return known[key].readout(e, log)
 
     return run
-
-
-def samples_of(log: Log) -> Array:
-    """What an ECU would read in a log (n, 10), by the channels of `RANGES`."""
-    nothing = np.zeros_like(log.time)
-    return np.stack([log.channels.get(name, nothing) for name in RANGES], axis=1)

@@ -27,6 +27,9 @@ from calib.run.blocks import Blocks, block_balance
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
 
+SLOWEST = 0.3
+"""Least speed of the rims that counts [m/s]."""
+
 
 class Bounded(NamedTuple):
     """A quantity with its 95 % interval, (n,) each."""
@@ -156,7 +159,7 @@ def given(table: Table, b: Blocks, disturbed: Index, *, with_v: bool) -> Sample[
         pressure=np.maximum(b.p_f, b.p_r),
         z=b.z,
         eta=b.eta / speed_ratio(*driven),
-        rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - driven[0]), 0.3),
+        rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - driven[0]), SLOWEST),
         rear_share=road.load_r / car.weight,
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,
         disturbed=disturbed.astype(np.float64),

@@ -58,13 +58,15 @@ def disturbances(log: Log, s: Signals, cornering: Array) -> Index:
     0 where neither is so. ``cornering`` the lateral acceleration [m/s^2] (n,).
     """
     steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
+    return disturbed(since(s.time, _locks(log, s)) <= RECOVER, cornering, steered)
+
+
+def disturbed(locked: Mask | bool, cornering: Array | float, steered: Array | float) -> Index:
+    """A `Reason`, or 0, by whether a wheel locks or just has, and by what corners and steers."""
     with np.errstate(invalid="ignore"):
-        shown = {
-            Reason.LOCKED: since(s.time, _locks(log, s)) <= RECOVER,
-            Reason.CORNERS: ~(np.abs(cornering) < LATERAL),
-            Reason.TURNED: ~(np.abs(steered) < STEERING),
-        }
-    return np.select(list(shown.values()), list(shown), 0)
+        corners, turned = ~(np.abs(cornering) < LATERAL), ~(np.abs(steered) < STEERING)
+    told = np.where(corners, Reason.CORNERS, np.where(turned, Reason.TURNED, 0))
+    return np.where(locked, Reason.LOCKED, told)
 
 
 def _locks(log: Log, s: Signals) -> Mask:
@@ -76,5 +78,10 @@ def _locks(log: Log, s: Signals) -> Mask:
         fastest = np.maximum(fastest, per_speed * s.v)
     slows = HARDEST / NOMINAL_RADIUS * s.time
     fastest = np.maximum.accumulate(fastest + slows) - slows
-    apart = fastest - wheels.min(axis=0) > LOCK * np.maximum(fastest, 1.0)
+    return locks(fastest, wheels.min(axis=0))
+
+
+def locks(fastest: Array | float, slowest: Array | float) -> Mask:
+    """Whether wheels [rad/s] (n,) depart from each other as only ABS or a locked wheel does."""
+    apart = fastest - slowest > LOCK * np.maximum(fastest, 1.0)
     return np.asarray(apart & (fastest > MOVING / NOMINAL_RADIUS))

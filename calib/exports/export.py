@@ -20,8 +20,9 @@ from calib.store.version import Stored
 ENDINGS = {name: form.ending for name, form in FORMATS.items()}
 """Ending of the file name by format."""
 
-CODES = ("ecu", "fmu2", "fmu3")
-"""Formats of the estimator as C: a folder for an ECU, an FMU of FMI 2.0 or 3.0, see `calib.ecu`."""
+CODES = ("ecu", "fmu2", "fmu3", "car-fmu2", "car-fmu3")
+"""Formats that are C, see `calib.ecu`: the estimator for an ECU, as an FMU of FMI 2.0 or 3.0, and
+an FMU of the simulated car, whose sensors that one reads."""
 
 
 def _form_of(path: Path, written: str | None) -> str:

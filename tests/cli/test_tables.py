@@ -22,6 +22,7 @@ def test_the_list_has_every_version_and_its_filters(tables, two):
     assert [line.split()[0] for line in lines[1:]] == [row["id"] for row in rows]
     for words, count in (
         (("--state", "draft"), 2),
+        (("--state", "Draft"), 2),
         (("--since", "2999-01-01"), 0),
         (("--serial", "0"), 0),
     ):

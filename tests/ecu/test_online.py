@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from calib.base.errors import StoreError
-from calib.base.names import WHEELS
 from calib.car.effects.effects import Effects
-from calib.ecu.native import Native, samples_of
-from calib.ecu.online import RANGES, Online, require_plain
+from calib.ecu.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
+from calib.ecu.native import Native
+from calib.ecu.online import Online, require_plain
 from calib.ecu.width import Width
 from calib.estimation.estimator import estimate
 from calib.estimation.reasons import Reason
@@ -24,14 +24,13 @@ from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 pytestmark = needs_cc
 
 STEP = 0.005
-P_MC, A_X, FL, *_, STEERING, DRIVEN, _, _ = range(len(RANGES))
-REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, TORQUE_R, SUM = 0, *range(1, 22, 3)
-DOUBLE = Width(64, Precision())
+REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, *_ = 0, *range(1, 22, 3)
+VALID, FAULT, LOCKED = {Reason.VALID}, {Reason.FAULT}, {Reason.LOCKED}
 
 
 @pytest.fixture(scope="module")
 def native(fitted):
-    return Native(fitted, STEP, DOUBLE)
+    return Native(fitted, STEP, Width(64, Precision()))
 
 
 @pytest.fixture(scope="module")
@@ -46,20 +45,6 @@ def both(fitted, native):
         return python
 
     return run
-
-
-@pytest.fixture(scope="module")
-def drive_on():
-    """A coast, a stop to 12 m/s, a release, and a second stop with other pads, on a plant."""
-
-    def pressure(t):
-        return 20e5 * (3.0 < t < 5.0) + 14e5 * (t > 7.5)
-
-    def pads(t):
-        return (0.38, 0.38) if t < 6.0 else (0.25, 0.25)
-
-    run = drive(replace(REAL, pads=pads), pressure, 32.0, duration=10.0, rate=200.0, stop_speed=2.0)
-    return noisy(as_log(run, "twice"), 3)
 
 
 def test_a_log_gives_sample_by_sample_what_it_gives_as_a_whole(fitted, both):
@@ -85,118 +70,125 @@ def test_c_equals_python_as_the_table_is_exported(fitted, name, how):
     assert told == pytest.approx(right, rel=near)
 
 
-def test_a_second_stop_with_other_pads(drive_on, both):
-    told, time = both(samples_of(drive_on)), drive_on.time
-    for at, true in ((4.9, 0.38), (9.4, 0.25)):
-        i = np.searchsorted(time, at)
-        assert told[i, REASON] == Reason.VALID
-        assert told[i, FRONT + 1] < true < told[i, FRONT + 2]
-        assert told[i, FRONT] == pytest.approx(true, rel=0.05)
-        torque = CAR.front.torque_gain * true * drive_on["p_mc"][i]
-        assert told[i, TORQUE_F] == pytest.approx(torque, rel=0.06)
-    between = (time > 5.2) & (time < 7.4)
-    assert set(told[between, REASON]) <= {Reason.NOT_BRAKED}
+def put(begin, end, channels, value):
+    """Makes readings ``value`` between two times; a function gets them with their times."""
+
+    def spoil(x, t):
+        at = (t > begin) & (t < end)
+        x[at, channels] = value(x[at, channels], t[at]) if callable(value) else value
+        return x, t
+
+    return spoil
 
 
-def test_a_reset_while_braking_answers_with_bounds_that_hold_the_pads(drive_on, both):
-    told = both(samples_of(drive_on)[drive_on.time > 4.0])
-    i = round(0.9 / STEP)
-    assert told[i, REASON] == Reason.VALID
-    assert told[i, FRONT + 1] < 0.38 < told[i, FRONT + 2]
-    whole = both(samples_of(drive_on))[np.searchsorted(drive_on.time, 4.9)]
-    reset, known = (x[RATIO + 2] / x[RATIO + 1] for x in (told[i], whole))
-    assert reset > known  # without a coast eta has no zero
+def locking(x, t):
+    return x * np.clip(1.0 - (t - 4.0) / 0.15, 0.0, 1.0)[:, None]
 
 
-def spoiled(how, samples, time):
-    """Samples with one of the mistakes of a bus."""
-    wheels, out = slice(FL, FL + 4), samples.copy()
-    at = int(np.searchsorted(time, 2.0))
-    if how == "no number at first":
-        out[time < 1.0, :6] = np.nan
-    elif how == "nothing at first":
-        out[time < 1.0, wheels] = 0.0
-    elif how == "wheels drop out":
-        out[(time > 3.5) & (time < 4.2), wheels] = np.nan
-    elif how == "a wheel reads zero once":
-        out[at, FL] = 0.0
-    elif how == "wheels read double once":
-        out[int(np.searchsorted(time, 4.0)), wheels] *= 2.0
-    elif how == "a_x reads the range once":
-        out[int(np.searchsorted(time, 4.0)), A_X] = -29.9
-    return out
+def jittering(x, t):
+    """Every 30th sample is missing, every 37th is read twice."""
+    rows = np.repeat(np.arange(len(t)), 1 + (np.arange(len(t)) % 37 == 36))
+    rows = rows[rows % 30 != 29]
+    return x[rows], t[rows]
 
 
-@pytest.mark.parametrize(
-    "how",
-    [
-        *("no number at first", "nothing at first", "wheels drop out"),
-        *("a wheel reads zero once", "wheels read double once", "a_x reads the range once"),
-    ],
-)
-def test_a_mistake_of_the_bus_leaves_the_bounds_true(drive_on, both, how):
-    told, time = both(spoiled(how, samples_of(drive_on), drive_on.time)), drive_on.time
-    valid = (told[:, REASON] == Reason.VALID) & (time < 5.0)
-    assert np.count_nonzero(valid) > 50
-    for place in (FRONT, REAR):
-        low, high = told[valid, place + 1], told[valid, place + 2]
-        assert np.mean((low < 0.38) & (high > 0.38)) > 0.95
-    assert Reason.FAULT in told[:, REASON]
+def coasting(x, t):
+    """A minute and a half of coasting before it."""
+    coast = np.tile(x[t < 2.9], (30, 1))
+    return np.vstack([coast, x]), STEP * (np.arange(len(coast) + len(x)) - len(coast))
 
 
-def test_all_wheels_that_lock_at_once_are_seen_by_their_deceleration(drive_on, both):
-    samples, time = samples_of(drive_on), drive_on.time
-    locks = (time > 4.0) & (time < 4.5)
-    left = np.clip(1.0 - (time[locks] - 4.0) / 0.15, 0.0, 1.0)
-    samples[locks, FL : FL + 4] *= left[:, None]
-    told = both(samples)
-    assert set(told[(time > 4.1) & (time < 5.0), REASON]) <= {Reason.LOCKED, Reason.FAULT}
-
-
-@pytest.mark.parametrize(
-    ("channel", "value"),
-    [(A_X, np.nan), (A_X, 99.0), (P_MC, -2e6), (FL, np.inf), (FL, -np.inf), (P_MC, np.nan)],
-)
-def test_a_sensor_that_fails_is_told_and_the_pads_stay(drive_on, both, channel, value):
-    samples = samples_of(drive_on)
-    fails = (drive_on.time > 4.2) & (drive_on.time < 4.5)
-    samples[fails, channel] = value
-    told = both(samples)
-    assert set(told[fails, REASON]) == {Reason.FAULT}
-    before, last = np.flatnonzero(fails)[[0, -1]] + (-1, 0)
-    assert told[last, FRONT] == pytest.approx(told[before, FRONT], rel=0.02)
-    assert told[np.searchsorted(drive_on.time, 4.9), REASON] == Reason.VALID
-
-
-def test_an_accelerometer_that_is_frozen_is_told_once_the_pressure_moves(drive_on, both):
-    samples = samples_of(drive_on)
-    frozen = drive_on.time > 2.5
-    samples[frozen, A_X] = samples[np.flatnonzero(frozen)[0], A_X]
-    told = both(samples)
-    assert set(told[(drive_on.time > 3.2) & (drive_on.time < 4.9), REASON]) == {Reason.FAULT}
-    assert Reason.FAULT not in told[drive_on.time < 2.9, REASON]
-
-
-def test_a_wheel_that_locks_counts_for_a_second_after_it(drive_on, both):
-    samples = samples_of(drive_on)
-    samples[(drive_on.time > 3.6) & (drive_on.time < 3.8), FL] *= 0.5
-    told = both(samples)
-    assert told[np.searchsorted(drive_on.time, 4.7), REASON] == Reason.LOCKED
-    assert told[np.searchsorted(drive_on.time, 4.95), REASON] == Reason.VALID
-
-
-def test_steering_standstill_and_reverse_have_their_reasons(drive_on, both):
-    braked = samples_of(drive_on)
-    braked[drive_on.time > 4.0, STEERING] = 0.2
-    assert both(braked)[np.searchsorted(drive_on.time, 4.9), REASON] == Reason.TURNED
-    rests = np.zeros((400, len(RANGES)))
-    rests[100:, P_MC] = 10e5
-    rests[250:, FL : FL + len(WHEELS)] = -5.0
-    assert set(both(rests)[120:, REASON]) == {Reason.SLOW}
+ONCE, BITE = (3.999, 4.001), (4.2, 4.5)
+LIFE = {
+    "two stops": (put(0, 0, P_MC, 0), {(5.2, 7.4): {Reason.NOT_BRAKED}}),
+    "reset while braking": (lambda x, t: (x[t > 4.0], t[t > 4.0]), {}),
+    "calls that come late or twice": (jittering, {}),
+    "a long coast": (coasting, {}),
+    "no number at first": (put(-1, 1, slice(6), np.nan), {(-1, 1): FAULT}),
+    "nothing at first": (put(-1, 1, OMEGA, 0), {(0.999, 1.001): FAULT}),
+    "wheels drop out": (put(3.5, 4.2, OMEGA, np.nan), {(3.5, 4.2): FAULT}),
+    "a wheel reads zero once": (put(1.999, 2.001, FL, 0), {(1.999, 2.001): FAULT}),
+    "wheels read double once": (put(*ONCE, OMEGA, lambda x, t: 2.0 * x), {ONCE: FAULT}),
+    "a_x reads the range once": (put(*ONCE, A_X, -29.9), {ONCE: FAULT}),
+    "a_x no number": (put(*BITE, A_X, np.nan), {BITE: FAULT}),
+    "a_x out of range": (put(*BITE, A_X, 99.0), {BITE: FAULT}),
+    "pressure out of range": (put(*BITE, P_MC, -2e6), {BITE: FAULT}),
+    "pressure no number": (put(*BITE, P_MC, np.nan), {BITE: FAULT}),
+    "wheel infinite": (put(*BITE, FL, np.inf), {BITE: FAULT}),
+    "wheel minus infinite": (put(*BITE, FL, -np.inf), {BITE: FAULT}),
+    "a_x is frozen once the pressure moves": (
+        put(2.5, 99, A_X, lambda x, t: x[0]), {(3.2, 4.9): FAULT, (0, 2.9): {Reason.NOT_BRAKED}},
+    ),
+    "a wheel locks, and for 1 s after": (
+        put(3.6, 3.8, FL, lambda x, t: 0.5 * x), {(3.9, 4.79): LOCKED, (4.9, 4.99): VALID},
+    ),
+    "all wheels lock at once": (put(4, 4.5, OMEGA, locking), {(4.1, 5.0): LOCKED | FAULT}),
+    "steered": (put(4, 5, STEERING, 0.2), {(4.1, 5.0): {Reason.TURNED}}),
+}  # fmt: skip
+"""What happens to the samples of `drive_on`; the reasons that are told between two times [s]."""
+SPOILT = {*list(LIFE)[-4:]}
+"""Of which nothing is known at the end of the first stop."""
 
 
 @pytest.fixture(scope="module")
-def from_gas():
+def drive_on():
+    """A coast, a stop to 12 m/s, a release, and a second stop with other pads, on a plant."""
+
+    def pressure(t):
+        return 20e5 * (3.0 < t < 5.0) + 14e5 * (t > 7.5)
+
+    def pads(t):
+        return (0.38, 0.38) if t < 6.0 else (0.25, 0.25)
+
+    run = drive(replace(REAL, pads=pads), pressure, 32.0, duration=10.0, rate=200.0, stop_speed=2.0)
+    return noisy(as_log(run, "twice"), 3)
+
+
+@pytest.mark.parametrize("what", LIFE)
+def test_whatever_happens_a_valid_answer_has_the_pads_in_its_bounds(what, drive_on, both):
+    spoil, expected = LIFE[what]
+    x, time = spoil(samples_of(drive_on), drive_on.time.copy())
+    told = both(x)
+    for (begin, end), reasons in expected.items():
+        found = set(told[(time > begin) & (time < end), REASON])
+        assert found
+        assert found <= reasons
+    for first, last, true in ((3.0, 5.0, 0.38), (7.5, 10.0, 0.25)):
+        valid = (told[:, REASON] == Reason.VALID) & (time > first) & (time < last)
+        for place in (FRONT, REAR):
+            low, high = told[valid, place + 1], told[valid, place + 2]
+            assert not valid.any() or np.mean((low < true) & (high > true)) > 0.95
+        if what in SPOILT:
+            break
+        i = np.searchsorted(time, last - 0.1 - 0.5 * (last > 9.0))
+        assert told[i, REASON] == Reason.VALID
+        assert told[i, FRONT] == pytest.approx(true, rel=0.05)
+        torque = CAR.front.torque_gain * true * x[i, P_MC]
+        assert told[i, TORQUE_F] == pytest.approx(torque, rel=0.06)
+
+
+def test_the_pads_stay_while_a_sensor_fails(drive_on, both):
+    told = both(put(*BITE, A_X, np.nan)(samples_of(drive_on), drive_on.time)[0])
+    before, last = np.searchsorted(drive_on.time, BITE) - 1
+    assert told[last, FRONT] == pytest.approx(told[before, FRONT], rel=0.02)
+
+
+def test_a_reset_while_braking_has_wider_bounds(drive_on, both):
+    whole, late = both(samples_of(drive_on)), drive_on.time > 4.0
+    reset = both(samples_of(drive_on)[late])
+    at = np.searchsorted(drive_on.time, 4.9)
+    known, now = whole[at], reset[at - np.flatnonzero(late)[0]]
+    assert now[RATIO + 2] / now[RATIO + 1] > known[RATIO + 2] / known[RATIO + 1]
+
+
+def test_standstill_and_reverse_have_their_reasons(both):
+    rests = np.zeros((400, len(CHANNELS)))
+    rests[100:, P_MC] = 10e5
+    rests[250:, OMEGA] = -5.0
+    assert set(both(rests)[120:, REASON]) == {Reason.SLOW}
+
+
+def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(both):
     """A coast, 0.04 g of thrust on the front axle until the brake is applied, and a stop."""
 
     def motor(t):
@@ -206,58 +198,30 @@ def from_gas():
         return 20e5 * min(max((t - 4.05) / 0.2, 0.0), 1.0)
 
     run = drive(replace(REAL, motor=motor), pressure, 28.0, duration=6.5)
-    return noisy(as_log(run, "from gas"), 4)
-
-
-def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(from_gas, both):
-    samples = samples_of(without(from_gas, "T_drive_f", "T_drive_r"))
+    log = noisy(as_log(run, "from gas"), 4)
+    samples = samples_of(without(log, "T_drive_f", "T_drive_r"))
     unknown = both(samples)[-1]
-    samples[(from_gas.time > 1.4) & (from_gas.time < 4.0), DRIVEN] = 1.0
-    for known in (both(samples)[-1], both(samples_of(from_gas))[-1]):  # the pedal, the torque
+    samples[(log.time > 1.4) & (log.time < 4.0), DRIVEN] = 1.0
+    for known in (both(samples)[-1], both(samples_of(log))[-1]):  # the pedal, the torque
         for place in (FRONT, REAR):
             assert known[place + 1] < 0.38 < known[place + 2]
         assert known[LEVEL] == pytest.approx(1.0, abs=0.02)
     assert unknown[LEVEL] > 1.04  # the thrust is taken for a zero of a_x
 
 
-def test_calls_that_come_late_or_twice_leave_the_bounds_true(drive_on, both):
-    """Every 30th sample is missing, every 37th is read twice: a task that jitters."""
-    samples = samples_of(drive_on)
-    rows = np.repeat(np.arange(len(samples)), 1 + (np.arange(len(samples)) % 37 == 36))
-    rows = rows[rows % 30 != 29]
-    told, time = both(samples[rows]), drive_on.time[rows]
-    for at, true in ((4.9, 0.38), (9.4, 0.25)):
-        i = np.searchsorted(time, at)
-        assert told[i, REASON] == Reason.VALID
-        assert told[i, FRONT + 1] < true < told[i, FRONT + 2]
-
-
-def test_hours_without_a_brake_make_no_number_that_is_not_finite(drive_on, both):
-    samples = samples_of(drive_on)
-    coast = samples[drive_on.time < 2.9]
-    told = both(np.concatenate([np.tile(coast, (30, 1)), samples[drive_on.time < 4.95]]))
-    assert told[-1, REASON] == Reason.VALID
-    assert told[-1, FRONT + 1] < 0.38 < told[-1, FRONT + 2]
-
-
 def test_another_table_is_taken_at_rest_only(fitted, native):
-    online = Online(fitted, STEP)
-    rolls = dict.fromkeys(RANGES, 0.0) | {f"omega_{w}": 60.0 for w in WHEELS}
-    online.step(rolls)
-    assert not online.exchange(fitted)
-    assert online.last == rolls
-    for _ in range(2):  # the first one is a jump
-        online.step(dict.fromkeys(RANGES, 0.0))
-    assert online.exchange(fitted)
-    assert not online.begun
-    code, state, out = native.library, create_string_buffer(4096), create_string_buffer(1024)
-    car = addressof(c_char.in_dll(code, "bte_this_car"))
-    code.bte_init(state, c_void_p(car))
-    for speed, taken in ((60.0, 0), (0.0, 1)):
-        sample = (c_double * len(RANGES))(0.0, 0.0, *4 * [speed], *4 * [0.0])
-        for _ in range(2):
-            code.bte_step(state, sample, out)
-        assert code.bte_exchange(state, c_void_p(car)) == taken
+    online, code = Online(fitted, STEP), native.library
+    state, out = create_string_buffer(4096), create_string_buffer(1024)
+    car = c_void_p(addressof(c_char.in_dll(code, "bte_this_car")))
+    code.bte_init(state, car)
+    for speed, taken in ((60.0, False), (0.0, True)):
+        x = np.zeros(len(CHANNELS))
+        x[OMEGA] = speed
+        for _ in range(2):  # the first one is a jump
+            online.step(x)
+            code.bte_step(state, (c_double * len(x))(*x), out)
+        assert online.exchange(fitted) == code.bte_exchange(state, car) == taken
+        assert online.begun != taken
 
 
 def test_a_car_with_an_effect_that_the_code_does_not_take_out_is_refused(fitted):

@@ -17,8 +17,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.native import Native, samples_of
-from calib.ecu.online import RANGES, Online
+from calib.ecu.channels import CHANNELS, samples_of
+from calib.ecu.native import Native
+from calib.ecu.online import Online
 from calib.ecu.width import Width
 from calib.fitting.fit import fit
 from calib.table.exported import Precision, as_exported
@@ -87,7 +88,7 @@ def compared(seed: int) -> Found:
     run = drive(plant, pressure, rng.uniform(12.0, 40.0), duration=7.0, rate=1.0 / step)
     samples = samples_of(noisy(as_log(run), seed))
     if rng.random() < 0.3:
-        i, k = rng.integers(len(samples)), rng.integers(len(RANGES))
+        i, k = rng.integers(len(samples)), rng.integers(len(CHANNELS))
         samples[i : i + 40, k] = rng.choice([np.nan, 1e9, 0.5 * samples[i, k]])
     worst, other, reasons = {}, {}, Counter[int]()
     for name, how in HOW.items():

@@ -6,11 +6,8 @@ Needs arm-none-eabi-gcc with newlib, qemu-system-arm, gcc, and cppcheck with its
 counts instructions, not cycles. A remark whose rule has no argument here ends the study with 1.
 """
 
-import re
 import shutil
-import subprocess
 import sys
-from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,7 +15,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.native import SOURCE, Native, samples_of
+from calib.ecu.channels import samples_of
+from calib.ecu.native import Native
 from calib.ecu.online import Online
 from calib.ecu.width import Width
 from calib.estimation.reasons import Reason
@@ -27,7 +25,7 @@ from calib.store.store import Store
 from calib.table.exported import Precision
 from calib.table.table import Table
 from tests.studies.study import arguments
-from tests.support.ecu_code import M4F, Code
+from tests.support.ecu_code import ARGUED, M4F, Code
 from tests.support.failing_sensors import WAYS, failing
 
 ROOT = Path(__file__).parents[2]
@@ -44,16 +42,6 @@ WIDTHS = {
 }
 ON_TARGET = ("ramp_wet_asphalt", "dry_asphalt_stop", "transition_dry_to_basalt")
 
-ARGUED = {
-    "2.4": "the enumerations have no tags; their constants are used",
-    "8.7": "functions of the interface, which an ECU calls from its own files",
-    "12.1": "products before sums and comparisons before `&&`, as in the formulas of the paper; "
-    "where it could be misread, gcc and clang remark with -Wall, and they do not",
-    "12.3": "several variables or members of one kind in one declaration; no comma operator",
-    "21.15": "the bits of a floating-point number, in the way that C defines: memcpy",
-}
-"""Why the remarks of a rule of MISRA C:2012 stay."""
-
 
 def table_of(name: str) -> Table:
     """A table of the repository's store."""
@@ -69,8 +57,8 @@ def on_target() -> None:
         logs = [read_log(ROOT / "sample_logs" / "sedan" / f"{name}.csv") for name in ON_TARGET]
         given = {log.name: samples_of(log) for log in logs}
         for seed, way in enumerate(WAYS) if width.bits == 32 and not width.how.bits else ():
-            finite = np.nan_to_num(failing(given[logs[1].name], seed), nan=1e30, posinf=1e30)
-            given[f"sensors fail: {way.__name__.replace('_', ' ')}"] = np.maximum(finite, -1e30)
+            name = f"sensors fail: {way.__name__.replace('_', ' ')}"
+            given[name] = failing(given[logs[1].name], seed)
         for name, samples in given.items():
             with TemporaryDirectory() as folder:
                 code = Code.of(table, logs[0].sample_time, width, Path(folder))
@@ -103,12 +91,8 @@ def from_python() -> None:
 def remarks() -> bool:
     """Print the remarks of cppcheck by rule; whether each rule has an argument."""
     with TemporaryDirectory() as name:
-        code = Code.of(table_of("sedan-2up"), 0.005, WIDTHS["float32, all rows"], Path(name))
-        command = ["cppcheck", "--addon=misra", "--std=c99", "--quiet", *code.include]
-        done = subprocess.run(
-            [*command, SOURCE / "bte.c"], cwd=name, capture_output=True, text=True
-        )
-    rules = Counter(re.findall(r"\[misra-c2012-([\d.]+)\]", done.stderr))
+        width = WIDTHS["float32, all rows"]
+        rules = Code.of(table_of("sedan-2up"), 0.005, width, Path(name)).remarks()
     print("\n| rule | remarks | why they stay |\n|---|---|---|")
     for rule in sorted(rules, key=lambda rule: tuple(map(int, rule.split(".")))):
         print(f"| {rule} | {rules[rule]} | {ARGUED.get(rule, 'not argued')} |")

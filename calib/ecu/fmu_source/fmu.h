@@ -1,6 +1,9 @@
-/* One instance of an FMU: its numbers by reference, and its steps. fmi2.c and fmi3.c call it.
+/* One instance of an FMU: its numbers by reference, and its steps. fmi2.c and fmi3.c call it, and
+ * model.h, which is estimator.h or car.h, has what it is of:
  *
- * A function returns NULL, or what is wrong; then nothing has changed.
+ *     model_start(model, given, told), model_step(model, given, told)     both return the reason
+ *
+ * A function here returns NULL, or what is wrong; then nothing has changed.
  */
 #ifndef FMU_H
 #define FMU_H
@@ -9,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bte.h"
-#include "fmu_config.h" /* FMU_NAME, FMU_TOKEN, FMU_SAMPLE_TIME [s] */
+#include "fmu_config.h" /* FMU_NAME, FMU_TOKEN, FMU_SAMPLE_TIME [s], FMU_TOLD, first_given */
+#include "model.h"
 
 #ifdef __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-parameter" /* the parameters are those of the standard */
@@ -19,29 +22,30 @@
 #define TEXT_OF(x) #x
 #define TEXT(x) TEXT_OF(x)
 
-/* References: the members of bte_sample, those of bte_output from `level` on, the reason, time. */
-enum { INPUTS = 10, OUTPUTS = 21, REASON = INPUTS + OUTPUTS, TIME };
+/* References: inputs and parameters, outputs, the reason, time. */
+enum { GIVEN = sizeof first_given / sizeof first_given[0], REASON = GIVEN + FMU_TOLD, TIME };
 
 typedef struct {
-    bte_real reals[INPUTS + OUTPUTS];
-    bte_reason reason;
+    double reals[REASON];
+    int32_t reason;
     double time; /* [s] */
-    bte_state state;
+    model model;
 } fmu;
 
-static void keep_told(fmu *x, const bte_output *told) {
-    const char *reals = (const char *)told + offsetof(bte_output, level);
-    memcpy(x->reals + INPUTS, reals, OUTPUTS * sizeof(bte_real));
-    x->reason = told->reason;
+static const char *start(fmu *x) {
+    x->reason = model_start(&x->model, x->reals, x->reals + GIVEN);
+    return NULL;
 }
 
-static void start(fmu *x) {
-    bte_output told;
-    memset(x->reals, 0, sizeof x->reals);
-    bte_init(&x->state, &bte_this_car);
-    bte_told(&x->state, (bte_real)0.0, &told);
-    keep_told(x, &told);
+static const char *reset(fmu *x) {
+    memcpy(x->reals, first_given, sizeof first_given);
     x->time = 0.0;
+    return start(x);
+}
+
+static const char *begin_at(fmu *x, double time) {
+    x->time = time;
+    return NULL;
 }
 
 static const char *get_reals(const fmu *x, const uint32_t at[], size_t count, double values[]) {
@@ -49,7 +53,7 @@ static const char *get_reals(const fmu *x, const uint32_t at[], size_t count, do
         if (at[i] >= REASON && at[i] != TIME) {
             return "no real variable has this value reference";
         }
-        values[i] = at[i] == TIME ? x->time : (double)x->reals[at[i]];
+        values[i] = at[i] == TIME ? x->time : x->reals[at[i]];
     }
     return NULL;
 }
@@ -59,19 +63,19 @@ static const char *get_reason(const fmu *x, const uint32_t at[], size_t count, i
         if (at[i] != REASON) {
             return "no integer variable has this value reference";
         }
-        values[i] = (int32_t)x->reason;
+        values[i] = x->reason;
     }
     return NULL;
 }
 
 static const char *set_reals(fmu *x, const uint32_t at[], size_t count, const double values[]) {
     for (size_t i = 0; i < count; i++) {
-        if (at[i] >= INPUTS) {
-            return "no input has this value reference";
+        if (at[i] >= GIVEN) {
+            return "no input or parameter has this value reference";
         }
     }
     for (size_t i = 0; i < count; i++) {
-        x->reals[at[i]] = (bte_real)values[i];
+        x->reals[at[i]] = values[i];
     }
     return NULL;
 }
@@ -83,13 +87,9 @@ static const char *advance(fmu *x, double time, double length) {
     if (steps == 0U || exact - steps > 1e-6 || exact - steps < -1e-6) {
         return "the communication step is no multiple of " TEXT(FMU_SAMPLE_TIME) " s";
     }
-    bte_sample sample;
-    bte_output told;
-    memcpy(&sample, x->reals, sizeof sample);
     for (uint32_t i = 0; i < steps; i++) {
-        bte_step(&x->state, &sample, &told);
+        x->reason = model_step(&x->model, x->reals, x->reals + GIVEN);
     }
-    keep_told(x, &told);
     x->time = time + length;
     return NULL;
 }

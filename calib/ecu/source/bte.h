@@ -8,9 +8,8 @@
  * one `bte_state`.
  *
  *     static bte_state state;
- *     bte_output out;
- *     bte_init(&state, &bte_this_car);            at power-on, and after a reset
- *     bte_step(&state, &sample, &out);            once every `sample_time` of the car
+ *     bte_init(&state, &bte_this_car);                 at power-on, and after a reset
+ *     bte_reason reason = bte_step(&state, x, y);      once every `sample_time` of the car
  */
 #ifndef BTE_H
 #define BTE_H
@@ -56,28 +55,33 @@ typedef enum {
 
 enum { BTE_FL, BTE_FR, BTE_RL, BTE_RR, BTE_WHEELS };
 enum { BTE_FRONT, BTE_REAR, BTE_AXLES };
+
+/* What the sensors read at one time, x[BTE_INPUTS]; bte_car.c has their ranges. */
+enum {
+    BTE_P_MC,                                   /* master-cylinder pressure [Pa] */
+    BTE_A_X,                                    /* acceleration, forward positive [m/s^2] */
+    BTE_OMEGA,                                  /* wheel speeds, BTE_OMEGA + BTE_FL .. [rad/s] */
+    BTE_STEERING = BTE_OMEGA + BTE_WHEELS,      /* at the driver's wheel [rad]; 0 if unknown */
+    BTE_DRIVEN,                                 /* 1 while the accelerator is pressed; 0 unknown */
+    BTE_DRIVE,                                  /* torque of engine or motor at both wheels of an
+                                                   axle [N m], negative where it slows; 0 unknown */
+    BTE_INPUTS = BTE_DRIVE + BTE_AXLES
+};
+
+/* What is answered, y[BTE_ANSWERS][BTE_BOUNDS]: medians with 95 % bounds, finite at any reason. */
 enum { BTE_MEDIAN, BTE_LOWER, BTE_UPPER, BTE_BOUNDS };
+enum {
+    BTE_LEVEL,          /* brake torque over that of filed pads [1] */
+    BTE_RATIO,          /* front pads over rear pads [1] */
+    BTE_PAD_FRICTION_F, /* [1] */
+    BTE_PAD_FRICTION_R,
+    BTE_BRAKE_TORQUE_F, /* of one wheel of the axle [N m] */
+    BTE_BRAKE_TORQUE_R,
+    BTE_BRAKE_TORQUE_SUM, /* of all wheels [N m] */
+    BTE_ANSWERS
+};
 
-/* What the sensors read at one time. */
-typedef struct {
-    bte_real p_mc;              /* master-cylinder pressure [Pa], -1e6 to 4e7 */
-    bte_real a_x;               /* acceleration, forward positive [m/s^2], -30 to 30 */
-    bte_real omega[BTE_WHEELS]; /* wheel speeds [rad/s], -50 to 500 */
-    bte_real steering;          /* angle at the driver's wheel [rad]; 0 where nobody measures it */
-    bte_real driven;            /* 1 while the accelerator is pressed, 0 else and if nobody knows */
-    bte_real drive[BTE_AXLES];  /* torque of engine or motor at both wheels of an axle [N m], negative
-                                   where it slows; 0 where nobody knows: then `driven` counts */
-} bte_sample;
-
-/* Medians with 95 % bounds. All numbers are finite, whatever `reason` says. */
-typedef struct {
-    bte_reason reason;
-    bte_real level[BTE_BOUNDS];                   /* brake torque over that of filed pads [1] */
-    bte_real ratio[BTE_BOUNDS];                   /* front pads over rear pads [1] */
-    bte_real pad_friction[BTE_AXLES][BTE_BOUNDS]; /* [1] */
-    bte_real brake_torque[BTE_AXLES][BTE_BOUNDS]; /* of one wheel of the axle [N m] */
-    bte_real brake_torque_sum[BTE_BOUNDS];        /* of all wheels [N m] */
-} bte_output;
+enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
 
 /* A value over rising points. Maps are read linearly between cells and held beyond their ends. */
 typedef struct {
@@ -102,38 +106,43 @@ typedef struct {
     bte_real level_rough, lag, lag_sigma, lag_rough, least_lag, apart, zero, offset, bias_walk;
     bte_real grade_walk, scale, scale_sigma, ageing, unlike, slip_rough, log_slip, log_slip_sigma;
     bte_real slip_walk, slip_bends; /* see calib/estimation/constants.py */
-    bte_real bite, moving, steady, radius_walk, steering, lateral, lock, recover;
-    bte_real slows, turning; /* [rad/s^2], [rad/s]: see calib/estimation/reasons.py */
+    bte_real bite, moving, steady, radius_walk, slowest, rests, held_time, held_pressure;
+    bte_real steering, lateral, lock, recover, slows, turning; /* calib/estimation/reasons.py */
 } bte_tuning;
+
+/* Cells times `step` are the values. */
+typedef struct {
+    BTE_CAL bte_cell *cells;
+    bte_real step;
+} bte_map;
 
 typedef struct {
     BTE_CAL bte_real *version; /* of the table */
     bte_tuning tuning;
-    uint16_t samples, waiting;       /* in a block; blocks before a bite on which no zero rests */
-    bte_real sample_time;            /* [s] */
-    bte_real lateral_part;           /* of a sample in the low pass of sideways motion [1] */
-    bte_real weight;                 /* [N] */
-    bte_real load_f, load_r, height; /* loads at rest, and that moves at 1 g, over weight [1] */
-    bte_real track_width, cg_height; /* [m] */
-    bte_real drag;                   /* air drag over the square of the speed [N s^2/m^2] */
-    bte_real drag_lift;              /* load that moves from front to rear by drag [1] */
-    bte_real rolling, rolling_growth; /* resistance over load [1], and how it grows with v^2 */
-    bte_real radius[BTE_AXLES], inertia[BTE_AXLES]; /* [m], of one wheel [kg m^2] */
-    bte_real torque_gain[BTE_AXLES]; /* torque of one wheel over pressure and friction [m^3] */
-    bte_real pad_friction[BTE_AXLES]; /* of the vehicle file [1] */
-    bte_real ramp_ratio, log_ratio;  /* ln of the pads' ratio on the ramp: of draws, of the fit */
-    bte_axis tyre;                   /* normalised force, and the slip at it [1] */
+    bte_real low[BTE_INPUTS], high[BTE_INPUTS], jump[BTE_INPUTS]; /* what a working sensor reads */
+    uint16_t samples, waiting;         /* in a block; blocks before a bite on which no zero rests */
+    bte_real sample_time, block;       /* [s] */
+    bte_real lateral_part;             /* of a sample in the low pass of sideways motion [1] */
+    bte_real weight;                   /* [N] */
+    bte_real load[BTE_AXLES], height;  /* loads at rest, and that moves at 1 g, over weight [1] */
+    bte_real track_width, cg_height;   /* [m] */
+    bte_real drag;                     /* air drag over the square of the speed [N s^2/m^2] */
+    bte_real drag_lift;                /* load that moves from front to rear by drag [1] */
+    bte_real rolling, rolling_growth;  /* resistance over load [1], and how it grows with v^2 */
+    bte_real radius[BTE_AXLES];        /* [m] */
+    bte_real turning_mass[BTE_AXLES];  /* of an axle's wheels, at the road [kg] */
+    bte_real torque_gain[BTE_AXLES];   /* torque of a wheel over pressure and friction [m^3] */
+    bte_real pad_friction[BTE_AXLES];  /* of the vehicle file [1] */
+    bte_real force;                    /* of both axles over the pressure with these pads [N/Pa] */
+    bte_real share;                    /* of the front axle in it [1] */
+    bte_real ramp_share[BTE_AXLES];    /* of the axles in it with the pads of the ramp [1] */
+    bte_real ramp_ratio;               /* ln of the pads' ratio on the ramp */
+    bte_axis tyre;                     /* normalised force, and the slip at it [1] */
     BTE_CAL bte_real *tyre_slip;
-    bte_axis z, shift, slip;         /* axes of the map of the ratio */
-    BTE_CAL bte_cell *ratio[BTE_BOUNDS];        /* over z, shift, slip; cells times step are values */
-    bte_real ratio_step[BTE_BOUNDS];
-    BTE_CAL bte_cell *slip_mean, *slip_sigma;   /* over z, shift */
-    bte_real slip_mean_step, slip_sigma_step;
-    bte_axis level_z;                /* of the level, and of the ratio before eta is read */
-    BTE_CAL bte_cell *level[BTE_BOUNDS];
-    bte_real level_step[BTE_BOUNDS];
-    BTE_CAL bte_cell *before[BTE_BOUNDS];
-    bte_real before_step[BTE_BOUNDS];
+    bte_axis axes[BTE_MAP_AXES];           /* of `ratio`; the maps of the slip have the first two */
+    bte_map ratio[BTE_BOUNDS], slip_mean, slip_sigma;
+    bte_axis level_z;                  /* of the level, and of the ratio before eta is read */
+    bte_map level[BTE_BOUNDS], before[BTE_BOUNDS];
 } bte_car;
 
 /* A Gaussian that walks: what a signal reads while nothing brakes. */
@@ -143,51 +152,46 @@ typedef struct {
 
 /* Means over a block, as the estimator takes them in. */
 typedef struct {
-    bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share, log_odds;
-    bte_reason disturbed;
-    bool driven;
+    bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share;
 } bte_block;
+
+/* A Gaussian of several states: values and covariances. */
+enum { BTE_STATES = 4, BTE_SIGNALS = 6 };
+typedef struct {
+    bte_real x[BTE_STATES], p[BTE_STATES][BTE_STATES];
+} bte_gauss;
 
 /* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
 typedef struct {
     const bte_car *car;
     bte_zero demand, eta_less_1;
-    bte_real level[9], speed[14];
-    bool anchored, started, block_full, faulty;
+    bte_gauss level, speed;
+    bool anchored, started, block_full, faulty, driven;
     uint8_t waits;
-    struct {
-        bte_real demand, eta_less_1, rim;
-    } waiting[4];
+    bte_block waiting[4];
     bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
     bte_real kept[BTE_BOUNDS], age, level_then;
-    /* of the front end */
-    bte_sample last, raw;
-    bte_real fastest;
-    bte_real before[BTE_WHEELS][2], lateral, since_lock, p_held, held;
-    bte_real sum_p, sum_z, sum_drive[BTE_AXLES], sum_omega[BTE_AXLES];
-    bte_real first[BTE_AXLES], omega[BTE_AXLES];
+    /* of the samples, and of those of a block the first and what the others differ from it */
+    bte_real last[BTE_INPUTS], raw[BTE_INPUTS], before[BTE_WHEELS][2];
+    bte_real fastest, lateral, since_lock, p_held, held;
+    bte_real first[BTE_SIGNALS], sum[BTE_SIGNALS], omega[BTE_AXLES];
     uint16_t count;
-    bte_reason worst;
-    bool driven;
-    /* the answer of the last block */
-    bte_reason reason;
-    bte_real level_told[BTE_BOUNDS], ratio_told[BTE_BOUNDS], pads[BTE_AXLES][BTE_BOUNDS];
+    bte_reason worst, reason;
+    bte_real told[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]; /* of the last block; torques follow */
 } bte_state;
 
 /* Forget everything. */
 void bte_init(bte_state *state, const bte_car *car);
 
-/* Take in a sample, and answer. */
-void bte_step(bte_state *state, const bte_sample *sample, bte_output *out);
+/* Take in a sample, and answer; the reason of the answer. */
+bte_reason bte_step(bte_state *state, const bte_real x[BTE_INPUTS],
+                    bte_real y[BTE_ANSWERS][BTE_BOUNDS]);
 
 /* Take another car's numbers and forget everything: true at rest, false while it rolls. */
 bool bte_exchange(bte_state *state, const bte_car *car);
 
-/* Take in the means of a block, for an ECU that makes them itself: `bte_told` then answers. */
-void bte_take(bte_state *state, const bte_block *block);
-
 /* The answer of the last block, with the torques at a pressure [Pa]. */
-void bte_told(const bte_state *state, bte_real p_mc, bte_output *out);
+void bte_told(const bte_state *state, bte_real p_mc, bte_real y[BTE_ANSWERS][BTE_BOUNDS]);
 
 extern const bte_car bte_this_car;
 
