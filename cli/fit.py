@@ -8,6 +8,7 @@ from cli.command import Answer, command
 from cli.console import misuse, progress, say, this_run
 from cli.logs import read_all
 from cli.options import KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
+from cli.outputs import live
 
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
@@ -103,7 +104,7 @@ def fit(
     return Answer(
         document(stored, used),
         facts(stored, used),
-        page=lambda: page_of(report(stored, ramps, used, of)),
+        page=lambda: page_of(report(stored, ramps, used, of), live=live()),
     )
 
 

@@ -7,7 +7,7 @@ from cli.command import Answer, command
 from cli.console import misuse, say
 from cli.logs import read_whole
 from cli.options import Map, logs, option, require_known
-from cli.outputs import PAGES, write_file
+from cli.outputs import PAGES, live, write_file
 
 if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
@@ -79,11 +79,14 @@ def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
     from calib.show.html import page_of
-    from calib.show.log import MOST, facts, panels_of, sheet
+    from calib.show.log import MOST, facts, panels_of, report, sheet
     from calib.show.sheet import render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:
         raise misuse(f"{count} panels; 1 to {MOST} can be drawn: choose columns", "--channel")
-    page = out.suffix.lower() in PAGES
-    drawn = render(sheet(log, events).overview(), ".png" if page else out.suffix.lower())
-    write_file(out, page_of(facts(log, columns, events, drawn)).encode() if page else drawn)
+    drawn = sheet(log, events)
+    if (ending := out.suffix.lower()) not in PAGES:
+        write_file(out, render(drawn.overview(), ending))
+    else:
+        told = report(facts(log, columns, events), drawn)
+        write_file(out, page_of(told, live=live()).encode())

@@ -44,6 +44,7 @@ def _endings(kind: str) -> tuple[str, ...]:
 
     return {
         "picture": ENDINGS,
+        "drawing": (*ENDINGS, *PAGES),
         "page": PAGES,
         "log": (*ENDINGS, *PAGES, *WRITERS),
         "simulation": (".csv", ".parquet"),
@@ -110,6 +111,15 @@ def write_file(out: Path, content: bytes, option: str = OUT) -> None:
     with writing(out, option):
         write_whole(out, content)
     say(f"wrote {out}")
+
+
+def live() -> bool:
+    """Whether the pictures of a page can be live; what to install for it is said."""
+    from calib.show.interactive import EXTRA, installed
+
+    if not installed():
+        say(f"the pictures stand still; to zoom in them: pip install 'brake-cal[{EXTRA}]'")
+    return installed()
 
 
 def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:

@@ -8,7 +8,7 @@ from cli.command import Answer, command
 from cli.console import misuse, progress, say
 from cli.logs import is_stdin, read
 from cli.options import argument, option, require_known, table_names
-from cli.outputs import writing
+from cli.outputs import PAGES, live, write_file, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +28,9 @@ def plot(
         autocompletion=table_names,
     ),
     *,
-    out: Path | None = option("File to write: .png, .svg or .pdf.", "FILE", writes="picture"),
+    out: Path | None = option(
+        "File to write: .png, .svg, .pdf or .html.", "FILE", writes="drawing"
+    ),
     store: options.Tables,
     vehicle: options.OtherPads,
     figure: str | None = option("One panel of the page, not all; see above.", "NAME"),
@@ -40,8 +42,8 @@ def plot(
 
     A table: its curves and its map, and with the ramps it was made of, their measured points. Two
     tables: one against the other. A table and another log: the stop, pads first, with the verdict.
-    A log: its channels. A PDF holds all pages, of PNG and SVG there is one file per page; without
-    --out they are PNG files in this directory, named after their content.
+    A log: its channels. A PDF or HTML file holds all pages, of PNG and SVG there is one file per
+    page; without --out they are PNG files in this directory, named after their content.
 
     Panels for --figure, of a table: f1-f2, map, tyre, and forces of a ramp. Of two tables: pads,
     map, f1-f2. Of a stop or a result: pads, axle-torques, normalised-forces, slip, and with
@@ -49,23 +51,25 @@ def plot(
     """
     from dataclasses import replace
 
-    from calib.base.plain import counted
-    from calib.show.sheet import save
+    from calib.show.choose import facts
+    from calib.show.html import page_of
 
     given = _read(what, store, vehicle, channel_map)
     stops = bool(given.tables and given.logs)
     if compare and not stops:
         raise misuse("only with a TABLE and a LOG", "--compare")
-    drawn = _draw(replace(given, limits=limits, compare=compare) if stops else given, figure)
-    files = _files(drawn, out, figure)
-    task = f"drawing {counted(len(drawn), 'page')}"
-    with writing(out), progress(task, len(drawn)) as step:
-        save(files, step)
-    for sheet, _ in drawn:
+    given = replace(given, limits=limits, compare=compare) if stops else given
+    drawn = _chosen(given, figure)
+    if out is not None and out.suffix.lower() in PAGES:
+        files = [out]
+        write_file(out, page_of(facts(drawn, figure), live=live()).encode())
+    else:
+        files = _draw(drawn, out, figure)
+    for sheet in drawn:
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
     keys = ("kind", "name", "title", "result", "note")
-    sheets = [{k: getattr(s, k) for k in keys} | {"figures": s.names} for s, _ in drawn]
-    return Answer({"files": list(files), "sheets": sheets}, "\n".join(map(str, files)))
+    told = [{k: getattr(s, k) for k in keys} | {"figures": s.names} for s in drawn]
+    return Answer({"files": files, "sheets": told}, "\n".join(map(str, files)))
 
 
 def _read(
@@ -97,31 +101,32 @@ def _read(
     )
 
 
-def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, Figure]]":
-    """Every sheet and its page, or one figure of it."""
+def _chosen(given: "PlotInput", figure: str | None) -> "list[Sheet]":
+    """Every sheet; each has the one ``figure``, if it is given."""
     from calib.show.choose import sheets
 
-    drawn = []
-    for sheet in sheets(given):
+    drawn = list(sheets(given))
+    for sheet in drawn:
         if figure is not None:
             require_known(figure, sheet.names, "figure ")
-        drawn.append((sheet, sheet.figure(figure) if figure else sheet.overview()))
     return drawn
 
 
-def _files(
-    drawn: "list[tuple[Sheet, Figure]]", out: Path | None, figure: str | None
-) -> "dict[Path, list[Figure]]":
-    """Figures by file: one PDF for all, else one file for each, named after its content."""
-    if out is not None and out.suffix.lower() == ".pdf":
-        return {out: [found for _, found in drawn]}
+def _draw(drawn: "list[Sheet]", out: Path | None, figure: str | None) -> list[Path]:
+    """Write one PDF with all, else one file for each, named after its content."""
+    from calib.base.plain import counted
+    from calib.show.sheet import save
+
+    book = out is not None and out.suffix.lower() == ".pdf"
     files: dict[Path, list[Figure]] = {}
-    for sheet, found in drawn:
+    for sheet in drawn:
         place = Path(f"{sheet.name}-{figure}.png" if figure else f"{sheet.name}.png")
         if out is not None:
-            several = f"-{sheet.name}" if len(drawn) > 1 else ""
+            several = f"-{sheet.name}" if len(drawn) > 1 and not book else ""
             place = out.with_name(f"{out.stem}{several}{out.suffix}")
-        while place in files:  # logs from several directories have one name
+        while place in files and not book:  # logs from several directories have one name
             place = place.with_name(f"{place.stem}-2{place.suffix}")
-        files[place] = [found]
-    return files
+        files.setdefault(place, []).append(sheet.figure(figure) if figure else sheet.overview())
+    with writing(out), progress(f"drawing {counted(len(drawn), 'page')}", len(drawn)) as step:
+        save(files, step)
+    return list(files)

@@ -13,6 +13,7 @@ from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.table import Table
 from cli.main import main
+from tests.support.browser import started
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 from tests.support.tables import made_table
 
@@ -78,3 +79,9 @@ def seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file of what was seen of stores, of a user who has seen none."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     return tmp_path / "state" / "brake-cal" / "seen.json"
+
+
+@pytest.fixture(scope="session")
+def browser():
+    with started() as driver:
+        yield driver

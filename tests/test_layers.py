@@ -44,7 +44,7 @@ FILES = sorted({p.relative_to(CALIB.parent) for p in CALIB.rglob("*.py")} - {FAC
 HEAVY = {
     *("numpy", "pandas", "scipy", "matplotlib", "pyarrow"),
     *("asammdf", "can", "cantools", "distributed", "elftools", "jinja2"),
-    "minisign",
+    *("bokeh", "minisign"),
 }
 
 

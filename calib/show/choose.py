@@ -6,7 +6,7 @@ a table and another log     the stop, judged as `validate` does; a simulation if
 a log, a result             the log, the result
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from calib.car.vehicle import Vehicle
@@ -15,6 +15,7 @@ from calib.estimation.validate import validate_one
 from calib.logs.log import Log
 from calib.run.driving_record import run_events
 from calib.show import compare, log, stop, table
+from calib.show.facts import Facts, Picture
 from calib.show.ramp import measure
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
@@ -53,6 +54,19 @@ def sheets(given: PlotInput) -> Iterator[Sheet]:
         raise ValueError("two tables are drawn without logs, three or more cannot be drawn")
     for result in given.results:
         yield stop.of_result(result)
+
+
+def facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
+    """The sheets as facts of a page, each with the one ``figure`` or with all of its layout."""
+    parts = [
+        Facts(
+            sheet.title,
+            headline=sheet.result,
+            pictures=[Picture(sheet.note, sheet, [figure] if figure else sheet.laid_out)],
+        )
+        for sheet in drawn
+    ]
+    return parts[0] if len(parts) == 1 else Facts(f"{len(parts)} sheets", parts=parts)
 
 
 def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:

@@ -229,7 +229,7 @@ def _states(found: Diagnosis) -> Table:
     names = [n for n in OWN if any(abs(states[n]) > most[n] for states in found.own.values())]
     heads = ("log", *(f"{spaced(n)} [{OWN_UNITS[n].replace('1', '%')}]" for n in names))
     rows = [(log, *(_state(n, states[n]) for n in names)) for log, states in found.own.items()]
-    return Table(heads, rows, _STATES)
+    return Table(heads, rows if names else [], _STATES)
 
 
 def _state(name: str, value: float) -> str:

@@ -8,6 +8,7 @@ more without -v, and a page begins with it. What is for those who ask is in part
 stderr, and pictures only to a page.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,6 +22,7 @@ Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
 """Verdicts, which set the colour of a page's head, of a section or of a row; "" for none."""
+_NUMBER = re.compile(r"[+-]?(\d[\d.]*(e[+-]\d+)?)?")
 WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 
 
@@ -39,15 +41,14 @@ class Table:
 
     @property
     def numeric(self) -> tuple[bool, ...]:
-        """Whether each column but the first holds numbers, by the begins of its cells.
+        """Whether each column but the first holds numbers, by the first words of its cells.
 
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
         """
-        columns = (
-            {row[i].lstrip("+-")[:1] for row in self.rows} for i in range(1, len(self.heads))
-        )
-        return False, *("".join(begins).isdigit() for begins in columns)
+        columns = ([row[i].split() for row in self.rows] for i in range(1, len(self.heads)))
+        firsts = ([words[0] for words in column if words] for column in columns)
+        return False, *(bool(f) and all(map(_NUMBER.fullmatch, f)) for f in firsts)
 
 
 @dataclass(frozen=True)

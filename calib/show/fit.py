@@ -18,7 +18,7 @@ from calib.store.version import Stored
 from calib.table.budget import advice_lines, budget_of, limiting, words
 from calib.table.budget import summary as budget_summary
 
-_CURVES = "The curves that the estimator looks up, with their 95 % bands, and the measured points."
+_CURVES = "The curves of the table with their 95 % bands, and the measured points."
 
 
 def facts(stored: Stored, mass: MassUsed) -> Facts:

@@ -1,6 +1,6 @@
 """Facts of a fleet, and its page."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +20,7 @@ _HEADS = (
     *("metric", "logs", "median", "90 % of the logs", "one more is named", "stand apart", "drift"),
 )
 
+_ALONE = "none: run the command on this log alone, which says why"
 _MARKS = (
     "Dotted: one more log beyond it is named for this metric. Dashed: three sigma from log to log. "
     "Marked: a Western Electric rule is broken, which shows where to look and proves nothing.",
@@ -32,16 +33,18 @@ def facts(found: Summary, title: str = "") -> Facts:
     apart = [(car.log, "; ".join(_reason(found, o) for o in car.reasons)) for car in found.apart]
     more = len(apart) - _NAMES
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
+    failed = [(log, _limits(why)) for log, why in found.failed.items()]
     classes = [
-        (plain(key).name, ", ".join(f"{text}: {n}" for text, n in counts.items()))
-        for key, counts in found.classes.items()
+        (plain(key).name, text, str(n))
+        for key, ns in found.classes.items()
+        for text, n in ns.items()
     ]
     return Facts(
         title,
         headline=headline(found),
         verdict=_kind(found),
         numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
-        rows=apart[:_FIRST],
+        rows=[*_named(failed), *apart[:_FIRST]],
         notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies],
         parts=[
             Facts(
@@ -50,11 +53,17 @@ def facts(found: Summary, title: str = "") -> Facts:
                 notes=[f"And {more} more: fleet.json has them."] if more > 0 else [],
             ),
             Facts(
+                "Logs that failed, or are without a result",
+                tables=[
+                    Table(("log", "limits that it does not hold"), failed, "Failed."),
+                    Table(("error", "logs", "such as"), errors, "Without a result."),
+                ],
+            ),
+            Facts(
                 "All metrics",
                 tables=[
-                    Table(("error", "logs", "such as"), errors, "Logs without a result."),
                     Table(_HEADS, [_row(found, look) for look in looks]),
-                    Table(("column", "logs"), classes, "Other columns."),
+                    Table(("column", "value", "logs"), classes, "Other columns."),
                 ],
             ),
         ],
@@ -74,6 +83,17 @@ def report(found: Summary, title: str) -> Facts:
     ]
     head = facts(found, title)
     return replace(head, parts=[*head.parts, *parts])
+
+
+def _named(failed: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The first logs that failed, in one row; none without any."""
+    more = f" and {len(failed) - _FIRST} more" if len(failed) > _FIRST else ""
+    return [("failed", ", ".join(log for log, _ in failed[:_FIRST]) + more)] if failed else []
+
+
+def _limits(keys: str) -> str:
+    """Names of metrics, which a row joins by commas."""
+    return ", ".join(plain(key.strip()).name for key in keys.split(",")) if keys else _ALONE
 
 
 def _metric(found: Summary, look: Look) -> Facts:

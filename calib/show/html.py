@@ -1,15 +1,23 @@
-"""Facts as one HTML file: style and pictures are inside, there are no scripts, all is escaped."""
+"""Facts as one HTML file: style, pictures and scripts are inside, and all is escaped.
+
+Only a live page has scripts, those of `calib.show.interactive`. It is printed as any other, and so
+it is seen where scripts do not run.
+"""
 
 import base64
+import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 from calib.base.plain import plain
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
-from calib.show.sheet import render
+from calib.show.interactive import Drawn, drawn, source
+from calib.show.sheet import Sheet, render
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -20,6 +28,16 @@ _HEAD = 1000
 """Bytes at the begin of a page that hold its generator."""
 _PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
+_PARTS = 165
+"""Parts of a long line in a panel: two points on paper each."""
+_UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n"
+"""What stands in a data URI as it is, and in HTML as well."""
+_UNSEEN = re.compile(r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)", re.DOTALL)
+"""What a picture does not show: prologue, description, remarks, spaces between the elements."""
+_TAG = re.compile("<[^>]*>")
+_PLACES = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])")
+_FONT = "'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif"
+"""Font of the letters, and those as wide where a machine does not have it."""
 _AGAINST = "What speaks against the result, although it is given."
 
 
@@ -37,13 +55,15 @@ def _template() -> "Template":
     return environment.get_template("page.html.j2")
 
 
-def page_of(facts: Facts, again: int = 0) -> str:
+def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
     """The page, which fetches nothing; equal facts give equal bytes.
 
-    It loads itself again after ``again`` [s], 0: never.
+    It loads itself again after ``again`` [s], 0: never. Sheets of a ``live`` one can be zoomed on
+    a screen, by scripts that are inside; it needs Bokeh.
     """
+    pictures = _Pictures(live)
     text = _template().render(
-        facts=facts, again=again, generator=_GENERATOR, sources=_sources, warned=_warned
+        facts=facts, again=again, generator=_GENERATOR, pictures=pictures, warned=_warned
     )
     return text.lstrip()
 
@@ -53,21 +73,63 @@ def is_page(data: bytes) -> bool:
     return f'<meta name="generator" content="{_GENERATOR}">'.encode() in data[:_HEAD]
 
 
-def _sources(one: Picture) -> list[str]:
-    """Each panel as a drawing of its own, so that a narrow screen can show one below the other."""
-    if isinstance(one.of, bytes):
-        return [_inside(one.of)]
-    part, sources = replace(one.of, title="", result="", note=""), []
-    for name in one.names or part.names:
-        figure = part.figure(name)
-        figure.set_size_inches(*_PANEL)
-        sources.append(_inside(render(figure, ".svg")))
-    return sources
+class _Pictures:
+    """The pictures of a page as panels; ``drawn`` are the live ones, with what fills them."""
+
+    def __init__(self, live: bool) -> None:
+        self.live, self.drawn = live, list[Drawn]()
+
+    def of(self, one: Picture) -> dict[str, Any]:
+        """Each panel by itself, so that a narrow screen can show one below the other.
+
+        ``panels``: pairs of a drawing as SVG or PNG, and the place of the live one, or "". The
+        ``slider`` has a name and a number of ``steps``, if there is one.
+        """
+        if isinstance(one.of, bytes):
+            return {"panels": [(_inside(one.of), "")], "slider": "", "steps": 0}
+        names, slider = one.names or one.of.names, f"slider-{len(self.drawn)}"
+        panels = {name: _panel(one.of, name) for name in names}
+        if not self.live:
+            return {"panels": [(still, "") for still in panels.values()], "slider": "", "steps": 0}
+        live = drawn(one.of, names, f"sheet-{len(self.drawn)}")
+        self.drawn.append(live)
+        return {
+            "panels": [(still, live.places[name]) for name, still in panels.items()],
+            "slider": slider if live.steps else "",
+            "steps": len(live.steps),
+        }
+
+    @property
+    def source(self) -> str:
+        """The source of Bokeh; "" where no picture is live."""
+        return source() if self.drawn else ""
+
+    @property
+    def calls(self) -> list[str]:
+        """What fills each live picture, as it may stand in HTML."""
+        return [
+            f"live({one.data}, {json.dumps(one.roots)}, 'slider-{i}', {json.dumps(one.steps)}, "
+            f"{json.dumps(one.tracks)});".replace("<", "\\u003c")
+            for i, one in enumerate(self.drawn)
+        ]
+
+
+def _panel(sheet: Sheet, name: str) -> str:
+    """A panel as SVG for a page: small, as a page has many."""
+    figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
+    drawn = render(figure, ".svg", text=True).decode().replace(*_FONT)
+    return _inside(_TAG.sub(_rounded, _UNSEEN.sub("", drawn)).encode())
+
+
+def _rounded(tag: re.Match[str]) -> str:
+    """A tag whose places are exact to a tenth of a point."""
+    return _PLACES.sub(lambda found: f"{float(found[0]):.1f}", tag[0])
 
 
 def _inside(image: bytes) -> str:
-    kind = "png" if image.startswith(b"\x89PNG") else "svg+xml"
-    return f"data:image/{kind};base64,{base64.b64encode(image).decode()}"
+    if image.startswith(b"\x89PNG"):
+        return f"data:image/png;base64,{base64.b64encode(image).decode()}"
+    return f"data:image/svg+xml,{quote(image, safe=_UNQUOTED)}"
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:

@@ -30,6 +30,17 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
     return table, [f"Not known and so not judged: {', '.join(unknown)}."] * bool(unknown)
 
 
+def stop_by_stop(results: Sequence[Validation]) -> tuple[Table, list[str]]:
+    """The judged metrics of stops, the values of each in one row."""
+    of_stops: dict[str, list[Judgement]] = {}
+    for r in results:
+        for judgement in r.judgements:
+            of_stops.setdefault(judgement.figure, []).append(judgement)
+    stops = ", ".join(r.log for r in results)
+    order = f", in this order, one value where all are alike: {stops}" if len(results) > 1 else ""
+    return judged(f"The stops{order}. The worst first.", [*of_stops.values()])
+
+
 def word(r: Validation) -> str:
     """The verdict on one log in a word or two."""
     if r.role == CALIBRATION:

@@ -1,8 +1,7 @@
 """A log without table or vehicle: what is in it, and all its columns in one picture.
 
 Events are marked as `calib.run.driving_record` finds them. Columns of one kind and unit share a
-panel; four wheel speeds, which are one line to the eye, are on the page as slip. A long log is
-drawn by the lowest and the highest value of each of `BINS` parts, so that no peak is lost.
+panel; four wheel speeds, which are one line to the eye, are on the page as slip.
 """
 
 from collections.abc import Iterable
@@ -52,8 +51,6 @@ _EVENTS: dict[str, Stroke] = {
 _TIME = "time [s]"
 _SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 
-BINS = 2000
-"""Parts of a long log; a page has some 1000 pixels."""
 _PANEL = 0.72
 """Height of a panel, over that of a usual one."""
 _COLUMN, MOST = 8, 24
@@ -72,10 +69,8 @@ _TITLES = {
 """Titles of panels by the kind of their columns; a foreign column has its name."""
 
 
-def facts(
-    log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent], drawn: bytes = b""
-) -> Facts:
-    """What is in a log; ``drawn`` its picture as PNG, for a page."""
+def facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]) -> Facts:
+    """What is in a log."""
     time = log.time
     rows = [(one.kind, f"{one.start:.2f} s", f"{one.end - one.start:.2f} s") for one in events]
     heads = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
@@ -91,8 +86,13 @@ def facts(
             Table(("event", "from", "for"), rows, "Events in order of time."),
         ],
         notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
-        pictures=[Picture(_RAW, drawn)] if drawn else [],
     )
+
+
+def report(told: Facts, drawn: Sheet) -> Facts:
+    """The facts of a log below its picture."""
+    below = Facts("What is in it", tables=told.tables)
+    return replace(told, tables=[], pictures=[Picture(_RAW, drawn)], parts=[below])
 
 
 def _cells(column: Inventory) -> tuple[str, ...]:
@@ -124,14 +124,14 @@ def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
             panels["slip"] = _slip(channels, found)
         places = [one.name.rpartition("_")[2] for one in columns] if len(columns) > 1 else [""]
         lines = [
-            Line(*envelope(time, one.values), _look(one.name, columns), place)
+            Line(time, one.values, _look(one.name, columns), place)
             for one, place in zip(columns, places, strict=True)
         ]
         title = _TITLES.get(kind, as_text(kind))
         panels[name] = Panel(name, title, _TIME, as_text(axis), lines, columns=4)
     if whole:
         look: Stroke = {**IDENTIFIED, "linewidth": 0.8}
-        line = Line(*envelope(time, raw_eta(channels)), look)
+        line = Line(time, raw_eta(channels), look)
         panels["eta"] = Panel("eta", "Wheel speed rear over front, less 1", _TIME, ETA, [line])
     drawn = [
         replace(panel, marks=_marked(found, named=not i), xlim=ends)
@@ -154,7 +154,7 @@ def _slip(log: Log, events: Iterable[RunEvent]) -> Panel:
     """Slip of the wheels; without v how far each is below their mean."""
     found, with_v = slips(log, events), "v" in log
     lines = [
-        Line(*envelope(log.time, slip), {**WHEEL_STROKES[wheel], "linewidth": 0.8}, wheel)
+        Line(log.time, slip, {**WHEEL_STROKES[wheel], "linewidth": 0.8}, wheel)
         for wheel, slip in found.items()
     ]
     known = np.concatenate([slip[np.isfinite(slip)] for slip in found.values()])
@@ -233,19 +233,6 @@ def _kind(name: str) -> str:
 def _look(name: str, columns: tuple[WholeColumn, ...]) -> Stroke:
     known = {**WHEEL_STROKES, "f": FRONT, "r": REAR} if len(columns) > 1 else {}
     return {**known.get(name.rpartition("_")[2], BODY), "linewidth": 0.8}
-
-
-def envelope(time: Array, values: Array) -> tuple[Array, Array]:
-    """Times and values to draw: all, or lowest and highest of each of `BINS` parts."""
-    if values.size <= 4 * BINS:
-        return time, values
-    edges = np.linspace(0, values.size, BINS + 1).astype(np.intp)
-    at = np.repeat(time[edges[:-1]], 2)
-    none = np.isnan(values)
-    low, high = np.where(none, np.inf, values), np.where(none, -np.inf, values)
-    ends = [np.minimum.reduceat(low, edges[:-1]), np.maximum.reduceat(high, edges[:-1])]
-    drawn = np.ravel(ends, order="F")
-    return at, np.where(np.isfinite(drawn), drawn, np.nan)
 
 
 def written(log: WholeLog, out: Path) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from calib.show.style import (
     Figure,
     Mask,
     Stroke,
+    envelope,
     reach,
     smooth,
     styled,
@@ -37,17 +38,20 @@ _POINTS = 72.0
 """Points to the inch."""
 _LETTER = 0.086
 """Width of a letter of the title [in], with a little to spare."""
-_BAND = 0.18
+BAND = 0.18
 """Opacity of a 95 % band."""
-_RAW = 0.3
+RAW = 0.3
 """Opacity of measured values behind their mean."""
+_PARTS = 2000
+"""Parts of a long line: a page has some 1000 pixels."""
 
 
 @dataclass(frozen=True)
 class Line:
     """``y`` over ``x`` (n,), and the two ends of its ``band``.
 
-    Over measured values their mean over ``mean`` [s] is drawn, 0 for none.
+    Over measured values their mean over ``mean`` [s] is drawn, 0 for none. ``by`` (n,) is the
+    deceleration of each point [g]: a slider marks it on the line, where a page has one.
     """
 
     x: Array | Sequence[float]
@@ -56,19 +60,29 @@ class Line:
     label: str = ""
     band: tuple[Array, Array] | None = None
     mean: float = 0.0
+    by: Array | None = None
 
-    def fill(self, ax: Axes) -> Array:
-        """Draw it, and return the values of the thick line."""
-        y, colour = np.asarray(self.y, float), self.look["color"]
+    @property
+    def shown(self) -> Array:
+        """The values of the thick line (n,)."""
+        y = np.asarray(self.y, float)
+        return smooth(np.asarray(self.x), y, self.mean) if self.mean else y
+
+    def fill(self, ax: Axes, parts: int) -> None:
+        """Draw it; of a long one the lowest and the highest value of each of its ``parts``."""
+        x, colour = np.asarray(self.x, float), self.look["color"]
         if self.band is not None:
-            ax.fill_between(self.x, *self.band, color=colour, alpha=_BAND, lw=0.0, zorder=1)
-            for end in self.band:  # where two bands overlap their ends tell them apart
-                ax.plot(self.x, end, color=colour, linewidth=0.5, alpha=0.6, zorder=1)
+            low, high = (np.asarray(end, float) for end in self.band)
+            at = envelope(low, parts)
+            ax.fill_between(x[at], low[at], high[at], color=colour, alpha=BAND, lw=0.0, zorder=1)
+            for end in (low, high):  # where two bands overlap their ends tell them apart
+                ax.plot(x[at], end[at], color=colour, linewidth=0.5, alpha=0.6, zorder=1)
         if self.mean:
-            ax.plot(self.x, y, color=colour, linewidth=0.5, alpha=_RAW)
-            y = smooth(np.asarray(self.x), y, self.mean)
-        ax.plot(self.x, y, label=self.label, **self.look)
-        return y
+            y = np.asarray(self.y, float)
+            at = envelope(y, parts)
+            ax.plot(x[at], y[at], color=colour, linewidth=0.5, alpha=RAW)
+        at = envelope(self.shown, parts)
+        ax.plot(x[at], self.shown[at], label=self.label, **self.look)
 
 
 @dataclass(frozen=True)
@@ -117,19 +131,22 @@ class Panel:
     xticks: Sequence[str] = ()
     columns: int = 3
 
-    def fill(self, ax: Axes) -> float:
-        """Draw the panel and its legend; returns the height of the legend [pt]."""
+    def fill(self, ax: Axes, parts: int = _PARTS) -> float:
+        """Draw the panel and its legend; returns the height of the legend [pt].
+
+        Of a long line the lowest and the highest value of each of its ``parts`` are drawn.
+        """
         for mark in self.marks:
             mark.fill(ax)
-        drawn = [(line, line.fill(ax)) for line in self.lines]
-        means = [y if self.where is None else y[self.where] for line, y in drawn if line.mean]
+        for line in self.lines:
+            line.fill(ax, parts)
         for text, *at in self.texts:
             left = self.xlim is not None and at[0] > np.mean(self.xlim)  # there is room
             shift: dict[str, Any] = {"xytext": (-4.0 if left else 4.0, -9.5), "fontsize": 7.0}
             side = "right" if left else "left"
             ax.annotate(text, (at[0], at[1]), textcoords="offset points", ha=side, **shift)
         ax.set(xlabel=self.x, ylabel=self.y)
-        for limit, set_to in ((self.xlim, ax.set_xlim), (self._height(means), ax.set_ylim)):
+        for limit, set_to in ((self.xlim, ax.set_xlim), (self.height, ax.set_ylim)):
             if limit is not None:
                 set_to(*limit)
         if self.xticks:
@@ -143,8 +160,13 @@ class Panel:
         """Whether both have the same x axis, so that it need not be told twice."""
         return self.xlim is not None and (self.x, self.xlim) == (other.x, other.xlim)
 
-    def _height(self, means: list[Array]) -> tuple[float, float] | None:
-        return self.ylim or reach(*means, zero=True)
+    @property
+    def height(self) -> tuple[float, float] | None:
+        """Ends of the y axis; None where nothing sets them."""
+        if self.ylim is not None:
+            return self.ylim
+        use = slice(None) if self.where is None else self.where
+        return reach(*(line.shown[use] for line in self.lines if line.mean), zero=True)
 
 
 @dataclass(frozen=True)
@@ -177,6 +199,11 @@ class Sheet:
         """Names of the panels."""
         return tuple(panel.name for panel in self.panels)
 
+    @property
+    def laid_out(self) -> tuple[str, ...]:
+        """Names of the panels of the page, in its order."""
+        return tuple(dict.fromkeys(name for row in self.rows for name in row)) or self.names
+
     def overview(self) -> Figure:
         """The page: A4 wide and 2.5 in for each row, at most A4 high."""
         from matplotlib.figure import Figure
@@ -207,15 +234,20 @@ class Sheet:
             _frame(figure, self, 150)
         return figure
 
-    def figure(self, name: str) -> Figure:
-        """One panel on its own. Raises KeyError for a name that the sheet does not have."""
+    def figure(
+        self, name: str, size: tuple[float, float] = (0.85 * WIDTH, 4.4), parts: int = _PARTS
+    ) -> Figure:
+        """One panel on its own, of a ``size`` [in], with ``parts`` of a long line.
+
+        Raises KeyError for a name that the sheet does not have.
+        """
         from matplotlib.figure import Figure
 
         panel = {panel.name: panel for panel in self.panels}[name]
         with styled():
-            figure = Figure(figsize=(WIDTH * 0.85, 4.4), layout="constrained")
+            figure = Figure(figsize=size, layout="constrained")
             ax = figure.subplots()
-            ax.set_title(panel.title, pad=4.0 + panel.fill(ax))
+            ax.set_title(panel.title, pad=4.0 + panel.fill(ax, parts))
             _frame(figure, self, 125)
         return figure
 
@@ -260,9 +292,12 @@ def is_picture(data: bytes) -> bool:
     return data.startswith(_BEGINS)
 
 
-def render(figure: Figure, ending: str) -> bytes:
-    """Bytes of one figure as ``.png``, ``.svg`` or ``.pdf``. Raises KeyError for another ending."""
-    with styled():
+def render(figure: Figure, ending: str, text: bool = False) -> bytes:
+    """Bytes of one figure as ``.png``, ``.svg`` or ``.pdf``. Raises KeyError for another ending.
+
+    An SVG whose letters are ``text``, not outlines, is half as large, in the font of the reader.
+    """
+    with styled(outlines=not text):
         buffer = io.BytesIO()
         figure.savefig(buffer, format=ending[1:], metadata=_METADATA[ending])
         return buffer.getvalue()

@@ -1,5 +1,6 @@
 """The page of an index of runs: the last car, the last runs by their verdicts, and trends."""
 
+import textwrap
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
@@ -21,13 +22,17 @@ from calib.line.station.index import (
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Table
 from calib.show.html import page_of
-from calib.show.sheet import Line, Panel, Sheet, render
-from calib.show.style import FRONT, NOMINAL
+from calib.show.sheet import Line, Panel, Sheet
+from calib.show.style import FRONT, NOMINAL, as_text
 
 _LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
 _DRAWN = 200
 """Runs in a trend, the last of them."""
+_NUMBERED = 12
+"""Runs in a trend whose numbers have room below the axis."""
+_TITLE = 50
+"""Letters of a title that have room above a panel."""
 _EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
 _KINDS = {word: word for word in (PASSED, WARNING, FAILED)} | dict.fromkeys(
@@ -55,13 +60,16 @@ def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
     this, other = ("loads itself again", INDEX) if every else ("stays as it is", LIVE)
     return Facts(
         name,
-        headline=_why(last) if last else "",
+        headline=f"what to do: {why}" if last and (why := _why(last)) else "",
         verdict=_KINDS.get(last.verdict, FAILED) if last else "",
         word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
-        numbers=[("cars", str(len(runs))), *((w, str(n)) for w, n in counts.items() if n)],
+        numbers=[
+            ("car" if len(runs) == 1 else "cars", str(len(runs))),
+            *((w, str(n)) for w, n in counts.items() if n),
+        ],
         tables=[_runs(worst_first(runs[:_LAST]), "The last cars, failed and refused ones on top.")],
         notes=[f"This page {this}; {other} is the other one."],
-        pictures=[line for key in TRENDS if (line := _trend(runs, key)) is not None],
+        pictures=_trends(runs),
         parts=[Facts("Earlier cars", tables=[_runs(runs[_LAST:])], folded=True)],
     )
 
@@ -72,26 +80,34 @@ def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
     return sorted(runs, key=lambda run: ranks.index(_KINDS.get(run.verdict, FAILED)))
 
 
-def _trend(runs: Sequence[IndexedRun], key: str) -> Picture | None:
-    """The trend of a metric over the last runs; None with fewer than two values."""
+def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
+    """The trends of all metrics with two values or more."""
+    panels = [panel for key in TRENDS if (panel := _trend(runs, key)) is not None]
+    told = f"Pads of the ramp, and the zero, of the last {_DRAWN} cars at most; grey: the limits."
+    return [Picture(told, Sheet("trend", "trend", tuple(panels)))] if panels else []
+
+
+def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
+    """A metric over the last runs; None with fewer than two values."""
     trends = [run.trend or {} for run in reversed(runs[:_DRAWN])]
     known = [value for one in trends if (value := one.get(key)) is not None]
     if len(known) < 2:
         return None
-    shown, x = plain(key), np.arange(1.0, len(known) + 1.0)
+    shown, x = plain(key), np.arange(float(len(known)))
     given = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
-    lines = [Line(x, shown.factor * np.array(known), FRONT)]
+    lines = [Line(x, shown.factor * np.array(known), {**FRONT, "marker": "."})]
     ends = [x[0], x[-1]]
     lines += [Line(ends, [shown.factor * end] * 2, NOMINAL) for end in given if end is not None]
-    panel = Panel(key, "", "car, the last on the right", shown.heading, lines)
-    drawn = render(Sheet("trend", key, (panel,)).figure(key), ".svg")
-    last = shown.with_unit(known[-1])
-    caption = f"{shown.heading} ({key}) of the last {len(known)} cars: {last}; grey: the limits."
-    return Picture(caption, drawn)
+    title, unit = f"{shown.name}: {shown.value(known[-1])} {shown.unit}", shown.unit or "1"
+    words = [str(i + 1) for i in range(x.size)] if x.size <= _NUMBERED else ()
+    axis = "car, the last on the right"
+    return Panel(
+        key, textwrap.fill(as_text(title), _TITLE), axis, as_text(f"[{unit}]"), lines, xticks=words
+    )
 
 
 def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
-    heads = ("car", "verdict", "what to do", "pads front / rear", "station", "time")
+    heads = ("car", "verdict", "what to do", "ramp pads f / r", "station", "time")
     reports = [quote(f"{run.place}/{REPORT}") if run.verdict != NO_VERDICT else "" for run in runs]
     kinds = [_KINDS.get(run.verdict, FAILED) for run in runs]
     return Table(heads, [_row(run) for run in runs], caption, kinds, links=reports)
@@ -100,7 +116,7 @@ def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
 def _row(run: IndexedRun) -> tuple[str, ...]:
     names, trend = ("pad_friction_f", "pad_friction_r"), run.trend or {}
     pads = " / ".join(plain(name).value(trend.get(name)) for name in names) if run.trend else ""
-    at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M:%S")
+    at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M")
     return run.car or run.place, _heading(run), _why(run), pads, run.station, at
 
 

@@ -11,7 +11,7 @@ from calib.base.names import AXLE_NAMES
 from calib.base.plain import plus_minus
 from calib.base.write import write_whole
 from calib.car.effects.combined import not_sensed
-from calib.estimation.limits import FAILED, WARNING, Judgement
+from calib.estimation.limits import FAILED, WARNING
 from calib.estimation.results import SUMMARY, fill
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import export
@@ -28,7 +28,7 @@ from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of
-from calib.show.judged import judged, pads
+from calib.show.judged import judged, pads, stop_by_stop
 from calib.show.origin import PageOrigin, origin
 from calib.show.stop import pads_over_time
 from calib.show.table import sheet
@@ -41,7 +41,8 @@ from calib.table.budget import advice_lines, budget_of, words
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
 _SHOWN = 3
 """Limits that are not held, in the head of the answer; all are in the details."""
-_CURVES = "The curves that the estimator looks up, with their 95 % bands."
+_CURVES = "f1 and f2 of the ramp, and the map that an ECU looks up, with their 95 % bands."
+_MISSED = "What fails the car, and what lets it pass with a warning."
 
 
 def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
@@ -75,18 +76,13 @@ def _next(found: StationOutcome, stored: Stored) -> str:
 
 def _checks(found: StationOutcome) -> Facts:
     """Every metric with its limit, the worst first."""
-    of_stops: dict[str, list[Judgement]] = {}
-    for check in found.checks:
-        if check.stop is not None:
-            of_stops.setdefault(check.figure, []).append(check.judgement)
-    stops = ", ".join(r.log for r in found.results)
     of_car = [[check.judgement] for check in found.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
-    by_stop, unknown_too = judged(f"Stop by stop, in this order: {stops}.", [*of_stops.values()])
+    by_stop, unknown_too = stop_by_stop(found.results)
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
     steps = [(check.verdict, check.text, check.action) for check in bad]
     colours = [step[0] for step in steps]
-    missed = Cells(("verdict", "result", "next step"), steps, "Limits that are not held.", colours)
+    missed = Cells(("verdict", "result", "next step"), steps, _MISSED, colours)
     return Facts("Metrics", tables=[missed, car, by_stop], notes=[*unknown, *unknown_too])
 
 

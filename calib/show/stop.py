@@ -60,8 +60,6 @@ _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 _LEAST = 0.05
 """Shortest time without a valid answer that is told [s]."""
-_EVERY = 5
-"""Samples between two points of a line on a page: 25 ms at 200 Hz."""
 
 _Values = Mapping[str, Any]
 """Columns of an estimate, (n,) each."""
@@ -117,9 +115,7 @@ def of_validation(
 def pads_over_time(result: Validation) -> Picture:
     """Pad friction of both axles of a stop, for a page."""
     e = result.estimate
-    values = {name: x[::_EVERY] for name, x in e.columns().items()}
-    time, valid = e.time[::_EVERY], e.valid[::_EVERY]
-    panel = _pads(values, valid, _over(time, valid), _other_pads(e, None))
+    panel = _pads(e.columns(), e.valid, _over(e.time, e.valid), _other_pads(e, None))
     caption = f"{result.log}: pad friction with its 95 % band; grey: no valid answer."
     return Picture(caption, Sheet("stop", result.log, (panel,)))
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from calib.base.arrays import Array as Array
+from calib.base.arrays import Index as Index
 from calib.base.arrays import Mask as Mask
 from calib.logs.clock import step_of
 from calib.run.filters import centred_mean
@@ -49,6 +50,8 @@ WHEEL_STROKES: dict[str, Stroke] = {
 SHADE = "#E9E9E9"
 ETA = "\u03b7 - 1 [%]"
 """Name of an axis: rear wheel speed over front one."""
+LINE_WIDTH = 1.3
+"""Width of a line that says nothing of it [pt]."""
 MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
 
@@ -67,7 +70,7 @@ _RC: dict[str, Any] = {
     "axes.xmargin": 0.01,
     "grid.color": "#DDDDDD",
     "grid.linewidth": 0.5,
-    "lines.linewidth": 1.3,
+    "lines.linewidth": LINE_WIDTH,
     "legend.fontsize": 7.0,
     "legend.frameon": False,
     "legend.handlelength": 2.3,
@@ -87,13 +90,16 @@ _RC: dict[str, Any] = {
 
 
 @contextmanager
-def styled() -> Iterator[None]:
-    """Context in which to draw and save; the user's settings for other figures are not changed."""
+def styled(outlines: bool = True) -> Iterator[None]:
+    """Context in which to draw and save; the user's settings for other figures are not changed.
+
+    Letters of an SVG are ``outlines``, the same on every machine, or text.
+    """
     import matplotlib
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        for name, value in _RC.items():
+        for name, value in (_RC | {"svg.fonttype": "path" if outlines else "none"}).items():
             matplotlib.rcParams[name] = value  # type: ignore[index]
         yield
 
@@ -117,6 +123,23 @@ def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[flo
         low, high = min(low, 0.0), max(high, 0.0)
     room = margin * (high - low) or 0.1 * abs(high) or 1.0
     return (low if zero and low == 0.0 else low - room), high + room
+
+
+def envelope(y: Array, parts: int) -> Index:
+    """Places of the points of a line (n,) that are drawn, no peak among the others.
+
+    All; of more than four for each part the lowest and the highest of each of the ``parts``.
+    """
+    if y.size <= 4 * parts:
+        return np.arange(y.size)
+    width = -(-y.size // parts)
+    padded = np.full(parts * width, np.nan)
+    padded[: y.size] = y
+    low, high = (np.where(np.isnan(padded), end, padded) for end in (np.inf, -np.inf))
+    lowest = np.argmin(low.reshape(parts, width), axis=1)
+    highest = np.argmax(high.reshape(parts, width), axis=1)
+    at = np.sort([lowest, highest], axis=0) + width * np.arange(parts)
+    return np.minimum(at.T.ravel(), y.size - 1)
 
 
 def as_text(name: str) -> str:

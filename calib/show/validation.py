@@ -16,7 +16,7 @@ from calib.estimation.validate import (
     proof_of,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import broken, judged, mean_of, pads, word
+from calib.show.judged import broken, mean_of, pads, stop_by_stop, word
 from calib.show.origin import PageOrigin
 from calib.show.origin import origin as origin_of
 from calib.show.stop import pads_over_time
@@ -79,10 +79,16 @@ def report(
     origin: PageOrigin,
     how: Precision | None = None,
 ) -> Facts:
-    """The facts with a part for each stop, and with their origin."""
+    """The facts of all stops, each with its picture, and their origin."""
     logs, told = [(r.role, r.log, r.digest) for r in results], facts(stored, results, how)
-    parts = [*told.parts, *map(_stop, results), origin_of(origin, stored, logs)]
-    return replace(told, parts=parts)
+    limits, unknown = stop_by_stop(results)
+    parts = [
+        *told.parts,
+        Facts("Limits, and other methods", tables=[limits, *_beside(results)], notes=unknown),
+        *map(_stop, results),
+        origin_of(origin, stored, logs),
+    ]
+    return replace(told, tables=[_by_stop(stored, results, len(results))], parts=parts)
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
@@ -118,10 +124,10 @@ def _next(stored: Stored, results: list[Validation]) -> str:
     return f"brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
 
 
-def _by_stop(stored: Stored, results: list[Validation]) -> Table:
-    """What an ECU makes of each stop, and the truth where it is known."""
+def _by_stop(stored: Stored, results: Sequence[Validation], most: int = _SHOWN) -> Table:
+    """What an ECU makes of each stop, of the first ``most``."""
     rows, colours = [], []
-    for r in results[:_SHOWN]:
+    for r in results[:most]:
         change = _change(stored, r)
         rows.append(
             (
@@ -209,42 +215,41 @@ def _by_curves(results: list[Validation]) -> Iterator[Row]:
     if told:
         worst = max(told, key=lambda r: max(r.baselines["gradient_paper"]))
         law, ecu = (_percent(worst.baselines[name]) for name in ("gradient_paper", "ecu"))
+        against = _AGAINST[worst.compared_with]
         yield (
             "f1, f2 without the map",
-            f"{worst.log}: {law[0]} front, {law[1]} rear off {_AGAINST[worst.compared_with]} by "
-            f"the law (23)-(25); the ECU with the map {ecu[0]}, {ecu[1]}",
+            f"{worst.log}: {law[0]} % front, {law[1]} % rear off {against} by the law (23)-(25); "
+            f"the ECU with the map {ecu[0]} %, {ecu[1]} %",
         )
 
 
-def _beside(r: Validation) -> list[Table]:
-    """The methods beside the estimate, with their errors."""
-    if not r.baselines:
-        return []
-    rows = [(name, *_percent(error)) for name, error in r.baselines.items()]
-    against = _AGAINST[r.compared_with]
-    caption = f"Rms error of the pad friction of other methods against {against}, not judged."
-    return [Table(("method", "front", "rear"), rows, caption)]
+def _beside(results: Sequence[Validation]) -> Iterator[Table]:
+    """The methods beside the estimate, with their errors; a table for each reference."""
+    for reference, against in _AGAINST.items():
+        told = [r for r in results if r.baselines and r.compared_with == reference]
+        if told:
+            names = list(dict.fromkeys(name for r in told for name in r.baselines))
+            rows = [(r.log, *(" / ".join(_percent(r.baselines[n])) for n in names)) for r in told]
+            caption = f"Rms error of pad friction against {against}, front / rear [%]; not judged."
+            yield Table(("stop", *(name.replace("_", " ") for name in names)), rows, caption)
 
 
 def _percent(errors: tuple[float, float]) -> list[str]:
-    return [f"{100.0 * x:.1f} %" for x in errors]
+    return [f"{100.0 * x:.1f}" for x in errors]
 
 
 def _stop(r: Validation) -> Facts:
-    """One stop: judged metrics, the others, its picture, other methods."""
-    name, given = r.log, {j.figure for j in r.judgements}
-    table, unknown = judged(f"Limits of {name}, the worst first.", [[j] for j in r.judgements])
+    """The picture of one stop, and its metrics that are not judged."""
+    given = {j.figure for j in r.judgements}
     others = [
         (plain(key).name, plain(key).with_unit(value), key)
         for key, value in r.figures.items()
         if key not in given and value is not None
     ]
-    rest = Table(("metric", "value", "key"), others, f"Metrics of {name} without a limit.")
+    rest = Table(("metric", "value", "key"), others, f"Metrics of {r.log} without a limit.")
     return Facts(
-        f"{name}: {word(r)}",
+        f"{r.log}: {word(r)}",
         verdict=PASSED if r.passed else FAILED,
-        tables=[table, *_beside(r)],
-        notes=unknown,
         pictures=[pads_over_time(r)],
         parts=[Facts("Metrics that are not judged", tables=[rest], folded=True)],
     )

@@ -188,3 +188,15 @@ def test_an_out_that_cannot_be_written_has_a_code_of_its_own(plot, monkeypatch):
     ran = plot("sedan@1")
     assert ran.code == 5
     assert "No space left on device" in ran.err
+
+
+def test_a_page_of_a_stop_is_live_where_bokeh_is(plot, monkeypatch):
+    assert plot("sedan-2up", STOP, "--out", "stop.html").code == 0
+    assert "Bokeh" in Path("stop.html").read_text()
+    monkeypatch.setattr("calib.show.interactive.installed", lambda: False)
+    ran = plot("sedan-2up", STOP, RAMP, "--out", "stop.html")
+    assert "pip install 'brake-cal[pages]'" in ran.err
+    text = Path("stop.html").read_text()
+    assert "<script" not in text
+    assert text.count("<h2") == 2  # the table and the stop
+    assert files() == ["stop.html"]

@@ -50,7 +50,7 @@ def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path)
     assert headline(short) == "Drift not tested; no log stands apart."
     page = facts(short)
     assert page.verdict == "unjudged"
-    assert page.parts[1].tables[1].rows[0][-1] == "not tested"
+    assert page.parts[2].tables[0].rows[0][-1] == "not tested"
     told = document(short)["figures"]["settling"]
     assert told["change"] is None
     assert told["chart"]["rules"]["1"]["by_chance"] is None

@@ -9,7 +9,7 @@ from calib.logs.log import Log
 from calib.logs.whole import WholeColumn, WholeLog
 from calib.run.driving_record import BITES, BRAKING, LEAD_IN, RunEvent
 from calib.show import log
-from calib.show.log import BINS, MOST, envelope, sheet
+from calib.show.log import MOST, sheet
 from tests.support.plot_lines import line, panel
 
 
@@ -73,16 +73,6 @@ def test_events_are_marked_in_every_panel():
         assert [(mark.start, mark.end) for mark in one.marks] == [(0.5, 0.5), (0.5, 1.5)]
         assert one.xlim == (TIME[0], TIME[-1])
     assert [mark.label for mark in drawn.panels[0].marks] == [BITES, BRAKING]
-
-
-def test_no_peak_of_a_long_log_is_lost():
-    values = np.zeros(100_000)
-    values[43_210], values[70_000:80_000] = 7.0, np.nan
-    at, drawn = envelope(np.arange(100_000.0), values)
-    assert at.size == drawn.size == 2 * BINS
-    assert np.nanmax(drawn) == 7.0
-    assert abs(at[np.nanargmax(drawn)] - 43_210) <= 50
-    assert np.isnan(drawn).sum() == 2 * BINS // 10
 
 
 def test_too_many_columns_are_refused():

@@ -2,7 +2,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from calib.show.style import reach, smooth, styled
+from calib.show.style import envelope, reach, smooth, styled
 
 TIME = np.arange(0.0, 2.0, 0.005)
 
@@ -39,3 +39,14 @@ def test_an_axis_holds_the_values_and_only_them(zero):
     assert low <= (0.0 if zero else 2.0)
     assert 3.0 < high < 4.0
     assert reach(np.array([np.nan])) is None
+
+
+def test_no_peak_of_a_long_line_is_lost():
+    values = np.zeros(100_000)
+    values[43_210], values[70_000:80_000] = 7.0, np.nan
+    at = envelope(values, 2000)
+    assert at.size == 4000
+    assert np.all(np.diff(at) >= 0)
+    assert 43_210 in at
+    assert np.isnan(values[at]).sum() == 400
+    assert np.array_equal(envelope(values[:8000], 2000), np.arange(8000))

@@ -88,10 +88,11 @@ def test_what_the_curves_alone_cost_is_told_of_the_worst_stop():
     assert not [text for _, text in rows if "dry" in text]
 
 
-def test_every_method_is_on_the_page_of_a_stop(fitted):
+def test_every_method_is_on_the_page_of_stops(fitted):
     (found,) = validate(fitted, [noisy(stop(REAL), 2)])
     tables = report(stored_as("sedan@1"), [found], PageOrigin("")).parts[1].tables
-    rows = {row[0]: row[1:] for row in tables[1].rows}
-    assert set(rows) == set(found.baselines)
+    (row,) = tables[1].rows
+    cells = dict(zip(tables[1].heads[1:], row[1:], strict=True))
+    assert set(cells) == {name.replace("_", " ") for name in found.baselines}
     front, rear = found.baselines["gradient_map"]
-    assert rows["gradient_map"] == (f"{100 * front:.1f} %", f"{100 * rear:.1f} %")
+    assert cells["gradient map"] == f"{100 * front:.1f} / {100 * rear:.1f}"

@@ -34,6 +34,7 @@ def document(found: Summary) -> dict[str, Any]:
         "ordered_by": found.ordered_by,
         "status": found.status,
         "headline": headline(found),
+        "failed": found.failed,
         "errors": found.failures,
         "copies": found.copies,
         "outliers": found.outliers,

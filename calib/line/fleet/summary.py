@@ -94,14 +94,16 @@ class _Failure:
 class Summary:
     """The whole fleet.
 
-    ``status``: number of logs for each; ``classes``: of each metric of text or yes/no the number of
-    each value, the most frequent first; ``apart``: the farthest log first; ``copies``: names of
-    logs that are one and the same recording, by recording.
+    ``status``: number of logs for each; ``failed``: logs that fail, each with the limits that it
+    does not hold, "" where that is not known; ``classes``: of each metric of text or yes/no the
+    number of each value, the most frequent first; ``apart``: the farthest log first; ``copies``:
+    names of logs that are one and the same recording, by recording.
     """
 
     logs: tuple[str, ...]
     ordered_by: str
     status: dict[Status, int]
+    failed: dict[str, str]
     looks: tuple[Look, ...]
     classes: dict[str, dict[str, int]]
     apart: tuple[_Apart, ...]
@@ -157,12 +159,20 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         fleet.logs,
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
+        _failed(fleet),
         looks,
         dict(_classes(fleet, metrics)),
         _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
         [same for same in _grouped(fleet.logs, digests).values() if len(same) > 1],
     )
+
+
+def _failed(fleet: FleetFile) -> dict[str, str]:
+    known = any(metric.name == "not_held" for metric in fleet.metrics)
+    held = fleet.values("not_held") if known else [None] * len(fleet.logs)
+    rows = zip(fleet.logs, fleet.values("status"), held, strict=True)
+    return {log: str(why or "") for log, status, why in rows if status == Status.FAILED}
 
 
 def _real(name: str, spread: MetricSpread) -> MetricSpread:

@@ -98,6 +98,10 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "warnings": [warning_dict(warning) for warning in found.warnings],
         "checks": [_check(check) for check in found.checks],
         "figures": {name: finite(value) for name, value in found.figures.items()},
+        "pads_of_ramp": {
+            "pad_friction_f": found.table.calibration.pad_friction_f.value,
+            "pad_friction_r": found.table.calibration.pad_friction_r.value,
+        },
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in found.logs],
         "validation": validation_dict(stored, list(found.results)),
         "remarks": list(found.table.remarks),

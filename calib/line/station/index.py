@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.printable import printable
@@ -47,7 +46,7 @@ class IndexedRun:
 
 
 TRENDS = ("pad_friction_f", "pad_friction_r", "pad_scale", "ramp_eta_zero")
-"""Metrics of which the index shows the trend: the pads, and the zero."""
+"""Metrics of which the index shows the trend: the pads of the ramp, and the zero."""
 
 
 def runs_below(folder: Path) -> list[IndexedRun]:
@@ -84,7 +83,7 @@ def _run(path: Path, place: str, at: float) -> IndexedRun:
         one = IndexedRun(place, at, NO_VERDICT, car, str(identity.get("station", "")))
         if path.name == REFUSED:
             return replace(one, bad=1, refusal=str(told["error"]["message"]))
-        checks = told["checks"]
+        checks, metrics = told["checks"], told["figures"] | told.get("pads_of_ramp", {})
         bad = [c for word in ("failed", "warning") for c in checks if c["verdict"] == word]
         why = [(c["figure"], c["scope"], c["value"], c["action"] or "") for c in bad]
         return replace(
@@ -92,16 +91,8 @@ def _run(path: Path, place: str, at: float) -> IndexedRun:
             verdict=str(told["verdict"]),
             bad=len(bad) + len(told["warnings"]),
             why=why[0] if why else None,
-            trend={name: _trend(told, name) for name in TRENDS},
+            trend={name: metrics.get(name) for name in TRENDS},
             limits={c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return IndexedRun(place, at, UNREADABLE)
-
-
-def _trend(told: dict[str, Any], name: str) -> float | None:
-    """Of the car; where it has none, the mean over the stops."""
-    value: float | None = told["figures"].get(name)
-    stops = [log["figures"].get(name) for log in told["validation"]["logs"]]
-    known = [x for x in stops if x is not None]
-    return sum(known) / len(known) if value is None and known else value
