@@ -78,7 +78,7 @@ def diagnose(
         with writing(out):
             write_folder(found, text_of(found), page, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
-    return Answer(to_dict(found), facts(found, car.name))
+    return Answer(to_dict(found), facts(found, car.name).written(out))
 
 
 @contextmanager

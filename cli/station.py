@@ -125,7 +125,7 @@ def station(
         say("no exports: only a released table may reach an ECU")
     elif export and (beyond := not_sensed(stored.table.vehicle.effects)):
         say(f"no exports: an ECU cannot sense {', '.join(beyond)}; see `brake-cal tables export`")
-    return Answer(document, facts(found, stored), FAILED * (not found.passed))
+    return Answer(document, facts(found, stored).written(out), FAILED * (not found.passed))
 
 
 @contextmanager

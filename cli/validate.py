@@ -121,7 +121,7 @@ def validate(
         return page_of(report(stored, results, origin("vehicle", "model", "limits"), how))
 
     failed = FAILED * (not all(result.passed for result in results))
-    return Answer(summary, facts(stored, results, how), failed, page)
+    return Answer(summary, facts(stored, results, how).written(out), failed, page)
 
 
 def _coded(table: "Table", how: "Precision") -> "Coded":

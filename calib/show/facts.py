@@ -10,7 +10,8 @@ stderr, and pictures only to a page.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from calib.base.warning import PlausibilityWarning
@@ -18,6 +19,8 @@ from calib.base.warning import PlausibilityWarning
 if TYPE_CHECKING:
     from calib.show.sheet import Sheet
 
+DIR = "DIR"
+"""A folder in the next step, as --out names it in the help."""
 Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
@@ -90,6 +93,10 @@ class Facts:
     pictures: Sequence[Picture] = ()
     parts: "Sequence[Facts]" = ()
     folded: bool = False
+
+    def written(self, folder: Path | None) -> "Facts":
+        """The same where `DIR` of the next step is the ``folder`` that was written."""
+        return self if folder is None else replace(self, next=self.next.replace(DIR, str(folder)))
 
     @property
     def filled(self) -> bool:
