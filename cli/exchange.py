@@ -162,7 +162,7 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     """
     from calib.exports.compare import difference, parent
     from calib.exports.read import read_back
-    from calib.show.store import returned, returned_document
+    from calib.show.differences import returned, returned_document
 
     found = read_back(file)
     stored = parent(found, store)

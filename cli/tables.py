@@ -72,7 +72,7 @@ def diff(
 
     They are equal, equal within their 95 % bands, or different.
     """
-    from calib.show.store import compared, compared_document
+    from calib.show.differences import compared, compared_document
     from calib.table.compare import diff as differ
 
     first, second = store.load(a), store.load(b)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 from calib.base.program import PROGRAM
+from calib.base.templates import templates
 from calib.base.write import write_whole
 from calib.ecu.car_source import SOURCE, sources
 from calib.ecu.fmu_models import FmuModel
@@ -94,15 +95,7 @@ def write_fmu(
 
 def _described(version: Version, **told: object) -> dict[str, str]:
     """The descriptions of the FMU and, in FMI 3.0, of how it is built, by file."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    made = Environment(
-        loader=PackageLoader("calib.ecu"),
-        undefined=StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        keep_trailing_newline=True,
-    )
+    made = templates("calib.ecu", markup=True)
     files = {"modelDescription.xml": f"fmi{version}.xml.j2"}
     if version == 3:
         files["sources/buildDescription.xml"] = "build.xml.j2"

@@ -32,6 +32,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from calib.base.errors import ExchangeError
+from calib.base.templates import templates
 from calib.exports.dataset import MOST_AXES, UNIT, Axis, Curve, Dataset, Grid, Object, Scalar, label
 
 _FUNCTION = "brake_torque"
@@ -157,15 +158,7 @@ def _write_parquet(data: Dataset) -> bytes:
 
 def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     """The template of a format; ``text`` makes a text fit for it."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    made = Environment(
-        loader=PackageLoader("calib.exports"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    made = templates("calib.exports", markup=False)
     filters: dict[str, Callable[..., object]] = {
         "text": text,
         "printable": printable,

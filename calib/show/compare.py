@@ -3,7 +3,8 @@
 A colour is a quantity, as on the page of a table; a line style is a table, in the order given.
 """
 
-from calib.show.sheet import Line, Panel, Sheet
+from calib.show.panel import Line, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import DASHED, ETA, FRONT, IDENTIFIED, REAR, Stroke
 from calib.show.table import map_panel, read_at
 from calib.table.compare import Difference, diff

@@ -22,7 +22,8 @@ from calib.diagnosis.undecided import Confusion
 from calib.show.diagnosis import INNOVATION, KINDS, facts, outcome
 from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
-from calib.show.sheet import Line, Panel, Sheet
+from calib.show.panel import Line, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import BODY, FRONT, REAR, Stroke, as_text, reach, smooth
 
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."

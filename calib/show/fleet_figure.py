@@ -13,7 +13,8 @@ import numpy as np
 from calib.base.plain import plain
 from calib.line.fleet.control_chart import FEWEST
 from calib.line.fleet.summary import Look, Summary, in_words
-from calib.show.sheet import Line, Panel, Sheet
+from calib.show.panel import Line, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import (
     BODY,
     DASHED,

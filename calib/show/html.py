@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from calib.base.plain import plain
+from calib.base.templates import templates
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
 from calib.show.interactive import Drawn, drawn, source
@@ -43,16 +44,7 @@ _AGAINST = "What speaks against the result, although it is given."
 
 @cache
 def _template() -> "Template":
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("calib.show"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("page.html.j2")
+    return templates("calib.show", markup=True).get_template("page.html.j2")
 
 
 def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from calib.show.sheet import BAND, RAW, Line, Mark, Panel, Sheet
+from calib.show.panel import BAND, RAW, Line, Mark, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import LINE_WIDTH, Array, Stroke, envelope
 
 EXTRA = "pages"
@@ -35,17 +36,10 @@ _MARKERS = {"o": "circle", ".": "circle", "^": "triangle", "v": "inverted_triang
 _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
 """A finger on a panel scrolls the page."""
 _LEGEND = {
-    "click_policy": "hide",
-    "location": "top_left",
-    "border_line_color": None,
-    "background_fill_alpha": 0.0,
-    "label_text_font_size": "11px",
-    "glyph_width": 22,
-    "glyph_height": 12,
-    "label_height": 12,
-    "spacing": 8,
-    **dict.fromkeys(("padding", "margin"), 0),
-}
+    "click_policy": "hide", "location": "top_left", "border_line_color": None,
+    "background_fill_alpha": 0.0, "label_text_font_size": "11px", "glyph_width": 22,
+    "glyph_height": 12, "label_height": 12, "spacing": 8, "padding": 0, "margin": 0,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

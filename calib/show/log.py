@@ -25,7 +25,8 @@ from calib.run.driving_record import (
     RunEvent,
 )
 from calib.show.facts import Facts, Picture, Table
-from calib.show.sheet import Line, Mark, Panel, Sheet, rows_of
+from calib.show.panel import Line, Mark, Panel
+from calib.show.sheet import Sheet, rows_of
 from calib.show.style import (
     BODY,
     ETA,

@@ -31,7 +31,7 @@ from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from calib.show.sheet import Line, Panel
+from calib.show.panel import Line, Panel
 from calib.show.style import BODY, FRONT, MEAN, REAR, Array, Mask, Stroke
 from calib.table.table import Table
 

@@ -12,7 +12,8 @@ from calib.base.plain import plain
 from calib.line.gauge.gauge_rr import CAR, REPEATABILITY, REPRODUCIBILITY
 from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
-from calib.show.sheet import Line, Mark, Panel, Sheet
+from calib.show.panel import Line, Mark, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import BODY, DASHED, IDENTIFIED, LAW, NOMINAL, Stroke, as_text
 
 _MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")

@@ -22,7 +22,8 @@ from calib.line.station.index import (
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Table
 from calib.show.html import page_of
-from calib.show.sheet import Line, Panel, Sheet
+from calib.show.panel import Line, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import FRONT, NOMINAL, as_text
 
 _LAST = 30

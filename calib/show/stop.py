@@ -19,8 +19,9 @@ from calib.logs.log import Log
 from calib.run.filters import runs
 from calib.show.facts import Picture
 from calib.show.judged import broken, pads, word
+from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
-from calib.show.sheet import Line, Mark, Panel, Sheet
+from calib.show.sheet import Sheet
 from calib.show.style import (
     BODY,
     DASH_DOT,

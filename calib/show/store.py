@@ -1,4 +1,4 @@
-"""Facts of the tables of a store: lists, one table, two of them, what happened, what came back."""
+"""Facts of the tables of a store: lists, one table, a mean of several, what happened."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,8 +7,6 @@ import numpy as np
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, plus_minus
-from calib.exports.compare import Difference as FromFile
-from calib.exports.read import Returned
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures, mean_figures
@@ -18,17 +16,12 @@ from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
 from calib.table.budget import budget_of, limiting, words
-from calib.table.compare import Difference
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
 
-_SHOWN = 6
-"""Differences of a file in the head of the answer; all are in the details."""
 _ROWS = 12
 """Rows of f1 and f2 that are printed; all of them are in the JSON."""
-_PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
-"""Sections whose changed keys are printed; of the others only how many there are."""
 
 
 def listed(rows: Sequence[Listed]) -> Facts:
@@ -161,73 +154,6 @@ def history(entries: Sequence[Entry]) -> Facts:
     return Facts(tables=[Table(("when", "table", "state", "by", "why", "evidence"), rows)])
 
 
-def compared_document(found: Difference, first: Stored, second: Stored) -> dict[str, Any]:
-    """The JSON document of two tables."""
-    return {
-        "a": first.id,
-        "b": second.id,
-        "states": {"a": first.state.word, "b": second.state.word},
-        "verdict": found.verdict,
-        "identical": found.identical,
-        **vars(found),
-        "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
-    }
-
-
-def compared(found: Difference, first: Stored, second: Stored) -> Facts:
-    """Whether and where two tables differ."""
-    one, other = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
-    headline = f"{one} and {other} are {found.verdict}"
-    if found.identical:
-        return Facts(headline=headline)
-    curves = [
-        (gap.curve, f"{gap.start:.5f}", f"{gap.end:.5f}", f"{gap.largest:+.5f}", f"{gap.at:.5f}",
-         f"{gap.rms:.5f}", f"{gap.in_bands:.2f}")
-        for gap in found.curves
-    ]  # fmt: skip
-    values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in found.values]
-    changes = [
-        (section, change.key, _short(change.a), _short(change.b))
-        for section in _PRINTED
-        for change in found.changes.get(section, ())
-    ]
-    rest = [
-        f"{len(changed)} of {section}"
-        for section, changed in found.changes.items()
-        if section not in (*_PRINTED, "calibration")
-    ]
-    return Facts(
-        headline=headline,
-        tables=[Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves)],
-        parts=[
-            Facts(
-                "Values and texts",
-                tables=[
-                    Table(("value", first.id, second.id, "in 95 % bands"), values),
-                    Table(("section", "key", first.id, second.id), changes),
-                ],
-            )
-        ],
-        notes=[
-            *(f"{curve}: no common axis, or only in one of both" for curve in found.apart),
-            *([f"also different: {', '.join(rest)}; --json prints them"] if rest else []),
-            *(
-                f"{stored.id}: {cell}"
-                for stored in (first, second)
-                for cell in stored.table.by_hand
-            ),
-        ],
-    )
-
-
-def _short(written: str | None) -> str:
-    """A value of a record, a number with four digits."""
-    try:
-        return "-" if written is None else f"{float(written):.4g}"
-    except ValueError:
-        return str(written)
-
-
 def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
     """Which versions are damaged, and, with a key, which are signed as what."""
     rows = []
@@ -267,52 +193,3 @@ def merged_document(stored: Stored) -> dict[str, Any]:
         "remarks": table.remarks,
         "warnings": table.warnings,
     }
-
-
-def returned_document(found: Returned, stored: Stored | None, told: FromFile) -> dict[str, Any]:
-    """The JSON document of a file of a calibration tool."""
-    return {
-        "format": found.format,
-        "facts": found.facts,
-        "axes": found.content.axes,
-        "curves": {n: {"x": x, "y": y} for n, (x, y) in found.content.curves.items()},
-        "maps": {n: {"axes": x, "y": y} for n, (x, y) in found.content.maps.items()},
-        "scalars": found.content.scalars,
-        "units": found.units,
-        "in_store": stored is not None,
-        "unchanged": found.unchanged,
-        "rounded": told.rounded,
-        "differences": told.wrong,
-    }
-
-
-def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:
-    """What a file of a calibration tool holds, and whether it agrees with the table it names."""
-    content, units = found.content, found.units
-    over = {**content.curves, **content.maps}
-    arrays = {**content.axes, **{name: y for name, (_, y) in over.items()}}
-    cells = [
-        (name, str(len(y)), f"{min(y):.6g}", f"{max(y):.6g}", units[name])
-        for name, y in arrays.items()
-    ]
-    cells += [(n, "", f"{value:.6g}", "", units[n]) for n, value in content.scalars.items()]
-    if told.wrong:
-        headline = f"{found.table} does not agree: edited or damaged; export the table again"
-    elif stored is None:
-        headline = f"unchanged since it was written; {found.table} is not in this store"
-    else:
-        how = f"as rounded {told.rounded}" if told.rounded else "to the last bit"
-        headline = f"agrees with {stored.id} {how}"
-    return Facts(
-        headline=headline,
-        verdict=FAILED if told.wrong else PASSED,
-        notes=[f"differs: {what}" for what in told.wrong[:_SHOWN]],
-        parts=[
-            Facts("All that differs", notes=[f"differs: {what}" for what in told.wrong]),
-            Facts(
-                "What is in the file",
-                rows=[("table", found.table), *found.facts.items()],
-                tables=[Table(("object", "points", "from", "to", "unit"), cells)],
-            ),
-        ],
-    )

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib.base.plain import plus_minus
+from calib.show.panel import Line, Mark, Panel
 from calib.show.ramp import MeasuredRamp, panel, points
-from calib.show.sheet import Line, Mark, Panel, Sheet
+from calib.show.sheet import Sheet
 from calib.show.style import (
     BODY,
     DASHED,

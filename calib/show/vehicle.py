@@ -18,7 +18,8 @@ from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
-from calib.show.sheet import Line, Panel, Sheet
+from calib.show.panel import Line, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import BAR, BODY, FRONT, IDENTIFIED, NOMINAL, REAR, Array, Stroke
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))

@@ -9,7 +9,8 @@ import pytest
 from calib.show.facts import Facts, Picture
 from calib.show.html import page_of
 from calib.show.interactive import drawn
-from calib.show.sheet import Line, Mark, Panel, Sheet
+from calib.show.panel import Line, Mark, Panel
+from calib.show.sheet import Sheet
 from calib.show.style import DASHED, FRONT, REAR, as_text
 from tests.support.browser import ask, needs_browser, opened
 

@@ -1,0 +1,148 @@
+"""A panel: what one pair of axes shows.
+
+    Line   values over an axis, with their 95 % band
+    Mark   a part of the axis, over the whole height
+    Panel  lines, marks and texts
+
+The legend of a panel is between its title and its axes, where it covers no data.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from calib.show.style import Array, Axes, Mask, Stroke, envelope, reach, smooth
+
+_POINTS = 72.0
+"""Points to the inch."""
+BAND = 0.18
+"""Opacity of a 95 % band."""
+RAW = 0.3
+"""Opacity of measured values behind their mean."""
+PARTS = 2000
+"""Parts of a long line: a page has some 1000 pixels."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """``y`` over ``x`` (n,), and the two ends of its ``band``.
+
+    Over measured values their mean over ``mean`` [s] is drawn, 0 for none. ``by`` (n,) is the
+    deceleration of each point [g]: a slider marks it on the line, where a page has one.
+    """
+
+    x: Array | Sequence[float]
+    y: Array | Sequence[float]
+    look: Stroke
+    label: str = ""
+    band: tuple[Array, Array] | None = None
+    mean: float = 0.0
+    by: Array | None = None
+
+    @property
+    def shown(self) -> Array:
+        """The values of the thick line (n,)."""
+        y = np.asarray(self.y, float)
+        return smooth(np.asarray(self.x), y, self.mean) if self.mean else y
+
+    def fill(self, ax: Axes, parts: int) -> None:
+        """Draw it; of a long one the lowest and the highest value of each of its ``parts``."""
+        x, colour = np.asarray(self.x, float), self.look["color"]
+        if self.band is not None:
+            low, high = (np.asarray(end, float) for end in self.band)
+            at = envelope(low, parts)
+            ax.fill_between(x[at], low[at], high[at], color=colour, alpha=BAND, lw=0.0, zorder=1)
+            for end in (low, high):  # where two bands overlap their ends tell them apart
+                ax.plot(x[at], end[at], color=colour, linewidth=0.5, alpha=0.6, zorder=1)
+        if self.mean:
+            y = np.asarray(self.y, float)
+            at = envelope(y, parts)
+            ax.plot(x[at], y[at], color=colour, linewidth=0.5, alpha=RAW)
+        at = envelope(self.shown, parts)
+        ax.plot(x[at], self.shown[at], label=self.label, **self.look)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """The part of the x axis from ``start`` to ``end``; an upright line where they are equal."""
+
+    start: float
+    end: float
+    look: Stroke
+    label: str = ""
+
+    def fill(self, ax: Axes) -> None:
+        """Draw it behind the lines."""
+        if self.start == self.end:
+            ax.axvline(self.start, label=self.label, **self.look)
+        else:
+            ax.axvspan(self.start, self.end, label=self.label, lw=0.0, zorder=0, **self.look)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes.
+
+    Attributes
+    ----------
+    name, title : for ``--figure``, and above the axes.
+    x, y : what is on the axes, with units.
+    lines, marks : as they are drawn, the last on top.
+    texts : words, each beside a point of the axes.
+    xlim, ylim : ends of the axes. Without ``ylim`` measured lines set it, by their means and zero,
+        ``where`` it is true (n,).
+    xticks : words at 0, 1, 2 ... instead of numbers.
+    columns : entries in a row of the legend.
+    """
+
+    name: str
+    title: str
+    x: str
+    y: str
+    lines: Sequence[Line]
+    marks: Sequence[Mark] = ()
+    texts: Sequence[tuple[str, float, float]] = ()
+    xlim: tuple[float, float] | None = None
+    ylim: tuple[float, float] | None = None
+    where: Mask | None = None
+    xticks: Sequence[str] = ()
+    columns: int = 3
+
+    def fill(self, ax: Axes, parts: int = PARTS) -> float:
+        """Draw the panel and its legend; returns the height of the legend [pt].
+
+        Of a long line the lowest and the highest value of each of its ``parts`` are drawn.
+        """
+        for mark in self.marks:
+            mark.fill(ax)
+        for line in self.lines:
+            line.fill(ax, parts)
+        for text, *at in self.texts:
+            left = self.xlim is not None and at[0] > np.mean(self.xlim)  # there is room
+            shift: dict[str, Any] = {"xytext": (-4.0 if left else 4.0, -9.5), "fontsize": 7.0}
+            side = "right" if left else "left"
+            ax.annotate(text, (at[0], at[1]), textcoords="offset points", ha=side, **shift)
+        ax.set(xlabel=self.x, ylabel=self.y)
+        for limit, set_to in ((self.xlim, ax.set_xlim), (self.height, ax.set_ylim)):
+            if limit is not None:
+                set_to(*limit)
+        if self.xticks:
+            ax.set_xticks(range(len(self.xticks)), self.xticks)
+        if not ax.get_legend_handles_labels()[1]:
+            return 0.0
+        legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
+        return _POINTS * legend.get_window_extent().height / legend.figure.dpi
+
+    def shares(self, other: "Panel") -> bool:
+        """Whether both have the same x axis, so that it need not be told twice."""
+        return self.xlim is not None and (self.x, self.xlim) == (other.x, other.xlim)
+
+    @property
+    def height(self) -> tuple[float, float] | None:
+        """Ends of the y axis; None where nothing sets them."""
+        if self.ylim is not None:
+            return self.ylim
+        use = slice(None) if self.where is None else self.where
+        return reach(*(line.shown[use] for line in self.lines if line.mean), zero=True)
