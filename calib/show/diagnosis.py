@@ -61,6 +61,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
     size = f"{gap.before:.1f}{after} times the noise{closed}, on {on}"
     named = {effect.name for effect in found.effects}
     rows = (
+        ("gap", size),
         *((spaced(effect.name), _sizes(effect)) for effect in found.effects),
         ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
@@ -77,7 +78,6 @@ def facts(found: Diagnosis, title: str) -> Facts:
         headline=_verdict_of(found),
         verdict=verdict,
         word=word,
-        numbers=[("gap", size)],
         rows=[row for row in rows if row[1]],
         next=_next(found),
         warnings=found.warnings,

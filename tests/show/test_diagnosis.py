@@ -74,7 +74,7 @@ def test_a_name_is_good_only_if_the_hold_outs_say_so(named, change, expected):
 
 def test_a_named_cause_has_its_numbers_and_its_card(named):
     told = facts(named, MARKUP)
-    ((_, gap),) = told.numbers
+    gap = dict(told.rows)["gap"]
     assert [x for x in gap.replace(",", "").split() if x[0].isdigit()] == [
         "6.7",
         "3.7",
@@ -215,6 +215,6 @@ def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
 
 def test_without_a_gap_there_is_one_replay_and_no_cause(named):
     found = replace(named, verdict="no_gap", effects=())
-    ((_, gap),) = facts(found, "car").numbers
+    gap = dict(facts(found, "car").rows)["gap"]
     assert "6.7" in gap
     assert "3.7" not in gap
