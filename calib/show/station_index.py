@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from calib.base.plain import plain
+from calib.base.plain import counted, plain
 from calib.base.write import write_whole
 from calib.line.station.files import REPORT
 from calib.line.station.index import (
@@ -132,7 +132,7 @@ def _why(run: IndexedRun) -> str:
     if run.verdict == NO_VERDICT:
         return run.refusal
     if run.why is None:
-        return f"{run.bad} warning{'s' * (run.bad > 1)}: see the report" if run.bad else ""
+        return f"see the report: {counted(run.bad, 'warning')}" if run.bad else ""
     figure, scope, value, action = run.why
     shown = plain(figure)
     of = "" if scope == "car" else f"stop {scope}, "
