@@ -88,7 +88,8 @@ def export(
     with at_option(options, ExchangeError), writing(out):
         written = write(stored, out, form, quality=quality, **how)
     for axis in written.data.axes:
-        say(f"{axis.label}: {axis.placed}")
+        if len(axis.values) < axis.rows:
+            say(f"{axis.label}: {axis.placed}")
     for row in written.rounded:
         if row["read_error"] is not None:
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
@@ -139,6 +140,8 @@ def _fmu(stored: "Stored", out: Path, width: "Width", step: float, form: str) ->
 def _coded(
     stored: "Stored", out: Path, form: str, width: "Width", step: float, files: list[Path]
 ) -> Answer:
+    from calib.base.plain import counted
+
     document = {
         "table": stored.id,
         "digest": stored.digest,
@@ -150,7 +153,7 @@ def _coded(
         "cell": width.cell,
         "sample_time": step,
     }
-    return Answer(document, f"{out}: {stored.id} as {form}, {len(files)} files")
+    return Answer(document, f"{out}: {stored.id} as {form}, {counted(len(files), 'file')}")
 
 
 @command("brake-cal tables compare sedan.dcm")

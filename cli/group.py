@@ -35,7 +35,7 @@ GONE = {
     "log view": "log LOG",
     "log cut": "log LOG --out FILE --from TIME --until TIME",
     "log convert": "log LOG --out FILE",
-    "log --to": "log LOG --out FILE, once for each log",
+    "log --to": "log LOG --out FILE, once for each log, with --until TIME to cut",
     "log --keep-names": "log LOG --out FILE without --map",
     "simulate --deceleration": "simulate --pressure P; 'vehicle show' has the pressure per g",
     "vehicle init --from": "vehicle init FILE",

@@ -20,7 +20,7 @@ from calib.fitting.fit import fit
 from calib.help.doctor import environment, packages
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
-from calib.show.facts import Facts
+from calib.show.facts import WORDS, Facts
 from calib.show.facts import Table as Cells
 from calib.store.store import Store
 from calib.store.version import Stored
@@ -158,7 +158,7 @@ def facts(document: dict[str, Any]) -> Facts:
         f"Qualification of {PROGRAM} on this machine",
         headline=headline if failed else f"All {len(checks)} checks hold.",
         verdict=document["verdict"],
-        word=document["verdict"].upper(),
+        word=WORDS[document["verdict"]],
         rows=[("date", document["date"]), ("SHA-256 of the results", document["digest"])],
         parts=[
             Facts("A check holds within the tolerance of its expected value", tables=[table]),

@@ -62,7 +62,7 @@ def shown(stored: Stored) -> Facts:
             ("state", stored.state.words),
             ("front pads", _with_ends(cal.pad_friction_f)),
             ("rear pads", _with_ends(cal.pad_friction_r)),
-            ("range", said.limit),
+            ("range", said.ends),
             ("limited by", limiting(budgets)),
             ("made of", parents or logs),
         ],

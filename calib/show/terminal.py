@@ -30,7 +30,7 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
             yield from drawn(part, details=details)
             yield from [""] * (head or part is not facts.parts[-1])
     if told := ": ".join(text for text in (facts.word, facts.headline) if text):
-        yield Text(printable(told), style=f"bold {_STYLES[facts.verdict]}".strip())
+        yield _Paragraph(told, f"bold {_STYLES[facts.verdict]}".strip())
         if quiet:
             return
     for table in facts.tables:
@@ -39,13 +39,24 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
             yield _Grid(table)
     if rows := [*facts.numbers, *facts.rows]:
         yield _Terms(rows)
-    yield from (Text(printable(note)) for note in facts.notes)
+    yield from map(_Paragraph, facts.notes)
     if facts.next:
         yield f"Next: {facts.next}"
 
 
+class _Paragraph:
+    """A text in lines; a number keeps its unit on its line."""
+
+    def __init__(self, text: str, style: str = "") -> None:
+        self.text, self.style = printable(text), style
+
+    def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
+        lines = [self.text] if options.no_wrap else wrap(self.text, options.max_width)
+        yield from (Text(line, style=self.style) for line in lines)
+
+
 class _Terms:
-    """Names and their texts side by side; numbers keep their units on their line."""
+    """Names and their texts side by side."""
 
     def __init__(self, rows: Sequence[Row]) -> None:
         self.rows = [(printable(name), printable(text)) for name, text in rows]
@@ -83,11 +94,12 @@ class _Grid:
 
     def _grid(self) -> Grid:
         grid = Grid(box=None, header_style="bold", pad_edge=False)
-        columns = zip(self.table.heads, self.table.numeric, self.least, strict=True)
-        for head, numeric, least in columns:
+        rows = zip(self.table.heads, self.table.numeric, self.least, *self.table.rows, strict=True)
+        for head, numeric, least, *cells in rows:
+            whole = numeric or max(map(len, (head, *cells))) <= least  # else rich narrows it first
             justify: JustifyMethod = "right" if numeric else "left"
             named = "\n".join(wrap(head, least)) if numeric else head
-            grid.add_column(named, justify=justify, no_wrap=numeric, min_width=least)
+            grid.add_column(named, justify=justify, no_wrap=whole, min_width=least)
         for i, row in enumerate(self.table.rows):
             grid.add_row(*row, style=self._style(i))
         return grid

@@ -8,6 +8,7 @@ from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.agreement import agreement
 from calib.estimation.validate import (
     CALIBRATION,
+    HOLDOUT,
     NO_HOLDOUT,
     NONE,
     REFERENCE,
@@ -28,7 +29,7 @@ from calib.table.exported import Precision
 
 _PROOFS = {
     TRUTH: "the torques in the logs",
-    REFERENCE: "v: it shows a contradiction, but no error that the ramp made",
+    REFERENCE: "the speed v, which cannot show an error of the ramp itself",
     NONE: "nothing: the logs hold neither torques nor v",
 }
 _SHOWN = 4
@@ -63,7 +64,7 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
         tables=[_by_stop(stored, found)],
         rows=[
             *[row for result in found for row in _against(result)][:_SHOWN],
-            ("judged by", _PROOFS[proof]),
+            *([("judged by", _PROOFS[proof])] if any(r.role == HOLDOUT for r in found) else []),
             *([] if how is None else [("as exported", str(how))]),
             *(("limited by", limiting(budget)) for budget in budgets[:1]),
         ],

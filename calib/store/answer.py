@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from calib.base.plain import NBSP
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
 
@@ -54,7 +55,7 @@ def verdict(stored: Stored) -> str:
     word = stored.state.word
     if word not in _USE:
         return f"{stored.id} is of no use: it is {word}"
-    return f"{stored.id} is {_USE[word]}, up to {stored.table.paper.usable[1]:.2f} g"
+    return f"{stored.id} is {_USE[word]}, up to {stored.table.paper.usable[1]:.2f}{NBSP}g"
 
 
 def _next(stored: Stored) -> str:

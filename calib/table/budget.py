@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import rows
+from calib.base.plain import NBSP, rows
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.table import Table, TableBudget
@@ -74,15 +74,16 @@ def words(parts: Parts) -> str:
 
 
 def limiting(axles: Sequence[Parts]) -> str:
-    """The largest part of each axle, one standard deviation.
+    r"""The largest part of each axle, as a 95 % interval has it.
 
     >>> limiting([{"tyres": 0.01, "mass": 0.03}, {"unlike_pads": 0.04}])
-    'mass (3.0 % front), unlike pads (4.0 % rear)'
+    'mass (±6\xa0% front), unlike pads (±8\xa0% rear)'
     """
     told: dict[str, list[str]] = {}
     for axle, parts in zip(AXLE_NAMES.values(), axles, strict=True):
         most = largest(parts)
-        told.setdefault(most.replace("_", " "), []).append(f"{100.0 * parts[most]:.1f} % {axle}")
+        width = f"±{100.0 * Z95 * parts[most]:.0f}{NBSP}%"
+        told.setdefault(most.replace("_", " "), []).append(f"{width} {axle}")
     return ", ".join(f"{part} ({', '.join(of)})" for part, of in told.items())
 
 

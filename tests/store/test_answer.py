@@ -15,5 +15,5 @@ def test_only_a_released_version_is_usable(store, word):
     assert found.usable == (word == "released")
     # the last row of the made table, at 0.30 g, is extrapolated
     assert found.decelerations == pytest.approx((0.0, 0.285))
-    told = f"{found.decelerations[1]:.2f} g" in verdict(stored)
+    told = f"{found.decelerations[1]:.2f}\xa0g" in verdict(stored)
     assert told == (word in ("draft", "released"))
