@@ -20,7 +20,7 @@ _HEADS = (
     *("metric", "logs", "median", "90 % of the logs", "one more is named", "stand apart", "drift"),
 )
 
-_ALONE = "none: run the command on this log alone, which says why"
+_ALONE = "none: it is a log of the fit, or run the command on it alone"
 _MARKS = (
     "Dotted: one more log beyond it is named for this metric. Dashed: three sigma from log to log. "
     "Marked: a Western Electric rule is broken, which shows where to look and proves nothing.",
@@ -78,7 +78,11 @@ def report(found: Summary, title: str) -> Facts:
     calm = [x for x in filled if not (x.drifts or x.outlying.any())]
     quiet = f"Metrics where nothing stands apart and nothing drifts: {len(calm)}"
     parts = [
-        Facts("Metrics to look at", notes=_MARKS, parts=[_metric(found, look) for look in told]),
+        Facts(
+            "Metrics to look at",
+            notes=_MARKS if told else (),
+            parts=[_metric(found, look) for look in told],
+        ),
         Facts(quiet, parts=[_metric(found, look) for look in calm], folded=True),
     ]
     head = facts(found, title)
@@ -97,7 +101,7 @@ def _limits(keys: str) -> str:
 
 
 def _metric(found: Summary, look: Look) -> Facts:
-    caption = f"Distribution of {look.name}, and the logs in order."
+    caption = f"{look.name}, log by log."
     picture = Picture(caption, sheet(found, look))
     return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
