@@ -88,7 +88,7 @@ def export(
     with at_option(options, ExchangeError), writing(out):
         written = write(stored, out, form, quality=quality, **how)
     for axis in written.data.axes:
-        if len(axis.values) < axis.rows:
+        if axis.reduced:
             say(f"{axis.label}: {axis.placed}")
     for row in written.rounded:
         if row["read_error"] is not None:
@@ -116,7 +116,8 @@ def _code(
     with at_option("--points, --fixed-point, --float, --elf", ExchangeError), writing(out):
         files = write_bundle(stored, out, width, step, first, **more)
     for axis in code_maps(stored.table, first, width)[0]:
-        say(f"{axis.label}: {axis.placed}")
+        if axis.reduced:
+            say(f"{axis.label}: {axis.placed}")
     return _coded(stored, out, "ecu", width, step, files)
 
 

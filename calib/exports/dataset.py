@@ -141,9 +141,14 @@ class Axis(Object):
     kind = "AXIS_PTS"
 
     @property
+    def reduced(self) -> bool:
+        """Whether the breakpoints are fewer than the rows of the table."""
+        return len(self.values) < self.rows
+
+    @property
     def placed(self) -> str:
         """Number of breakpoints and their interpolation error, in words."""
-        if len(self.values) == self.rows:
+        if not self.reduced:
             return f"all {self.rows} rows of the table; interpolation error 0"
         m = self.misfit
         return (
