@@ -116,8 +116,5 @@ def _run(folder: Path, step: "Step") -> "Ran":
     if isinstance(facts, str) or not facts.headline:
         answer = printed[-1] if printed else ""
     else:
-        numbers = map(" ".join, facts.numbers[:2])
-        answer = "; ".join(
-            [": ".join(filter(None, (facts.word, facts.headline.rstrip(".")))), *numbers]
-        )
+        answer = "; ".join([facts.said.rstrip("."), *map(" ".join, facts.numbers[:2])])
     return Ran(answer, not code and step.expected in answer)

@@ -94,6 +94,11 @@ class Facts:
     parts: "Sequence[Facts]" = ()
     folded: bool = False
 
+    @property
+    def said(self) -> str:
+        """The verdict and the headline in one line; "" without both."""
+        return ": ".join(text for text in (self.word, self.headline) if text)
+
     def written(self, folder: Path | None) -> "Facts":
         """The same where `DIR` of the next step is the ``folder`` that was written."""
         return self if folder is None else replace(self, next=self.next.replace(DIR, str(folder)))

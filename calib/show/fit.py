@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import counted, plus_minus
+from calib.base.plain import counted
 from calib.base.warning import to_dict
 from calib.car.mass import MassUsed
 from calib.logs.log import Log
@@ -15,7 +15,7 @@ from calib.show.table import sheet
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, budget_of, limiting, words
+from calib.table.budget import advice_lines, budget_of, limiting, ramp_pads, words
 from calib.table.budget import summary as budget_summary
 
 _CURVES = "The curves of the table with their 95 % bands, and the measured points."
@@ -25,7 +25,6 @@ def facts(stored: Stored, mass: MassUsed) -> Facts:
     """A version of a table that was fitted on a car of ``mass``."""
     table, said, cal = stored.table, answer(stored), stored.table.calibration
     budgets, count = budget_of(table).axles, len(table.warnings)
-    pads = {"front pads": cal.pad_friction_f, "rear pads": cal.pad_friction_r}
     advice = advice_lines(budgets)
     details = Facts(
         "What was estimated",
@@ -43,7 +42,7 @@ def facts(stored: Stored, mass: MassUsed) -> Facts:
         headline=verdict(stored),
         verdict=WARNING if count else PASSED,
         word=f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
-        numbers=[(name, plus_minus(x.value, x.ci95[1] - x.value)) for name, x in pads.items()],
+        numbers=list(zip(("front pads", "rear pads"), ramp_pads(table), strict=True)),
         rows=[("range", said.ends), ("limited by", limiting(budgets))],
         notes=advice[:1],
         next=said.next,

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import plus_minus
 from calib.base.write import write_whole
 from calib.car.effects.combined import not_sensed
 from calib.estimation.limits import FAILED, WARNING
@@ -36,7 +35,7 @@ from calib.store.evidence import read_quality
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, budget_of, words
+from calib.table.budget import advice_lines, budget_of, ramp_pads, words
 
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
 _SHOWN = 3
@@ -58,7 +57,7 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
         verdict=found.verdict,
         word=WORDS[found.verdict],
         rows=[
-            *zip(("front pads", "rear pads"), _of_ramp(found), strict=True),
+            *zip(("front pads", "rear pads"), ramp_pads(found.table), strict=True),
             *((check.verdict, f"{check.text}. {check.action}") for check in bad[:_SHOWN]),
         ],
         notes=[f"{len(bad) - _SHOWN} more are not held (-v)"] * (len(bad) > _SHOWN),
@@ -123,7 +122,7 @@ def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
 def _pads(found: StationOutcome) -> Facts:
     """Pad friction from the ramp and by stop, and what its interval is made of."""
     budgets = budget_of(found.table).axles
-    rows = [("the ramp", *_of_ramp(found))]
+    rows: list[tuple[str, ...]] = [("the ramp", *ramp_pads(found.table))]
     rows += [
         (f"{i}: {r.log}", *(pads(r.figures, axle) or "not known" for axle in "fr"))
         for i, r in enumerate(found.results, 1)
@@ -137,15 +136,6 @@ def _pads(found: StationOutcome) -> Facts:
         ],
         notes=advice_lines(budgets),
     )
-
-
-def _of_ramp(found: StationOutcome) -> list[str]:
-    """Pad friction from the ramp, front and rear."""
-    cal = found.table.calibration
-    return [
-        plus_minus(pad.value, pad.ci95[1] - pad.value)
-        for pad in (cal.pad_friction_f, cal.pad_friction_r)
-    ]
 
 
 def store_and_write(

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import counted, plain, plus_minus
+from calib.base.plain import counted, plain
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures, mean_figures
@@ -15,7 +15,7 @@ from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
-from calib.table.budget import budget_of, limiting, words
+from calib.table.budget import budget_of, limiting, ramp_pads, words
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
@@ -52,7 +52,7 @@ def listed(rows: Sequence[Listed]) -> Facts:
 def shown(stored: Stored) -> Facts:
     """Whether a table may be used, how good it is, and what it is made of."""
     table, said = stored.table, answer(stored)
-    cal, budgets = table.calibration, budget_of(table).axles
+    budgets = budget_of(table).axles
     logs = ", ".join(log.name for log in table.provenance.logs)
     parents = ", ".join(parent.id for parent in table.provenance.parents)
     return Facts(
@@ -60,8 +60,7 @@ def shown(stored: Stored) -> Facts:
         verdict=PASSED if said.usable else WARNING,
         rows=[
             ("state", stored.state.words),
-            ("front pads", _with_ends(cal.pad_friction_f)),
-            ("rear pads", _with_ends(cal.pad_friction_r)),
+            *zip(("front pads", "rear pads"), ramp_pads(table), strict=True),
             ("range", said.ends),
             ("limited by", limiting(budgets)),
             ("made of", parents or logs),
@@ -69,10 +68,6 @@ def shown(stored: Stored) -> Facts:
         next=said.next,
         parts=[_made_of(stored), Facts("Curves", tables=[_curves(table)])],
     )
-
-
-def _with_ends(value: Value) -> str:
-    return plus_minus(value.value, value.ci95[1] - value.value)
 
 
 def _made_of(stored: Stored) -> Facts:

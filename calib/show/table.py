@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calib.base.plain import plus_minus
 from calib.show.panel import Line, Mark, Panel
 from calib.show.ramp import MeasuredRamp, panel, points
 from calib.show.sheet import Sheet
@@ -26,6 +25,7 @@ from calib.show.style import (
     Array,
     Stroke,
 )
+from calib.table.budget import ramp_pads
 from calib.table.maps import PadMap, Reader
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
@@ -57,8 +57,7 @@ def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
     numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
     of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
-    pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
-    front, rear = (plus_minus(pad.value, pad.ci95[1] - pad.value) for pad in pads)
+    front, rear = ramp_pads(table)
     last, of_map = table.paper.usable[1], [] if table.map is None else [_map(table.map)]
     return Sheet(
         kind="table",

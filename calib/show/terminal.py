@@ -29,7 +29,7 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
             yield from [Text(printable(part.title), style="bold")] * bool(part.title)
             yield from drawn(part, details=details)
             yield from [""] * (head or part is not facts.parts[-1])
-    if told := ": ".join(text for text in (facts.word, facts.headline) if text):
+    if told := facts.said:
         yield _Paragraph(told, f"bold {_STYLES[facts.verdict]}".strip())
         if quiet:
             return

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import NBSP, rows
+from calib.base.plain import NBSP, plus_minus, rows
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.table import Table, TableBudget
@@ -50,6 +50,16 @@ def _read(row: dict[str, str]) -> _Advice:
 
 
 _ADVICE = tuple(map(_read, rows("budget.csv", "calib.table")))
+
+
+def ramp_pads(table: Table) -> tuple[str, str]:
+    """Pad friction of front and rear from the ramp, each with its 95 % interval, in words."""
+    cal = table.calibration
+    front, rear = (
+        plus_minus(pad.value, pad.ci95[1] - pad.value)
+        for pad in (cal.pad_friction_f, cal.pad_friction_r)
+    )
+    return front, rear
 
 
 def deviations(variances: Variances) -> Parts:
