@@ -11,8 +11,8 @@ from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.ecu.fmu import Version
-    from calib.ecu.width import Width
     from calib.store.version import Stored
+    from calib.table.exported import Precision
 
 
 @command(
@@ -59,7 +59,6 @@ def export(
     quality = read_quality(validation, stored) if validation else UNPROVED
     if form and form.lower() in CODES:
         from calib.ecu.car_source import require_time
-        from calib.ecu.width import Width
         from calib.table.exported import Precision
 
         require_handed_out(stored, without_effect, unreleased=unreleased)
@@ -67,26 +66,25 @@ def export(
         car = replace(stored.table.vehicle, effects=left)
         stored = replace(stored, table=replace(stored.table, vehicle=car))
         with at_option("--points, --fixed-point, --float", ExchangeError):
-            width = Width.of(Precision(points, bits, single))
+            how = Precision(points, bits, single)
         step = 0.01 if sample_time is None else sample_time
         with at_option("--sample-time", ExchangeError):
             require_time(step)
         if form.lower() == "ecu":
-            return _code(stored, out, width, step, prefix, quality=quality, elf=elf)
+            return _code(stored, out, how, step, prefix, quality=quality, elf=elf)
         if elf or prefix is not None or validation:
             raise misuse("not for an FMU", "--elf, --prefix, --validation")
-        return _fmu(stored, out, width, step, form.lower())
+        return _fmu(stored, out, how, step, form.lower())
     if sample_time is not None:
         raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
     check_file(out)
     digest = stored.digest.encode()
     refuse_foreign(out, lambda data: digest in data)
-    how: dict[str, Any] = {"points": points, "bits": bits, "single": single, "elf": elf}
-    how |= {"prefix": prefix}
-    how |= {"unreleased": unreleased, "without_effects": without_effect}
+    asked: dict[str, Any] = {"points": points, "bits": bits, "single": single, "elf": elf}
+    asked |= {"prefix": prefix, "unreleased": unreleased, "without_effects": without_effect}
     options = "--format, --points, --fixed-point, --float, --elf, --without-effect"
     with at_option(options, ExchangeError), writing(out):
-        written = write(stored, out, form, quality=quality, **how)
+        written = write(stored, out, form, quality=quality, **asked)
     for axis in written.data.axes:
         if axis.reduced:
             say(f"{axis.label}: {axis.placed}")
@@ -99,7 +97,7 @@ def export(
 
 
 def _code(
-    stored: "Stored", out: Path, width: "Width", step: float, prefix: str | None, **more: Any
+    stored: "Stored", out: Path, how: "Precision", step: float, prefix: str | None, **more: Any
 ) -> Answer:
     """Write the estimator as C, with the numbers of a table, to a folder."""
     from calib.base.errors import ExchangeError
@@ -114,14 +112,14 @@ def _code(
     for name in names(first):
         refuse_foreign(out / name, lambda data: OURS in data)
     with at_option("--points, --fixed-point, --float, --elf", ExchangeError), writing(out):
-        files = write_bundle(stored, out, width, step, first, **more)
-    for axis in code_maps(stored.table, first, width)[0]:
+        files = write_bundle(stored, out, how, step, first, **more)
+    for axis in code_maps(stored.table, first, how)[0]:
         if axis.reduced:
             say(f"{axis.label}: {axis.placed}")
-    return _coded(stored, out, "ecu", width, step, files)
+    return _coded(stored, out, "ecu", how, step, files)
 
 
-def _fmu(stored: "Stored", out: Path, width: "Width", step: float, form: str) -> Answer:
+def _fmu(stored: "Stored", out: Path, how: "Precision", step: float, form: str) -> Answer:
     """Write the same code, or the simulated car, as an FMU."""
     from calib.ecu.fmu import write_fmu
     from calib.ecu.fmu_models import ESTIMATOR, car_of
@@ -134,14 +132,15 @@ def _fmu(stored: "Stored", out: Path, width: "Width", step: float, form: str) ->
     version: Version = 2 if form.endswith("2") else 3
     told = f"{stored.id}, {stored.state.words}"
     with writing(out):
-        write_fmu(stored.table, out, step, width, version, of, told, stored.digest)
-    return _coded(stored, out, form, width, step, [out])
+        write_fmu(stored.table, out, step, how, version, of, told, stored.digest)
+    return _coded(stored, out, form, how, step, [out])
 
 
 def _coded(
-    stored: "Stored", out: Path, form: str, width: "Width", step: float, files: list[Path]
+    stored: "Stored", out: Path, form: str, how: "Precision", step: float, files: list[Path]
 ) -> Answer:
     from calib.base.plain import counted
+    from calib.ecu.car_source import cell
 
     document = {
         "table": stored.id,
@@ -150,8 +149,8 @@ def _coded(
         "format": form,
         "out": out,
         "files": [path.name for path in files],
-        "float": width.bits,
-        "cell": width.cell,
+        "float": how.floating,
+        "cell": cell(how),
         "sample_time": step,
     }
     return Answer(document, f"{out}: {stored.id} as {form}, {counted(len(files), 'file')}")

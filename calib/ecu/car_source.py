@@ -1,4 +1,4 @@
-"""The numbers of a car as C: what the estimator of bte.c takes from a table.
+"""The estimator in C for a car: bte.h with what Python names, and the car's numbers in bte_car.c.
 
 The maps are on as many breakpoints and in the precision that the export asks for: what is written
 is what `calib.table.exported` reads back. What is the same in every block is computed here.
@@ -7,8 +7,11 @@ is what `calib.table.exported` reads back. What is the same in every block is co
 import math
 from collections.abc import Iterable
 from dataclasses import fields
+from itertools import groupby
 from pathlib import Path
-from typing import Any, TypeAlias
+from string import Template
+from textwrap import fill
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -19,35 +22,76 @@ from calib.car.bias import force_per_pressure, front_share
 from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
-from calib.ecu.channels import limits
+from calib.ecu.channels import ANSWERS, CHANNELS, limits
 from calib.ecu.labels import code_maps, version_label
 from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, Timing
-from calib.ecu.width import Width
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import SLOWEST
-from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING
-from calib.exports.dataset import Grid
+from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
+from calib.exports.dataset import Axis, Grid
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import WALK, SensorNoise
-from calib.table.exported import as_exported
+from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
 
 SOURCE = Path(__file__).parent / "source"
-CONFIG = "/* The precision of the estimator of brake-cal. */"
-"""How bte_config.h begins, in every folder of the code."""
-
 PREFIX = "bte"
 """First part of every label, of files and functions, too."""
-_RATIO = tuple(names[0] for names in PADS)
 _FASTEST, _SLOWEST = 1e-4, 0.1  # times from call to call [s]
 _FROM_TABLE = ("noise_v", "late", "late_sigma", "radii", "ramp_ratio", "block")
 """Numbers of `Constants` that are no tuning, or of a speed that no ECU has."""
 
+
+class Data(NamedTuple):
+    """A member of a structure that refers to data: its type in C, and its initial value."""
+
+    kind: str
+    initial: str
+
+
 Member: TypeAlias = Any
-"""A member of a structure in C: a number, a list or dict of members; a text stands as it is."""
+"""A member of a structure: a number (whole: a count), `Data`, a list of either, or a structure."""
+
+
+def sources(
+    table: Table, sample_time: float, how: Precision, told: str, version: int = 0
+) -> dict[str, str]:
+    """The estimator in C for a table, by file: bte.h, bte.c, bte_car.c.
+
+    ``told`` is what the last file says of its table, ``version`` its number. Raises ExchangeError
+    for a precision that C does not have, or a time that no ECU has.
+    """
+    require_time(sample_time)
+    axes, grids = code_maps(table, PREFIX, how)
+    table, bits = as_exported(table, how), how.floating
+    car = _numbers(table, sample_time) | _maps(axes, grids, bits)
+    header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
+        floating=bits,
+        real="float" if bits == 32 else "double",
+        cell=cell(how),
+        reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
+        inputs=_enumeration((x, f"[{c.unit}] {c.meaning}") for x, c in CHANNELS.items()),
+        answers=_enumeration((x, f"[{unit}] {of}") for x, (unit, of) in ANSWERS.items()),
+        tuning=_declared(car["tuning"]),
+        car=_declared(car),
+    )
+    data: dict[str, tuple[str, Any]] = {version_label(PREFIX): ("bte_real", float(version))}
+    for one in (*axes, *grids):
+        kind = "bte_cell" if isinstance(one, Grid) else "bte_real"
+        data[one.label] = kind, one.fixed.raw.tolist() if one.fixed else one.numbers
+    for name, x in (("tyre_force", table.tyre.force), ("tyre_slip", table.tyre.slip)):
+        data[f"{PREFIX}_{name}"] = "bte_real", x.tolist()
+    source = [f"/* {told} */", '#include "bte.h"']
+    for label, (kind, values) in data.items():
+        declared = f"BTE_CAL {kind} {label}" + (f"[{len(values)}]" if type(values) is list else "")
+        source.append(f"extern {declared};\nBTE_CAL_DATA {declared} = {_initial(values, bits)};")
+    body = "\n".join(f"    .{name} = {_initial(x, bits)}," for name, x in car.items())
+    source.append(f"const bte_car bte_this_car = {{\n{body}\n}};\n")
+    code = (SOURCE / "bte.c").read_text(encoding="utf-8")
+    return {"bte.h": header, "bte.c": code, "bte_car.c": "\n\n".join(source)}
 
 
 def require_time(sample_time: float) -> None:
@@ -55,6 +99,16 @@ def require_time(sample_time: float) -> None:
     if not _FASTEST <= sample_time <= _SLOWEST:
         expected = f"{_FASTEST:g} to {_SLOWEST:g} s"
         raise ExchangeError(f"a sample time of {sample_time:g} s", expected=expected)
+
+
+def cell(how: Precision) -> str:
+    """Type of the cells of the maps in C."""
+    return f"int{how.bits}_t" if how.bits else "bte_real"
+
+
+def number(x: float, bits: int) -> str:
+    """A constant in C that reads back to the last bit of a floating point of 32 or 64 ``bits``."""
+    return f"{np.float32(x)!s}F" if bits == 32 else repr(float(x))
 
 
 def _tuning(c: Constants) -> dict[str, Member]:
@@ -74,114 +128,89 @@ def _numbers(table: Table, sample_time: float) -> dict[str, Member]:
     c = constants(table, SensorNoise(**table.noise), timing.block)
     car, known = table.vehicle, known_effects(table).parameters
     drag, rolling = known[DRAG[0]], known[ROLLING[0]]
-    low, high, jump = (x.tolist() for x in limits(sample_time))
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / (car.weight * car.wheelbase)
+    ranges = zip(("low", "high", "jump"), limits(sample_time), strict=True)
     return {
-        "version": f"&{version_label(PREFIX)}",
         "tuning": _tuning(c),
-        "low": low,
-        "high": high,
-        "jump": jump,
-        "samples": timing.samples,
-        "waiting": timing.waiting,
-        "sample_time": sample_time,
-        "block": timing.block,
-        "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),
-        "weight": car.weight,
-        "load": [float(load[0]) / car.weight for load in axle_loads(car, np.zeros(1))],
-        "height": car.cg_height / car.wheelbase,
-        "track_width": car.track_width,
-        "cg_height": car.cg_height,
-        "drag": 0.5 * AIR_DENSITY * drag[DRAG[1]],
-        "drag_lift": (1.0 - drag.get("load_share", 1.0)) * lever,
-        "rolling": rolling[ROLLING[1]],
+        **{name: x.tolist() for name, x in ranges},  # what a working sensor reads
+        "samples": timing.samples,  # of a block
+        "waiting": timing.waiting,  # blocks before a bite on which no zero rests
+        "sample_time": sample_time,  # [s]
+        "block": timing.block,  # [s]
+        "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),  # of a sample in its low pass
+        "weight": car.weight,  # [N]
+        "load": [float(load[0]) / car.weight for load in axle_loads(car, np.zeros(1))],  # at rest
+        "height": car.cg_height / car.wheelbase,  # load that moves at 1 g, over the weight
+        "track_width": car.track_width,  # [m]
+        "cg_height": car.cg_height,  # [m]
+        "drag": 0.5 * AIR_DENSITY * drag[DRAG[1]],  # over the square of the speed [N s^2/m^2]
+        "drag_lift": (1.0 - drag.get("load_share", 1.0)) * lever,  # load from front to rear by it
+        "rolling": rolling[ROLLING[1]],  # resistance over load, and how it grows with v^2
         "rolling_growth": rolling.get("rolling_growth", 0.0),
-        "radius": [axle.rolling_radius for axle in axles],
-        "turning_mass": [car.weight / G * share for share in turning_shares(car)],
-        "torque_gain": [axle.torque_gain for axle in axles],
-        "pad_friction": [axle.pad_friction for axle in axles],
-        "force": sum(force_per_pressure(car)),
-        "share": front_share(car, 0.0),
-        "ramp_share": [on_ramp, 1.0 - on_ramp],
-        "ramp_ratio": c.ramp_ratio,
+        "radius": [axle.rolling_radius for axle in axles],  # [m]
+        "turning_mass": [car.weight / G * x for x in turning_shares(car)],  # at the road [kg]
+        "torque_gain": [axle.torque_gain for axle in axles],  # of a wheel, over p and mu [m^3]
+        "pad_friction": [axle.pad_friction for axle in axles],  # of the vehicle file
+        "force": sum(force_per_pressure(car)),  # of both axles with these pads [N/Pa]
+        "share": front_share(car, 0.0),  # of the front axle in it
+        "ramp_share": [on_ramp, 1.0 - on_ramp],  # of the axles in it with the pads of the ramp
+        "ramp_ratio": c.ramp_ratio,  # ln of the ratio of these pads
     }
 
 
-def sources(
-    table: Table, sample_time: float, width: Width, told: str, version: int = 0
-) -> dict[str, str]:
-    """The estimator in C for a table, by file: bte.h, bte.c, bte_config.h, bte_car.c.
+def _maps(axes: Iterable[Axis], grids: Iterable[Grid], bits: int) -> dict[str, Member]:
+    """Members of `bte_car` that are maps and their axes."""
 
-    ``told`` is what the last file says of its table, ``version`` its number. Raises ExchangeError
-    for a precision that C does not have, or a time that no ECU has.
-    """
-    precision = f"#define BTE_FLOAT {width.bits}\n#define BTE_CELL {width.cell}\n"
-    return {name: (SOURCE / name).read_text(encoding="utf-8") for name in ("bte.h", "bte.c")} | {
-        "bte_config.h": f"{CONFIG}\n{precision}",
-        "bte_car.c": _car(table, sample_time, width, told, version),
-    }
+    def axis(label: str) -> Data:
+        return Data("bte_axis", f"{{{label}, sizeof {label} / sizeof *{label}}}")
 
-
-def _car(table: Table, sample_time: float, width: Width, told: str, version: int) -> str:
-    require_time(sample_time)
-    axes, grids = code_maps(table, PREFIX, width)
-    table = as_exported(table, width.how)
-    arrays = [_public("bte_real", a.label, map(width.number, a.values.tolist())) for a in axes]
+    of = {}
     for g in grids:
-        cells = map(width.number, g.numbers) if g.fixed is None else map(str, g.fixed.raw.tolist())
-        arrays.append(_public("bte_cell", g.label, cells))
-    for name, x in (("tyre_force", table.tyre.force), ("tyre_slip", table.tyre.slip)):
-        values = _initial(x.tolist(), width)
-        arrays.append(f"static BTE_CAL bte_real {name}[] = {values};")
-    *over, level_z = (_axis(axis.label) for axis in axes)
-    of = {(grid.column, len(grid.axes)): _map(grid) for grid in grids}
-    members = _numbers(table, sample_time) | {
-        "tyre": _axis("tyre_force"),
-        "tyre_slip": "tyre_slip",
-        "axes": over,
-        "ratio": [of[name, 3] for name in _RATIO],
+        step = number(g.fixed.step if g.fixed else 1.0, bits)
+        of[g.column, len(g.axes)] = Data("bte_map", f"{{{g.label}, {step}}}")
+    *over, level_z = (axis(one.label) for one in axes)
+    ratio = [names[0] for names in PADS]
+    return {
+        "version": Data("BTE_CAL bte_real *", f"&{version_label(PREFIX)}"),
+        "tyre": axis(f"{PREFIX}_tyre_force"),
+        "tyre_slip": Data("BTE_CAL bte_real *", f"{PREFIX}_tyre_slip"),
+        "axes": over,  # of the ratio; the maps of the slip have the first two
+        "ratio": [of[name, 3] for name in ratio],
         "slip_mean": of[SLIP[0], 2],
         "slip_sigma": of[SLIP[1], 2],
-        "level_z": level_z,
+        "level_z": level_z,  # of the level, and of the ratio before eta is read
         "level": [of[name, 1] for name in LEVEL],
-        "before": [of[name, 1] for name in _RATIO],
+        "before": [of[name, 1] for name in ratio],
     }
-    numbered = f"BTE_CAL bte_real {version_label(PREFIX)}"
-    body = "\n".join(f"    .{name} = {_initial(x, width)}," for name, x in members.items())
-    return "\n\n".join(
-        [
-            f"/* {told} */",
-            '#include "bte.h"',
-            "#define COUNT(x) ((uint16_t)(sizeof(x) / sizeof((x)[0])))",
-            f"extern {numbered};\nBTE_CAL_DATA {numbered} = {width.number(version)};",
-            *arrays,
-            f"const bte_car bte_this_car = {{\n{body}\n}};\n",
-        ]
-    )
 
 
-def _public(kind: str, label: str, numbers: Iterable[str]) -> str:
-    """An array that a calibration tool knows."""
-    told = list(numbers)
-    declared = f"BTE_CAL {kind} {label}[{len(told)}]"
-    return f"extern {declared};\nBTE_CAL_DATA {declared} = {{{', '.join(told)}}};"
+def _enumeration(rows: Iterable[tuple[str, str]]) -> str:
+    return "\n".join(f"    BTE_{name.upper()}, /* {meaning} */" for name, meaning in rows)
 
 
-def _axis(label: str) -> list[Member]:
-    return [label, f"COUNT({label})"]
+def _declared(members: dict[str, Member]) -> str:
+    """The members of a structure in C."""
+
+    def kind(name: str) -> str:
+        x = members[name]
+        one = x[0] if type(x) is list else x
+        kinds = {float: "bte_real", int: "uint16_t", dict: f"{PREFIX}_{name}"}
+        return kinds.get(type(one)) or one.kind
+
+    def size(name: str) -> str:
+        return f"{name}[{len(members[name])}]" if type(members[name]) is list else name
+
+    lines = (f"{of} {', '.join(map(size, names))};" for of, names in groupby(members, kind))
+    return "\n".join(fill(x, 100, initial_indent=4 * " ", subsequent_indent=8 * " ") for x in lines)
 
 
-def _map(grid: Grid) -> list[Member]:
-    return [grid.label, grid.fixed.step if grid.fixed else 1.0]
-
-
-def _initial(x: Member, width: Width) -> str:
+def _initial(x: Member, bits: int) -> str:
     """The initial value of a member in C."""
     if isinstance(x, dict):
-        return f"{{{', '.join(f'.{name} = {_initial(y, width)}' for name, y in x.items())}}}"
+        return f"{{{', '.join(f'.{name} = {_initial(y, bits)}' for name, y in x.items())}}}"
+    if isinstance(x, Data):
+        return x.initial
     if isinstance(x, list):
-        return f"{{{', '.join(_initial(y, width) for y in x)}}}"
-    if isinstance(x, int):
-        return f"{x}U"
-    return x if isinstance(x, str) else width.number(x)
+        return f"{{{', '.join(_initial(y, bits) for y in x)}}}"
+    return str(x) if isinstance(x, int) else number(x, bits)

@@ -17,9 +17,9 @@ from calib.base.write import write_whole
 from calib.ecu.car_source import SOURCE, sources
 from calib.ecu.fmu_models import FmuModel
 from calib.ecu.online import require_plain
-from calib.ecu.width import Width
 from calib.exports.dataset import prefix
 from calib.exports.write import printable
+from calib.table.exported import Precision
 from calib.table.table import Table
 
 Version = Literal[2, 3]
@@ -43,7 +43,7 @@ def write_fmu(
     table: Table,
     path: Path,
     sample_time: float,
-    width: Width,
+    how: Precision,
     version: Version,
     of: FmuModel,
     told: str,
@@ -56,7 +56,7 @@ def write_fmu(
     table : with maps.
     path : of the .fmu; an existing file is replaced.
     sample_time : of the task of the ECU [s], and the fixed step of the FMU.
-    width : of the numbers inside; those of the variables are in double.
+    how : the numbers inside are written; those of the variables are in double.
     version : of FMI, 2 for 2.0 or 3 for 3.0.
     of : the estimator, or the car of the table.
     told : what the FMU says of its table, in a sentence without its point.
@@ -67,7 +67,7 @@ def write_fmu(
     """
     require_plain(table)
     name, step = f"{prefix(table.vehicle.name)}_{of.name}", repr(float(sample_time))
-    files = sources(table, sample_time, width, f"{name}, SHA-256 {table.digest}")
+    files = sources(table, sample_time, how, f"{name}, SHA-256 {table.digest}")
     glue = {file: file for file in ("fmu.h", "fmi.h", f"fmi{version}.c")}
     for file, place in (glue | {"model.h": f"{of.name}.h"}).items():
         files[file] = (GLUE / place).read_text(encoding="utf-8")

@@ -5,61 +5,52 @@ writes them; axes are in the floating point that the code computes with.
 """
 
 from dataclasses import replace
+from datetime import UTC, datetime
 
-from calib.ecu.width import Width
 from calib.estimation.constants import LEVEL, PADS, SLIP
 from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, build, maps_of
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
+from calib.table.exported import Precision
 from calib.table.table import Table
 
 READ = frozenset((*(names[0] for names in PADS), *SLIP, *LEVEL))
 """Columns of the maps that the code reads."""
 
 
+def version_label(first: str) -> str:
+    """Label of the version of the table."""
+    return f"{first}_version"
+
+
 def code_maps(
-    table: Table, first: str, width: Width, most_axes: int = MOST_AXES
+    table: Table, first: str, how: Precision, most_axes: int = MOST_AXES
 ) -> tuple[tuple[Axis, ...], tuple[Grid, ...]]:
     """Axes and maps with labels that begin with ``first``; sliced where they have more axes.
 
-    Raises ExchangeError as `calib.table.exported.Precision`.
+    Raises ExchangeError as `Precision`.
     """
     axes, grids = dict[str, Axis](), list[Grid]()
-    for of_map, made in maps_of(table, first, width.how, most_axes):
-        axes |= {one.label: _real(one, width) for one in of_map}
-        read = (grid for grid in made if grid.column in READ)
-        grids += [replace(g, axes=tuple(axes[a.label] for a in g.axes)) for g in read]
+    for of_map, made in maps_of(table, first, how, most_axes):
+        for a in of_map:
+            read = a.values if a.fixed is None else a.fixed.values
+            axes[a.label] = replace(a, values=how.computed(read), fixed=None)
+        of = (grid for grid in made if grid.column in READ)
+        grids += [replace(g, axes=tuple(axes[a.label] for a in g.axes)) for g in of]
     return tuple(axes.values()), tuple(grids)
-
-
-def _real(axis: Axis, width: Width) -> Axis:
-    read = axis.values if axis.fixed is None else axis.fixed.values
-    return replace(axis, values=width.rounded(read), fixed=None)
 
 
 def code_data(
     stored: Stored,
     first: str,
-    width: Width,
-    date: str,
+    how: Precision,
     quality: Quality = UNPROVED,
     most_axes: int = MOST_AXES,
 ) -> Dataset:
     """What a calibration tool sees of the code of a version: its number and the maps."""
-    how = width.how
+    date = datetime.now(UTC).date().isoformat()
     whole = build(stored, how.points, quality, how.bits, date, first=first, most_axes=most_axes)
-    axes, grids = code_maps(stored.table, first, width, most_axes)
-    versions = (one for one in whole.scalars if one.label == version_label(first))
-    return replace(
-        whole,
-        axes=axes,
-        curves=(),
-        grids=grids,
-        scalars=tuple(replace(one, fixed=None) for one in versions),
-        single=width.bits == 32,
-    )
-
-
-def version_label(first: str) -> str:
-    """Label of the version of the table."""
-    return f"{first}_version"
+    axes, grids = code_maps(stored.table, first, how, most_axes)
+    number = (replace(x, fixed=None) for x in whole.scalars if x.label == version_label(first))
+    single = how.floating == 32
+    return replace(whole, axes=axes, curves=(), grids=grids, scalars=tuple(number), single=single)

@@ -21,7 +21,6 @@ from calib.base.errors import ProgramError
 from calib.ecu.car_source import SOURCE, sources
 from calib.ecu.channels import ANSWERS, samples_of
 from calib.ecu.online import require_plain
-from calib.ecu.width import Width
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.validate import Coded
@@ -56,12 +55,12 @@ def compiler() -> list[str]:
     return named
 
 
-def write_sources(table: Table, sample_time: float, width: Width, folder: Path) -> list[Path]:
+def write_sources(table: Table, sample_time: float, how: Precision, folder: Path) -> list[Path]:
     """Write a program that runs samples into a folder, and return the files that are compiled.
 
     Raises ExchangeError as `sources`.
     """
-    files = sources(table, sample_time, width, "made to be run here")
+    files = sources(table, sample_time, how, "made to be run here")
     files["bte_run.c"] = (SOURCE / "bte_run.c").read_text()
     for name, text in files.items():
         (folder / name).write_text(text)
@@ -74,7 +73,7 @@ class Native:
 
     table: Table
     sample_time: float
-    width: Width
+    how: Precision
 
     @cached_property
     def library(self) -> ctypes.CDLL:
@@ -82,7 +81,7 @@ class Native:
         cc = compiler()
         with TemporaryDirectory() as name:
             folder = Path(name)
-            files = write_sources(self.table, self.sample_time, self.width, folder)
+            files = write_sources(self.table, self.sample_time, self.how, folder)
             made = folder / "bte.so"
             paths = [f"-I{folder}", f"-I{SOURCE}", *map(str, files), "-o", str(made), "-lm"]
             line = [*cc, *FLAGS, *paths]
@@ -94,7 +93,7 @@ class Native:
 
     def run(self, samples: Array) -> Array:
         """Answers (n, 22) to samples (n, 10), as `bte_run` has them."""
-        real = np.float64 if self.width.bits == 64 else np.float32
+        real = np.float64 if self.how.floating == 64 else np.float32
         given = np.ascontiguousarray(samples, real)
         told = np.empty((len(given), OUTPUTS), real)
         first, last = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))
@@ -126,7 +125,7 @@ def coded(table: Table, how: Precision) -> Coded:
     def run(e: Estimate, log: Log) -> Readout:
         key = e.table.vehicle.mass, log.sample_time
         if key not in known:
-            known[key] = Native(e.table, log.sample_time, Width.of(how))
+            known[key] = Native(e.table, log.sample_time, how)
         return known[key].readout(e, log)
 
     return run

@@ -73,11 +73,20 @@ class Precision:
         """The same with `LEAST_BITS` or more: for the few numbers on which all others count."""
         return replace(self, bits=max(self.bits, LEAST_BITS)) if self.bits else self
 
+    @property
+    def floating(self) -> int:
+        """Bits of the floating point that an ECU computes with: it reads integers in single."""
+        return 32 if self.single or self.bits else 64
+
+    def computed(self, values: Array) -> Array:
+        """Numbers as that floating point holds them."""
+        return values.astype(np.float32).astype(np.float64) if self.floating == 32 else values
+
     def numbers(self, values: Array) -> Written:
         """Numbers as they are written. Raises ExchangeError for a width that C does not have."""
         if self.bits is not None:
             return Written(values, to_fixed(values, self.bits))
-        return Written(values.astype(np.float32).astype(np.float64) if self.single else values)
+        return Written(self.computed(values))
 
     def axis(self, name: str, values: Array, origin: float = 0.0) -> Written:
         """An axis, counted from ``origin``. Raises ExchangeError if it no longer increases."""

@@ -9,7 +9,6 @@ import pytest
 from calib.base.errors import ExchangeError, ProgramError
 from calib.ecu.bundle import names, write_bundle
 from calib.ecu.native import coded, compiler
-from calib.ecu.width import Width
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.validate import validate_one
 from calib.store.state import StateDecision
@@ -47,7 +46,7 @@ def program(folder, prefix, *flags):
 def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
     kept, tmp_path, how, step, prefix
 ):
-    made = write_bundle(kept, tmp_path / "code", Width.of(how), step, prefix)
+    made = write_bundle(kept, tmp_path / "code", how, step, prefix)
     assert {path.name for path in made} == set(names(prefix))
     vectors = program(tmp_path / "code", prefix, *WARNINGS.split(), "-O2")
     assert b"0 reasons differ" in subprocess.run(vectors, check=True, capture_output=True).stdout
@@ -60,22 +59,22 @@ def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
 @pytest.mark.parametrize("how", [Precision(), SINGLE, Precision(6, 8)])
 def test_another_program_finds_the_addresses_of_the_a2l(kept, tmp_path, how):
     code = tmp_path / "code"
-    write_bundle(kept, code, Width.of(how), 0.01)
+    write_bundle(kept, code, how, 0.01)
     plain = (code / "bte.a2l").read_bytes()
     made = program(code, "bte", "-std=c99", "-g", "-gdwarf-4", "-no-pie")
-    write_bundle(kept, code, Width.of(how), 0.01, elf=made)
+    write_bundle(kept, code, how, 0.01, elf=made)
     update = ("--elffile", made, "--update", "FULL", "--update-mode", "STRICT")
     ours = a2ltool(tmp_path, (code / "bte.a2l").read_bytes())
     assert a2ltool(tmp_path, plain, *update) == ours
     assert ours.count("/begin CHARACTERISTIC") == 12  # eight maps, three levels, the version
     before = {path: path.read_bytes() for path in code.iterdir()}
     with pytest.raises(ProgramError):  # it has no labels of that name
-        write_bundle(kept, code, Width.of(how), 0.01, prefix="acme", elf=made)
+        write_bundle(kept, code, how, 0.01, prefix="acme", elf=made)
     assert before == {path: path.read_bytes() for path in code.iterdir()}
 
 
 def test_another_reader_finds_the_numbers_of_the_maps_in_the_dcm(kept, tmp_path):
-    write_bundle(kept, tmp_path / "code", Width.of(SINGLE), 0.01)
+    write_bundle(kept, tmp_path / "code", SINGLE, 0.01)
     read = dcm_reader((tmp_path / "code" / "bte.dcm").read_bytes(), tmp_path)
     level = kept.table.level_map
     assert read["curves"]["bte_level"][0] == pytest.approx(level.z, rel=1e-6)
@@ -86,7 +85,7 @@ def test_another_reader_finds_the_numbers_of_the_maps_in_the_dcm(kept, tmp_path)
 @needs_cc
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake")
 def test_cmake_builds_it_and_runs_the_vectors(kept, tmp_path):
-    write_bundle(kept, tmp_path / "code", Width.of(SINGLE), 0.01)
+    write_bundle(kept, tmp_path / "code", SINGLE, 0.01)
     for command in ("cmake -S code -B build", "cmake --build build", "ctest --test-dir build"):
         subprocess.run(command.split(), cwd=tmp_path, check=True, capture_output=True)
 
@@ -94,7 +93,7 @@ def test_cmake_builds_it_and_runs_the_vectors(kept, tmp_path):
 def test_a_name_or_a_time_that_c_does_not_take_is_refused(kept, tmp_path):
     for step, prefix in ((0.01, "9a"), (0.01, "a-b"), (0.01, ""), (0.0, "bte"), (1.0, "bte")):
         with pytest.raises(ExchangeError):
-            write_bundle(kept, tmp_path / "code", Width.of(Precision()), step, prefix)
+            write_bundle(kept, tmp_path / "code", Precision(), step, prefix)
     assert not (tmp_path / "code").exists()
 
 

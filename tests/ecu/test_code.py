@@ -8,7 +8,6 @@ import pytest
 
 from calib.ecu.channels import samples_of
 from calib.ecu.native import Native
-from calib.ecu.width import Width
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
 from calib.store.store import Store
@@ -19,9 +18,9 @@ from tests.support.failing_sensors import WAYS, failing
 
 ROOT = Path(__file__).parents[2]
 WIDTHS = {
-    "double": Width(64, Precision()),
-    "single": Width(32, Precision(single=True)),
-    "int16": Width(32, Precision(12, 16)),
+    "double": Precision(),
+    "single": Precision(single=True),
+    "int16": Precision(12, 16),
 }
 SANITIZERS = {
     "gcc": "address,undefined,float-divide-by-zero,float-cast-overflow",
@@ -83,7 +82,7 @@ def test_a_small_ecu_has_the_bits_of_every_compiler_and_room_for_it(code, log):
     on_target = code.on_target(samples)
     bits = on_target.answers.tobytes()
     assert np.any(on_target.answers[:, 0] == 0.0)
-    told = Native(table, log.sample_time, code.width).run(samples)
+    told = Native(table, log.sample_time, code.how).run(samples)
     assert told.astype(np.float32).tobytes() == bits
     for cc in filter(shutil.which, ("gcc", "clang")):
         for level in ("-O0", "-O2", "-O3"):

@@ -15,7 +15,6 @@ from calib.ecu.channels import CHANNELS, samples_of
 from calib.ecu.fmu import write_fmu
 from calib.ecu.fmu_models import ESTIMATOR, V0, car_of, simulated
 from calib.ecu.online import Online
-from calib.ecu.width import Width
 from calib.logs.read import read_log
 from calib.model.simulate import simulate
 from calib.store.store import Store
@@ -28,7 +27,7 @@ FMICallException = pytest.importorskip("fmpy.fmi1").FMICallException
 ROOT = Path(__file__).parents[2]
 STEP = 0.005
 """Sample time of the log [s]."""
-WIDTH = Width(64, Precision())
+WIDTH = Precision()
 TOLD = 'sedan-2up@2 & "others", <b>'
 PATH = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
 """With the cmake that may come with FMPy."""

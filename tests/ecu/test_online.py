@@ -11,7 +11,6 @@ from calib.car.effects.effects import Effects
 from calib.ecu.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
 from calib.ecu.native import Native
 from calib.ecu.online import Online, require_plain
-from calib.ecu.width import Width
 from calib.estimation.estimator import estimate
 from calib.estimation.reasons import Reason
 from calib.help.samples import sample_logs
@@ -30,7 +29,7 @@ VALID, FAULT, LOCKED = {Reason.VALID}, {Reason.FAULT}, {Reason.LOCKED}
 
 @pytest.fixture(scope="module")
 def native(fitted):
-    return Native(fitted, STEP, Width(64, Precision()))
+    return Native(fitted, STEP, Precision())
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +61,11 @@ def test_a_log_gives_sample_by_sample_what_it_gives_as_a_whole(fitted, both):
 )
 @pytest.mark.parametrize("how", [Precision(), Precision(single=True), Precision(8, 16)])
 def test_c_equals_python_as_the_table_is_exported(fitted, name, how):
-    log, width = read_log(sample_logs() / name), Width.of(how)
-    samples = width.rounded(samples_of(log))
-    told = Native(fitted, log.sample_time, width).run(samples)
+    log = read_log(sample_logs() / name)
+    samples = how.computed(samples_of(log))
+    told = Native(fitted, log.sample_time, how).run(samples)
     right = Online(as_exported(fitted, how), log.sample_time).run(samples)
-    near = 1e-9 if width.bits == 64 else 1e-4
+    near = 1e-9 if how.floating == 64 else 1e-4
     assert told == pytest.approx(right, rel=near)
 
 

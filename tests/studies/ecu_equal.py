@@ -20,7 +20,6 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from calib.ecu.channels import CHANNELS, samples_of
 from calib.ecu.native import Native
 from calib.ecu.online import Online
-from calib.ecu.width import Width
 from calib.fitting.fit import fit
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
@@ -92,8 +91,7 @@ def compared(seed: int) -> Found:
         samples[i : i + 40, k] = rng.choice([np.nan, 1e9, 0.5 * samples[i, k]])
     worst, other, reasons = {}, {}, Counter[int]()
     for name, how in HOW.items():
-        width = Width.of(how)
-        given = width.rounded(samples)
+        given = how.computed(samples)
         right = Online(as_exported(table, how), step).run(given)
         told = native_of(seed // 10, step, name).run(given)
         apart = np.abs(told - right) / np.maximum(np.abs(right), 1e-6)
@@ -106,7 +104,7 @@ def compared(seed: int) -> Found:
 @lru_cache(maxsize=16)
 def native_of(car: int, step: float, name: str) -> Native:
     """The code of a car, compiled once."""
-    return Native(car_of(car), step, Width.of(HOW[name]))
+    return Native(car_of(car), step, HOW[name])
 
 
 if __name__ == "__main__":

@@ -18,7 +18,6 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from calib.ecu.channels import samples_of
 from calib.ecu.native import Native
 from calib.ecu.online import Online
-from calib.ecu.width import Width
 from calib.estimation.reasons import Reason
 from calib.logs.read import read_log
 from calib.store.store import Store
@@ -36,9 +35,9 @@ FOLDERS = {
 }
 """The table of each folder of sample logs."""
 WIDTHS = {
-    "float32, all rows": Width(32, Precision(single=True)),
-    "float32, 12 points, 16 bits": Width(32, Precision(12, 16)),
-    "double, all rows": Width(64, Precision()),
+    "float32, all rows": Precision(single=True),
+    "float32, 12 points, 16 bits": Precision(12, 16),
+    "double, all rows": Precision(),
 }
 ON_TARGET = ("ramp_wet_asphalt", "dry_asphalt_stop", "transition_dry_to_basalt")
 
@@ -53,15 +52,15 @@ def on_target() -> None:
     print("| numbers | samples | flash bte.c | flash bte_car.c | state | stack | mean | worst |")
     print("|---|---|---|---|---|---|---|---|")
     table = table_of("sedan-2up")
-    for told, width in WIDTHS.items():
+    for told, how in WIDTHS.items():
         logs = [read_log(ROOT / "sample_logs" / "sedan" / f"{name}.csv") for name in ON_TARGET]
         given = {log.name: samples_of(log) for log in logs}
-        for seed, way in enumerate(WAYS) if width.bits == 32 and not width.how.bits else ():
+        for seed, way in enumerate(WAYS) if how.single else ():
             name = f"sensors fail: {way.__name__.replace('_', ' ')}"
             given[name] = failing(given[logs[1].name], seed)
         for name, samples in given.items():
             with TemporaryDirectory() as folder:
-                code = Code.of(table, logs[0].sample_time, width, Path(folder))
+                code = Code.of(table, logs[0].sample_time, how, Path(folder))
                 x = code.on_target(samples)
             row = (x.code, x.numbers, x.state, x.stack, x.mean, x.worst)
             print(f"| {told} | {name} |", " | ".join(f"{one:,.0f}" for one in row), "|", flush=True)
@@ -79,8 +78,8 @@ def from_python() -> None:
             right = Online(table, step).run(samples)
             least = np.maximum(np.abs(right[:, 1:]), 1e-6)
             far, reasons = [], 0
-            for width in (Width(64, Precision()), Width(32, Precision())):
-                told = Native(table, step, width).run(samples)
+            for how in (Precision(), Precision()):
+                told = Native(table, step, how).run(samples)
                 far.append(float(np.max(np.abs(told - right)[:, 1:] / least)))
                 reasons += int(np.sum(told[:, 0] != right[:, 0]))
             valid = int(np.sum(right[:, 0] == Reason.VALID))
@@ -91,8 +90,8 @@ def from_python() -> None:
 def remarks() -> bool:
     """Print the remarks of cppcheck by rule; whether each rule has an argument."""
     with TemporaryDirectory() as name:
-        width = WIDTHS["float32, all rows"]
-        rules = Code.of(table_of("sedan-2up"), 0.005, width, Path(name)).remarks()
+        how = WIDTHS["float32, all rows"]
+        rules = Code.of(table_of("sedan-2up"), 0.005, how, Path(name)).remarks()
     print("\n| rule | remarks | why they stay |\n|---|---|---|")
     for rule in sorted(rules, key=lambda rule: tuple(map(int, rule.split(".")))):
         print(f"| {rule} | {rules[rule]} | {ARGUED.get(rule, 'not argued')} |")

@@ -10,7 +10,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.ecu.native import OUTPUTS, write_sources
-from calib.ecu.width import Width
+from calib.table.exported import Precision
 from calib.table.table import Table
 
 TARGET = Path(__file__).parents[1] / "ecu" / "target"
@@ -62,18 +62,18 @@ class Code:
     """A folder with the code of a table, and the files of a program besides its own."""
 
     folder: Path
-    width: Width
+    how: Precision
     sources: list[Path]
 
     @classmethod
-    def of(cls, table: Table, sample_time: float, width: Width, folder: Path) -> "Code":
+    def of(cls, table: Table, sample_time: float, how: Precision, folder: Path) -> "Code":
         """Write it."""
-        return cls(folder, width, write_sources(table, sample_time, width, folder))
+        return cls(folder, how, write_sources(table, sample_time, how, folder))
 
     @property
     def real(self) -> type[np.floating]:
         """Its floating point."""
-        return np.float64 if self.width.bits == 64 else np.float32
+        return np.float64 if self.how.floating == 64 else np.float32
 
     def program(self, *command: str) -> Path:
         """One of this machine; ``command`` a compiler with its options."""

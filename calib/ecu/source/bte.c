@@ -12,22 +12,19 @@
 #if BTE_FLOAT == 64
 typedef uint64_t bte_bits;
 #define BTE_SQRT(x) sqrt(x)
-#define MANTISSA 52
-#define BIAS 1023
-#define EXP_TERMS 15U
-#define LOG_TERMS 11U
+static const uint32_t MANTISSA = 52;
+static const int32_t BIAS = 1023, TERMS = 14;
 #define LARGEST R(700.0)
 #else
 typedef uint32_t bte_bits;
 #define BTE_SQRT(x) sqrtf(x)
-#define MANTISSA 23
-#define BIAS 127
-#define EXP_TERMS 9U
-#define LOG_TERMS 5U
+static const uint32_t MANTISSA = 23;
+static const int32_t BIAS = 127, TERMS = 8;
 #define LARGEST R(87.0)
 #endif
 
-static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96);
+static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
+                      LN2_LOW = R(1.42860682030941723e-6);
 
 /* States of `level` and of `speed`: ln(slip/z), offset and scale of a_x. Signals of a block. */
 enum { LEVEL, LAG, RATE };
@@ -43,57 +40,37 @@ static bte_real size_of(bte_real x) { return x < R(0.0) ? -x : x; }
 static bte_real square(bte_real x) { return x * x; }
 static bte_real root(bte_real x) { return BTE_SQRT(x); }
 
-/* Own exp and ln: those of C libraries differ in the last digits. x within LARGEST. Their terms are
- * 1/n! of x^n, and 1/(2 n + 1) of x^(2 n + 1); float32 needs the first ones.
- */
+/* Own exp and ln, by their series: those of C libraries differ in the last digits. */
 static bte_real exponential(bte_real x) {
-    static const bte_real exp_term[] = {
-        R(1.0), R(1.0), R(0.5), R(0.16666666666666666), R(0.041666666666666664),
-        R(0.008333333333333333), R(0.001388888888888889), R(0.0001984126984126984),
-        R(2.48015873015873e-05), R(2.7557319223985893e-06), R(2.755731922398589e-07),
-        R(2.505210838544172e-08), R(2.08767569878681e-09), R(1.6059043836821613e-10),
-        R(1.1470745597729725e-11)
-    };
-    const bte_real held = clip(x, -LARGEST, LARGEST);
-    const bte_real turns = held * R(1.4426950408889634);
-    const int32_t k = (int32_t)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5)));
-    const bte_real n_ln2 = (bte_real)k * R(0.693145751953125); /* ln 2 in two parts */
-    const bte_real rest = (held - n_ln2) - (bte_real)k * R(1.42860682030941723e-6);
-    bte_real sum = R(0.0);
-    for (unsigned n = EXP_TERMS; n > 0U; n--) {
-        sum = exp_term[n - 1U] + sum * rest;
+    const bte_real held = clip(x, -LARGEST, LARGEST), turns = held / (LN2_HIGH + LN2_LOW);
+    const int32_t k = (int32_t)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5))), exponent = k + BIAS;
+    const bte_real rest = (held - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
+    bte_real sum = R(1.0), power;
+    for (int32_t n = TERMS; n > 0; n--) {
+        sum = R(1.0) + sum * rest / (bte_real)n;
     }
-    const int32_t exponent = k + BIAS;
     const bte_bits bits = (bte_bits)exponent << MANTISSA;
-    bte_real power;
     (void)memcpy(&power, &bits, sizeof power);
     return sum * power;
 }
 
 static bte_real logarithm(bte_real x) {
-    static const bte_real log_term[] = {
-        R(1.0), R(0.3333333333333333), R(0.2), R(0.14285714285714285), R(0.1111111111111111),
-        R(0.09090909090909091), R(0.07692307692307693), R(0.06666666666666667),
-        R(0.058823529411764705), R(0.05263157894736842), R(0.047619047619047616)
-    };
+    const bte_bits one = (bte_bits)BIAS << MANTISSA;
     bte_bits bits;
+    bte_real m, sum = R(0.0);
     (void)memcpy(&bits, &x, sizeof bits);
     int32_t k = (int32_t)(bits >> MANTISSA) - BIAS;
-    const bte_bits one = (bte_bits)BIAS << MANTISSA;
-    const bte_bits fraction = (bits & (((bte_bits)1 << MANTISSA) - 1U)) | one;
-    bte_real m;
-    (void)memcpy(&m, &fraction, sizeof m);
+    bits = (bits & (((bte_bits)1 << MANTISSA) - 1U)) | one;
+    (void)memcpy(&m, &bits, sizeof m);
     if (m > R(1.4142135623730951)) {
         m = m * R(0.5);
         k = k + 1;
     }
     const bte_real f = (m - R(1.0)) / (m + R(1.0)), f2 = f * f;
-    bte_real sum = R(0.0);
-    for (unsigned n = LOG_TERMS; n > 0U; n--) {
-        sum = log_term[n - 1U] + sum * f2;
+    for (int32_t n = 2 * TERMS - 1; n > 0; n -= 2) {
+        sum = R(1.0) / (bte_real)n + sum * f2;
     }
-    const bte_real low = (bte_real)k * R(1.42860682030941723e-6) + R(2.0) * f * sum;
-    return (bte_real)k * R(0.693145751953125) + low;
+    return (bte_real)k * LN2_HIGH + ((bte_real)k * LN2_LOW + R(2.0) * f * sum);
 }
 
 /* A median with its bounds, these farther away by `more`, added as squares. */
@@ -584,14 +561,14 @@ static bool good(bte_state *s, const bte_real x[BTE_INPUTS]) {
     s->p_held = same ? s->p_held : s->last[BTE_P_MC];
     return fine && !(s->held > c->held_time - R(0.5) * car->sample_time
                      && size_of(s->last[BTE_P_MC] - s->p_held) > c->held_pressure
-                     && car->radius[BTE_FRONT] * s->last[BTE_OMEGA] > c->moving);
+                     && car->radius[BTE_FRONT] * s->last[BTE_OMEGA_FL] > c->moving);
 }
 
 /* Whether the car is steered, corners, or a wheel locks, or just has. */
 static bte_reason disturbance(bte_state *s, bool fine) {
     const bte_car *car = s->car;
     const bte_tuning *c = &car->tuning;
-    const bte_real *x = s->last, *omega = &x[BTE_OMEGA];
+    const bte_real *x = s->last, *omega = &x[BTE_OMEGA_FL];
     bte_real fastest = R(0.0), slowest = R(0.0);
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
         bte_real *b = s->before[w];
@@ -601,13 +578,13 @@ static bte_reason disturbance(bte_state *s, bool fine) {
         fastest = w == 0U ? middle : largest(fastest, middle);
         slowest = w == 0U ? middle : smallest(slowest, middle);
     }
-    const bte_real mean = R(0.5) * (omega[BTE_RL] + omega[BTE_RR]);
+    const bte_real mean = R(0.5) * (x[BTE_OMEGA_RL] + x[BTE_OMEGA_RR]);
     const bte_real speed = car->radius[BTE_REAR] * mean, z = -x[BTE_A_X] / GRAVITY;
     s->fastest = largest(fastest, s->fastest - c->slows * car->sample_time);
     const bool locks = s->fastest - slowest > c->lock * largest(s->fastest, R(1.0))
                        && s->fastest > c->turning;
     s->since_lock = locks ? R(0.0) : s->since_lock + car->sample_time;
-    const bte_real apart = (omega[BTE_RR] - omega[BTE_RL]) / largest(mean, R(1.0));
+    const bte_real apart = (x[BTE_OMEGA_RR] - x[BTE_OMEGA_RL]) / largest(mean, R(1.0));
     const bte_real slip = largest(slip_at(car, z * car->weight, car->weight), R(0.0));
     const bte_real leaned = R(4.0) * slip * car->cg_height / (GRAVITY * car->track_width);
     const bte_real turned = apart / (car->track_width / square(largest(speed, c->moving)) + leaned);
@@ -698,7 +675,7 @@ void bte_init(bte_state *s, const bte_car *car) {
 bool bte_exchange(bte_state *s, const bte_car *car) {
     bool rests = true;
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
-        rests = rests && size_of(s->last[BTE_OMEGA + w]) < s->car->tuning.rests;
+        rests = rests && size_of(s->last[BTE_OMEGA_FL + w]) < s->car->tuning.rests;
     }
     if (rests) {
         bte_init(s, car);
@@ -716,9 +693,9 @@ bte_reason bte_step(bte_state *s, const bte_real x[BTE_INPUTS],
     s->driven = last[BTE_DRIVEN] > R(0.5) || (!begins && s->driven);
     const bte_real signal[BTE_SIGNALS] = {
         last[BTE_P_MC], -last[BTE_A_X] / GRAVITY,
-        R(0.5) * (last[BTE_OMEGA + BTE_FL] + last[BTE_OMEGA + BTE_FR]),
-        R(0.5) * (last[BTE_OMEGA + BTE_RL] + last[BTE_OMEGA + BTE_RR]),
-        last[BTE_DRIVE + BTE_FRONT], last[BTE_DRIVE + BTE_REAR],
+        R(0.5) * (last[BTE_OMEGA_FL] + last[BTE_OMEGA_FR]),
+        R(0.5) * (last[BTE_OMEGA_RL] + last[BTE_OMEGA_RR]),
+        last[BTE_T_DRIVE_F], last[BTE_T_DRIVE_R],
     };
     for (unsigned i = 0; i < BTE_SIGNALS; i++) { /* from the first one: near it float32 is fine */
         s->first[i] = begins ? signal[i] : s->first[i];
