@@ -59,7 +59,8 @@ static bte_real logarithm(bte_real x) {
     bte_bits bits;
     bte_real m, sum = R(0.0);
     (void)memcpy(&bits, &x, sizeof bits);
-    int32_t k = (int32_t)(bits >> MANTISSA) - BIAS;
+    const bte_bits exponent = bits >> MANTISSA;
+    int32_t k = (int32_t)exponent - BIAS;
     bits = (bits & (((bte_bits)1 << MANTISSA) - 1U)) | one;
     (void)memcpy(&m, &bits, sizeof m);
     if (m > R(1.4142135623730951)) {
