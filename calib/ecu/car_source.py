@@ -29,7 +29,7 @@ from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import SLOWEST
 from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
-from calib.exports.dataset import Axis, Grid
+from calib.exports.dataset import Grid
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
 from calib.run.lateral import LATERAL_TIME
@@ -67,7 +67,7 @@ def sources(
     require_time(sample_time)
     axes, grids = code_maps(table, PREFIX, how)
     table, bits = as_exported(table, how), how.floating
-    car = _numbers(table, sample_time) | _maps(axes, grids, bits)
+    car = _numbers(table, sample_time) | _maps(grids, bits)
     header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
         floating=bits,
         real="float" if bits == 32 else "double",
@@ -156,32 +156,28 @@ def _numbers(table: Table, sample_time: float) -> dict[str, Member]:
         "share": front_share(car, 0.0),  # of the front axle in it
         "ramp_share": [on_ramp, 1.0 - on_ramp],  # of the axles in it with the pads of the ramp
         "ramp_ratio": c.ramp_ratio,  # ln of the ratio of these pads
+        "version": Data("BTE_CAL bte_real *", f"&{version_label(PREFIX)}"),
+        "tyre": Data("bte_axis", f"{{{PREFIX}_tyre_force, {table.tyre.force.size}}}"),
+        "tyre_slip": Data("BTE_CAL bte_real *", f"{PREFIX}_tyre_slip"),
     }
 
 
-def _maps(axes: Iterable[Axis], grids: Iterable[Grid], bits: int) -> dict[str, Member]:
-    """Members of `bte_car` that are maps and their axes."""
+def _maps(grids: Iterable[Grid], bits: int) -> dict[str, Member]:
+    """Members of `bte_car` that are maps, by the columns that each of them has."""
 
-    def axis(label: str) -> Data:
-        return Data("bte_axis", f"{{{label}, sizeof {label} / sizeof *{label}}}")
+    def together(columns: Iterable[str], axes: int) -> Data:
+        made = [of[name, axes] for name in columns]
+        places = [Data("", f"{{{a.label}, {len(a.values)}}}") for a in made[0].axes]
+        steps = [g.fixed.step if g.fixed else 1.0 for g in made]
+        cells = [Data("", g.label) for g in made]
+        return Data("bte_map", _initial([places, axes, len(made), cells, steps], bits))
 
-    of = {}
-    for g in grids:
-        step = number(g.fixed.step if g.fixed else 1.0, bits)
-        of[g.column, len(g.axes)] = Data("bte_map", f"{{{g.label}, {step}}}")
-    *over, level_z = (axis(one.label) for one in axes)
-    ratio = [names[0] for names in PADS]
+    of, ratio = {(g.column, len(g.axes)): g for g in grids}, [names[0] for names in PADS]
     return {
-        "version": Data("BTE_CAL bte_real *", f"&{version_label(PREFIX)}"),
-        "tyre": axis(f"{PREFIX}_tyre_force"),
-        "tyre_slip": Data("BTE_CAL bte_real *", f"{PREFIX}_tyre_slip"),
-        "axes": over,  # of the ratio; the maps of the slip have the first two
-        "ratio": [of[name, 3] for name in ratio],
-        "slip_mean": of[SLIP[0], 2],
-        "slip_sigma": of[SLIP[1], 2],
-        "level_z": level_z,  # of the level, and of the ratio before eta is read
-        "level": [of[name, 1] for name in LEVEL],
-        "before": [of[name, 1] for name in ratio],
+        "pads": together(ratio, 3),
+        "slip": together(SLIP, 2),
+        "level": together(LEVEL, 1),
+        "before": together(ratio, 1),  # of the ratio, before eta is read
     }
 
 
@@ -194,9 +190,10 @@ def _declared(members: dict[str, Member]) -> str:
 
     def kind(name: str) -> str:
         x = members[name]
-        one = x[0] if type(x) is list else x
-        kinds = {float: "bte_real", int: "uint16_t", dict: f"{PREFIX}_{name}"}
-        return kinds.get(type(one)) or one.kind
+        one = x[0] if isinstance(x, list) else x
+        if isinstance(one, float):
+            return "bte_real"
+        return "uint16_t" if isinstance(one, int) else getattr(one, "kind", f"{PREFIX}_{name}")
 
     def size(name: str) -> str:
         return f"{name}[{len(members[name])}]" if type(members[name]) is list else name

@@ -29,7 +29,7 @@ static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145
 /* States of `level` and of `speed`: ln(slip/z), offset and scale of a_x. Signals of a block. */
 enum { LEVEL, LAG, RATE };
 enum { V, SLIP, OFFSET, SCALE };
-enum { PRESSURE, Z, OMEGA, DRIVE = OMEGA + BTE_AXLES };
+enum { PRESSURE, Z, FRONT, APART, DRIVE };
 
 static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
 static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
@@ -106,48 +106,28 @@ static bte_place find(const bte_axis *axis, bte_real x) {
 #define BTE_FIND find
 #endif
 
-static bte_real width(const bte_axis *axis, bte_real x) {
-    const bte_place place = BTE_FIND(axis, x);
-    return axis->x[place.at + 1U] - axis->x[place.at];
-}
-
-/* The corners of the cell of a map around a place, with their weights. */
-typedef struct {
-    unsigned count, cell[8];
+/* All columns of a map at a place. */
+static void read_map(const bte_map *map, const bte_real at[], bte_real out[BTE_BOUNDS]) {
+    unsigned corners = 1U, cell[8];
     bte_real weight[8];
-} bte_corners;
-
-/* Over as many axes: each parts what the axes before it have in two. */
-static bte_corners corners(const bte_axis axes[], unsigned many, const bte_real at[]) {
-    bte_corners out;
-    out.count = 1U;
-    out.cell[0] = 0U;
-    out.weight[0] = R(1.0);
-    for (unsigned a = 0; a < many; a++) {
-        const bte_place place = BTE_FIND(&axes[a], at[a]);
-        for (unsigned i = 0; i < out.count; i++) {
-            out.cell[i] = out.cell[i] * axes[a].count + place.at;
-            out.cell[out.count + i] = out.cell[i] + 1U;
-            out.weight[out.count + i] = out.weight[i] * place.along;
-            out.weight[i] *= R(1.0) - place.along;
+    cell[0] = 0U;
+    weight[0] = R(1.0);
+    for (unsigned a = 0; a < map->axes; a++) { /* parts what the axes before it have in two */
+        const bte_place place = BTE_FIND(&map->axis[a], at[a]);
+        for (unsigned i = 0; i < corners; i++) {
+            cell[i] = cell[i] * map->axis[a].count + place.at;
+            cell[corners + i] = cell[i] + 1U;
+            weight[corners + i] = weight[i] * place.along;
+            weight[i] *= R(1.0) - place.along;
         }
-        out.count *= 2U;
+        corners *= 2U;
     }
-    return out;
-}
-
-static bte_real in_map(const bte_map *map, const bte_corners *at) {
-    bte_real sum = R(0.0);
-    for (unsigned i = 0; i < at->count; i++) {
-        sum += at->weight[i] * (bte_real)map->cells[at->cell[i]];
-    }
-    return map->step * sum;
-}
-
-static void in_maps(const bte_map map[BTE_BOUNDS], const bte_corners *at,
-                    bte_real out[BTE_BOUNDS]) {
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        out[b] = in_map(&map[b], at);
+    for (unsigned c = 0; c < map->columns; c++) {
+        out[c] = R(0.0);
+        for (unsigned i = 0; i < corners; i++) {
+            out[c] += weight[i] * (bte_real)map->cells[c][cell[i]];
+        }
+        out[c] *= map->step[c];
     }
 }
 
@@ -181,16 +161,13 @@ static void correct(bte_gauss *g, const bte_real h[BTE_STATES], bte_real varianc
 
 /* What is known of the first state once it has taken in a share of each of the others. */
 static void mix(bte_gauss *g, const bte_real share[BTE_STATES]) {
+    bte_real shared[BTE_STATES];
+    const bte_real more = spread_of(g, share, shared); /* share[0] is 0 */
     for (unsigned i = 1; i < BTE_STATES; i++) {
-        for (unsigned j = 0; j < BTE_STATES; j++) {
-            g->p[0][j] += share[i] * g->p[i][j];
-        }
+        g->p[0][i] += shared[i];
+        g->p[i][0] = g->p[0][i];
     }
-    for (unsigned i = 1; i < BTE_STATES; i++) {
-        for (unsigned j = 0; j < BTE_STATES; j++) {
-            g->p[j][0] += share[i] * g->p[j][i];
-        }
-    }
+    g->p[0][0] += R(2.0) * shared[0] + more;
 }
 
 static void measure(bte_zero *zero, bte_real x, bte_real variance) {
@@ -380,21 +357,22 @@ static bte_real eta_error(const bte_state *s, bte_real shift, bte_real z, bte_re
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
-static void read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES], const bte_real error[2],
-                       bte_real out[BTE_BOUNDS]) {
-    const bte_real most[2] = {width(&car->axes[BTE_SHIFT], at[BTE_SHIFT]), R(1.0)};
-    bte_corners cell = corners(car->axes, BTE_MAP_AXES, at);
-    in_maps(car->ratio, &cell, out);
-    for (unsigned axis = 0; axis < 2U; axis++) {
+static void read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES],
+                       const bte_real error[BTE_MAP_AXES], bte_real out[BTE_BOUNDS]) {
+    const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
+    const uint16_t cell = BTE_FIND(shifts, at[BTE_SHIFT]).at;
+    const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
+    read_map(&car->pads, at, out);
+    for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
-        bte_real end[2];
-        for (unsigned i = 0; i < 2U; i++) {
-            bte_real place[BTE_MAP_AXES] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
-            place[axis + 1U] += i == 0U ? -step : step;
-            cell = corners(car->axes, BTE_MAP_AXES, place);
-            end[i] = in_map(&car->ratio[BTE_MEDIAN], &cell);
-        }
-        const bte_real more = R(0.5) * Z95 * (error[axis] / step) * (end[1] - end[0]);
+        bte_real place[] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
+        bte_real low[BTE_BOUNDS], high[BTE_BOUNDS];
+        place[axis] = at[axis] - step;
+        read_map(&car->pads, place, low);
+        place[axis] = at[axis] + step;
+        read_map(&car->pads, place, high);
+        const bte_real by_one = (high[BTE_MEDIAN] - low[BTE_MEDIAN]) / step;
+        const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
         widen(out, more, more);
     }
 }
@@ -466,8 +444,10 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_real z = is_new ? c->usual_z : s->mean_z;
     const bte_real mean_shift = s->sums[2] / (is_new ? R(1.0) : blocks), shift = mean_shift / z;
     bte_real at[BTE_MAP_AXES] = {z, shift, R(0.0)};
-    const bte_corners row = corners(car->axes, BTE_SLIP, at), at_z = corners(&car->level_z, 1U, at);
-    const bte_real usual = in_map(&car->slip_mean, &row), sigma = in_map(&car->slip_sigma, &row);
+    bte_real by_map[BTE_BOUNDS], level[BTE_BOUNDS];
+    read_map(&car->slip, at, by_map);
+    read_map(&car->level, at, level);
+    const bte_real usual = by_map[0], sigma = by_map[1];
     /* slip: one of what was measured and what the map has; what it was off, the scale of a_x was */
     const bte_real known = g->p[SLIP][SLIP], rest = usual - g->x[SLIP];
     const bte_real gain = R(1.0) / (known + square(sigma)), both = g->p[SLIP][SCALE];
@@ -480,19 +460,18 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_real pads = steady * clip(acts, c->least_share, R(1.0) / c->least_share);
     const bte_real noise = largest(s->level.p[LEVEL][LEVEL], R(0.0)) / square(steady);
     const bte_real accelerometer = s->demand.variance / square(z) + scale_variance;
-    bte_real level[BTE_BOUNDS];
-    in_maps(car->level, &at_z, level);
     const bte_real wider = Z95 * root(smallest(noise, R(1.0)) + accelerometer);
     widen(level, wider, wider);
     move_by(level, logarithm(pads * scaled));
     /* ratio */
-    const bte_axis *shifts = &car->axes[BTE_SHIFT];
+    const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const bool of_map = shift >= shifts->x[0] && shift <= shifts->x[shifts->count - 1U];
     bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS], unread = R(1.0);
     at[BTE_SLIP] = (slip - usual) / sigma;
-    const bte_real error[2] = {eta_error(s, mean_shift, z, blocks) / z, slip_sigma / sigma};
+    const bte_real off_eta = eta_error(s, mean_shift, z, blocks) / z;
+    const bte_real error[BTE_MAP_AXES] = {R(0.0), off_eta, slip_sigma / sigma};
     read_ratio(car, at, error, now);
-    in_maps(car->before, &at_z, prior);
+    read_map(&car->before, at, prior);
     const bte_real read = (now[BTE_UPPER] - now[BTE_LOWER])
                           / (prior[BTE_UPPER] - prior[BTE_LOWER]);
     if (of_map && !is_new && z >= c->least_z && read < R(1.0)) {
@@ -608,9 +587,10 @@ static void take_block(bte_state *s) {
     const bte_car *car = s->car;
     bte_real mean[BTE_SIGNALS], load[BTE_AXLES], other[BTE_AXLES], driven[BTE_AXLES];
     for (unsigned i = 0; i < BTE_SIGNALS; i++) {
-        mean[i] = s->first[i] + s->sum[i] / (bte_real)car->samples;
+        mean[i] = s->sum[i] / (bte_real)car->samples;
     }
-    const bte_real p = mean[PRESSURE], z = mean[Z], *omega = &mean[OMEGA];
+    const bte_real p = mean[PRESSURE], z = mean[Z];
+    const bte_real omega[BTE_AXLES] = {mean[FRONT], mean[FRONT] + mean[APART]};
     const bte_real speed = car->radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = car->drag * square(speed), lifted = car->weight * car->drag_lift * body;
     const bte_real grown = R(1.0) + car->rolling_growth * (square(speed / R(20.0)) - R(1.0));
@@ -637,10 +617,7 @@ static void take_block(bte_state *s) {
         driven[a] = slip_at(car, tyre + other[a], load[a])
                     - slip_at(car, tyre, load_at(car, a, z_alone));
     }
-    const bte_real *first = &s->first[OMEGA], *sum = &s->sum[OMEGA];
-    const bte_real apart = (first[BTE_REAR] - first[BTE_FRONT])
-                           + (sum[BTE_REAR] - sum[BTE_FRONT]) / (bte_real)car->samples;
-    const bte_real eta_less_1 = omega[BTE_FRONT] > R(0.0) ? apart / omega[BTE_FRONT] : R(0.0);
+    const bte_real eta_less_1 = mean[FRONT] > R(0.0) ? mean[APART] / mean[FRONT] : R(0.0);
     const bte_real off = driven[BTE_REAR] - driven[BTE_FRONT];
     const bte_real left = eta_less_1 * (R(1.0) - driven[BTE_FRONT]) + off;
     const bte_real rim = car->radius[BTE_FRONT] * omega[BTE_FRONT] / (R(1.0) - driven[BTE_FRONT]);
@@ -692,15 +669,14 @@ bte_reason bte_step(bte_state *s, const bte_real x[BTE_INPUTS],
     s->started = true;
     s->worst = begins || disturbed > s->worst ? disturbed : s->worst;
     s->driven = last[BTE_DRIVEN] > R(0.5) || (!begins && s->driven);
-    const bte_real signal[BTE_SIGNALS] = {
-        last[BTE_P_MC], -last[BTE_A_X] / GRAVITY,
-        R(0.5) * (last[BTE_OMEGA_FL] + last[BTE_OMEGA_FR]),
-        R(0.5) * (last[BTE_OMEGA_RL] + last[BTE_OMEGA_RR]),
-        last[BTE_T_DRIVE_F], last[BTE_T_DRIVE_R],
-    };
-    for (unsigned i = 0; i < BTE_SIGNALS; i++) { /* from the first one: near it float32 is fine */
-        s->first[i] = begins ? signal[i] : s->first[i];
-        s->sum[i] = begins ? R(0.0) : s->sum[i] + (signal[i] - s->first[i]);
+    const bte_real front = last[BTE_OMEGA_FL] + last[BTE_OMEGA_FR];
+    const bte_real apart = (last[BTE_OMEGA_RL] - last[BTE_OMEGA_FL])
+                           + (last[BTE_OMEGA_RR] - last[BTE_OMEGA_FR]);
+    const bte_real signal[BTE_SIGNALS] = {last[BTE_P_MC], -last[BTE_A_X] / GRAVITY,
+                                          R(0.5) * front, R(0.5) * apart,
+                                          last[BTE_T_DRIVE_F], last[BTE_T_DRIVE_R]};
+    for (unsigned i = 0; i < BTE_SIGNALS; i++) {
+        s->sum[i] = begins ? signal[i] : s->sum[i] + signal[i];
     }
     s->count++;
     if (s->count >= s->car->samples) {

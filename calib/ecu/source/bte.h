@@ -54,16 +54,20 @@ $answers
     BTE_ANSWERS
 };
 
-/* A value over rising points. Maps are read linearly between cells and held beyond their ends;
- * cells times `step` are the values. */
+/* Axes of maps: deceleration, (eta - 1)/z, slip in standard deviations; rising points. */
+enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
 typedef struct {
     BTE_CAL bte_real *x;
     uint16_t count;
 } bte_axis;
 
+/* Columns over as many axes, linear between the points and held beyond their ends; cells times
+ * `step` are the values. */
 typedef struct {
-    BTE_CAL bte_cell *cells;
-    bte_real step;
+    bte_axis axis[BTE_MAP_AXES];
+    uint16_t axes, columns;
+    BTE_CAL bte_cell *cells[BTE_BOUNDS];
+    bte_real step[BTE_BOUNDS];
 } bte_map;
 
 /* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
@@ -75,9 +79,6 @@ typedef struct {
 #ifdef BTE_FIND /* a search of your own; the last point has `along` 1 in the last cell */
 bte_place BTE_FIND(const bte_axis *axis, bte_real x);
 #endif
-
-/* Axes of maps: deceleration, (eta - 1)/z, slip in standard deviations. */
-enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
 
 /* The numbers of a car; calib/ecu/car_source.py has what they are. */
 typedef struct {
@@ -114,10 +115,10 @@ typedef struct {
     bte_block waiting[BTE_WAITING];
     bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
     bte_real kept[BTE_BOUNDS], age, level_then;
-    /* of the samples, and of those of a block the first and what the others differ from it */
+    /* of the samples, and the sums of those of a block */
     bte_real last[BTE_INPUTS], raw[BTE_INPUTS], before[BTE_WHEELS][2];
     bte_real fastest, lateral, since_lock, p_held, held;
-    bte_real first[BTE_SIGNALS], sum[BTE_SIGNALS], omega[BTE_AXLES];
+    bte_real sum[BTE_SIGNALS], omega[BTE_AXLES];
     uint16_t count;
     bte_reason worst, reason;
     bte_real told[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]; /* of the last block; torques follow */
