@@ -161,7 +161,7 @@ def _samples(table: Table, sample_time: float) -> Array:
 
 def _vectors(samples: Array, online: Online, how: Precision) -> Iterator[str]:
     """vectors.h: every sample, and the answers at the ends of the blocks."""
-    every, bits = online.timing.samples, how.floating
+    every, bits = online.samples, how.floating
     yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
     yield f"#define COUNT {len(samples)}U\n#define EVERY {every}U"
     yield f"#define TOLERANCE {_TOLERANCE[bits]:g}"

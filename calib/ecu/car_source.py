@@ -24,11 +24,12 @@ from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
 from calib.ecu.channels import ANSWERS, CHANNELS, limits
 from calib.ecu.labels import code_maps, version_label
-from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, Timing
+from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, block_of, first_answers
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import SLOWEST
 from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
+from calib.estimation.state import started
 from calib.exports.dataset import Grid
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
@@ -67,7 +68,7 @@ def sources(
     require_time(sample_time)
     axes, grids = code_maps(table, PREFIX, how)
     table, bits = as_exported(table, how), how.floating
-    car = _numbers(table, sample_time) | _maps(grids, bits)
+    car = _numbers(table, sample_time, bits) | _maps(grids, bits)
     header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
         floating=bits,
         real="float" if bits == 32 else "double",
@@ -83,7 +84,8 @@ def sources(
         kind = "bte_cell" if isinstance(one, Grid) else "bte_real"
         data[one.label] = kind, one.fixed.raw.tolist() if one.fixed else one.numbers
     for name, x in (("tyre_force", table.tyre.force), ("tyre_slip", table.tyre.slip)):
-        data[f"{PREFIX}_{name}"] = "bte_real", x.tolist()
+        both = np.concatenate([-x[:0:-1], x])  # driven and braked
+        data[f"{PREFIX}_{name}"] = "bte_real", both.tolist()
     source = [f"/* {told} */", '#include "bte.h"']
     for label, (kind, values) in data.items():
         declared = f"BTE_CAL {kind} {label}" + (f"[{len(values)}]" if type(values) is list else "")
@@ -122,10 +124,29 @@ def _tuning(c: Constants) -> dict[str, Member]:
     }  # fmt: skip
 
 
-def _numbers(table: Table, sample_time: float) -> dict[str, Member]:
+def _started(table: Table, c: Constants) -> Member:
+    """What `bte_state` begins with, as `calib.estimation.state.started` has it."""
+    s = started(c)
+    a, lag, rate, aa, _, _, ll, _, rr = s.level
+    return {
+        "demand": [s.demand.value, s.demand.variance],
+        "eta_less_1": [s.eta.value - 1.0, s.eta.variance],
+        "level": [[a, lag, rate, 0.0], np.diag([aa, ll, rr, 0.0]).tolist()],
+        "speed": [
+            [0.0, 0.0, 0.0, c.scale],
+            np.diag([1.0, 0.0, c.offset**2, c.scale_sigma**2]).tolist(),
+        ],
+        "level_then": s.level_then,
+        "since_lock": 2.0 * RECOVER,
+        "reason": int(Reason.NOT_BRAKED),
+        "told": first_answers(table.vehicle).tolist(),
+    }
+
+
+def _numbers(table: Table, sample_time: float, bits: int) -> dict[str, Member]:
     """Members of `bte_car` that are no maps; those of axles as [front, rear]."""
-    timing = Timing.of(sample_time)
-    c = constants(table, SensorNoise(**table.noise), timing.block)
+    samples, block = block_of(sample_time)
+    c = constants(table, SensorNoise(**table.noise), block)
     car, known = table.vehicle, known_effects(table).parameters
     drag, rolling = known[DRAG[0]], known[ROLLING[0]]
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
@@ -134,10 +155,11 @@ def _numbers(table: Table, sample_time: float) -> dict[str, Member]:
     return {
         "tuning": _tuning(c),
         **{name: x.tolist() for name, x in ranges},  # what a working sensor reads
-        "samples": timing.samples,  # of a block
-        "waiting": timing.waiting,  # blocks before a bite on which no zero rests
+        "start": Data("bte_state", _initial(_started(table, c), bits)),
+        "samples": samples,  # of a block
+        "waiting": max(1, round(c.before_bite / block)),  # blocks on which no zero rests
         "sample_time": sample_time,  # [s]
-        "block": timing.block,  # [s]
+        "block": block,  # [s]
         "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),  # of a sample in its low pass
         "weight": car.weight,  # [N]
         "load": [float(load[0]) / car.weight for load in axle_loads(car, np.zeros(1))],  # at rest
@@ -157,7 +179,7 @@ def _numbers(table: Table, sample_time: float) -> dict[str, Member]:
         "ramp_share": [on_ramp, 1.0 - on_ramp],  # of the axles in it with the pads of the ramp
         "ramp_ratio": c.ramp_ratio,  # ln of the ratio of these pads
         "version": Data("BTE_CAL bte_real *", f"&{version_label(PREFIX)}"),
-        "tyre": Data("bte_axis", f"{{{PREFIX}_tyre_force, {table.tyre.force.size}}}"),
+        "tyre": Data("bte_axis", f"{{{PREFIX}_tyre_force, {2 * table.tyre.force.size - 1}}}"),
         "tyre_slip": Data("BTE_CAL bte_real *", f"{PREFIX}_tyre_slip"),
     }
 

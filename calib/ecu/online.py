@@ -7,7 +7,6 @@ fail, and the clock is the task of the ECU.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from calib.base.errors import StoreError
 from calib.base.names import WHEELS, G
 from calib.car.bias import front_share
 from calib.car.braking import MOVING
+from calib.car.vehicle import Vehicle
 from calib.ecu.channels import (
     A_X,
     CHANNELS,
@@ -65,20 +65,17 @@ def require_plain(table: Table) -> None:
         )
 
 
-@dataclass(frozen=True)
-class Timing:
-    """Samples of a block, and its length [s]; blocks before a bite on which no zero rests."""
+def block_of(sample_time: float) -> tuple[int, float]:
+    """Samples of a block and its length [s], by the time from sample to sample [s]."""
+    samples = max(1, round(BLOCK / sample_time))
+    return samples, round(samples * sample_time, 9)
 
-    samples: int
-    block: float
-    waiting: int
 
-    @classmethod
-    def of(cls, sample_time: float) -> "Timing":
-        """By the time from sample to sample [s], as a log of it is averaged."""
-        samples = max(1, round(BLOCK / sample_time))
-        block = round(samples * sample_time, 9)
-        return cls(samples, block, max(1, round(Constants.before_bite / block)))
+def first_answers(vehicle: Vehicle) -> Array:
+    """Level, ratio and pads of both axles, (4, 3), before anything is known: any pads."""
+    filed = vehicle.front.pad_friction, vehicle.rear.pad_friction
+    bounds = 1.0, Constants.least_level, Constants.most_level
+    return np.outer([1.0, filed[0] / filed[1], *filed], bounds)
 
 
 class Online:
@@ -89,8 +86,9 @@ class Online:
 
     def __init__(self, table: Table, sample_time: float) -> None:
         require_plain(table)
-        self.table, self.sample_time, self.timing = table, sample_time, Timing.of(sample_time)
-        self.constants = constants(table, SensorNoise(**table.noise), self.timing.block)
+        self.table, self.sample_time = table, sample_time
+        self.samples, self.block = block_of(sample_time)
+        self.constants = constants(table, SensorNoise(**table.noise), self.block)
         self.state: State = started(self.constants)
         self.low, self.high, self.jump = limits(sample_time)
         self.last, self.raw = np.zeros((2, len(CHANNELS)))
@@ -99,13 +97,11 @@ class Online:
         self.before = np.zeros((2, len(WHEELS)))
         self.rows: list[tuple[float, ...]] = []
         self.omega: list[Array] = []
-        axles, c = (table.vehicle.front, table.vehicle.rear), Constants
+        axles = table.vehicle.front, table.vehicle.rear
         self.gains = np.array([axle.torque_gain for axle in axles])
         self.filed = np.array([axle.pad_friction for axle in axles])
         self.reason = Reason.NOT_BRAKED
-        self.of_block = np.outer(
-            [1.0, self.filed[0] / self.filed[1], *self.filed], [1.0, c.least_level, c.most_level]
-        )
+        self.of_block = first_answers(table.vehicle)
 
     def step(self, sample: Array) -> tuple[Reason, Array]:
         """Take in a sample (10,) of `CHANNELS`, and give `ANSWERS` (7, 3); all are finite."""
@@ -115,7 +111,7 @@ class Online:
         front, rear = 0.5 * (x[FL] + x[FR]), 0.5 * (x[RL] + x[RR])
         driven = x[DRIVEN] > 0.5
         self.rows.append((x[P_MC], -x[A_X] / G, front, rear, *x[DRIVE], worst, driven))
-        if len(self.rows) == self.timing.samples:
+        if len(self.rows) == self.samples:
             self._take()
         level, _, *pads = self.of_block
         torques = self.gains[:, None] * max(x[P_MC], 0.0) * pads
@@ -171,7 +167,7 @@ class Online:
         p, z, *omega, drive_f, drive_r = np.mean(self.rows, axis=0)[:6, None]
         worst, driven = np.max(self.rows, axis=0)[6:, None]
         before, nothing, car = self.omega or omega, np.zeros(1), self.table.vehicle
-        spin = [(x - was) / self.timing.block for x, was in zip(omega, before, strict=True)]
+        spin = [(x - was) / self.block for x, was in zip(omega, before, strict=True)]
         if self.faulty or worst == Reason.FAULT:  # of a reading that was held nothing is known
             spin = [-G * z / axle.rolling_radius for axle in (car.front, car.rear)]
         self.omega, self.faulty, self.rows = omega, bool(worst == Reason.FAULT), []
@@ -180,7 +176,7 @@ class Online:
             z=z, omega_f=omega[0], omega_r=omega[1], v=None,
             speed=car.rear.rolling_radius * omega[1],
             spin_f=spin[0], spin_r=spin[1], lead_in=nothing > 0.0,
-            samples=self.timing.samples, length=self.timing.block,
+            samples=self.samples, length=self.block,
         )  # fmt: skip
         rows = given(self.table, b, worst, with_v=False)._replace(driven=driven)
         answer = step(self.constants, self.state, Sample(*(float(x[0]) for x in rows)))

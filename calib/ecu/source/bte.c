@@ -176,10 +176,6 @@ static void measure(bte_zero *zero, bte_real x, bte_real variance) {
     zero->variance *= R(1.0) - gain;
 }
 
-static void age_zero(bte_zero *zero, bte_real walk, bte_real dt, bte_real most) {
-    zero->variance = smallest(zero->variance + square(walk) * dt, most);
-}
-
 /* eta over its zero, less 1. Both are kept less 1: near 1 float32 is coarse. */
 static bte_real eta_over_zero(const bte_state *s, const bte_block *x) {
     return (x->eta_less_1 - s->eta_less_1.value) / (R(1.0) + s->eta_less_1.value);
@@ -190,16 +186,13 @@ static bte_real rim_of(const bte_state *s, const bte_block *x) {
 }
 
 static void forget_stop(bte_state *s) {
-    const bte_tuning *c = &s->car->tuning;
+    const bte_state *start = &s->car->start;
     const bte_real lag = s->level.x[LAG], variance = s->level.p[LAG][LAG];
-    (void)memset(&s->level, 0, sizeof s->level);
-    s->level.x[LEVEL] = R(1.0);
+    s->level = start->level;
     s->level.x[LAG] = lag;
-    s->level.p[LEVEL][LEVEL] = square(c->level_sigma);
     s->level.p[LAG][LAG] = variance;
-    s->level.p[RATE][RATE] = square(c->fade);
+    (void)memcpy(s->sums, start->sums, sizeof s->sums);
     s->braked = R(0.0);
-    (void)memset(s->sums, 0, sizeof s->sums);
     s->mean_z = R(0.0);
 }
 
@@ -271,12 +264,8 @@ static void move(bte_state *s, const bte_block *x, bte_real bends, bool braking)
     const bte_tuning *c = &s->car->tuning;
     bte_gauss *g = &s->speed;
     if (!s->anchored) { /* radii that are made equal now would look like a speed that jumps */
-        (void)memset(g, 0, sizeof *g);
+        *g = s->car->start.speed;
         g->x[V] = rim_of(s, x);
-        g->x[SCALE] = c->scale;
-        g->p[V][V] = R(1.0);
-        g->p[OFFSET][OFFSET] = square(c->offset);
-        g->p[SCALE][SCALE] = square(c->scale_sigma);
         s->anchored = braking || s->eta_less_1.variance < R(0.5) * square(c->zero);
     }
     const bte_real dt = s->car->block;
@@ -318,8 +307,8 @@ static void see_speed(bte_state *s, const bte_block *x, bool braking) {
 static void follow(bte_state *s, const bte_block *x) {
     const bte_tuning *c = &s->car->tuning;
     const bte_real dt = s->car->block, most = square(c->zero);
-    age_zero(&s->demand, c->bias_walk, dt, most);
-    age_zero(&s->eta_less_1, c->radius_walk, dt, most);
+    s->demand.variance = smallest(s->demand.variance + square(c->bias_walk) * dt, most);
+    s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->radius_walk) * dt, most);
     const bool braking = x->pressure > c->bite;
     const bool counts = x->rim > c->moving && s->worst == BTE_VALID;
     press(s, x->nominal);
@@ -381,21 +370,18 @@ static void read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES],
 static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, bool is_new,
                       bte_real best[BTE_BOUNDS]) {
     const bte_tuning *c = &s->car->tuning;
-    bte_real variance = square(c->ageing) * s->age
-                        + square(c->unlike * logarithm(pads / s->level_then));
-    const bte_real more = Z95 * root(variance), middle = s->kept[BTE_MEDIAN];
-    const bte_real known = root(square(middle - s->kept[BTE_LOWER]) + square(more))
-                           + root(square(s->kept[BTE_UPPER] - middle) + square(more));
-    if (is_new || now[BTE_UPPER] - now[BTE_LOWER] <= known) {
-        (void)memcpy(s->kept, now, sizeof s->kept);
-        s->age = R(0.0);
-        s->level_then = pads;
-        variance = R(0.0);
-    }
-    s->age += s->car->block;
+    const bte_real variance = square(c->ageing) * s->age
+                              + square(c->unlike * logarithm(pads / s->level_then));
     const bte_real wider = Z95 * root(variance);
     (void)memcpy(best, s->kept, sizeof s->kept);
     widen(best, wider, wider);
+    if (is_new || now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER]) {
+        (void)memcpy(s->kept, now, sizeof s->kept);
+        (void)memcpy(best, now, sizeof s->kept);
+        s->age = R(0.0);
+        s->level_then = pads;
+    }
+    s->age += s->car->block;
 }
 
 /* The first reason that applies to a block with a pads' level. */
@@ -510,11 +496,9 @@ void bte_told(const bte_state *s, bte_real p_mc, bte_real out[BTE_ANSWERS][BTE_B
 
 /* Slip of an axle by its force and load. */
 static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
-    const bte_real by_load = force / largest(load, R(0.1) * car->weight);
-    const bte_place at = BTE_FIND(&car->tyre, size_of(by_load));
+    const bte_place at = BTE_FIND(&car->tyre, force / largest(load, R(0.1) * car->weight));
     const bte_real low = car->tyre_slip[at.at], high = car->tyre_slip[at.at + 1U];
-    const bte_real slip = low + at.along * (high - low);
-    return by_load < R(0.0) ? -slip : by_load > R(0.0) ? slip : R(0.0);
+    return low + at.along * (high - low);
 }
 
 static bte_real median(bte_real a, bte_real b, bte_real c) {
@@ -628,26 +612,8 @@ static void take_block(bte_state *s) {
 }
 
 void bte_init(bte_state *s, const bte_car *car) {
-    const bte_tuning *c = &car->tuning;
-    (void)memset(s, 0, sizeof *s);
+    *s = car->start;
     s->car = car;
-    s->demand.variance = square(c->zero);
-    s->eta_less_1.value = car->radius[BTE_FRONT] / car->radius[BTE_REAR] - R(1.0);
-    s->eta_less_1.variance = square(c->zero);
-    s->level.x[LAG] = c->lag;
-    s->level.p[LAG][LAG] = square(c->lag_sigma);
-    s->level_then = R(1.0);
-    s->since_lock = R(2.0) * c->recover;
-    forget_stop(s);
-    s->reason = BTE_NOT_BRAKED;
-    const bte_real start[BTE_BOUNDS] = {R(1.0), c->least_level, c->most_level};
-    const bte_real *pads = car->pad_friction, ratio = pads[BTE_FRONT] / pads[BTE_REAR];
-    const bte_real of[] = {R(1.0), ratio, pads[BTE_FRONT], pads[BTE_REAR]};
-    for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) {
-        for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-            s->told[i][b] = of[i] * start[b];
-        }
-    }
 }
 
 bool bte_exchange(bte_state *s, const bte_car *car) {

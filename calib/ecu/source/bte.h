@@ -80,15 +80,6 @@ typedef struct {
 bte_place BTE_FIND(const bte_axis *axis, bte_real x);
 #endif
 
-/* The numbers of a car; calib/ecu/car_source.py has what they are. */
-typedef struct {
-$tuning
-} bte_tuning;
-
-typedef struct {
-$car
-} bte_car;
-
 /* A Gaussian that walks: what a signal reads while nothing brakes. */
 typedef struct {
     bte_real value, variance;
@@ -106,6 +97,7 @@ typedef struct {
 } bte_block;
 
 /* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
+typedef struct bte_car bte_car;
 typedef struct {
     const bte_car *car;
     bte_zero demand, eta_less_1;
@@ -123,6 +115,15 @@ typedef struct {
     bte_reason worst, reason;
     bte_real told[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]; /* of the last block; torques follow */
 } bte_state;
+
+/* The numbers of a car; calib/ecu/car_source.py has what they are. */
+typedef struct {
+$tuning
+} bte_tuning;
+
+struct bte_car {
+$car
+};
 
 /* Forget everything. */
 void bte_init(bte_state *state, const bte_car *car);
