@@ -150,7 +150,8 @@ def _numbers(table: Table, sample_time: float, bits: int) -> dict[str, Member]:
     car, known = table.vehicle, known_effects(table).parameters
     drag, rolling = known[DRAG[0]], known[ROLLING[0]]
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
-    lever = car.cg_height / (car.weight * car.wheelbase)
+    lever = car.cg_height / car.wheelbase
+    lift = (1.0 - drag.get("load_share", 1.0)) * lever / car.weight
     ranges = zip(("low", "high", "jump"), limits(sample_time), strict=True)
     return {
         "tuning": _tuning(c),
@@ -163,11 +164,11 @@ def _numbers(table: Table, sample_time: float, bits: int) -> dict[str, Member]:
         "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),  # of a sample in its low pass
         "weight": car.weight,  # [N]
         "load": [float(load[0]) / car.weight for load in axle_loads(car, np.zeros(1))],  # at rest
-        "height": car.cg_height / car.wheelbase,  # load that moves at 1 g, over the weight
+        "height": [lever, -lever],  # load that moves at 1 g
         "track_width": car.track_width,  # [m]
         "cg_height": car.cg_height,  # [m]
         "drag": 0.5 * AIR_DENSITY * drag[DRAG[1]],  # over the square of the speed [N s^2/m^2]
-        "drag_lift": (1.0 - drag.get("load_share", 1.0)) * lever,  # load from front to rear by it
+        "drag_lift": [-lift, lift],  # load that moves by it [1/N]
         "rolling": rolling[ROLLING[1]],  # resistance over load, and how it grows with v^2
         "rolling_growth": rolling.get("rolling_growth", 0.0),
         "radius": [axle.rolling_radius for axle in axles],  # [m]

@@ -44,11 +44,10 @@ static void solve(model *m, const double given[], double dt) {
         m->reason = m->v < STOPS ? STANDS : DRIVES;
         const double v = fmax(m->v, 0.5 * STOPS), drag = car->drag * v * v;
         const double rolling = car->rolling * (1.0 + car->rolling_growth * (v * v / 400.0 - 1.0));
-        const double moved = car->height * m->z - car->drag_lift * drag;
         double sum = drag;
         change = 0.0;
         for (int a = 0; a < BTE_AXLES; a++) {
-            const double share = car->load[a] + (a == BTE_FRONT ? moved : -moved);
+            const double share = car->load[a] + car->height[a] * m->z + car->drag_lift[a] * drag;
             const double load = car->weight * fmax(share, 0.01), radius = car->radius[a];
             const grip tyre = grip_at(given, m->slip[a], 2.0 * load / car->weight);
             const double turning = car->turning_mass[a], omega = v * (1.0 - m->slip[a]) / radius;

@@ -560,12 +560,6 @@ static bte_reason disturbance(bte_state *s, bool fine) {
                                                                       : BTE_VALID;
 }
 
-/* Load of an axle at a deceleration [N], (6), (7). */
-static bte_real load_at(const bte_car *car, unsigned axle, bte_real z) {
-    const bte_real moved = car->height * z;
-    return car->weight * (car->load[axle] + (axle == BTE_FRONT ? moved : -moved));
-}
-
 /* A block from the sums: the force balance (1), (5) to (7), drag and rolling resistance known. */
 static void take_block(bte_state *s) {
     const bte_car *car = s->car;
@@ -576,7 +570,7 @@ static void take_block(bte_state *s) {
     const bte_real p = mean[PRESSURE], z = mean[Z];
     const bte_real omega[BTE_AXLES] = {mean[FRONT], mean[FRONT] + mean[APART]};
     const bte_real speed = car->radius[BTE_REAR] * omega[BTE_REAR];
-    const bte_real body = car->drag * square(speed), lifted = car->weight * car->drag_lift * body;
+    const bte_real body = car->drag * square(speed);
     const bte_real grown = R(1.0) + car->rolling_growth * (square(speed / R(20.0)) - R(1.0));
     bte_real demanded = car->weight * z - body, turning = car->weight;
     for (unsigned a = 0; a < BTE_AXLES; a++) {
@@ -585,7 +579,7 @@ static void take_block(bte_state *s) {
             spin = -GRAVITY * z / car->radius[a];
         }
         s->omega[a] = omega[a];
-        load[a] = load_at(car, a, z);
+        load[a] = car->weight * (car->load[a] + car->height[a] * z);
         other[a] = car->rolling * grown * load[a] - mean[DRIVE + a] / car->radius[a];
         demanded -= other[a] + car->turning_mass[a] * car->radius[a] * spin;
         turning += car->turning_mass[a] * GRAVITY;
@@ -593,13 +587,12 @@ static void take_block(bte_state *s) {
     s->block_full = true;
     s->faulty = s->worst == BTE_FAULT;
     const bte_real z_alone = demanded / turning;
-    load[BTE_FRONT] -= lifted;
-    load[BTE_REAR] += lifted;
     for (unsigned a = 0; a < BTE_AXLES; a++) {
         const bte_real tyre = car->ramp_share[a] * demanded
                               - car->turning_mass[a] * GRAVITY * z_alone;
-        driven[a] = slip_at(car, tyre + other[a], load[a])
-                    - slip_at(car, tyre, load_at(car, a, z_alone));
+        const bte_real alone = car->weight * (car->load[a] + car->height[a] * z_alone);
+        load[a] += car->weight * car->drag_lift[a] * body;
+        driven[a] = slip_at(car, tyre + other[a], load[a]) - slip_at(car, tyre, alone);
     }
     const bte_real eta_less_1 = mean[FRONT] > R(0.0) ? mean[APART] / mean[FRONT] : R(0.0);
     const bte_real off = driven[BTE_REAR] - driven[BTE_FRONT];

@@ -1,13 +1,10 @@
-/* Brake torque of each axle from wheel speeds, deceleration and pressure: the estimator of
- * brake-cal.
+/* Brake torque of each axle from wheel speeds, deceleration and pressure: brake-cal's estimator.
  *
  *     sample --means over a block--> zeros, level, lag, slip, ratio --> friction, torque, bounds
  *
- * Every number of a car is in `bte_car`, which bte_car.c defines. SI units. No memory is allocated,
- * nothing is recursive, and of the C library only sqrt is called. One task calls all functions of
- * one `bte_state`.
+ * SI units. No memory is allocated, nothing is recursive, and of the C library only sqrt is called.
+ * One task calls all functions of one `bte_state`:
  *
- *     static bte_state state;
  *     bte_init(&state, &bte_this_car);                 at power-on, and after a reset
  *     bte_reason reason = bte_step(&state, x, y);      once every `sample_time` of the car
  */
@@ -86,7 +83,7 @@ typedef struct {
 } bte_zero;
 
 /* A Gaussian of several states: values and covariances. */
-enum { BTE_STATES = 4, BTE_SIGNALS = 6, BTE_WAITING = 4 };
+enum { BTE_STATES = 4, BTE_SIGNALS = 6 };
 typedef struct {
     bte_real x[BTE_STATES], p[BTE_STATES][BTE_STATES];
 } bte_gauss;
@@ -104,7 +101,7 @@ typedef struct {
     bte_gauss level, speed;
     bool anchored, started, block_full, faulty, driven;
     uint8_t waits;
-    bte_block waiting[BTE_WAITING];
+    bte_block waiting[4];
     bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
     bte_real kept[BTE_BOUNDS], age, level_then;
     /* of the samples, and the sums of those of a block */

@@ -1,6 +1,5 @@
-/* Runs the estimator of brake-cal over many samples: in a test, on a host, on the target.
- *
- * With BTE_VECTORS defined it is a program that compares with vectors.h, which Python wrote.
+/* Runs the estimator of brake-cal over many samples. With BTE_VECTORS defined it is a program that
+ * compares with vectors.h, which Python wrote.
  */
 #include <string.h>
 
@@ -21,26 +20,26 @@ void bte_run(const bte_real *samples, uint32_t count, bte_real *told) {
 }
 
 #ifdef BTE_VECTORS
+#include <math.h>
 #include <stdio.h>
 
 #include "vectors.h" /* COUNT, EVERY, TOLERANCE, inputs, expected */
 
 int main(void) {
     static bte_real told[COUNT * BTE_TOLD];
-    uint32_t other = 0, wrong = 0;
+    unsigned other = 0U, wrong = 0U;
     double worst = 0.0;
     bte_run(inputs, COUNT, told);
     for (uint32_t i = 0; i < COUNT / EVERY * BTE_TOLD; i++) {
-        const uint32_t row = i / BTE_TOLD, place = i % BTE_TOLD;
-        const double right = (double)expected[i];
-        const double off = (double)told[((row + 1U) * EVERY - 1U) * BTE_TOLD + place] - right;
-        const double apart = (off < 0.0 ? -off : off) / (right < 1e-6 ? 1e-6 : right);
+        const uint32_t end = (i / BTE_TOLD + 1U) * EVERY - 1U, place = i % BTE_TOLD;
+        const double right = (double)expected[i], found = (double)told[end * BTE_TOLD + place];
+        const double apart = fabs(found - right) / fmax(right, 1e-6);
         other += place == 0U && apart > 0.0;
         wrong += place > 0U && !(apart <= TOLERANCE);
-        worst = place > 0U && apart > worst ? apart : worst;
+        worst = place > 0U ? fmax(worst, apart) : worst;
     }
     printf("%u samples: largest difference %.3g, %u beyond %g, %u reasons differ\n",
-           (unsigned)COUNT, worst, (unsigned)wrong, TOLERANCE, (unsigned)other);
+           COUNT, worst, wrong, TOLERANCE, other);
     return other > 0U || wrong > 0U;
 }
 #endif
