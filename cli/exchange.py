@@ -102,8 +102,7 @@ def _code(
     """Write the estimator as C, with the numbers of a table, to a folder."""
     from calib.base.errors import ExchangeError
     from calib.ecu.bundle import OURS, names, require_prefix, write_bundle
-    from calib.ecu.car_source import PREFIX
-    from calib.ecu.labels import code_maps
+    from calib.ecu.car_source import PREFIX, axes_of, code_grids
 
     first = PREFIX if prefix is None else prefix
     with at_option("--prefix", ExchangeError):
@@ -113,7 +112,7 @@ def _code(
         refuse_foreign(out / name, lambda data: OURS in data)
     with at_option("--points, --fixed-point, --float, --elf", ExchangeError), writing(out):
         files = write_bundle(stored, out, how, step, first, **more)
-    for axis in code_maps(stored.table, first, how)[0]:
+    for axis in axes_of(code_grids(stored.table, first, how)):
         if axis.reduced:
             say(f"{axis.label}: {axis.placed}")
     return _coded(stored, out, "ecu", how, step, files)

@@ -12,6 +12,7 @@ Nothing is made again in the ECU project: functions are called, and files are re
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from string import Template
 
@@ -22,11 +23,20 @@ from calib.base.errors import ExchangeError
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
-from calib.ecu.car_source import PREFIX, SOURCE, cell, number, require_time, sources
+from calib.ecu.car_source import (
+    PREFIX,
+    SOURCE,
+    axes_of,
+    cell,
+    code_grids,
+    number,
+    require_time,
+    sources,
+)
 from calib.ecu.channels import A_X, CHANNELS, FL, limits, samples_of
-from calib.ecu.labels import code_data
 from calib.ecu.online import Online
 from calib.exports.addresses import find_addresses
+from calib.exports.dataset import Dataset, build
 from calib.exports.write import FORMATS
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
@@ -115,12 +125,23 @@ def write_bundle(
             content = Template(_renamed(text, prefix)).safe_substitute(facts)
             write_whole(work / _renamed(name, prefix), content.encode())
         for form in TOOLS:
-            most = FORMATS[form].most_axes
-            data = code_data(stored, prefix, how, quality, most)
+            data = _for_tool(stored, how, prefix, quality, FORMATS[form].most_axes)
             if elf is not None and FORMATS[form].addressed:
                 data = replace(data, addresses=find_addresses(elf, data))
             write_whole(work / f"{prefix}.{form}", FORMATS[form].write(data))
         return publish(work, folder, _README, _of_any_prefix)
+
+
+def _for_tool(
+    stored: Stored, how: Precision, prefix: str, quality: Quality, most_axes: int
+) -> Dataset:
+    """What a calibration tool sees of the code: the version of the table, and the maps."""
+    date, bits = datetime.now(UTC).date().isoformat(), how.bits
+    whole = build(stored, how.points, quality, bits, date, first=prefix, most_axes=most_axes)
+    grids = tuple(code_grids(stored.table, prefix, how, most_axes))
+    number = replace(whole.scalars[0], fixed=None)
+    axes, single = tuple(axes_of(grids)), how.floating == 32
+    return replace(whole, axes=axes, curves=(), grids=grids, scalars=(number,), single=single)
 
 
 def _of_any_prefix(folder: Path) -> Iterator[str]:

@@ -6,7 +6,7 @@ is what `calib.table.exported` reads back. What is the same in every block is co
 
 import math
 from collections.abc import Iterable
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import groupby
 from pathlib import Path
 from string import Template
@@ -23,14 +23,13 @@ from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
 from calib.ecu.channels import ANSWERS, CHANNELS, limits
-from calib.ecu.labels import code_maps, version_label
 from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, block_of, first_answers
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import SLOWEST
 from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
 from calib.estimation.state import started
-from calib.exports.dataset import Grid
+from calib.exports.dataset import MOST_AXES, Axis, Grid, label, maps_of
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
 from calib.run.lateral import LATERAL_TIME
@@ -66,8 +65,8 @@ def sources(
     for a precision that C does not have, or a time that no ECU has.
     """
     require_time(sample_time)
-    axes, grids = code_maps(table, PREFIX, how)
-    table, bits = as_exported(table, how), how.floating
+    grids, bits = code_grids(table, PREFIX, how), how.floating
+    table = as_exported(table, how)
     car = _numbers(table, sample_time, bits) | _maps(grids, bits)
     header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
         floating=bits,
@@ -79,21 +78,36 @@ def sources(
         tuning=_declared(car["tuning"]),
         car=_declared(car),
     )
-    data: dict[str, tuple[str, Any]] = {version_label(PREFIX): ("bte_real", float(version))}
-    for one in (*axes, *grids):
+    data: dict[str, tuple[str, Any]] = {label(PREFIX, "version"): ("bte_real", float(version))}
+    for one in (*axes_of(grids), *grids):
         kind = "bte_cell" if isinstance(one, Grid) else "bte_real"
         data[one.label] = kind, one.fixed.raw.tolist() if one.fixed else one.numbers
     for name, x in (("tyre_force", table.tyre.force), ("tyre_slip", table.tyre.slip)):
         both = np.concatenate([-x[:0:-1], x])  # driven and braked
         data[f"{PREFIX}_{name}"] = "bte_real", both.tolist()
     source = [f"/* {told} */", '#include "bte.h"']
-    for label, (kind, values) in data.items():
-        declared = f"BTE_CAL {kind} {label}" + (f"[{len(values)}]" if type(values) is list else "")
+    for name, (kind, values) in data.items():
+        declared = f"BTE_CAL {kind} {name}" + (f"[{len(values)}]" if type(values) is list else "")
         source.append(f"extern {declared};\nBTE_CAL_DATA {declared} = {_initial(values, bits)};")
     body = "\n".join(f"    .{name} = {_initial(x, bits)}," for name, x in car.items())
     source.append(f"const bte_car bte_this_car = {{\n{body}\n}};\n")
     code = (SOURCE / "bte.c").read_text(encoding="utf-8")
     return {"bte.h": header, "bte.c": code, "bte_car.c": "\n\n".join(source)}
+
+
+def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_AXES) -> list[Grid]:
+    """The maps that the code reads, by the labels of every other format, behind ``first``.
+
+    Sliced where they have more axes. Raises ExchangeError as `Precision`.
+    """
+    read = {*(names[0] for names in PADS), *SLIP, *LEVEL}
+    of = maps_of(table, first, replace(how, code=True), most_axes)
+    return [grid for _, grids in of for grid in grids if grid.column in read]
+
+
+def axes_of(grids: Iterable[Grid]) -> list[Axis]:
+    """Each axis of maps once."""
+    return [*{axis.label: axis for grid in grids for axis in grid.axes}.values()]
 
 
 def require_time(sample_time: float) -> None:
@@ -179,7 +193,7 @@ def _numbers(table: Table, sample_time: float, bits: int) -> dict[str, Member]:
         "share": front_share(car, 0.0),  # of the front axle in it
         "ramp_share": [on_ramp, 1.0 - on_ramp],  # of the axles in it with the pads of the ramp
         "ramp_ratio": c.ramp_ratio,  # ln of the ratio of these pads
-        "version": Data("BTE_CAL bte_real *", f"&{version_label(PREFIX)}"),
+        "version": Data("BTE_CAL bte_real *", f"&{label(PREFIX, 'version')}"),
         "tyre": Data("bte_axis", f"{{{PREFIX}_tyre_force, {2 * table.tyre.force.size - 1}}}"),
         "tyre_slip": Data("BTE_CAL bte_real *", f"{PREFIX}_tyre_slip"),
     }

@@ -16,20 +16,7 @@ from calib.base.names import WHEELS, G
 from calib.car.bias import front_share
 from calib.car.braking import MOVING
 from calib.car.vehicle import Vehicle
-from calib.ecu.channels import (
-    A_X,
-    CHANNELS,
-    DRIVE,
-    DRIVEN,
-    FL,
-    FR,
-    OMEGA,
-    P_MC,
-    RL,
-    RR,
-    STEERING,
-    limits,
-)
+from calib.ecu import channels as at
 from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import given, pads_of
@@ -56,8 +43,8 @@ REASONS = tuple(Reason)
 def require_plain(table: Table) -> None:
     """Raise StoreError for a car with known effects that the code of an ECU does not take out."""
     known = known_effects(table)
-    more = [name for name in known.names if name not in RESISTANCE]
-    if more or known.terms:
+    if not set(known.names) <= set(RESISTANCE) or known.terms:
+        more = [name for name in known.names if name not in RESISTANCE]
         raise StoreError(
             f"the code takes out no {', '.join(more) or 'empirical term'}",
             expected=" and ".join(RESISTANCE) + " alone",
@@ -71,9 +58,9 @@ def block_of(sample_time: float) -> tuple[int, float]:
     return samples, round(samples * sample_time, 9)
 
 
-def first_answers(vehicle: Vehicle) -> Array:
+def first_answers(car: Vehicle) -> Array:
     """Level, ratio and pads of both axles, (4, 3), before anything is known: any pads."""
-    filed = vehicle.front.pad_friction, vehicle.rear.pad_friction
+    filed = car.front.pad_friction, car.rear.pad_friction
     bounds = 1.0, Constants.least_level, Constants.most_level
     return np.outer([1.0, filed[0] / filed[1], *filed], bounds)
 
@@ -86,35 +73,32 @@ class Online:
 
     def __init__(self, table: Table, sample_time: float) -> None:
         require_plain(table)
-        self.table, self.sample_time = table, sample_time
+        self.table, self.sample_time, car = table, sample_time, table.vehicle
         self.samples, self.block = block_of(sample_time)
         self.constants = constants(table, SensorNoise(**table.noise), self.block)
         self.state: State = started(self.constants)
-        self.low, self.high, self.jump = limits(sample_time)
-        self.last, self.raw = np.zeros((2, len(CHANNELS)))
+        self.low, self.high, self.jump = at.limits(sample_time)
+        self.last, self.raw = np.zeros((2, len(at.CHANNELS)))
         self.begun, self.faulty, self.fastest = False, False, 0.0
         self.held, self.p_held, self.lateral, self.since_lock = 0.0, 0.0, 0.0, 2.0 * RECOVER
         self.before = np.zeros((2, len(WHEELS)))
         self.rows: list[tuple[float, ...]] = []
         self.omega: list[Array] = []
-        axles = table.vehicle.front, table.vehicle.rear
-        self.gains = np.array([axle.torque_gain for axle in axles])
-        self.filed = np.array([axle.pad_friction for axle in axles])
-        self.reason = Reason.NOT_BRAKED
-        self.of_block = first_answers(table.vehicle)
+        self.gains = np.array([[axle.torque_gain] for axle in (car.front, car.rear)])
+        self.reason, self.of_block = Reason.NOT_BRAKED, first_answers(car)
 
     def step(self, sample: Array) -> tuple[Reason, Array]:
         """Take in a sample (10,) of `CHANNELS`, and give `ANSWERS` (7, 3); all are finite."""
         fine = self._good(sample)
         worst = self._disturbed(fine)
         x, self.begun = self.last, True
-        front, rear = 0.5 * (x[FL] + x[FR]), 0.5 * (x[RL] + x[RR])
-        driven = x[DRIVEN] > 0.5
-        self.rows.append((x[P_MC], -x[A_X] / G, front, rear, *x[DRIVE], worst, driven))
+        front, rear = 0.5 * (x[at.FL] + x[at.FR]), 0.5 * (x[at.RL] + x[at.RR])
+        driven = x[at.DRIVEN] > 0.5
+        self.rows.append((x[at.P_MC], -x[at.A_X] / G, front, rear, *x[at.DRIVE], worst, driven))
         if len(self.rows) == self.samples:
             self._take()
         level, _, *pads = self.of_block
-        torques = self.gains[:, None] * max(x[P_MC], 0.0) * pads
+        torques = self.gains * max(x[at.P_MC], 0.0) * pads
         total = level / level[0] * 2.0 * np.sum(torques[:, 0])
         return self.reason if fine else Reason.FAULT, np.vstack([self.of_block, torques, total])
 
@@ -125,42 +109,43 @@ class Online:
 
     def exchange(self, table: Table) -> bool:
         """Take another table and forget everything; only at rest, else False."""
-        if np.max(np.abs(self.last[OMEGA])) >= RESTS:
+        if np.max(np.abs(self.last[at.OMEGA])) >= RESTS:
             return False
         self.__init__(table, self.sample_time)  # type: ignore[misc]
         return True
 
     def _good(self, x: Array) -> bool:
         """Whether all sensors work; the last good reading of one that fails counts."""
-        same = self.begun and x[A_X] == self.last[A_X]
+        same = self.begun and x[at.A_X] == self.last[at.A_X]
         inside = (x >= self.low) & (x <= self.high)
         good = inside & ~(self.begun & (np.abs(x - self.raw) > self.jump))
         self.raw, self.last = np.where(inside, x, self.raw), np.where(good, x, self.last)
         self.held = self.held + self.sample_time if same else 0.0
-        self.p_held = self.p_held if same else self.last[P_MC]
-        moved = abs(self.last[P_MC] - self.p_held)
-        rim = self.table.vehicle.front.rolling_radius * self.last[FL]
+        self.p_held = self.p_held if same else self.last[at.P_MC]
+        moved = abs(self.last[at.P_MC] - self.p_held)
+        rim = self.table.vehicle.front.rolling_radius * self.last[at.FL]
         held = self.held > HELD_TIME - 0.5 * self.sample_time  # else a rounding could decide it
         return bool(good.all()) and not (held and moved > HELD_PRESSURE and rim > MOVING)
 
     def _disturbed(self, fine: bool) -> Reason:
         """As `disturbances` of a log, by what is past."""
         x, car, tyre = self.last, self.table.vehicle, self.table.tyre
-        wheels = x[OMEGA]
+        wheels = x[at.OMEGA]
         seen = np.vstack([self.before, wheels]) if self.begun else np.tile(wheels, (3, 1))
         self.before, middle = seen[1:], np.median(seen, axis=0)
         slowed = self.fastest - HARDEST / NOMINAL_RADIUS * self.sample_time
         self.fastest = max(middle.max(), slowed)
         locked = locks(self.fastest, middle.min())
         self.since_lock = 0.0 if locked else self.since_lock + self.sample_time
-        z, mean = -x[A_X] / G, 0.5 * (x[RL] + x[RR])
+        z, mean = -x[at.A_X] / G, 0.5 * (x[at.RL] + x[at.RR])
         slip = np.copysign(np.interp(abs(z), tyre.force, tyre.slip), z)
-        apart, speed = (x[RR] - x[RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
+        apart, speed = (x[at.RR] - x[at.RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
         turned = float(turning(apart, speed, car.track_width, slip, car.cg_height))
         part = 1.0 - math.exp(-self.sample_time / LATERAL_TIME)
         self.lateral = self.lateral + part * (turned - self.lateral) if self.begun else turned
         recent = self.since_lock <= RECOVER + 0.5 * self.sample_time
-        return REASONS[disturbed(recent, self.lateral, x[STEERING])] if fine else Reason.FAULT
+        told = disturbed(recent, self.lateral, x[at.STEERING])
+        return REASONS[told] if fine else Reason.FAULT
 
     def _take(self) -> None:
         """The block that is complete, as arrays (1,)."""
@@ -180,8 +165,8 @@ class Online:
         )  # fmt: skip
         rows = given(self.table, b, worst, with_v=False)._replace(driven=driven)
         answer = step(self.constants, self.state, Sample(*(float(x[0]) for x in rows)))
-        share = front_share(car, rows.log_odds)
+        share, filed = front_share(car, rows.log_odds), first_answers(car)[1:, 0]
         pads = pads_of(share, answer.level[:, None], answer.ratio[:, None])[..., 0]
-        ratio = self.filed[0] / self.filed[1] * np.exp(answer.ratio)
-        self.of_block = np.vstack([np.exp(answer.level), ratio, self.filed[:, None] * pads])
+        relative = np.vstack([np.exp(answer.ratio), pads])
+        self.of_block = np.vstack([np.exp(answer.level), filed[:, None] * relative])
         self.reason = REASONS[int(answer.reason)]

@@ -91,7 +91,9 @@ class Precision:
     def axis(self, name: str, values: Array, origin: float = 0.0) -> Written:
         """An axis, counted from ``origin``. Raises ExchangeError if it no longer increases."""
         if self.bits is not None:
-            return Written(values, fixed_axis(name, values, self.bits, origin))
+            fixed = fixed_axis(name, values, self.bits, origin)
+            # code searches an axis in the floating point that it computes with
+            return Written(self.computed(fixed.values)) if self.code else Written(values, fixed)
         written = self.numbers(values)
         if np.any(np.diff(written.values) <= 0.0):
             raise ExchangeError(
