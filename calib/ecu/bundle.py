@@ -139,9 +139,9 @@ def _for_tool(
     date, bits = datetime.now(UTC).date().isoformat(), how.bits
     whole = build(stored, how.points, quality, bits, date, first=prefix, most_axes=most_axes)
     grids = tuple(code_grids(stored.table, prefix, how, most_axes))
-    number = replace(whole.scalars[0], fixed=None)
+    version = replace(whole.scalars[0], fixed=None)
     axes, single = tuple(axes_of(grids)), how.floating == 32
-    return replace(whole, axes=axes, curves=(), grids=grids, scalars=(number,), single=single)
+    return replace(whole, axes=axes, curves=(), grids=grids, scalars=(version,), single=single)
 
 
 def _of_any_prefix(folder: Path) -> Iterator[str]:

@@ -79,12 +79,10 @@ class Native:
     def library(self) -> ctypes.CDLL:
         """The shared object. Raises ProgramError where it cannot be compiled."""
         cc = compiler()
-        with TemporaryDirectory() as name:
-            folder = Path(name)
-            files = write_sources(self.table, self.sample_time, self.how, folder)
-            made = folder / "bte.so"
-            paths = [f"-I{folder}", f"-I{SOURCE}", *map(str, files), "-o", str(made), "-lm"]
-            line = [*cc, *FLAGS, *paths]
+        with TemporaryDirectory() as folder:
+            files = write_sources(self.table, self.sample_time, self.how, Path(folder))
+            made = Path(folder, "bte.so")
+            line = [*cc, *FLAGS, *map(str, files), "-o", str(made), "-lm"]
             done = subprocess.run(line, capture_output=True, text=True, check=False)
             if done.returncode:
                 why = done.stderr[-400:] or f"it ended with {done.returncode} and said nothing"
@@ -100,22 +98,13 @@ class Native:
         self.library.bte_run(first, ctypes.c_uint32(len(given)), last)
         return told.astype(np.float64)
 
-    def readout(self, e: Estimate, log: Log) -> Readout:
-        """What the code makes of a log, in the place of what an estimate has of the ECU.
-
-        The change since the ramp, which the code does not have, stays that of the estimate.
-        """
-        reason, *told = self.run(samples_of(log)).T
-        parts: dict[str, Any] = {
-            name: Bounded(*told[3 * i : 3 * i + 3]) for i, name in enumerate(_READ_OUT)
-        }
-        return replace(e.ecu, step=e.ecu.step._replace(reason=reason), **parts)
-
 
 def coded(table: Table, how: Precision) -> Coded:
     """Runs the code of a table as it is exported, on logs of any rate and mass.
 
-    Raises ProgramError where there is no compiler, StoreError for a table that has no code.
+    What it makes of a log is in the place of what an estimate has of the ECU; the change since the
+    ramp, which the code does not have, stays that of the estimate. Raises ProgramError where there
+    is no compiler, StoreError for a table that has no code.
     """
     compiler()
     require_maps(table)
@@ -126,6 +115,9 @@ def coded(table: Table, how: Precision) -> Coded:
         key = e.table.vehicle.mass, log.sample_time
         if key not in known:
             known[key] = Native(e.table, log.sample_time, how)
-        return known[key].readout(e, log)
+        reason, *told = known[key].run(samples_of(log)).T
+        answers = map(Bounded, told[::3], told[1::3], told[2::3])
+        parts: dict[str, Any] = dict(zip(_READ_OUT, answers, strict=True))
+        return replace(e.ecu, step=e.ecu.step._replace(reason=reason), **parts)
 
     return run
