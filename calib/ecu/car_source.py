@@ -5,8 +5,9 @@ is what `calib.table.exported` reads back. What is the same in every block is co
 """
 
 import math
+import re
 from collections.abc import Iterable
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from string import Template
@@ -41,8 +42,6 @@ SOURCE = Path(__file__).parent / "source"
 PREFIX = "bte"
 """First part of every label, of files and functions, too."""
 _FASTEST, _SLOWEST = 1e-4, 0.1  # times from call to call [s]
-_FROM_TABLE = ("noise_v", "late", "late_sigma", "radii", "ramp_ratio", "block")
-"""Numbers of `Constants` that are no tuning, or of a speed that no ECU has."""
 
 
 class Data(NamedTuple):
@@ -128,14 +127,15 @@ def number(x: float, bits: int) -> str:
 
 
 def _tuning(c: Constants) -> dict[str, Member]:
-    scalars = (field.name for field in fields(Constants) if field.type is float)
-    of_step = {name: getattr(c, name) for name in scalars if name not in _FROM_TABLE}
-    return of_step | {
+    """Tuned numbers, those of which are left that the code reads."""
+    every = vars(c) | {
         "bite": BITE, "moving": MOVING, "steady": STEADY, "radius_walk": WALK,
         "slowest": SLOWEST, "rests": RESTS, "held_time": HELD_TIME, "held_pressure": HELD_PRESSURE,
         "steering": STEERING, "lateral": LATERAL, "lock": LOCK, "recover": RECOVER,
         "slows": HARDEST / NOMINAL_RADIUS, "turning": MOVING / NOMINAL_RADIUS,
     }  # fmt: skip
+    read = re.findall(r"(?:\bc->|tuning\.)(\w+)", (SOURCE / "bte.c").read_text(encoding="utf-8"))
+    return {name: x for name, x in every.items() if name in read}
 
 
 def _started(table: Table, c: Constants) -> Member:
@@ -188,7 +188,6 @@ def _numbers(table: Table, sample_time: float, bits: int) -> dict[str, Member]:
         "radius": [axle.rolling_radius for axle in axles],  # [m]
         "turning_mass": [car.weight / G * x for x in turning_shares(car)],  # at the road [kg]
         "torque_gain": [axle.torque_gain for axle in axles],  # of a wheel, over p and mu [m^3]
-        "pad_friction": [axle.pad_friction for axle in axles],  # of the vehicle file
         "force": sum(force_per_pressure(car)),  # of both axles with these pads [N/Pa]
         "share": front_share(car, 0.0),  # of the front axle in it
         "ramp_share": [on_ramp, 1.0 - on_ramp],  # of the axles in it with the pads of the ramp

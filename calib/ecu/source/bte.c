@@ -1,5 +1,5 @@
-/* The estimator of brake-cal, see bte.h. Equations: calib/estimation/state.py and step.py, which
- * this file follows line by line; calib/ecu/online.py for what is before a block and behind it.
+/* The estimator of brake-cal, see bte.h. What is remembered and told of a block follows
+ * calib/estimation/state.py and step.py line by line, samples and blocks calib/ecu/online.py.
  * Where float32 would lose digits, a difference stands that Python does not need.
  */
 #include "bte.h"
@@ -11,13 +11,13 @@
 
 #if BTE_FLOAT == 64
 typedef uint64_t bte_bits;
-#define BTE_SQRT(x) sqrt(x)
+static bte_real root(bte_real x) { return sqrt(x); }
 static const uint32_t MANTISSA = 52;
 static const int32_t BIAS = 1023, TERMS = 14;
 #define LARGEST R(700.0)
 #else
 typedef uint32_t bte_bits;
-#define BTE_SQRT(x) sqrtf(x)
+static bte_real root(bte_real x) { return sqrtf(x); }
 static const uint32_t MANTISSA = 23;
 static const int32_t BIAS = 127, TERMS = 8;
 #define LARGEST R(87.0)
@@ -33,12 +33,9 @@ enum { PRESSURE, Z, FRONT, APART, DRIVE };
 
 static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
 static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
-static bte_real clip(bte_real x, bte_real low, bte_real high) {
-    return smallest(largest(x, low), high);
-}
+static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
 static bte_real size_of(bte_real x) { return x < R(0.0) ? -x : x; }
 static bte_real square(bte_real x) { return x * x; }
-static bte_real root(bte_real x) { return BTE_SQRT(x); }
 
 /* Own exp and ln, by their series: those of C libraries differ in the last digits. */
 static bte_real exponential(bte_real x) {
@@ -130,8 +127,6 @@ static void read_map(const bte_map *map, const bte_real at[], bte_real out[BTE_B
         out[c] *= map->step[c];
     }
 }
-
-/* --- what is remembered: calib/estimation/state.py ------------------------------------------- */
 
 /* What a reading of sum(h x) shares with each state, and its variance. */
 static bte_real spread_of(const bte_gauss *g, const bte_real h[BTE_STATES],
@@ -292,7 +287,6 @@ static void move(bte_state *s, const bte_block *x, bte_real bends, bool braking)
 /* The speed by the wheels; what does not fit is offset, scale and slip. */
 static void see_speed(bte_state *s, const bte_block *x, bool braking) {
     const bte_tuning *c = &s->car->tuning;
-    const bte_real least_log_slip = R(-8.0), most_log_slip = R(0.0);
     bte_gauss *g = &s->speed;
     const bte_real over = largest(x->demand - s->demand.value, R(0.0));
     const bte_real slip = braking ? over * exponential(g->x[SLIP]) : R(0.0);
@@ -301,7 +295,7 @@ static void see_speed(bte_state *s, const bte_block *x, bool braking) {
     const bte_real variance = square(c->noise_rim) / s->car->block
                               + square(c->slip_rough * slip * g->x[V]);
     correct(g, by, variance, rest);
-    g->x[SLIP] = clip(g->x[SLIP], least_log_slip, most_log_slip);
+    g->x[SLIP] = clip(g->x[SLIP], R(-8.0), R(0.0));
 }
 
 static void follow(bte_state *s, const bte_block *x) {
@@ -333,8 +327,6 @@ static void follow(bte_state *s, const bte_block *x) {
     }
     s->z = x->z;
 }
-
-/* --- what is told: calib/estimation/step.py -------------------------------------------------- */
 
 /* Standard deviation of the mean of eta - 1 by wheels, zero and a changing z. */
 static bte_real eta_error(const bte_state *s, bte_real shift, bte_real z, bte_real blocks) {
@@ -396,27 +388,21 @@ static bte_reason reason_of(const bte_state *s, const bte_block *x, bte_real lev
                                                                 : BTE_VALID;
 }
 
-/* Pad friction of both axles by level and ratio; distances to their bounds add up as squares. */
-static void tell_pads(bte_state *s, const bte_real level[BTE_BOUNDS],
-                      const bte_real ratio[BTE_BOUNDS]) {
-    const bte_car *car = s->car;
+/* ln of the pads by level and ratio; distances to their bounds add up as squares. */
+static void part_pads(const bte_car *car, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]) {
     bte_real part[BTE_AXLES][BTE_BOUNDS];
     for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        const bte_real front = car->share * exponential(ratio[b]);
+        const bte_real ratio = ln[BTE_RATIO][b], front = car->share * exponential(ratio);
         const bte_real rear = -logarithm(front + (R(1.0) - car->share));
-        const unsigned other = b == BTE_MEDIAN ? b : 3U - b;
-        part[BTE_FRONT][b] = ratio[b] + rear;
-        part[BTE_REAR][other] = rear;
+        part[BTE_FRONT][b] = ratio + rear;
+        part[BTE_REAR][b == BTE_MEDIAN ? b : 3U - b] = rear;
     }
     for (unsigned a = 0; a < BTE_AXLES; a++) {
         const bte_real *x = part[a], middle = x[BTE_MEDIAN];
-        bte_real sum[BTE_BOUNDS];
-        (void)memcpy(sum, level, sizeof sum);
-        move_by(sum, middle);
-        widen(sum, middle - x[BTE_LOWER], middle - x[BTE_UPPER]);
-        for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-            s->told[BTE_PAD_FRICTION_F + a][b] = car->pad_friction[a] * exponential(sum[b]);
-        }
+        bte_real *pads = ln[BTE_PAD_FRICTION_F + a];
+        (void)memcpy(pads, ln[BTE_LEVEL], sizeof part[a]);
+        move_by(pads, middle);
+        widen(pads, middle - x[BTE_LOWER], middle - x[BTE_UPPER]);
     }
 }
 
@@ -430,7 +416,7 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_real z = is_new ? c->usual_z : s->mean_z;
     const bte_real mean_shift = s->sums[2] / (is_new ? R(1.0) : blocks), shift = mean_shift / z;
     bte_real at[BTE_MAP_AXES] = {z, shift, R(0.0)};
-    bte_real by_map[BTE_BOUNDS], level[BTE_BOUNDS];
+    bte_real by_map[BTE_BOUNDS], ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS], *level = ln[BTE_LEVEL];
     read_map(&car->slip, at, by_map);
     read_map(&car->level, at, level);
     const bte_real usual = by_map[0], sigma = by_map[1];
@@ -452,28 +438,25 @@ static void take(bte_state *s, const bte_block *x) {
     /* ratio */
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const bool of_map = shift >= shifts->x[0] && shift <= shifts->x[shifts->count - 1U];
-    bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS], unread = R(1.0);
+    bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS];
     at[BTE_SLIP] = (slip - usual) / sigma;
     const bte_real off_eta = eta_error(s, mean_shift, z, blocks) / z;
     const bte_real error[BTE_MAP_AXES] = {R(0.0), off_eta, slip_sigma / sigma};
     read_ratio(car, at, error, now);
     read_map(&car->before, at, prior);
-    const bte_real read = (now[BTE_UPPER] - now[BTE_LOWER])
-                          / (prior[BTE_UPPER] - prior[BTE_LOWER]);
-    if (of_map && !is_new && z >= c->least_z && read < R(1.0)) {
-        unread = read;
-    } else {
+    bte_real unread = (now[BTE_UPPER] - now[BTE_LOWER]) / (prior[BTE_UPPER] - prior[BTE_LOWER]);
+    if (is_new || !of_map || z < c->least_z || !(unread < R(1.0))) {
+        unread = R(1.0);
         (void)memcpy(now, prior, sizeof now);
     }
     move_by(now, square(unread) * (car->ramp_ratio - prior[BTE_MEDIAN]));
-    bte_real ratio[BTE_BOUNDS];
-    keep_best(s, now, pads, is_new, ratio);
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        const bte_real file = car->pad_friction[BTE_FRONT] / car->pad_friction[BTE_REAR];
-        s->told[BTE_LEVEL][b] = exponential(level[b]);
-        s->told[BTE_RATIO][b] = file * exponential(ratio[b]);
+    keep_best(s, now, pads, is_new, ln[BTE_RATIO]);
+    part_pads(car, ln);
+    for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) {
+        for (unsigned b = 0; b < BTE_BOUNDS; b++) {
+            s->told[i][b] = car->start.told[i][BTE_MEDIAN] * exponential(ln[i][b]);
+        }
     }
-    tell_pads(s, level, ratio);
     s->reason = reason_of(s, x, s->told[BTE_LEVEL][BTE_MEDIAN], of_map);
 }
 
@@ -492,17 +475,11 @@ void bte_told(const bte_state *s, bte_real p_mc, bte_real out[BTE_ANSWERS][BTE_B
     }
 }
 
-/* --- samples into blocks: calib/ecu/online.py ------------------------------------------------- */
-
 /* Slip of an axle by its force and load. */
 static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
     const bte_place at = BTE_FIND(&car->tyre, force / largest(load, R(0.1) * car->weight));
     const bte_real low = car->tyre_slip[at.at], high = car->tyre_slip[at.at + 1U];
     return low + at.along * (high - low);
-}
-
-static bte_real median(bte_real a, bte_real b, bte_real c) {
-    return largest(smallest(a, b), smallest(largest(a, b), c));
 }
 
 /* Take in a sample: the last good reading counts while one is out of its range, or jumps. Whether
@@ -536,7 +513,8 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     bte_real fastest = R(0.0), slowest = R(0.0);
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
         bte_real *b = s->before[w];
-        const bte_real middle = s->started ? median(b[0], b[1], omega[w]) : omega[w];
+        const bte_real low = smallest(b[0], b[1]), high = largest(b[0], b[1]);
+        const bte_real middle = s->started ? clip(omega[w], low, high) : omega[w];
         b[0] = s->started ? b[1] : omega[w];
         b[1] = omega[w];
         fastest = w == 0U ? middle : largest(fastest, middle);

@@ -94,9 +94,8 @@ typedef struct {
 } bte_block;
 
 /* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
-typedef struct bte_car bte_car;
 typedef struct {
-    const bte_car *car;
+    const struct bte_car *car;
     bte_zero demand, eta_less_1;
     bte_gauss level, speed;
     bool anchored, started, block_full, faulty, driven;
@@ -104,10 +103,8 @@ typedef struct {
     bte_block waiting[4];
     bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
     bte_real kept[BTE_BOUNDS], age, level_then;
-    /* of the samples, and the sums of those of a block */
     bte_real last[BTE_INPUTS], raw[BTE_INPUTS], before[BTE_WHEELS][2];
-    bte_real fastest, lateral, since_lock, p_held, held;
-    bte_real sum[BTE_SIGNALS], omega[BTE_AXLES];
+    bte_real fastest, lateral, since_lock, p_held, held, sum[BTE_SIGNALS], omega[BTE_AXLES];
     uint16_t count;
     bte_reason worst, reason;
     bte_real told[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]; /* of the last block; torques follow */
@@ -118,9 +115,9 @@ typedef struct {
 $tuning
 } bte_tuning;
 
-struct bte_car {
+typedef struct bte_car {
 $car
-};
+} bte_car;
 
 /* Forget everything. */
 void bte_init(bte_state *state, const bte_car *car);

@@ -8,7 +8,6 @@
 enum { BTE_TOLD = 1 + BTE_ANSWERS * BTE_BOUNDS }; /* a row: the reason, then the answers */
 
 /* Run `count` rows of inputs from the start into rows of answers. */
-void bte_run(const bte_real *samples, uint32_t count, bte_real *told);
 void bte_run(const bte_real *samples, uint32_t count, bte_real *told) {
     static bte_state state;
     bte_init(&state, &bte_this_car);
