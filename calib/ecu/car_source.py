@@ -150,6 +150,7 @@ def _started(table: Table, c: Constants) -> Member:
             [0.0, 0.0, 0.0, c.scale],
             np.diag([1.0, 0.0, c.offset**2, c.scale_sigma**2]).tolist(),
         ],
+        "kept": s.kept[:6:2],
         "level_then": s.level_then,
         "since_lock": 2.0 * RECOVER,
         "reason": int(Reason.NOT_BRAKED),
@@ -244,6 +245,6 @@ def _initial(x: Member, bits: int) -> str:
         return f"{{{', '.join(f'.{name} = {_initial(y, bits)}' for name, y in x.items())}}}"
     if isinstance(x, Data):
         return x.initial
-    if isinstance(x, list):
+    if isinstance(x, list | tuple):
         return f"{{{', '.join(_initial(y, bits) for y in x)}}}"
     return str(x) if isinstance(x, int) else number(x, bits)

@@ -108,7 +108,7 @@ class State:
     sums: Numbers = (0.0,) * 4  # that forget: of 1, of z and eta - 1 from their zeros, of z squared
     mean_z: float = 0.0
     # the best informed ratio and its change, their lower and upper bounds, variance by reading
-    kept: Sequence[float] = (*(0.0,) * 2, *(-math.inf,) * 2, *(math.inf,) * 2, 0.0)
+    kept: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
     age: float = 0.0  # of it [s]
     level_then: float = 1.0  # [1]
 
