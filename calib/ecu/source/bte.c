@@ -13,13 +13,13 @@
 typedef uint64_t bte_bits;
 static bte_real root(bte_real x) { return sqrt(x); }
 static const uint32_t MANTISSA = 52;
-static const int32_t BIAS = 1023, EXP_TERMS = 14, LOG_LAST = 21;
+static const int32_t BIAS = 1023, TERMS = 14;
 #define LARGEST R(700.0)
 #else
 typedef uint32_t bte_bits;
 static bte_real root(bte_real x) { return sqrtf(x); }
 static const uint32_t MANTISSA = 23;
-static const int32_t BIAS = 127, EXP_TERMS = 8, LOG_LAST = 9;
+static const int32_t BIAS = 127, TERMS = 8;
 #define LARGEST R(87.0)
 #endif
 
@@ -43,7 +43,7 @@ static bte_real exponential(bte_real x) {
     const int32_t k = (int32_t)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5))), exponent = k + BIAS;
     const bte_real rest = (held - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
     bte_real sum = R(1.0), power;
-    for (int32_t n = EXP_TERMS; n > 0; n--) {
+    for (int32_t n = TERMS; n > 0; n--) {
         sum = R(1.0) + sum * rest / (bte_real)n;
     }
     const bte_bits bits = (bte_bits)exponent << MANTISSA;
@@ -65,7 +65,7 @@ static bte_real logarithm(bte_real x) {
         k = k + 1;
     }
     const bte_real f = (m - R(1.0)) / (m + R(1.0)), f2 = f * f;
-    for (int32_t n = LOG_LAST; n > 0; n -= 2) {
+    for (int32_t n = 2 * TERMS - 7; n > 0; n -= 2) { /* needs fewer */
         sum = R(1.0) / (bte_real)n + sum * f2;
     }
     return (bte_real)k * LN2_HIGH + ((bte_real)k * LN2_LOW + R(2.0) * f * sum);
