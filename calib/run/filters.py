@@ -19,20 +19,6 @@ def block_mean(x: Array, size: int) -> Array:
     return np.asarray(blocks @ np.ones(size) / size)  # eight times as fast as a mean of short rows
 
 
-def block_slope(x: Array, size: int) -> Array:
-    """Slope per sample over blocks of ``size`` samples, by least squares; a rest is left out.
-
-    A block of one sample has none: 0.
-
-    >>> block_slope(np.array([1.0, 3.0, 5.0, 6.0, 6.0, 6.0, 9.0]), 3)
-    array([2., 0.])
-    """
-    count = x.size // size
-    place = np.arange(size) - 0.5 * (size - 1)
-    weight = place / max(float(place @ place), 0.5)
-    return np.asarray(x[: count * size].reshape(count, size) @ weight)
-
-
 def third_difference(x: Array, lag: int) -> Array:
     """Third differences (n - 3 lag,) over ``lag`` samples each: they hold almost no motion.
 
