@@ -10,7 +10,7 @@ from cli.outputs import EITHER, check_file, check_folder, refuse_foreign, writin
 from cli.sign import Signed
 
 if TYPE_CHECKING:
-    from calib.ecu.fmu import Version
+    from calib.ecu.fmu import Content, Version
     from calib.store.version import Stored
     from calib.table.exported import Precision
 
@@ -121,17 +121,13 @@ def _code(
 def _fmu(stored: "Stored", out: Path, how: "Precision", step: float, form: str) -> Answer:
     """Write the same code, or the simulated car, as an FMU."""
     from calib.ecu.fmu import write_fmu
-    from calib.ecu.fmu_models import ESTIMATOR, car_of
-    from calib.table.generation import require_maps
 
-    require_maps(stored.table, stored.id)
     check_file(out)
     refuse_foreign(out, lambda data: stored.digest.encode() in data)
-    of = car_of(stored.table) if form.startswith("car") else ESTIMATOR
     version: Version = 2 if form.endswith("2") else 3
-    told = f"{stored.id}, {stored.state.words}"
+    content: Content = "car" if form.startswith("car") else "estimator"
     with writing(out):
-        write_fmu(stored.table, out, step, how, version, of, told, stored.digest)
+        write_fmu(stored, out, how, step, version, content)
     return _coded(stored, out, form, how, step, [out])
 
 

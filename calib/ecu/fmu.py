@@ -1,6 +1,6 @@
-"""A table as an FMU of FMI 2.0 or 3.0, for co-simulation, with its sources: estimator or car.
+"""A table as an FMU of FMI 2.0 or 3.0, for co-simulation: the estimator, or the car that it is for.
 
-    modelDescription.xml, sources/{bte.c, bte_car.c, fmi2.c or fmi3.c, headers} --zip--> car.fmu
+    p_mc --> car: a_x, wheel speeds, v --> estimator: pad friction and torque with their bounds
 
 No binary is inside: the tool that imports it compiles the sources, with its own headers of FMI.
 """
@@ -8,104 +8,140 @@ No binary is inside: the tool that imports it compiles the sources, with its own
 import hashlib
 import io
 import zipfile
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from string import Template
+from typing import Any, Literal, NamedTuple
 
 from calib.base.program import PROGRAM
 from calib.base.templates import templates
 from calib.base.write import write_whole
+from calib.car.model import WET_ASPHALT, Model
 from calib.ecu.car_source import SOURCE, sources
-from calib.ecu.fmu_models import FmuModel
+from calib.ecu.channels import ANSWERS, CHANNELS
 from calib.ecu.online import require_plain
+from calib.estimation.known import known_effects
+from calib.estimation.reasons import Reason
 from calib.exports.dataset import prefix
 from calib.exports.write import printable
+from calib.store.version import Stored
 from calib.table.exported import Precision
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 Version = Literal[2, 3]
-
+Content = Literal["estimator", "car"]
 GLUE = SOURCE.parent / "fmu_source"
+V0 = 30.0
+"""First speed of the car where nothing else is set [m/s]."""
 
-UNITS = {
-    "1": {},
-    "Pa": {"kg": 1, "m": -1, "s": -2},
-    "m/s2": {"m": 1, "s": -2},
-    "rad/s": {"rad": 1, "s": -1},
-    "rad": {"rad": 1},
-    "N.m": {"kg": 1, "m": 2, "s": -2},
-    "m/s": {"m": 1, "s": -1},
-    "s": {"s": 1},
+
+class Variable(NamedTuple):
+    """A number of the FMU; ``unit`` None for an integer, ``start`` None for what it computes."""
+
+    name: str
+    unit: str | None
+    meaning: str
+    causality: str = "output"
+    variability: str = "discrete"
+    start: float | None = None
+
+
+_BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
+_ANSWERS = {
+    f"{name}{bound}": (unit, f"{meaning}{end}")
+    for name, (unit, meaning) in ANSWERS.items()
+    for bound, end in _BOUNDS.items()
 }
-"""Units of the variables, as powers of the base units of FMI."""
+_MEANINGS = {name: (c.unit, c.meaning) for name, c in CHANNELS.items()} | _ANSWERS
+_INPUT, _TUNED = ("input", "continuous", 0.0), ("parameter", "tunable")
+_TIME = Variable("time", "s", "Simulated time", "independent", "continuous")
+_TYRE = {
+    "stiffness": "Normalised force over slip, at zero slip",
+    "peak": "Largest normalised force",
+    "shape": "C of the Magic Formula, 1 to 2",
+    "load_exponent": "Stiffness per load falls with the load",
+}
+_ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
+
+
+def _some(names: Iterable[str], *how: Any) -> list[Variable]:
+    return [Variable(name, *_MEANINGS[name], *how) for name in names]
+
+
+def _variables(table: Table, of: Content) -> list[Variable]:
+    """Variables, each in the place of its reference; inputs and parameters come first."""
+    if of == "estimator":
+        why = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
+        return [*_some(CHANNELS, *_INPUT), *_some(_ANSWERS), _TIME, Variable("reason", None, why)]
+    car = simulated(table)
+    pads = {x: getattr(car, x) for x in ("pad_friction_f", "pad_friction_r")}
+    return [
+        *_some(("p_mc", "T_drive_f", "T_drive_r"), *_INPUT),
+        *(Variable(x, *_MEANINGS[x], *_TUNED, start) for x, start in pads.items()),
+        *(Variable(f"tyre_{x}", "1", y, *_TUNED, getattr(car.tyre, x)) for x, y in _TYRE.items()),
+        Variable("v0", "m/s", "First speed", "parameter", "fixed", V0),
+        *_some(("a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr")),
+        Variable("v", "m/s", "Speed over ground"),
+        *_some(("brake_torque_f", "brake_torque_r")),
+        _TIME,
+        Variable("reason", None, _ENDS),
+    ]
+
+
+def simulated(table: Table) -> Model:
+    """The car of a table as its ramp shows it; the peak of its tyres is that of wet asphalt."""
+    pads, tyre = table.calibration, table.posterior.tyre
+    stiffness, falls = 1.0 / float(tyre.gain(1.0)), tyre.load_exponent
+    return Model(
+        table.vehicle,
+        pads.pad_friction_f.value,
+        pads.pad_friction_r.value,
+        replace(WET_ASPHALT, stiffness=stiffness, load_exponent=falls),
+        known_effects(table),
+    )
 
 
 def write_fmu(
-    table: Table,
-    path: Path,
-    sample_time: float,
-    how: Precision,
-    version: Version,
-    of: FmuModel,
-    told: str,
-    digest: str,
-) -> bytes:
-    """Write a table as an FMU to the file ``path``, and return what was written.
+    stored: Stored, path: Path, how: Precision, sample_time: float, version: Version, of: Content
+) -> None:
+    """Write a version of a table as an FMU ``of`` a content to a file, and replace what is there.
 
-    Parameters
-    ----------
-    table : with maps.
-    path : of the .fmu; an existing file is replaced.
-    sample_time : of the task of the ECU [s], and the fixed step of the FMU.
-    how : the numbers inside are written; those of the variables are in double.
-    version : of FMI, 2 for 2.0 or 3 for 3.0.
-    of : the estimator, or the car of the table.
-    told : what the FMU says of its table, in a sentence without its point.
-    digest : of the table, the comment of the zip.
+    ``how`` the numbers inside are written, those of the variables are in double; ``sample_time`` of
+    the ECU's task, and the fixed step of the FMU [s]. The bytes depend on nothing but these.
 
-    The bytes depend on nothing but these. Raises
-    StoreError as `require_plain`; ExchangeError for a precision that C does not have; OSError.
+    Raises StoreError for a table without maps, or with known effects that the code does not take
+    out; ExchangeError as `sources`; OSError.
     """
-    require_plain(table)
-    name, step = f"{prefix(table.vehicle.name)}_{of.name}", repr(float(sample_time))
-    files = sources(table, sample_time, how, f"{name}, SHA-256 {table.digest}")
-    glue = {file: file for file in ("fmu.h", "fmi.h", f"fmi{version}.c")}
-    for file, place in (glue | {"model.h": f"{of.name}.h"}).items():
-        files[file] = (GLUE / place).read_text(encoding="utf-8")
-    given = ", ".join(repr(x.start) for x in of.given)
-    count = len(of.variables) - len(of.given) - 1
-    numbers = f"static const double first_given[] = {{{given}}};\n"
-    token = hashlib.sha256((numbers + "".join(files.values())).encode()).hexdigest()[:32]
-    own = {"NAME": f'"{name}"', "TOKEN": f'"{token}"', "SAMPLE_TIME": step, "TOLD": count}
-    files["fmu_config.h"] = "".join(f"#define FMU_{key} {x}\n" for key, x in own.items()) + numbers
-    described = _described(
-        version,
-        name=f"{printable(table.vehicle.name)}, {of.name}",
-        identifier=name,
-        token=token,
-        step=step,
-        description=f"{printable(told)}. {of.what}, every {step} s; a communication step is a "
-        "multiple of that, and the inputs are held in it.",
-        compiled=[file for file in files if file.endswith(".c")],
-        variables=of.variables,
-    )
-    content = _zipped(described, files, digest)
-    write_whole(path, content)
-    return content
-
-
-def _described(version: Version, **told: object) -> dict[str, str]:
-    """The descriptions of the FMU and, in FMI 3.0, of how it is built, by file."""
+    require_maps(stored.table, stored.id)
+    require_plain(stored.table)
+    car, step = stored.table.vehicle.name, repr(float(sample_time))
+    name = f"{prefix(car)}_{of}"
+    code = sources(stored.table, sample_time, how, f"{name}, SHA-256 {stored.digest}")
+    places = {"fmi.c": "fmi.c", "version.h": f"fmi{version}.h", "model.h": f"{of}.h"}
+    glue = {file: (GLUE / place).read_text(encoding="utf-8") for file, place in places.items()}
+    variables = _variables(stored.table, of)
+    starts = [repr(float(x.start)) for x in variables if x.start is not None]
+    facts = {
+        "version": version, "of": of, "name": name, "step": step, "program": PROGRAM,
+        "car": printable(car), "table": f"{stored.id}, {printable(stored.state.words)}",
+        "compiled": [file for file in (*code, *glue) if file.endswith(".c")],
+        "variables": variables, "references": ",\n       ".join(x.name.upper() for x in variables),
+        "given": len(starts), "first": ", ".join(starts),
+    }  # fmt: skip
+    facts["token"] = hashlib.sha256(repr((facts, glue, code)).encode()).hexdigest()[:32]
     made = templates("calib.ecu", markup=True)
-    files = {"modelDescription.xml": f"fmi{version}.xml.j2"}
+    files = {"modelDescription.xml": made.get_template("model.xml.j2").render(facts)}
     if version == 3:
-        files["sources/buildDescription.xml"] = "build.xml.j2"
-    told |= {"program": PROGRAM, "units": UNITS}
-    return {file: made.get_template(template).render(told) for file, template in files.items()}
+        files["sources/buildDescription.xml"] = made.get_template("build.xml.j2").render(facts)
+    code |= {file: Template(text).substitute(facts) for file, text in glue.items()}
+    files |= {f"sources/{file}": text for file, text in code.items()}
+    write_whole(path, _zipped(files, stored.digest))
 
 
-def _zipped(described: dict[str, str], sources: dict[str, str], comment: str) -> bytes:
+def _zipped(files: dict[str, str], comment: str) -> bytes:
     """A zip without dates, so that the same table gives the same bytes."""
-    files = described | {f"sources/{file}": text for file, text in sources.items()}
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w") as out:
         for file, text in files.items():

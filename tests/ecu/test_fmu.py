@@ -11,9 +11,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from calib.ecu.channels import CHANNELS, samples_of
-from calib.ecu.fmu import write_fmu
-from calib.ecu.fmu_models import ESTIMATOR, V0, car_of, simulated
+from calib.ecu.channels import ANSWERS, CHANNELS, samples_of
+from calib.ecu.fmu import V0, simulated, write_fmu
 from calib.ecu.online import Online
 from calib.logs.read import read_log
 from calib.model.simulate import simulate
@@ -28,45 +27,49 @@ ROOT = Path(__file__).parents[2]
 STEP = 0.005
 """Sample time of the log [s]."""
 WIDTH = Precision()
-TOLD = 'sedan-2up@2 & "others", <b>'
 PATH = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
 """With the cmake that may come with FMPy."""
 MISSING = [name for name in ("cmake", "cc") if shutil.which(name, path=PATH) is None]
 ERROR = 3
 """fmi2Error and fmi3Error."""
 INPUTS = list(range(len(CHANNELS)))
-REASON = len(ESTIMATOR.variables) - 1
-REALS = list(range(len(CHANNELS), REASON))
+REALS = [len(CHANNELS) + i for i in range(3 * len(ANSWERS))]
+REASON = REALS[-1] + 2
 ROLLING = [2e6, -3.0, 60.0, 60.0, 60.2, 60.2, 0.0, 0.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
-def table():
-    return Store(ROOT / "tables").load("sedan-2up").table
+def stored():
+    return Store(ROOT / "tables").load("sedan-2up")
+
+
+@pytest.fixture(scope="module")
+def table(stored):
+    return stored.table
 
 
 @pytest.fixture(scope="module", params=[2, 3])
-def host(request, table, tmp_path_factory):
+def host(request, stored, tmp_path_factory):
     """What makes instances that are ready to step, of FMUs that FMPy compiled in a bare folder."""
     if MISSING:
         pytest.skip(f"no {' and no '.join(MISSING)} here")
     folder, models, made = tmp_path_factory.mktemp("bare"), {}, []
     old = request.param == 2
-    for name, of in (("estimator", ESTIMATOR), ("car", car_of(table))):
+    for name in ("estimator", "car"):
         path = folder / f"{name}.fmu"
-        write_fmu(table, path, STEP, WIDTH, request.param, of, TOLD, table.digest)
+        write_fmu(stored, path, WIDTH, STEP, request.param, name)
         command = [sys.executable, "-m", "fmpy", "compile", path]
         at = {"cwd": folder, "env": os.environ | {"PATH": PATH}}
         subprocess.run(command, **at, capture_output=True, check=True)
         about = fmpy.read_model_description(path)
-        models[name] = fmpy.extract(path, folder / name), about, of.variables
+        models[name] = fmpy.extract(path, folder / name), about
 
     def instance(name, **given):
-        unpacked, about, variables = models[name]
+        unpacked, about = models[name]
         one = fmpy.instantiate_fmu(unpacked, about, "CoSimulation")
         made.append(one)
         real, whole = ("Real", "Integer") if old else ("Float64", "Int32")
-        at = {x.name: i for i, x in enumerate(variables)}
+        at = {x.name: x.valueReference for x in about.modelVariables}
         made_of = {"get": f"get{real}", "set": f"set{real}", "step": "doStep", "reset": "reset"}
         made_of |= {"get_whole": f"get{whole}", "set_whole": f"set{whole}"}
         x = SimpleNamespace(at=at, **{key: getattr(one, call) for key, call in made_of.items()})
@@ -85,17 +88,19 @@ def host(request, table, tmp_path_factory):
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("model", ["estimator", "car"])
-def test_another_program_finds_no_fault_in_it(version, model, table, tmp_path):
+def test_another_program_finds_no_fault_in_it(version, model, stored, tmp_path):
     path = tmp_path / "car.fmu"
-    odd = replace(table, vehicle=replace(table.vehicle, name='<"&\'> \x07 "/* ü'))
-    of = ESTIMATOR if model == "estimator" else car_of(odd)
-    made = [write_fmu(odd, path, STEP, WIDTH, version, of, TOLD, odd.digest) for _ in range(2)]
-    content = path.read_bytes()
-    assert made == [content, content]
+    car = replace(stored.table.vehicle, name='<"&\'> \x07 "/* ü')
+    odd = replace(stored, name='a & "b", <b>', table=replace(stored.table, vehicle=car))
+    made = []
+    for _ in range(2):
+        write_fmu(odd, path, WIDTH, STEP, version, model)
+        made.append(path.read_bytes())
+    assert made[0] == made[1]
     assert validate_fmu(str(path)) == []
     about = fmpy.read_model_description(path)
-    assert TOLD in about.description
-    assert odd.digest.encode() in content
+    assert odd.id in about.description
+    assert odd.digest.encode() in made[0]
     assert about.modelName == f'<"&\'>   "/* ü, {model}'
     assert about.coSimulation.canHandleVariableCommunicationStepSize is False
     units = {x.name: x.unit for x in about.modelVariables}

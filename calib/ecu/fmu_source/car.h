@@ -1,67 +1,49 @@
-/* A car that rolls and brakes in a straight line, as a model of fmu.h: the equations of
+/* A car that rolls and brakes in a straight line, as a model of fmi.c: the equations of
  * calib/model/solver.py with the numbers of bte_car.c, and the tyre of calib/car/magic_formula.py.
  * Newton's method finds the slips of the axles; z, speed and loads follow in the same turns.
  */
-#include <math.h>
-
-#include "bte.h"
-
-static const double GRAVITY = 9.80665, LONGEST = 0.005, EDGE = 0.999, STOPS = 1.0;
-
-/* Reasons, and the numbers that are given and told. */
-enum { DRIVES, STANDS, LIFTS, SLIDES };
-enum { P_MC, T_DRIVE, PADS = T_DRIVE + BTE_AXLES, STIFFNESS = PADS + BTE_AXLES, PEAK, SHAPE,
-       LOAD_EXPONENT, V0 };
-enum { A_X, WHEELS, SPEED = WHEELS + BTE_WHEELS, TORQUE };
+static const double G = 9.80665, LONGEST = 0.005, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01;
+enum { DRIVES, STANDS, LIFTS, SLIDES }; /* reasons */
 
 typedef struct {
     double v, z, slip[BTE_AXLES], omega[BTE_AXLES];
-    int32_t reason;
 } model;
 
-/* Normalised force at a slip, its slope, and the slip where the rising branch ends. */
-typedef struct {
-    double force, slope, end;
-} grip;
-
-static grip grip_at(const double given[], double slip, double relative_load) {
-    const double soft = pow(relative_load, given[LOAD_EXPONENT]), shape = given[SHAPE];
-    const double b = given[STIFFNESS] / (shape * given[PEAK]) / soft;
-    const double end = tan(0.5 * acos(-1.0) * EDGE / shape) / b;
-    const double held = fmin(fmax(slip, -end), end), angle = shape * atan(b * held);
-    const double slope = given[STIFFNESS] / soft * cos(angle) / (1.0 + b * held * b * held);
-    const grip found = {given[PEAK] * sin(angle) + (slip - held) * slope, slope, end};
-    return found;
-}
-
 /* The state after `dt` [s], or that of a steady deceleration where it is 0. */
-static void solve(model *m, const double given[], double dt) {
+static void solve(model *m, double x[], double dt) {
     const bte_car *car = &bte_this_car;
+    const double shape = x[TYRE_SHAPE], edge = tan(0.5 * acos(-1.0) * EDGE / shape);
     const model was = *m;
     double change = 1.0;
     for (int turn = 0; turn < 100 && change > 1e-13; turn++) {
-        m->v = was.v - 0.5 * GRAVITY * dt * (was.z + m->z);
-        m->reason = m->v < STOPS ? STANDS : DRIVES;
+        m->v = was.v - 0.5 * G * dt * (was.z + m->z);
+        x[REASON] = m->v < STOPS ? STANDS : DRIVES;
         const double v = fmax(m->v, 0.5 * STOPS), drag = car->drag * v * v;
         const double rolling = car->rolling * (1.0 + car->rolling_growth * (v * v / 400.0 - 1.0));
         double sum = drag;
         change = 0.0;
         for (int a = 0; a < BTE_AXLES; a++) {
             const double share = car->load[a] + car->height[a] * m->z + car->drag_lift[a] * drag;
-            const double load = car->weight * fmax(share, 0.01), radius = car->radius[a];
-            const grip tyre = grip_at(given, m->slip[a], 2.0 * load / car->weight);
-            const double turning = car->turning_mass[a], omega = v * (1.0 - m->slip[a]) / radius;
-            const double steady = -GRAVITY * m->z * omega / v;
-            const double spin = dt > 0.0 ? (omega - was.omega[a]) / dt : steady;
-            const double brakes = 2.0 * given[PADS + a] * car->torque_gain[a] * given[P_MC];
+            const double load = car->weight * fmax(share, LEAST);
+            /* tyre: B x of its formula, and straight on from the end of its rising branch */
+            const double soft = pow(2.0 * load / car->weight, x[TYRE_LOAD_EXPONENT]);
+            const double stiffness = load * x[TYRE_STIFFNESS] / soft, most = load * x[TYRE_PEAK];
+            const double bx = stiffness / (shape * most) * m->slip[a];
+            const double held = fmin(fmax(bx, -edge), edge), angle = shape * atan(held);
+            const double rise = stiffness * cos(angle) / (1.0 + held * held);
+            const double force = most * (sin(angle) + shape * (bx - held) * rise / stiffness);
+            /* wheels and brakes */
+            const double radius = car->radius[a], turning = car->turning_mass[a];
+            const double omega = v * (1.0 - m->slip[a]) / radius;
+            const double spin = dt > 0.0 ? (omega - was.omega[a]) / dt : -G * m->z * omega / v;
+            const double brakes = 2.0 * x[PAD_FRICTION_F + a] * car->torque_gain[a] * x[P_MC];
             const double demanded = turning * radius * spin + rolling * load
-                                    + (brakes - given[T_DRIVE + a]) / radius; /* (1) */
-            const double slope = load * tyre.slope + (dt > 0.0 ? turning * v / dt : 0.0);
-            const double more = (demanded - load * tyre.force) / slope;
+                                    + (brakes - x[T_DRIVE_F + a]) / radius; /* (1) */
+            const double more = (demanded - force) / (rise + (dt > 0.0 ? turning * v / dt : 0.0));
             m->omega[a] = omega;
             m->slip[a] += more;
-            m->reason = share < 0.01 ? LIFTS : fabs(m->slip[a]) > tyre.end ? SLIDES : m->reason;
-            sum += load * (tyre.force + tyre.slope * more);
+            x[REASON] = share < LEAST ? LIFTS : fabs(bx) > edge ? SLIDES : x[REASON];
+            sum += force + rise * more;
             change = fmax(change, fabs(more));
         }
         change = fmax(change, fabs(sum / car->weight - m->z));
@@ -70,32 +52,22 @@ static void solve(model *m, const double given[], double dt) {
 }
 
 /* A car that stands is at rest; where it would lift or slide what was told last holds. */
-static int32_t tell(const model *m, const double given[], double told[]) {
-    const double moves = m->reason == DRIVES ? 1.0 : 0.0;
-    if (m->reason <= STANDS) {
-        told[A_X] = -GRAVITY * m->z * moves;
-        told[SPEED] = m->v * moves;
-        for (int w = 0; w < BTE_WHEELS; w++) {
-            told[WHEELS + w] = m->omega[w / 2] * moves;
-        }
+static void model_step(model *m, double x[], bool first) {
+    const int parts = first ? 1 : (int)ceil(SAMPLE_TIME / LONGEST - 1e-6);
+    if (first) {
+        *m = (model){.v = x[V0]};
+        x[REASON] = DRIVES;
+    }
+    for (int i = 0; i < parts && x[REASON] == DRIVES; i++) {
+        solve(m, x, first ? 0.0 : SAMPLE_TIME / parts);
+    }
+    if (x[REASON] <= STANDS) {
+        const double moves = x[REASON] == DRIVES ? 1.0 : 0.0;
+        x[A_X] = -G * m->z * moves;
+        x[V] = m->v * moves;
         for (int a = 0; a < BTE_AXLES; a++) {
-            told[TORQUE + a] = given[PADS + a] * bte_this_car.torque_gain[a] * given[P_MC];
+            x[OMEGA_FL + 2 * a] = x[OMEGA_FR + 2 * a] = m->omega[a] * moves;
+            x[BRAKE_TORQUE_F + a] = x[PAD_FRICTION_F + a] * bte_this_car.torque_gain[a] * x[P_MC];
         }
     }
-    return m->reason;
-}
-
-static int32_t model_start(model *m, const double given[], double told[]) {
-    memset(m, 0, sizeof *m);
-    m->v = given[V0];
-    solve(m, given, 0.0);
-    return tell(m, given, told);
-}
-
-static int32_t model_step(model *m, const double given[], double told[]) {
-    const int parts = (int)ceil(FMU_SAMPLE_TIME / LONGEST - 1e-6);
-    for (int i = 0; i < parts && m->reason == DRIVES; i++) {
-        solve(m, given, FMU_SAMPLE_TIME / parts);
-    }
-    return tell(m, given, told);
 }

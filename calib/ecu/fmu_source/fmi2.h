@@ -1,0 +1,27 @@
+/* The functions of FMI 2.0. */
+#define VALUES(type) (SOME, type values[])
+#define TELL(wrong) \
+    ((fmi2CallbackLogger)x->log)(x->host, "$name", fmi2Error, "logStatusError", wrong)
+
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                      const fmi2CallbackFunctions *host, int visible, int logs) {
+    void (*log)(void) = (void (*)(void))host->logger;
+    return type == fmi2CoSimulation ? made(guid, log, host->componentEnvironment) : NULL;
+}
+BEGINS(SetupExperiment)
+DOES(EnterInitializationMode, ALONE, )
+DOES(DoStep, (void *c, double time, double length, int forgets), wrong = advance(x, time, length))
+
+GET(Real, at[i] < REASON) SET(Real, at[i] < GIVEN)
+GET(Integer, at[i] == REASON) SET(Integer, false)
+HAS_NO(Boolean) HAS_NO(String)
+
+CANNOT_KEEP(FMUstate, DeSerialize)
+CANNOT(GetDirectionalDerivative, (BY, double values[]))
+CANNOT(SetRealInputDerivatives, (SOME, const int order[], const double values[]))
+CANNOT(GetRealOutputDerivatives, (SOME, const int order[], double values[]))
+#define STATUS(type) (void *c, const fmi2StatusKind of, type *value)
+CANNOT(GetStatus, STATUS(fmi2Status)) CANNOT(GetStringStatus, STATUS(fmi2String))
+CANNOT(GetRealStatus, STATUS(double)) CANNOT(GetIntegerStatus, STATUS(int))
+CANNOT(GetBooleanStatus, STATUS(int)) CANNOT(CancelStep, ALONE)
