@@ -155,9 +155,9 @@ def _of_any_prefix(folder: Path) -> Iterator[str]:
 
 def _inputs(sample_time: float) -> Iterator[str]:
     """Rows of a table of what the code reads."""
-    for (name, x), low, high, jump in zip(CHANNELS.items(), *limits(sample_time), strict=True):
+    for x, low, high, jump in zip(CHANNELS.values(), *limits(sample_time), strict=True):
         most = f"{jump:g}" if jump < high - low else ""
-        yield f"| `{name}` | {x.unit} | {low:g} to {high:g} | {most} | {x.meaning} |"
+        yield f"| `{x.name}` | {x.unit} | {low:g} to {high:g} | {most} | {x.meaning} |"
 
 
 def _renamed(text: str, prefix: str) -> str:

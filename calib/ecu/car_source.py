@@ -72,8 +72,8 @@ def sources(
         real="float" if bits == 32 else "double",
         cell=cell(how),
         reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
-        inputs=_enumeration((x, f"[{c.unit}] {c.meaning}") for x, c in CHANNELS.items()),
-        answers=_enumeration((x, f"[{unit}] {of}") for x, (unit, of) in ANSWERS.items()),
+        inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
+        answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
         tuning=_declared(car["tuning"]),
         car=_declared(car),
     )

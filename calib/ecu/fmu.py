@@ -19,7 +19,7 @@ from calib.base.templates import templates
 from calib.base.write import write_whole
 from calib.car.model import WET_ASPHALT, Model
 from calib.ecu.car_source import SOURCE, sources
-from calib.ecu.channels import ANSWERS, CHANNELS
+from calib.ecu.channels import ANSWERS, CHANNELS, VARIABLES
 from calib.ecu.online import require_plain
 from calib.estimation.known import known_effects
 from calib.estimation.reasons import Reason
@@ -37,8 +37,13 @@ V0 = 30.0
 """First speed of the car where nothing else is set [m/s]."""
 
 
-class Variable(NamedTuple):
-    """A number of the FMU; ``unit`` None for an integer, ``start`` None for what it computes."""
+_BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
+_ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
+_TYRE = ("stiffness", "peak", "shape", "load_exponent")
+
+
+class Row(NamedTuple):
+    """A variable of the FMU; ``unit`` None for an integer, ``start`` None for what it computes."""
 
     name: str
     unit: str | None
@@ -48,45 +53,33 @@ class Variable(NamedTuple):
     start: float | None = None
 
 
-_BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
-_ANSWERS = {
-    f"{name}{bound}": (unit, f"{meaning}{end}")
-    for name, (unit, meaning) in ANSWERS.items()
-    for bound, end in _BOUNDS.items()
-}
-_MEANINGS = {name: (c.unit, c.meaning) for name, c in CHANNELS.items()} | _ANSWERS
-_INPUT, _TUNED = ("input", "continuous", 0.0), ("parameter", "tunable")
-_TIME = Variable("time", "s", "Simulated time", "independent", "continuous")
-_TYRE = {
-    "stiffness": "Normalised force over slip, at zero slip",
-    "peak": "Largest normalised force",
-    "shape": "C of the Magic Formula, 1 to 2",
-    "load_exponent": "Stiffness per load falls with the load",
-}
-_ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
+def _rows(names: Iterable[str], *how: Any) -> list[Row]:
+    return [Row(name, VARIABLES[name].unit, VARIABLES[name].meaning, *how) for name in names]
 
 
-def _some(names: Iterable[str], *how: Any) -> list[Variable]:
-    return [Variable(name, *_MEANINGS[name], *how) for name in names]
-
-
-def _variables(table: Table, of: Content) -> list[Variable]:
+def _variables(table: Table, of: Content) -> list[Row]:
     """Variables, each in the place of its reference; inputs and parameters come first."""
+    inputs, why, given, told = [*CHANNELS], _ENDS, list[Row](), list[Row]()
     if of == "estimator":
         why = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
-        return [*_some(CHANNELS, *_INPUT), *_some(_ANSWERS), _TIME, Variable("reason", None, why)]
-    car = simulated(table)
-    pads = {x: getattr(car, x) for x in ("pad_friction_f", "pad_friction_r")}
+        for x in ANSWERS.values():
+            told += [Row(x.name + y, x.unit, x.meaning + end) for y, end in _BOUNDS.items()]
+    else:
+        inputs, car = ["p_mc", "T_drive_f", "T_drive_r"], simulated(table)
+        starts = {x: getattr(car, x) for x in ("pad_friction_f", "pad_friction_r")}
+        starts |= {f"tyre_{x}": getattr(car.tyre, x) for x in _TYRE}
+        for name, start in starts.items():
+            given += _rows([name], "parameter", "tunable", start)
+        given += _rows(["v0"], "parameter", "fixed", V0)
+        wheels = [name for name in CHANNELS if name.startswith("omega")]
+        told = _rows(["a_x", *wheels, "v", "brake_torque_f", "brake_torque_r"])
+    time = Row("time", "s", "Simulated time", "independent", "continuous")
     return [
-        *_some(("p_mc", "T_drive_f", "T_drive_r"), *_INPUT),
-        *(Variable(x, *_MEANINGS[x], *_TUNED, start) for x, start in pads.items()),
-        *(Variable(f"tyre_{x}", "1", y, *_TUNED, getattr(car.tyre, x)) for x, y in _TYRE.items()),
-        Variable("v0", "m/s", "First speed", "parameter", "fixed", V0),
-        *_some(("a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr")),
-        Variable("v", "m/s", "Speed over ground"),
-        *_some(("brake_torque_f", "brake_torque_r")),
-        _TIME,
-        Variable("reason", None, _ENDS),
+        *_rows(inputs, "input", "continuous", 0.0),
+        *given,
+        *told,
+        time,
+        Row("reason", None, why),
     ]
 
 
