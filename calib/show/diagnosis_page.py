@@ -24,7 +24,7 @@ from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, FRONT, REAR, Stroke, as_text, reach, smooth
+from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, Stroke, as_text, reach, smooth
 
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
@@ -210,9 +210,9 @@ def _errors(
     noise = sum((w * found.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
     half, start, names = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
-    replays = [("after", found.after, FRONT), ("before", found.before, REAR)]
+    replays = [("after", found.after, IDENTIFIED), ("before", found.before, NOMINAL)]
     if not _added(found):
-        replays = [("replay", found.before, FRONT)]
+        replays = [("replay", found.before, NOMINAL)]
     whole = sum(float(found.measured[i].time[-1] - found.measured[i].time[0]) for i in logs)
     for i in logs:
         measured, first = found.measured[i], not lines
