@@ -45,13 +45,10 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
 
 def _findings(path: Path, mapping: Map) -> "Findings":
     from calib.logs.read import read_opened
-    from calib.logs.source import ColumnSource
     from calib.run.check import check as look_at
     from calib.run.copies import computed_channels
 
     with opened(path, mapping) as source:
         log = read_opened(source, mapping, require=())
     tell(log)
-    # a bus has thousands of signals: no search for copies of a pressure among them
-    table = source.source
-    return look_at(log, computed_channels(log, table) if isinstance(table, ColumnSource) else ())
+    return look_at(log, computed_channels(log, source.source))

@@ -133,7 +133,7 @@ def batch(
                 )
         finally:
             executor.close()
-    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
+    counts = ", ".join(f"{n} {status.told(command)}" for status, n in sorted(done.counts.items()))
     failed = done.counts[Status.FAILED] > 0
     return Answer(
         done.document(),

@@ -20,7 +20,7 @@ from calib.base.noise import explained_square
 from calib.base.units import UnknownUnit, si_of, spelling
 from calib.logs.clock import GAP
 from calib.logs.log import Log
-from calib.logs.source import ColumnSource
+from calib.logs.source import ColumnSource, Recording
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
@@ -172,8 +172,13 @@ def factor_between(channel: Array, other: Array) -> float | None:
     return round(factor, 12) if alike else None
 
 
-def computed_channels(log: Log, source: ColumnSource) -> Iterator[str]:
-    """What is said of each pressure of a log that is a column of its ``source`` times a number."""
+def computed_channels(log: Log, source: ColumnSource | Recording) -> Iterator[str]:
+    """What is said of each pressure of a log that is a column of its ``source`` times a number.
+
+    Nothing of a recording: a bus has thousands of signals, which are not searched.
+    """
+    if isinstance(source, Recording):
+        return
     pressures = [name for name in _PRESSURES if name in log]
     for index, column in enumerate(source.columns):
         if column.name not in log.ignored or not pressures or not is_other_quantity(column.unit):

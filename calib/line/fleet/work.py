@@ -19,7 +19,7 @@ from calib.line.fleet.rows import FIT, Cell, Command, Row, Status
 from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
-from calib.logs.read import FORMATS, REQUIRED, log_bytes, read_log
+from calib.logs.read import FORMATS, log_bytes, open_log, read_log, read_opened
 from calib.table.table import Table
 
 VEHICLE = "vehicle.toml"
@@ -148,11 +148,9 @@ def _contents(job: Job, item: WorkItem) -> Files:
     return {n: log_bytes(root / n, where[n], any_format=n == VEHICLE) for n in names}
 
 
-def _log(
-    job: Job, item: WorkItem, files: Files, name: str = "", require: tuple[str, ...] = REQUIRED
-) -> Log:
+def _log(job: Job, item: WorkItem, files: Files, name: str = "") -> Log:
     where, file = Path(item.name) / name, Path(item.path) / name
-    return read_log(where, job.channel_map, require=require, data=files[name], file=file)
+    return read_log(where, job.channel_map, data=files[name], file=file)
 
 
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -186,9 +184,13 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
 
 def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.run.check import check
+    from calib.run.copies import computed_channels
     from calib.run.observation import figures
 
-    found = check(_log(job, item, files, require=()))
+    where, file = Path(item.name), Path(item.path)
+    with open_log(where, job.channel_map, data=files[""], file=file) as opened:
+        log = read_opened(opened, job.channel_map, require=())
+        found = check(log, computed_channels(log, opened.source))
     usable = (verdict.usable for verdict in found.verdicts)
     metrics = map(finite, figures(found.seen).values())
     cells = (*usable, *metrics, _codes(found.warnings))
