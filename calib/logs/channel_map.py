@@ -41,7 +41,8 @@ METHODS = ("linear", "hold")
 class Mapping:
     """Source of one channel: value = sign * (scale * written + offset), in ``unit``.
 
-    The unit of the header, and the method of interpolation of the file, where they are None.
+    The unit of the header, and the method of interpolation of the file, where they are None;
+    ``delay`` time by which it was recorded late [s].
     """
 
     source: str
@@ -50,6 +51,7 @@ class Mapping:
     scale: float = 1.0
     offset: float = 0.0
     method: str | None = None
+    delay: float = 0.0
 
     def to_si(self, written: Array, unit: str, si: str) -> Array:
         """Values in SI, shape (n,), from the values in the file. Raises UnknownUnit."""

@@ -69,6 +69,7 @@ class _MappingSection(Section):
     scale: Annotated[float, QuantityMark("1"), AfterValidator(_factor)] = 1.0
     offset: Annotated[float, QuantityMark("1")] = 0.0
     method: Annotated[str, OneOf(METHODS)] | None = None
+    delay: Annotated[float, QuantityMark("s")] = 0.0
 
 
 def _mapping_in(si: str) -> type[_MappingSection]:

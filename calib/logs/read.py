@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
+import numpy as np
+
+from calib.base.arrays import Array
 from calib.base.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
@@ -176,6 +179,7 @@ def _recorded(
 def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
     refuse_absurd(log.channels, log.source)
     possible, marked, more = without_impossible(log.channels, log.source)
+    possible, moved = _in_time(possible, taken)
     cut, cut_notes = without_open_ends(possible)
     values, notes = complete_channels(cut, needed, log.source)
     check_clock(values["time"], log.source)
@@ -183,11 +187,26 @@ def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
         log,
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
-        notes=log.notes + cut_notes + notes,
+        notes=log.notes + moved + cut_notes + notes,
         origins=tuple(item.origin() for item in taken if item.channel in values),
         bridged=tuple(gap for gap in (*log.bridged, *more) if gap.channel in values),
         marked=marked,
     )
+
+
+def _in_time(
+    channels: dict[str, Array], taken: list[Assigned]
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """The channels without the delays that the map states, in the rows that all have, and notes."""
+    time = channels["time"]
+    late = {item.channel: item.mapping.delay for item in taken if item.mapping.delay}
+    if not late or not is_ascending(time):
+        return channels, ()
+    moved = {name: np.interp(time + delay, time, channels[name]) for name, delay in late.items()}
+    shifts = [0.0, *late.values()]
+    kept = (time + min(shifts) >= time[0]) & (time + max(shifts) <= time[-1])
+    notes = (f"{name} was put {delay:g} s earlier" for name, delay in late.items())
+    return {name: x[kept] for name, x in (channels | moved).items()}, tuple(notes)
 
 
 def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Assigned:

@@ -26,11 +26,11 @@ from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
-from calib.run.filters import block_mean, since
+from calib.run.filters import block_mean, lasting_variance, since
 
 _STEP = 0.02  # of the means that are compared [s]
 _TRIED = 0.06  # of the delays that are tried [s]; the slope by the delay tells the rest
-_EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: a cold hydraulic unit has 0.2 s
+_EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: `pressure_delay` tells greater ones
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
 _REFINED = 2  # times that the slope by the delay is followed
 USUAL, SPREAD = 0.02, 0.06
@@ -42,11 +42,12 @@ square of the delay [1]: a first-order lag has 1/2 more than a shift. In a fast 
 is drawn out looks like a force."""
 FORCE = 0.05
 """Standard deviation of the force over the usual brake force before the run [1]."""
-_GROUP = 0.2  # time over which residuals are averaged to see how they are correlated [s]
+_GROUP = 10  # means over which residuals are averaged to see how they are correlated: 0.2 s
 _LASTING = 1.3
 """How much more noise that lasts 0.1 s errs over half a second than its means over `_GROUP` say:
 1/sqrt(1 - (1 - e^-2)/2), by the variance of the mean of a first-order process."""
 _AFTER = 0.5  # time after a release that still tells of the brakes [s]; later the engine may drive
+_BEFORE = 0.5  # time before the pressure rises, in which a car brakes whose pressure is late [s]
 _SLOW = 4.0  # speed below which only what is braked is used [m/s]: a gearbox makes the car creep
 _GONE = 1.0  # speed at which a motor has handed over, and nothing is used below it [m/s]: a jerk
 _FADING = 1.0  # sigma of the force that goes with the speed, as `FORCE`: nearly nothing is known
@@ -149,7 +150,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         level = float(free[0])
         if not (level > 0.0 and usual > 0.0):
             return None
-        variance = _variance(y - A @ free)
+        variance = lasting_variance(y - A @ free, _GROUP)
         smeared = _WIDTH * (delay**2 + USUAL**2)
         spread = {2: FORCE * usual, 4: _FADING * usual, 5: level * SPREAD, 6: level * smeared}
         precision, side = A.T @ A / variance, A.T @ y / variance
@@ -207,10 +208,11 @@ def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
 
 
 def _useful(s: Signals, active: Mask) -> Mask:
-    """The lead-in, and from the first braking on all that is braked or has just been, (n,)."""
+    """The lead-in, and all that is braked, has just been or is about to be, (n,)."""
     if not active.any():
         return np.zeros_like(active)
-    fast = (s.lead_in | (since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
+    before = since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
+    fast = (s.lead_in | before | (since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
     return np.asarray(fast | (active & (s.speed > _GONE)))
 
 
@@ -240,17 +242,8 @@ def _best(delays: Array, columns: Array, y: Array) -> int:
     side = columns @ y / size
     rest = y @ y - np.sum(side * np.linalg.solve(gram, side[..., None])[..., 0], axis=1)
     A = columns[int(np.argmin(rest))].T
-    variance = _variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
+    variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
     return int(np.argmin(rest / variance + ((delays - USUAL) / SPREAD) ** 2))
-
-
-def _variance(residual: Array) -> float:
-    """Variance of a residual as if it were white, with its long-run correlation counted."""
-    group = round(_GROUP / _STEP)
-    short = float(np.mean(residual**2))
-    if residual.size < 4 * group:
-        return short
-    return max(short, group * float(np.var(block_mean(residual, group))))
 
 
 def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:

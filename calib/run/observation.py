@@ -1,12 +1,4 @@
-"""Observations on a log, on which its verdicts depend.
-
-A pressure of another run does not go with the deceleration:
-
-    z(t) = a + (b + c t) p(t - delay) + rest        over the lead-in and all that is braked
-
-Everything that brakes do is in it but for a small part: pads that fade or dry are in c, lines that
-lag in the delay, resistance and a bias of a_x in a. Wrong where a wheel is at its limit.
-"""
+"""Observations on a log, on which its verdicts depend."""
 
 from dataclasses import dataclass
 
@@ -14,15 +6,12 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import AXLES, CHANNELS, G
-from calib.base.noise import explained_square
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure, wheels_held
 from calib.run.blocks import Axle, braked_alone_in
 from calib.run.copies import made_of_wheels
 from calib.run.driving_record import (
-    BITE_Z,
-    STEADY,
     BrakeEvent,
     DrivingRecord,
     brake_events,
@@ -30,8 +19,9 @@ from calib.run.driving_record import (
     rolls,
     standing,
 )
-from calib.run.filters import centred_mean, since
+from calib.run.filters import centred_mean
 from calib.run.limits import LIMITS
+from calib.run.pressure_delay import PressureDelay, pressure_delay
 from calib.run.sensors import Sensor, sensors_of
 from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, slips_of, wheel_parts
 
@@ -66,7 +56,7 @@ class Observation:
     standing : time in which no wheel turns [s].
     speed, z : highest speed [m/s], approximate without ``v``; highest deceleration, in g [1].
     alone : the axle that brakes alone by its pressures, "f" or "r"; None for both.
-    explained : share of the deceleration's variance that the pressure explains [1], if known.
+    pressure : how the deceleration follows the pressure, if known.
     wheels_held : mean time for which a wheel speed keeps a value while the car slows [s].
     v_of_wheels : whether ``v`` is made of the wheel speeds.
     axles, slipping, wheels : None where ``a_x`` or a wheel speed is missing; so are the times
@@ -85,7 +75,7 @@ class Observation:
     speed: float = 0.0
     z: float = 0.0
     alone: Axle | None = None
-    explained: float | None = None
+    pressure: PressureDelay | None = None
     wheels_held: float = 0.0
     v_of_wheels: bool = False
     axles: Axles | None = None
@@ -125,7 +115,7 @@ def observe(log: Log, *, full: bool = True) -> Observation:
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),
-        explained=explained(log, driving) if "p_mc" in log else None,
+        pressure=_pressure_delay(log, driving) if "p_mc" in log else None,
         wheels_held=wheels_held(log),
         v_of_wheels=full and "v" in log and made_of_wheels(log),
         axles=axles_of(log, driving, slips),
@@ -134,46 +124,20 @@ def observe(log: Log, *, full: bool = True) -> Observation:
     )
 
 
-_SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
 _GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch of a_x
-_DELAYS = np.arange(-0.2, 0.51, 0.05)  # of the deceleration that are tried [s]: clocks may be early
 
 
-def explained(log: Log, driving: DrivingRecord) -> float | None:
-    """Share of the variance of the deceleration that the pressure explains [1].
-
-    None where too little is braked to tell, or a motor's torque is logged, which brakes as well.
-    The log must have ``p_mc``, ``a_x`` and the wheel speeds.
-    """
-    if any(f"T_drive_{axle}" in log for axle in AXLES):
-        return None
-    step = driving.step
-    width = max(1, round(LIMITS.pressure_width / step)) | 1
-    z = centred_mean(driving.z, width)
-    active = driving.braked | (z > _SLOWS)
-    if not active.any():
-        return None
-    before = np.arange(z.size) < int(np.argmax(active))
-    rolling = before & (np.abs(driving.z) < STEADY)
-    glitch = (np.abs(log["a_x"]) > _GREATEST).astype(float)
-    use = driving.moving & (centred_mean(glitch, width) == 0.0)
-    braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
-    if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
-        return None
-    at = np.flatnonzero(use & (rolling | (since(log.time, active) < LIMITS.pressure_after)))
-    at = at[:: max(1, round(LIMITS.pressure_every / step))]
-    time, y = log.time[at], z[at] - float(np.mean(z[at]))
+def _pressure_delay(log: Log, driving: DrivingRecord) -> PressureDelay | None:
     front, rear = (axle_pressure(log, axle) for axle in AXLES)
-    unlike = (front,) if np.array_equal(front, rear) else (front, rear)
-    pressures = [centred_mean(p, width) for p in unlike]
-    if not np.ptp(y) > 0.0:  # an a_x that hangs has no course to explain
-        return None
-    earlier, age = time - _DELAYS[:, None], time - float(time.mean())
-    columns = [np.ones_like(earlier)]
-    for pressure in pressures:
-        p = np.interp(earlier, log.time, pressure)
-        columns += [p, p * age]
-    return float(np.max(explained_square(np.stack(columns, axis=1), y))) / float(y @ y)
+    glitch = (np.abs(log["a_x"]) > _GREATEST).astype(float)
+    true = centred_mean(glitch, max(1, round(LIMITS.pressure_width / driving.step)) | 1) == 0.0
+    return pressure_delay(
+        log.time,
+        driving.z,
+        (front,) if np.array_equal(front, rear) else (front, rear),
+        [log[name] for name in ("T_drive_f", "T_drive_r") if name in log],
+        driving.moving & true,
+    )
 
 
 def clock_of(time: Array) -> _Clock:

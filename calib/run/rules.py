@@ -28,11 +28,12 @@ def problems(seen: Observation, purpose: str) -> list[str]:
 
     Or for "search": reasons why its channels are too wrong to be searched for effects.
     """
-    basic = list(_unusable(seen))
-    return basic if seen.missing else basic + list(_RULES[purpose](seen))
+    basic = list(_unusable(seen, purpose))
+    more = () if seen.missing else _RULES[purpose](seen)
+    return list(dict.fromkeys([*basic, *more]))
 
 
-def _unusable(seen: Observation) -> Iterator[str]:
+def _unusable(seen: Observation, purpose: str) -> Iterator[str]:
     """For every purpose."""
     for name in seen.missing:
         where = ", in bar, at the master cylinder" if name == "p_mc" else ""
@@ -52,8 +53,12 @@ def _unusable(seen: Observation) -> Iterator[str]:
         if highest > _GREATEST.get(sensor.channel.split("_")[0], math.inf):
             what = f"{sensor.channel} reaches {highest:.4g}; no road car does"
             yield f"{what}: repair the sensor, or correct its unit in the channel map"
-    for rule in (_wrong_a_x, _wrong_v, _wrong_pressure, _foreign_pressure):
+    for rule in (_wrong_a_x, _wrong_v, _wrong_pressure):
         yield from rule(seen)
+    searched = purpose in ("diagnose", "search")
+    yield from _foreign_pressure(
+        seen, LIMITS.pressure_searched if searched else LIMITS.pressure_late
+    )
     crossed = crossed_side(seen.wheels, seen.alone)
     if crossed is not None:
         yield f"{crossed}: {CORRECT}, or look for a brake circuit without pressure"
@@ -116,14 +121,29 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
         yield f"{what}, and {least}: check its unit (bar or MPa) and its scale"
 
 
-def _foreign_pressure(seen: Observation) -> Iterator[str]:
-    """A wheel at its limit does not follow its pressure, so nothing is said of it."""
-    limited = seen.slipping is not None and (seen.slipping.cycles or seen.slipping.locked)
-    if seen.explained is not None and seen.explained < LIMITS.explained and not limited:
+def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
+    """A pressure of another run, or of a clock that is off by more than ``late`` [s].
+
+    Nothing is said of a wheel at its limit, which does not follow its pressure, nor of how much the
+    pressure explains where a motor brakes as well.
+    """
+    pressure = seen.pressure
+    if pressure is None or (seen.slipping and (seen.slipping.cycles or seen.slipping.locked)):
+        return
+    motor = any(name.startswith("T_drive") for name in seen.present)
+    if pressure.beyond(late) and pressure.explained > LIMITS.explained:
+        off = -pressure.value
         yield (
-            f"p_mc explains {100 * max(seen.explained, 0.0):.0f} % of how the deceleration goes, "
-            f"and that of the same run {100 * LIMITS.explained:.0f} % or more: look for a pressure "
-            "of another run or another clock, and log the torque T_drive of a motor that brakes"
+            f"p_mc is {abs(off):.2f} s {'late' if off > 0.0 else 'early'} against the "
+            f"deceleration, and brakes make {late:g} s at most: look for a pressure of another "
+            "run, record all channels on one clock, or put p_mc in time with "
+            f'delay = "{off:.2f} s" in a channel map'
+        )
+    elif pressure.in_time < LIMITS.explained and not motor:
+        yield (
+            f"p_mc explains {100 * max(pressure.in_time, 0.0):.0f} % of how the deceleration "
+            f"goes, and that of the same run {100 * LIMITS.explained:.0f} % or more: look for a "
+            "pressure of another run, and log the torque T_drive of a motor that brakes"
         )
 
 

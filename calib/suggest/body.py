@@ -7,7 +7,8 @@ from calib.base.names import G
 from calib.logs.channel_map import Mapping
 from calib.run.copies import factor_between, is_other_quantity
 from calib.run.limits import LIMITS
-from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows, lead
+from calib.run.pressure_delay import pressure_delay
+from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows
 from calib.suggest.words import (
     BRAKE,
     DECELERATION,
@@ -31,10 +32,6 @@ _FOLLOWS = 0.8
 """Lowest correlation [1] of two signals that belong together."""
 _ACCELERATED = 0.5
 """Smallest range of the derivative of speed [m/s^2] to check an acceleration with."""
-_LATE = 0.06
-"""A pressure may be later than its effect by this [s], because sensor filters differ."""
-_LATER = 0.01
-"""Gain of correlation [1] from which on a pressure counts as later than the deceleration."""
 _PRESSED = 2e5
 """Smallest range of a brake pressure [Pa] in a log with braking."""
 _SLOPES = (0.7, 1.4)
@@ -159,7 +156,7 @@ def refuse_computed(search: Search) -> None:
 
 
 def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> None:
-    """By unit, correlated with the deceleration ``braking``, (n,), and not later than it.
+    """By unit, correlated with the deceleration ``braking``, (n,) [m/s^2], and not later than it.
 
     A column without a unit is a doubt if it is named a brake pressure: it could be a torque.
     """
@@ -190,8 +187,8 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     if braking is None or np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
         reasons.append("no braking is known to check it with")
     else:
-        ahead, agrees = lead(chosen.values, braking, clock, _LATE)
-        reasons.append(f"{ahead:.2f} s before the deceleration (correlation {agrees:.2f})")
+        agrees = follows(chosen.values, braking, clock)
+        reasons.append(f"goes with the deceleration (correlation {agrees:.2f})")
         sure = named
     search.propose("p_mc", Mapping(chosen.name), sure, *reasons)
 
@@ -225,11 +222,16 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
-    ahead, agrees = lead(item.values, braking, clock)
-    if agrees < _FOLLOWS:
+    every = np.ones(braking.size, np.bool_)
+    delay = pressure_delay(clock.time, braking / G, [item.values], [], every)
+    if delay and delay.explained > LIMITS.explained and delay.beyond(LIMITS.pressure_late):
+        off = -delay.value
+        return (
+            f"a pressure that is {abs(off):.2f} s {'late' if off > 0.0 else 'early'} against the "
+            f'deceleration: take it with --take, and put it in time with delay = "{off:.2f} s"'
+        )
+    if (agrees := follows(item.values, braking, clock)) < _FOLLOWS:
         return f"a pressure that does not agree with the deceleration (correlation {agrees:.2f})"
-    if agrees - lead(item.values, braking, clock, _LATE)[1] > _LATER:
-        return f"a pressure that comes {-ahead:.2f} s after the deceleration"
     return None
 
 

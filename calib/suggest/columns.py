@@ -117,26 +117,15 @@ def correlation(a: Array, b: Array) -> float:
     return float(np.corrcoef(a, b)[0, 1])
 
 
-def lead(
-    first: Array, then: Array, clock: ColumnClock, latest: float = _LAG
-) -> tuple[float, float]:
-    """Lead of ``first`` before ``then`` [s], at least -``latest``, and their correlation [1]."""
-    n = first.size
-    reach = min(clock.width(_LAG), n // 4)
-    back = min(reach, round(latest / clock.step))
-
-    def lagged(k: int) -> float:
-        return correlation(first[max(0, -k) : n - max(0, k)], then[max(0, k) : n - max(0, -k)])
-
-    best = max(range(-back, reach + 1), key=lagged)
-    return best * clock.step, lagged(best)
-
-
 def follows(x: Array, rate: Array, clock: ColumnClock) -> float:
     """Correlation of x with the derivative of speed at the best lag, with its sign [1]."""
-    smooth = clock.smooth(x)
-    forward, back = lead(smooth, rate, clock)[1], lead(-smooth, rate, clock)[1]
-    return forward if forward >= back else -back
+    first, n = clock.smooth(x), x.size
+    reach = min(clock.width(_LAG), n // 4)
+    lagged = (
+        correlation(first[max(0, -k) : n - max(0, k)], rate[max(0, k) : n - max(0, -k)])
+        for k in range(-reach, reach + 1)
+    )
+    return max(lagged, key=abs)
 
 
 def moving(speed: Array, clock: ColumnClock) -> slice:

@@ -17,6 +17,7 @@ from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
 from calib.logs.text.dialect import LOOKED
+from calib.run.driving_record import NOMINAL_RADIUS
 from calib.suggest.body import (
     find_acceleration,
     find_by_name,
@@ -102,7 +103,8 @@ def _find(search: Search) -> None:
     clock = search.clock or clock
     find_acceleration(search, rate, clock, metres)
     refuse_computed(search)
-    find_pressure(search, None if rate is None else -rate, clock)
+    size = 1.0 if metres else NOMINAL_RADIUS
+    find_pressure(search, None if rate is None else -size * rate, clock)
     find_wheel_pressures(search)
     find_by_name(search)
 

@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from calib.line.fleet.rows import Command, columns_of
+from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.read import read_log
+from calib.logs.write import write_csv
 from calib.run.check import check, problems_for
 from calib.run.observation import clock_of, figures, observe
 from tests.support.made_runs import changed, made_run, ramp, stop
@@ -32,7 +35,7 @@ def test_the_figures_are_the_columns_of_a_batch():
 
 
 def share(log):
-    return observe(log, full=False).explained
+    return observe(log, full=False).pressure.in_time
 
 
 @pytest.mark.parametrize("pressure", [ramp(), stop(), stop(level=8.0), stop(end=4.0)])
@@ -62,9 +65,21 @@ def test_a_pressure_of_another_run_does_not(pressure):
         assert any("another run" in text for text in problems_for(wrong, purpose))
 
 
+def test_a_late_pressure_is_refused_until_the_channel_map_puts_it_in_time(tmp_path):
+    path, late = tmp_path / "late.csv", made_run(ramp(rate=12.0))
+    write_csv(changed(late, p_mc=np.interp(late.time - 1.5, late.time, late["p_mc"])), path)
+    for purpose in ("fit", "validate", "diagnose"):
+        assert problems_for(read_log(path), purpose)
+    mapped = ChannelMap("map", {"p_mc": Mapping("p_mc", delay=1.5)})
+    moved = read_log(path, mapped)
+    assert problems_for(moved, "fit") == []
+    assert moved.time[-1] == pytest.approx(late.time[-1] - 1.5)  # after it the pressure is unknown
+    assert moved["p_mc"] == pytest.approx(late["p_mc"][: moved.time.size], abs=1e3)
+
+
 def test_a_motor_whose_torque_is_logged_brakes_without_pressure():
     motor = changed(RUN, p_mc=0.0 * RUN["p_mc"], T_drive_f=0.0 * RUN["p_mc"] - 300.0)
-    assert share(motor) is None
+    assert not any("another run" in text for text in problems_for(motor, "validate"))
 
 
 def test_a_speed_made_of_wheels_is_none_for_a_diagnosis():

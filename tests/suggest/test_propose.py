@@ -141,7 +141,7 @@ TIME = 1e3 * RUN.time
         (without(foreign(), A), "a_x", "Lateral acceleration"),
         (without(foreign(), "nRad_VL"), "omega_fl", "Engine speed"),
         (without(foreign(), P) | TORQUE, "p_mc", "Brake torque"),
-        (changed(P, np.concatenate([PRESSURE[:20], PRESSURE[:-20]])), "p_mc", P),
+        (changed(P, np.concatenate([PRESSURE[:60], PRESSURE[:-60]])), "p_mc", P),
         (changed("nRad_HL", RNG.normal(size=N) + 300), "omega_rl", "nRad_HL"),
         (lost(V, slice(300, 360)), "v", V),
         (foreign() | {("Raw", "Nm"): PRESSURE}, "p_mc", P),

@@ -1,0 +1,138 @@
+"""How late the deceleration comes after the pressure, and how much of it the pressure explains.
+
+    z(t) = a + (b + c t) p + f min(p, 1.5 bar) + g min(p, 3 bar) + d T_drive(t) + rest
+                                           with p of t - delay
+
+over the lead-in and all that is braked, by the pressure or by the deceleration. Pads that fade or
+dry are in c, lines that lag in the delay, resistance and a bias of a_x in a. Pads that bite late
+and a motor that brakes along are in f and g, which are small: on a slow ramp they and a delay are
+nearly one. So every delay is weighed by what it leaves, and by how usual it is: brakes have little,
+clocks may be apart by anything. Before a log the pressure is as in its first sample, after it
+unknown. No vehicle is needed. Wrong where a wheel is at its limit.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.base.arrays import Array, Mask
+from calib.car.braking import BITE
+from calib.logs.clock import step_of
+from calib.run.driving_record import BITE_Z, STEADY
+from calib.run.filters import centred_mean, lasting_variance, since
+from calib.run.limits import LIMITS
+
+_TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
+_USUAL, _SPREAD = 0.02, 0.06
+"""Delay of brakes and filters as usual, and the half width of its Cauchy distribution [s]: of a
+second it says little, where a normal one would deny it."""
+_SURE = 0.98  # chance that the delay is above `low`, and that it is below `high` [1]
+_KEPT = 0.5  # share of the samples that a delay must leave [1]
+_SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
+_BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
+_FORCE = 0.05  # standard deviation of f and of g, at these, over the usual deceleration [1]
+_EXACT = 1e-12  # square of what the rounding of numbers leaves of z [1]
+_GROUP = 4  # samples over which residuals are averaged to see how they are correlated: 0.2 s
+
+
+@dataclass(frozen=True)
+class PressureDelay:
+    """Time by which the deceleration comes after the pressure [s]: below zero where p is late.
+
+    ``value`` is as likely too low as too high; with a chance of 0.98 it is above ``low``, and with
+    as much below ``high``. ``explained`` share of the variance of z that the pressure explains with
+    the most likely delay, ``in_time`` with one that brakes may have [1].
+    """
+
+    value: float
+    low: float
+    high: float
+    explained: float
+    in_time: float
+
+    def beyond(self, late: float) -> bool:
+        """Whether p is surely later or earlier than ``late`` [s]."""
+        return self.low > late or self.high < -late
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A deceleration ``y`` [1] at ``time`` [s], (n,), with what it is made of ``besides`` (n, k).
+
+    ``pressures`` over `BITE` [1] at ``clock`` [s], (m,) each; ``force`` the spread of f and g [1].
+    """
+
+    time: Array
+    y: Array
+    besides: Array
+    clock: Array
+    pressures: Sequence[Array]
+    force: float
+
+    def known(self, delay: float) -> Mask:
+        """Samples whose pressure is not after the end of the log, (n,)."""
+        return np.asarray(self.time - delay <= self.clock[-1])
+
+    def rest(self, delay: float, weight: float) -> Array:
+        """What is left of y with a ``delay`` [s] at the known samples; then f, g times ``weight``.
+
+        The sum of its squares is the least.
+        """
+        known = self.known(delay)
+        time = self.time[known]
+        p = [np.interp(time - delay, self.clock, one) for one in self.pressures]
+        some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
+        aged = ((time - self.time[0]) * one for one in p)
+        A = np.column_stack([*self.besides[known].T, *p, *aged, *some])
+        A = np.vstack([A, weight * np.eye(A.shape[1])[-len(some) :]])
+        y = np.append(self.y[known], np.zeros(len(some)))
+        return np.asarray(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
+
+    def delay(self) -> PressureDelay:
+        """The delay by its likelihood and by what is usual."""
+        tried = _TRIED[[np.mean(self.known(delay)) > _KEPT for delay in _TRIED]]
+        weight, variance = 0.0, float(np.var(self.y))
+        for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
+            rests = [self.rest(delay, weight) for delay in tried]
+            squares = np.array([np.mean(x**2) + _EXACT for x in rests])
+            cost = np.array([x.size for x in rests]) * np.log(squares / variance)
+            best = int(np.argmin(cost))
+            short, lasting = squares[best], lasting_variance(rests[best], _GROUP) + _EXACT
+            weight = np.sqrt(lasting) / self.force
+        log_chance = -0.5 * cost * short / lasting - np.log1p(((tried - _USUAL) / _SPREAD) ** 2)
+        chance = np.exp(log_chance - np.max(log_chance))
+        chance /= np.sum(chance)
+        middle = np.cumsum(chance) - 0.5 * chance
+        value, low, high = np.interp([0.5, 1.0 - _SURE, _SURE], middle, tried).tolist()
+        in_time = float(np.min(squares[np.abs(tried) <= LIMITS.pressure_searched]))
+        shares = 1.0 - float(short) / variance, 1.0 - in_time / variance
+        return PressureDelay(value, low, high, *shares)
+
+
+def pressure_delay(
+    time: Array, z: Array, pressures: Sequence[Array], drives: Sequence[Array], use: Mask
+) -> PressureDelay | None:
+    """The delay of ``z`` [1] after ``pressures`` [Pa]; None where too little is braked to tell.
+
+    ``time`` [s]; ``pressures`` one, or those of both axles; ``drives`` torques of engine or motor
+    [N m]; ``use`` where the car moves and ``z`` is true; (n,) each.
+    """
+    step = step_of(time)
+    width = max(1, round(LIMITS.pressure_width / step)) | 1
+    inside = slice(width // 2, time.size - width // 2)  # the others are means of fewer samples
+    z, *torques = (centred_mean(x, width)[inside] for x in (z, *drives))
+    pressed = [centred_mean(p, width)[inside] / BITE for p in pressures]
+    time, use = time[inside], use[inside]
+    active = (np.max(pressed, axis=0) > 1.0) | (z > _SLOWS)
+    rolling = ~np.logical_or.accumulate(active) & (np.abs(z) < STEADY)
+    braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
+    if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
+        return None
+    at = np.flatnonzero(use & (rolling | (since(time, active) < LIMITS.pressure_after)))
+    at = at[:: max(1, round(LIMITS.pressure_every / step))]
+    usual, y = abs(float(np.median(z[use & active]))), z[at]
+    if not (np.ptp(y) > 0.0 and usual > 0.0):  # an a_x that hangs has no course to explain
+        return None
+    besides = np.column_stack([np.ones(at.size), *(x[at] for x in torques)])
+    return _Run(time[at], y, besides, time, pressed, _FORCE * usual).delay()

@@ -1,0 +1,111 @@
+"""Delays of a pressure that are known, on runs that are made and on runs of cars."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from calib.car.lag import first_order
+from calib.logs.read import read_log
+from calib.run.check import problems_for
+from calib.run.observation import observe
+from tests.support.made_runs import changed, made_run, ramp, stop
+
+SAMPLES = Path(__file__).parents[2] / "sample_logs"
+RAMPS = (
+    "sedan/ramp_wet_asphalt.csv",
+    "simulation_study/ramp_noisy.parquet",
+    "third_party/cal_ramp.parquet",
+)
+BOUND = 0.3  # [s] of `LIMITS.pressure_late`
+RUNS = {
+    "ramp": made_run(ramp(start=4.0, rate=12.0), duration=10.0, speed=40.0),
+    "stop": made_run(stop(start=4.0, end=6.0), duration=10.0, speed=40.0),
+}
+
+
+def late(log, delay):
+    """The log with a pressure that was recorded ``delay`` [s] late; its ends are held."""
+    then = log.time - delay
+    return changed(log, p_mc=np.interp(then, log.time, log["p_mc"]))
+
+
+def found(log):
+    return observe(log, full=False).pressure
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("delay", [-3.0, -1.5, -1.0, -0.5, 0.0, 0.2, 0.5, 1.0, 1.5, 3.0])
+def test_a_delay_is_found_wherever_it_is(name, delay):
+    answer = found(late(RUNS[name], delay))
+    assert answer.value == pytest.approx(-delay, abs=0.06)
+    assert answer.low < -delay < answer.high
+    assert answer.explained > 0.98
+    assert answer.beyond(BOUND) == (abs(delay) >= 0.5)
+
+
+@pytest.mark.parametrize("name", RAMPS)
+@pytest.mark.parametrize("delay", [0.5, 1.0, 1.5, 3.0])
+def test_a_late_pressure_on_the_ramp_of_a_car(name, delay):
+    log = late(read_log(SAMPLES / name), delay)
+    answer = found(log)
+    assert answer.value == pytest.approx(-delay, abs=0.11)
+    assert answer.low < -delay < answer.high + 0.01
+    assert problems_for(log, "fit")
+    assert problems_for(log, "validate")
+
+
+@pytest.mark.parametrize("name", RAMPS[:2])
+def test_an_early_pressure_on_the_ramp_of_a_car(name):
+    log = late(read_log(SAMPLES / name), -1.0)
+    assert found(log).value == pytest.approx(1.0, abs=0.1)
+    assert problems_for(log, "fit")
+    assert problems_for(log, "diagnose")
+
+
+@pytest.mark.parametrize("delay", [-0.2, -0.1, 0.1, 0.2])
+@pytest.mark.parametrize("name", RAMPS)
+def test_brakes_and_filters_may_be_late_by_a_fifth_of_a_second(name, delay):
+    log = read_log(SAMPLES / name)
+    assert not found(late(log, delay)).beyond(BOUND)
+
+
+@pytest.mark.parametrize("lag", [0.1, 0.2])
+@pytest.mark.parametrize("name", RUNS)
+def test_a_hydraulic_lag_is_a_delay_and_no_mistake(name, lag):
+    log = RUNS[name]
+    answer = found(changed(log, a_x=first_order(log.time, log["a_x"], lag)))
+    assert answer.value == pytest.approx(lag, abs=0.06)
+    assert not answer.beyond(BOUND)
+
+
+@pytest.mark.parametrize("bar", [1.0, 2.0])
+def test_pads_that_bite_late_are_no_late_clock_on_a_slow_ramp(bar):
+    """On a straight ramp of 6 bar/s, 2 bar are as good as a third of a second."""
+    log = made_run(ramp())
+    shifted = changed(log, a_x=made_run(lambda t: np.maximum(ramp()(t) - bar, 0.0))["a_x"])
+    assert not found(shifted).beyond(BOUND)
+
+
+def test_a_motor_that_is_logged_is_no_late_pressure():
+    log = made_run(ramp(start=4.0, rate=12.0), duration=10.0, speed=40.0)
+    on = np.clip(log.time - 3.5, 0.0, 1.0)
+    motor = changed(log, a_x=log["a_x"] - 1.0 * on, T_drive_f=-500.0 * on)
+    assert not found(motor).beyond(BOUND)
+    assert found(late(motor, 1.0)).beyond(BOUND)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.parametrize("delay", [0.0, 0.5])
+def test_a_short_braking_and_a_run_without_noise(noise, delay):
+    log = made_run(stop(start=1.0, end=2.1), duration=2.6, noise=noise)
+    answer = found(late(log, delay))
+    assert answer.value == pytest.approx(-delay, abs=0.06)
+    assert answer.low < answer.value < answer.high
+
+
+def test_without_a_braking_or_a_lead_in_nothing_is_said():
+    assert found(made_run(lambda t: 0.0 * t)) is None
+    log = made_run(stop(start=0.1))
+    assert found(replace(log, channels={k: x[100:] for k, x in log.channels.items()})) is None
