@@ -109,11 +109,9 @@ def fit(
 
 
 def tell_kin(store: Tables, stored: "Stored") -> None:
-    """Say which versions are made of the same ramp and should not."""
-    for other in store.now().kin(stored):
-        car = " and of another car: one of the two logs is not its own"
-        told = f"{other.state.words}{car * other.of_another_car(stored)}"
-        say(f"note: {stored.id} has a ramp of {other.id}, which is {told}")
+    """Say which rejected and withdrawn versions are made of the same ramp."""
+    for other in store.now().refused_kin(stored):
+        say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
 
 
 def origin(*options: str) -> "PageOrigin":

@@ -26,7 +26,8 @@ from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
-from calib.run.filters import block_mean, lasting_variance, since
+from calib.run.filters import block_mean, since
+from calib.run.least_squares import lasting_variance, squares_left
 
 _STEP = 0.02  # of the means that are compared [s]
 _TRIED = 0.06  # of the delays that are tried [s]; the slope by the delay tells the rest
@@ -235,12 +236,7 @@ def _best(delays: Array, columns: Array, y: Array) -> int:
 
     ``columns`` (m, 5, n) of what ``y`` (n,) is made of, with each delay.
     """
-    gram = columns @ np.swapaxes(columns, 1, 2)
-    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
-    size = np.where(size > 0.0, size, 1.0)
-    gram = gram / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(size.shape[1])
-    side = columns @ y / size
-    rest = y @ y - np.sum(side * np.linalg.solve(gram, side[..., None])[..., 0], axis=1)
+    rest = squares_left(columns, y[None])
     A = columns[int(np.argmin(rest))].T
     variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
     return int(np.argmin(rest / variance + ((delays - USUAL) / SPREAD) ** 2))

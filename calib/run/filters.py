@@ -19,17 +19,6 @@ def block_mean(x: Array, size: int) -> Array:
     return np.asarray(blocks @ np.ones(size) / size)  # eight times as fast as a mean of short rows
 
 
-def lasting_variance(x: Array, size: int) -> float:
-    """Variance of a residual (n,) as if it were white, by its means over ``size`` samples, too.
-
-    It counts how long an error lasts; at least four means are needed for that.
-    """
-    short = float(np.mean(x**2))
-    if x.size < 4 * size:
-        return short
-    return max(short, size * float(np.var(block_mean(x, size))))
-
-
 def third_difference(x: Array, lag: int) -> Array:
     """Third differences (n - 3 lag,) over ``lag`` samples each: they hold almost no motion.
 

@@ -20,7 +20,8 @@ from calib.base.arrays import Array, Mask
 from calib.car.braking import BITE
 from calib.logs.clock import step_of
 from calib.run.driving_record import BITE_Z, STEADY
-from calib.run.filters import centred_mean, lasting_variance, since
+from calib.run.filters import centred_mean, since
+from calib.run.least_squares import lasting_variance, squares_left
 from calib.run.limits import LIMITS
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
@@ -32,7 +33,7 @@ _KEPT = 0.5  # share of the samples that a delay must leave [1]
 _SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # standard deviation of f and of g, at these, over the usual deceleration [1]
-_EXACT = 1e-12  # square of what the rounding of numbers leaves of z [1]
+_EXACT = 1e-10  # square of what the rounding of numbers leaves of z [1]
 _GROUP = 4  # samples over which residuals are averaged to see how they are correlated: 0.2 s
 
 
@@ -56,60 +57,6 @@ class PressureDelay:
         return self.low > late or self.high < -late
 
 
-@dataclass(frozen=True)
-class _Run:
-    """A deceleration ``y`` [1] at ``time`` [s], (n,), with what it is made of ``besides`` (n, k).
-
-    ``pressures`` over `BITE` [1] at ``clock`` [s], (m,) each; ``force`` the spread of f and g [1].
-    """
-
-    time: Array
-    y: Array
-    besides: Array
-    clock: Array
-    pressures: Sequence[Array]
-    force: float
-
-    def known(self, delay: float) -> Mask:
-        """Samples whose pressure is not after the end of the log, (n,)."""
-        return np.asarray(self.time - delay <= self.clock[-1])
-
-    def rest(self, delay: float, weight: float) -> Array:
-        """What is left of y with a ``delay`` [s] at the known samples; then f, g times ``weight``.
-
-        The sum of its squares is the least.
-        """
-        known = self.known(delay)
-        time = self.time[known]
-        p = [np.interp(time - delay, self.clock, one) for one in self.pressures]
-        some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
-        aged = ((time - self.time[0]) * one for one in p)
-        A = np.column_stack([*self.besides[known].T, *p, *aged, *some])
-        A = np.vstack([A, weight * np.eye(A.shape[1])[-len(some) :]])
-        y = np.append(self.y[known], np.zeros(len(some)))
-        return np.asarray(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
-
-    def delay(self) -> PressureDelay:
-        """The delay by its likelihood and by what is usual."""
-        tried = _TRIED[[np.mean(self.known(delay)) > _KEPT for delay in _TRIED]]
-        weight, variance = 0.0, float(np.var(self.y))
-        for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
-            rests = [self.rest(delay, weight) for delay in tried]
-            squares = np.array([np.mean(x**2) + _EXACT for x in rests])
-            cost = np.array([x.size for x in rests]) * np.log(squares / variance)
-            best = int(np.argmin(cost))
-            short, lasting = squares[best], lasting_variance(rests[best], _GROUP) + _EXACT
-            weight = np.sqrt(lasting) / self.force
-        log_chance = -0.5 * cost * short / lasting - np.log1p(((tried - _USUAL) / _SPREAD) ** 2)
-        chance = np.exp(log_chance - np.max(log_chance))
-        chance /= np.sum(chance)
-        middle = np.cumsum(chance) - 0.5 * chance
-        value, low, high = np.interp([0.5, 1.0 - _SURE, _SURE], middle, tried).tolist()
-        in_time = float(np.min(squares[np.abs(tried) <= LIMITS.pressure_searched]))
-        shares = 1.0 - float(short) / variance, 1.0 - in_time / variance
-        return PressureDelay(value, low, high, *shares)
-
-
 def pressure_delay(
     time: Array, z: Array, pressures: Sequence[Array], drives: Sequence[Array], use: Mask
 ) -> PressureDelay | None:
@@ -131,8 +78,43 @@ def pressure_delay(
         return None
     at = np.flatnonzero(use & (rolling | (since(time, active) < LIMITS.pressure_after)))
     at = at[:: max(1, round(LIMITS.pressure_every / step))]
-    usual, y = abs(float(np.median(z[use & active]))), z[at]
-    if not (np.ptp(y) > 0.0 and usual > 0.0):  # an a_x that hangs has no course to explain
+    usual = abs(float(np.median(z[use & active])))
+    if not (np.ptp(z[at]) > 0.0 and usual > 0.0):  # an a_x that hangs has no course to explain
         return None
-    besides = np.column_stack([np.ones(at.size), *(x[at] for x in torques)])
-    return _Run(time[at], y, besides, time, pressed, _FORCE * usual).delay()
+    known = time[at] - _TRIED[:, None] <= time[-1]
+    tried, known = (x[np.mean(known, axis=1) > _KEPT] for x in (_TRIED, known))
+    p = [np.interp(time[at] - tried[:, None], time, one) for one in pressed]
+    aged = ((time[at] - time[at[0]]) * one for one in p)
+    some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
+    besides = np.array([np.ones(at.size), *(x[at] for x in torques)])
+    others = (np.broadcast_to(x, known.shape) for x in besides)
+    columns = np.stack([*others, *p, *aged, *some], axis=1) * known[:, None]
+    return _by_chance(tried, columns, z[at] * known, known.sum(axis=1), _FORCE * usual)
+
+
+def _by_chance(
+    tried: Array, columns: Array, y: Array, samples: Array, force: float
+) -> PressureDelay:
+    """The delay by its likelihood and by what is usual.
+
+    ``y`` (m, n) is made of the ``columns`` (m, k, n) with each of the delays ``tried`` [s] (m,),
+    but for the unknown ones of its ``samples`` (m,), which are 0; ``force`` the spread of the last
+    two columns [1].
+    """
+    ridge, variance = np.zeros(columns.shape[1]), float(np.var(y[np.abs(tried).argmin()]))
+    for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
+        squares = squares_left(columns, y, ridge) / samples + _EXACT
+        cost = samples * np.log(squares / variance)
+        best = int(np.argmin(cost))
+        A = columns[best].T
+        rest = (y[best] - A @ np.linalg.lstsq(A, y[best], rcond=None)[0])[: samples[best]]
+        short, lasting = squares[best], lasting_variance(rest, _GROUP) + _EXACT
+        ridge[-len(_BITES) :] = lasting / force**2
+    log_chance = -0.5 * cost * short / lasting - np.log1p(((tried - _USUAL) / _SPREAD) ** 2)
+    chance = np.exp(log_chance - np.max(log_chance))
+    chance /= np.sum(chance)
+    middle = np.cumsum(chance) - 0.5 * chance
+    value, low, high = np.interp([0.5, 1.0 - _SURE, _SURE], middle, tried).tolist()
+    in_time = float(np.min(squares[np.abs(tried) <= LIMITS.pressure_searched]))
+    shares = 1.0 - float(short) / variance, 1.0 - in_time / variance
+    return PressureDelay(value, low, high, *shares)

@@ -25,8 +25,6 @@ from calib.table.compare import inputs, same
 from calib.table.invariants import violations
 from calib.table.table import Table
 
-_LATELY = 100  # versions among which a file of another car may be: copied on the same day
-
 
 @dataclass(frozen=True)
 class StoreEntry:
@@ -176,25 +174,16 @@ class Snapshot:
                     return replace(stored, existed=True)
         return None
 
-    def kin(self, stored: Stored) -> tuple[Stored, ...]:
-        """The versions of its name that share a ramp with ``stored`` and should not.
+    def refused_kin(self, stored: Stored) -> tuple[Stored, ...]:
+        """The rejected and withdrawn versions of its name that share a ramp with ``stored``.
 
-        They are rejected or withdrawn; or of another car, which is looked for among the last
-        `_LATELY`. A version that cannot be read is left out: `verified` names it.
+        A version that cannot be read is left out: `verified` names it.
         """
-        looked_at = (
-            v
-            for v in self.versions(stored.name)
-            if abs(stored.version - v) <= _LATELY or not self.journal.state(stored.name, v).usable
+        refused = (
+            v for v in self.versions(stored.name) if not self.journal.state(stored.name, v).usable
         )
-        others = (self.entry(stored.name, v).stored for v in looked_at if v != stored.version)
-        return tuple(
-            other
-            for other in others
-            if other
-            and other.ramps & stored.ramps
-            and (other.of_another_car(stored) or not other.state.usable)
-        )
+        others = (self.entry(stored.name, v).stored for v in refused if v != stored.version)
+        return tuple(other for other in others if other and other.ramps & stored.ramps)
 
     def _unknown(self, stored: Stored) -> Stored:
         """A version that the journal does not know: an older one, where there is no journal."""

@@ -64,11 +64,6 @@ class Stored:
         """Digests of its ramps; a coast log may serve several tables."""
         return {log.digest for log in self.table.provenance.logs if log.role == "ramp"}
 
-    def of_another_car(self, other: "Stored") -> bool:
-        """Whether a serial number or a vehicle identification that both have is not the same."""
-        a, b = (one.table.provenance.identity for one in (self, other))
-        return any(a[mark] != b[mark] for mark in ("serial", "vin") if mark in a and mark in b)
-
     @property
     def address(self) -> dict[str, object]:
         """Which table it is and where: the head of every document about it."""

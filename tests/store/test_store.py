@@ -162,21 +162,11 @@ def test_what_a_killed_writer_left_is_not_seen_and_cleared_by_the_next(stored, s
 def test_the_same_ramp_of_a_refused_version_is_found(store, word):
     store.save(made_table(27.0), StateDecision(word, "wet"))
     again = store.save(made_table(28.0))
-    assert [other.id for other in store.now().kin(again)] == ["sedan@1"]
+    assert [other.id for other in store.now().refused_kin(again)] == ["sedan@1"]
     table = made_table(29.0)
     ramp = replace(table.provenance.logs[0], digest="cd" * 32)
     other = replace(table.provenance, logs=(ramp, *table.provenance.logs[1:]))
-    assert store.now().kin(store.save(replace(table, provenance=other))) == ()
-
-
-@pytest.mark.parametrize(("cars", "told"), [("12", 1), ("11", 0), ("1", 0)])
-def test_a_ramp_that_two_cars_have_is_found(store, cars, told):
-    tables = [made_table(27.0), made_table(28.0)]
-    for i, serial in enumerate(cars):
-        given = replace(tables[i].provenance, identity={"serial": serial})
-        tables[i] = replace(tables[i], provenance=given)
-    first, second = map(store.save, tables)
-    assert [one.id for one in store.now().kin(second)] == [first.id] * told
+    assert store.now().refused_kin(store.save(replace(table, provenance=other))) == ()
 
 
 HELD = {"log": "stop", "role": "hold-out", "verdict": "passed"}

@@ -1,0 +1,31 @@
+"""What least squares leave, of many fits at a time, and how long it lasts."""
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.run.filters import block_mean
+
+
+def squares_left(columns: Array, y: Array, ridge: Array | float = 0.0) -> Array:
+    """Least sums of squares of ``y`` (m, n) less a mix of ``columns`` (m, k, n), (m,).
+
+    ``ridge`` (k,) times the square of each share is added. Right to 1e-9 of the squares of y.
+    """
+    gram = columns @ np.swapaxes(columns, 1, 2) + ridge * np.eye(columns.shape[1])
+    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+    size = np.where(size > 0.0, size, 1.0)
+    side = (columns @ y[..., None])[..., 0] / size
+    gram = gram / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(size.shape[1])
+    shares = np.linalg.solve(gram, side[..., None])[..., 0]
+    return np.asarray(np.maximum(np.sum(y**2, axis=-1) - np.sum(side * shares, axis=1), 0.0))
+
+
+def lasting_variance(x: Array, size: int) -> float:
+    """Variance of a residual (n,) as if it were white, by its means over ``size`` samples, too.
+
+    It counts how long an error lasts; at least four means are needed for that.
+    """
+    short = float(np.mean(x**2))
+    if x.size < 4 * size:
+        return short
+    return max(short, size * float(np.var(block_mean(x, size))))
