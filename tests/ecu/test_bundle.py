@@ -1,146 +1,161 @@
-"""The folder that an ECU project takes in: compiled as its README says, on any prefix and width."""
+"""The folder that an ECU project takes in, as compilers, tools and a bare Cortex-M4F see it."""
 
 import json
-import shutil
-import subprocess
 
+import numpy as np
 import pytest
 
-from calib.base.errors import ExchangeError, ProgramError
+from calib.base.errors import ProgramError
 from calib.ecu.bundle import names, write_bundle
-from calib.ecu.native import coded, compiler
-from calib.estimation.limits import DEFAULTS
-from calib.estimation.validate import validate_one
-from calib.store.state import StateDecision
-from calib.store.store import Store
+from calib.ecu.channels import samples_of
+from calib.ecu.native import Native
+from calib.help.samples import sample_logs
+from calib.logs.read import read_log
 from calib.table.exported import Precision
 from tests.exports.test_a2l import a2ltool, needs_a2ltool
 from tests.exports.test_formats import dcm_reader
-from tests.support.compilers import needs_cc
-from tests.support.reference_car import WET, noisy, stop
+from tests.studies.ecu_target import ARGUED, remarks
+from tests.support import ecu_code
+from tests.support.ecu_code import BOTH, SEDAN, STRICT, called, program
+from tests.support.failing_sensors import failing
+from tests.support.programs import needs
 
-WARNINGS = "-std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror"
-SINGLE, SMALL = Precision(single=True), Precision(12, 16)
+HOW = {  # with the time from call to call [s]
+    "double": (Precision(), 0.02),
+    "single": (Precision(single=True), 0.005),
+    "int16": (Precision(12, 16), 0.005),
+}
+CHECKED = {
+    "gcc": "-fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow",
+    "clang": "-fsanitize=address,undefined,float-divide-by-zero,integer",
+}
+FLASH, RAM, MEAN, WORST = 12_288, 4_096, 3e3, 15e3  # code, RAM [bytes]; instructions of a sample
 
 
 @pytest.fixture(scope="module")
-def kept(fitted, tmp_path_factory):
-    store = Store(tmp_path_factory.mktemp("store"))
-    return store.save(fitted, StateDecision("released", "made for a test"))
+def codes(tmp_path_factory):
+    """Folders by the name of their precision."""
+    home = tmp_path_factory.mktemp("ecu")
+    for width, how in HOW.items():
+        write_bundle(SEDAN, home / width, *how)
+    return {width: home / width for width in HOW}
 
 
-def program(folder, prefix, *flags):
-    """The program of the vectors."""
-    files = [folder / f"{prefix}{end}.c" for end in ("", "_car", "_run")]
-    flags = [*flags, "-ffp-contract=off", f"-D{prefix.upper()}_VECTORS"]
-    made = folder / "program"
-    subprocess.run([*compiler(), *flags, *files, "-o", made, "-lm"], check=True)
-    return made
+@pytest.fixture(scope="module")
+def native():
+    """Samples by precision, those of sensors that fail, too, each with what `Native` answers."""
+    x, runs = samples_of(read_log(sample_logs() / "sedan" / "dry_asphalt_stop.csv")), {}
+    for width, (how, step) in HOW.items():
+        code, real = Native(SEDAN.table, step, how), f"f{how.floating // 8}"
+        with np.errstate(over="ignore"):
+            given = [one.astype(real) for one in (x, *(failing(x, seed) for seed in range(7)))]
+        runs[width] = [(one, code.run(one).astype(real)) for one in given]
+    return runs
 
 
-@needs_cc
-@pytest.mark.parametrize(
-    ("how", "step", "prefix"),
-    [(Precision(), 0.01, "bte"), (SINGLE, 0.005, "acme_brake"), (SMALL, 0.02, "bte")],
-)
-def test_the_folder_compiles_without_a_remark_and_its_vectors_agree(
-    kept, tmp_path, how, step, prefix
-):
-    made = write_bundle(kept, tmp_path / "code", how, step, prefix)
-    assert {path.name for path in made} == set(names(prefix))
-    vectors = program(tmp_path / "code", prefix, *WARNINGS.split(), "-O2")
-    assert b"0 reasons differ" in subprocess.run(vectors, check=True, capture_output=True).stdout
-    text = "".join(path.read_text() for path in made if path.suffix in (".c", ".h"))
-    assert ("bte" in text) == (prefix == "bte")
+@pytest.mark.parametrize("width", HOW)
+@pytest.mark.parametrize("cc", BOTH)
+def test_it_compiles_without_a_remark_and_its_vectors_agree(codes, width, cc):
+    for standard in ("c99", "c11", "c17"):
+        vectors = program(codes[width], f"{cc} -std={standard} -O2 {STRICT}")
+        assert "0 reasons differ" in called(codes[width], vectors)
+    called(codes[width], cc, STRICT, "-c -x c++ bte.c")  # bte_car.c is C
 
 
-@needs_cc
+@needs("cc")
 @needs_a2ltool
-@pytest.mark.parametrize("how", [Precision(), SINGLE, Precision(6, 8)])
-def test_another_program_finds_the_addresses_of_the_a2l(kept, tmp_path, how):
-    code = tmp_path / "code"
-    write_bundle(kept, code, how, 0.01)
-    plain = (code / "bte.a2l").read_bytes()
-    made = program(code, "bte", "-std=c99", "-g", "-gdwarf-4", "-no-pie")
-    write_bundle(kept, code, how, 0.01, elf=made)
+@pytest.mark.parametrize("width", HOW)
+def test_another_program_finds_the_addresses_of_the_a2l(codes, width, tmp_path):
+    code = codes[width]
+    made = program(code, "cc -std=c99 -g -gdwarf-4 -no-pie")
     update = ("--elffile", made, "--update", "FULL", "--update-mode", "STRICT")
-    ours = a2ltool(tmp_path, (code / "bte.a2l").read_bytes())
-    assert a2ltool(tmp_path, plain, *update) == ours
-    assert ours.count("/begin CHARACTERISTIC") == 12  # eight maps, three levels, the version
+    theirs = a2ltool(tmp_path, (code / "bte.a2l").read_bytes(), *update)
+    write_bundle(SEDAN, code, *HOW[width], elf=made)
+    assert a2ltool(tmp_path, (code / "bte.a2l").read_bytes()) == theirs
+    assert theirs.count("/begin CHARACTERISTIC") == 12  # eight maps, three levels, the version
     before = {path: path.read_bytes() for path in code.iterdir()}
     with pytest.raises(ProgramError):  # it has no labels of that name
-        write_bundle(kept, code, how, 0.01, prefix="acme", elf=made)
+        write_bundle(SEDAN, code, *HOW[width], "acme", elf=made)
     assert before == {path: path.read_bytes() for path in code.iterdir()}
 
 
-def test_another_reader_finds_the_numbers_of_the_maps_in_the_dcm(kept, tmp_path):
-    write_bundle(kept, tmp_path / "code", SINGLE, 0.01)
-    read = dcm_reader((tmp_path / "code" / "bte.dcm").read_bytes(), tmp_path)
-    level = kept.table.level_map
+def test_another_reader_finds_the_numbers_of_the_maps_in_the_dcm(codes, tmp_path):
+    read = dcm_reader((codes["single"] / "bte.dcm").read_bytes(), tmp_path)
+    level = SEDAN.table.level_map
     assert read["curves"]["bte_level"][0] == pytest.approx(level.z, rel=1e-6)
     assert read["curves"]["bte_level"][1] == pytest.approx(level.level, rel=1e-6)
-    assert read["scalars"]["bte_version"][0] == kept.version
+    assert read["scalars"]["bte_version"][0] == SEDAN.version
 
 
-@needs_cc
-@pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake")
-def test_cmake_builds_it_and_runs_the_vectors(kept, tmp_path):
-    write_bundle(kept, tmp_path / "code", SINGLE, 0.01)
-    for command in ("cmake -S code -B build", "cmake --build build", "ctest --test-dir build"):
-        subprocess.run(command.split(), cwd=tmp_path, check=True, capture_output=True)
+@needs("cc", "cmake")
+def test_cmake_builds_it_and_runs_the_vectors(codes, tmp_path):
+    called(tmp_path, "cmake -B . -S", codes["single"])
+    called(tmp_path, "cmake --build .")
+    assert "100% tests passed" in called(tmp_path, "ctest")
 
 
-def test_a_name_or_a_time_that_c_does_not_take_is_refused(kept, tmp_path):
-    for step, prefix in ((0.01, "9a"), (0.01, "a-b"), (0.01, ""), (0.0, "bte"), (1.0, "bte")):
-        with pytest.raises(ExchangeError):
-            write_bundle(kept, tmp_path / "code", Precision(), step, prefix)
-    assert not (tmp_path / "code").exists()
+@needs("cppcheck")
+def test_what_cppcheck_says_of_misra_is_argued(codes):
+    assert remarks(codes["single"]).keys() == ARGUED.keys()
 
 
-@needs_cc
-def test_the_verdict_is_that_of_the_code(fitted):
-    log = noisy(stop(WET), 8)
-    for how in (Precision(), Precision(8, 16)):
-        own = validate_one(fitted, log, None, DEFAULTS)
-        code = validate_one(fitted, log, None, DEFAULTS, coded=coded(fitted, how))
-        assert code.word == own.word
-        for name in ("ecu_pad_friction_f", "ecu_pad_friction_r", "ecu_valid_share"):
-            near = 1e-9 if how.points is None else 0.05
-            assert code.figures[name] == pytest.approx(own.figures[name], rel=near)
+@pytest.mark.parametrize("width", HOW)
+@pytest.mark.parametrize("cc", BOTH)
+def test_whatever_the_sensors_read_bits_are_the_same_and_sanitizers_find_nothing(
+    codes, native, width, cc
+):
+    checked = f"-O1 {CHECKED[cc]} -fno-sanitize-recover=all"
+    if not ecu_code.links(f"{cc} {checked}"):
+        pytest.skip(f"missing here: the sanitizers of {cc}")
+    for options in ("-O0", "-O3", checked):
+        made = program(codes[width], f"{cc} -std=c99 {options}", ecu_code.RUN)
+        for samples, right in native[width]:
+            assert np.isfinite(right).all()
+            assert ecu_code.answers(codes[width], samples, made).tobytes() == right.tobytes()
 
 
-def test_without_a_compiler_it_is_said(fitted, monkeypatch):
-    monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(ProgramError):
-        coded(fitted, Precision())
+@needs("arm-none-eabi-gcc", "qemu-system-arm", "cc")
+@pytest.mark.parametrize("width", ["single", "int16"])
+def test_a_small_ecu_has_the_same_bits_and_room_for_it(codes, native, width):
+    samples, told = native[width][0]
+    answered, (code, _, state, stack), instructions = ecu_code.on_target(codes[width], samples)
+    assert answered.tobytes() == told.tobytes()
+    assert np.any(told[:, 0] == 0.0)
+    assert 4_096 < code <= FLASH
+    assert 300 < state < state + stack <= RAM
+    assert len(instructions) == len(samples)
+    assert 500.0 < np.mean(instructions) <= MEAN
+    assert np.mean(instructions) < np.max(instructions) <= WORST
 
 
-def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, kept, tmp_path):
-    words = ("tables", "export", kept.id, "--store", kept.path.parent.parent, "--format")
+@needs("cc")
+def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, tmp_path):
+    words = ("tables", "export", SEDAN.id, "--store", SEDAN.path.parent.parent, "--format")
     code, own = tmp_path / "code", tmp_path / "own"
+    foreign = {"bte_own.c": "/* our task, around brake-cal */\n", "notes.txt": "ours\n"}
     for prefix in ("bte", "bte", "acme"):  # what has another prefix goes
         ran = brake_cal(*words, "ECU", "--float", "--out", code, "--prefix", prefix, "--json")
-        assert ran.code == 0
         told = json.loads(ran.out)
-        assert (told["format"], told["float"]) == ("ecu", 32)
-        files = {path.name for path in code.iterdir()}
-        assert set(told["files"]) == set(names(prefix)) == files - {"bte_own.c", "notes.txt"}
-        (code / "bte_own.c").write_text("/* our task, around brake-cal */\n")
-        (code / "notes.txt").write_text("ours\n")
-    assert {"bte_own.c", "notes.txt"} < {path.name for path in code.iterdir()}
+        assert (ran.code, told["format"], told["float"]) == (0, "ecu", 32)
+        assert set(told["files"]) == set(names(prefix))
+        for name, text in foreign.items():
+            (code / name).write_text(text)
+    assert {path.name for path in code.iterdir()} == {*names("acme"), *foreign}
+    assert not any("bte" in path.read_text().lower() for path in code.glob("acme*.[ch]"))
+    called(code, program(code, f"cc -std=c99 {STRICT}", prefix="acme"))
     own.mkdir()
     (own / "CMakeLists.txt").write_text("project(own)\n")
+    new = ("ecu", "--out", own / "code")
     for more in (
+        *((*new, "--prefix", name) for name in ("9a", "a-b", "", "math")),
+        *((*new, "--sample-time", time) for time in (0.0, 1.0)),
         ("ecu", "--out", own),
         ("fmu3", "--out", own / "CMakeLists.txt"),
         ("car-fmu2", "--out", own / "car.fmu", "--prefix", "x"),
-        ("ecu", "--out", own / "code", "--prefix", "math"),
-        ("ecu", "--out", own / "code", "--sample-time", 0.0),
         ("dcm", "--out", own / "car.dcm", "--sample-time", 0.01),
     ):
         assert brake_cal(*words, *more).code == 2
-    assert [path.name for path in own.iterdir()] == ["CMakeLists.txt"]
-    assert (own / "CMakeLists.txt").read_text() == "project(own)\n"
+    assert [path.read_text() for path in own.iterdir()] == ["project(own)\n"]
     for form in ("car-fmu2", "FMU3"):
         ran = brake_cal(*words, form, "--out", own / "car.fmu", "--json")
         assert json.loads(ran.out)["format"] == form.lower()

@@ -5,10 +5,17 @@ import shutil
 import struct
 import subprocess
 
-from tests.support.compilers import needs
+import pytest
 
 GCC = shutil.which("gcc")
 OBJDUMP = shutil.which("objdump")
+
+
+def needs(*tools):
+    """Leaves a test out where a tool is missing."""
+    missing = [tool for tool in tools if shutil.which(tool) is None]
+    return pytest.mark.skipif(bool(missing), reason=f"missing here: {', '.join(missing)}")
+
 
 needs_gcc = needs("gcc", "objdump")
 
