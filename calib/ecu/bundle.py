@@ -23,16 +23,7 @@ from calib.base.errors import ExchangeError
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
-from calib.ecu.car_source import (
-    PREFIX,
-    SOURCE,
-    axes_of,
-    cell,
-    code_grids,
-    number,
-    require_time,
-    sources,
-)
+from calib.ecu import car_source
 from calib.ecu.channels import A_X, CHANNELS, FL, limits, samples_of
 from calib.ecu.online import Online
 from calib.exports.addresses import find_addresses
@@ -47,10 +38,10 @@ from calib.table.generation import require_maps
 from calib.table.table import Table
 
 _README = "README.md"
-_GIVEN = ("bte_run.c", "CMakeLists.txt", _README)
-_MADE = ("bte.h", "bte.c", "bte_car.c", "vectors.h")
 TOOLS = ("a2l", "cdfx", "dcm")
 """Formats of calibration tools, by the ending of the file."""
+_GIVEN = ("bte_run.c", "CMakeLists.txt", _README)
+_MADE = ("bte.h", "bte.c", "bte_car.c", "vectors.h", *(f"bte.{form}" for form in TOOLS))
 _TOLERANCE = {64: 1e-9, 32: 1e-4}
 """Relative difference of the vectors from Python by the bits of the floating point."""
 
@@ -69,9 +60,9 @@ _ROLLED, _BRAKED = 3.0, 3.0  # time of the vectors without and with brake [s]
 _SEED = 1
 
 
-def names(prefix: str = PREFIX) -> list[str]:
+def names(prefix: str = car_source.PREFIX) -> list[str]:
     """Files of the folder."""
-    return [_renamed(x, prefix) for x in (*_GIVEN, *_MADE, *(f"{PREFIX}.{form}" for form in TOOLS))]
+    return [_renamed(name, prefix) for name in (*_GIVEN, *_MADE)]
 
 
 def require_prefix(prefix: str) -> None:
@@ -86,7 +77,7 @@ def write_bundle(
     folder: Path,
     how: Precision,
     sample_time: float,
-    prefix: str = PREFIX,
+    prefix: str = car_source.PREFIX,
     *,
     quality: Quality = UNPROVED,
     elf: Path | None = None,
@@ -105,18 +96,18 @@ def write_bundle(
     where ``elf`` does not hold the table.
     """
     require_prefix(prefix)
-    require_time(sample_time)
+    car_source.require_time(sample_time)
     require_maps(stored.table, stored.id)
     table = as_exported(stored.table, how)
     samples = how.computed(_samples(table, sample_time))
-    texts = {name: (SOURCE / name).read_text() for name in _GIVEN}
-    texts |= sources(stored.table, sample_time, how, f"{_ABOUT} $about", stored.version)
+    texts = {name: (car_source.SOURCE / name).read_text() for name in _GIVEN}
+    texts |= car_source.sources(stored.table, sample_time, how, f"{_ABOUT} $about", stored.version)
     texts["vectors.h"] = "\n".join(_vectors(samples, Online(table, sample_time), how))
     about = f"{stored.id}, digest {stored.digest}, {stored.state.words}"
     facts = {
         "about": about.replace("*/", "* /"),
         "table": stored.id, "digest": stored.digest, "state": stored.state.words,
-        "bits": how.floating, "cell": cell(how), "step": f"{sample_time:g}",
+        "bits": how.floating, "cell": car_source.cell(how), "step": f"{sample_time:g}",
         "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"), "count": len(samples),
         "inputs": "\n".join(_inputs(sample_time)),
     }  # fmt: skip
@@ -138,9 +129,9 @@ def _for_tool(
     """What a calibration tool sees of the code: the version of the table, and the maps."""
     date, bits = datetime.now(UTC).date().isoformat(), how.bits
     whole = build(stored, how.points, quality, bits, date, first=prefix, most_axes=most_axes)
-    grids = tuple(code_grids(stored.table, prefix, how, most_axes))
+    grids = tuple(car_source.code_grids(stored.table, prefix, how, most_axes))
     version = replace(whole.scalars[0], fixed=None)
-    axes, single = tuple(axes_of(grids)), how.floating == 32
+    axes, single = tuple(car_source.axes_of(grids)), how.floating == 32
     return replace(whole, axes=axes, curves=(), grids=grids, scalars=(version,), single=single)
 
 
@@ -188,5 +179,7 @@ def _vectors(samples: Array, online: Online, how: Precision) -> Iterator[str]:
     yield f"#define TOLERANCE {_TOLERANCE[bits]:g}"
     kept = online.run(samples)[every - 1 :: every]
     for name, rows in (("inputs", samples), ("expected", kept)):
-        cells = ",\n".join(", ".join(number(x, bits) for x in row) for row in rows.tolist())
+        cells = ",\n".join(
+            ", ".join(car_source.number(x, bits) for x in row) for row in rows.tolist()
+        )
         yield f"static const bte_real {name}[] = {{\n{cells}\n}};\n"

@@ -4,7 +4,6 @@ The maps are on as many breakpoints and in the precision that the export asks fo
 is what `calib.table.exported` reads back. What is the same in every block is computed here.
 """
 
-import math
 import re
 from collections.abc import Iterable
 from dataclasses import replace
@@ -23,18 +22,16 @@ from calib.car.bias import force_per_pressure, front_share
 from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
-from calib.ecu.channels import ANSWERS, CHANNELS, limits
-from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, block_of, first_answers
-from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
+from calib.ecu.channels import ANSWERS, CHANNELS
+from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, Online
+from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import SLOWEST
 from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
-from calib.estimation.state import started
 from calib.exports.dataset import MOST_AXES, Axis, Grid, label, maps_of
 from calib.model.resistance import DRAG, ROLLING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
-from calib.run.lateral import LATERAL_TIME
-from calib.run.noise import WALK, SensorNoise
+from calib.run.noise import WALK
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
 
@@ -66,7 +63,7 @@ def sources(
     require_time(sample_time)
     grids, bits = code_grids(table, PREFIX, how), how.floating
     table = as_exported(table, how)
-    car = _numbers(table, sample_time, bits) | _maps(grids, bits)
+    car = _numbers(Online(table, sample_time), bits) | _maps(grids, bits)
     header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
         floating=bits,
         real="float" if bits == 32 else "double",
@@ -138,45 +135,43 @@ def _tuning(c: Constants) -> dict[str, Member]:
     return {name: x for name, x in every.items() if name in read}
 
 
-def _started(table: Table, c: Constants) -> Member:
-    """What `bte_state` begins with, as `calib.estimation.state.started` has it."""
-    s = started(c)
+def _started(ecu: Online) -> Member:
+    """What `bte_state` begins with."""
+    s, c = ecu.state, ecu.constants
     a, lag, rate, aa, _, _, ll, _, rr = s.level
+    speed = np.diag([1.0, 0.0, c.offset**2, c.scale_sigma**2])
     return {
         "demand": [s.demand.value, s.demand.variance],
         "eta_less_1": [s.eta.value - 1.0, s.eta.variance],
         "level": [[a, lag, rate, 0.0], np.diag([aa, ll, rr, 0.0]).tolist()],
-        "speed": [
-            [0.0, 0.0, 0.0, c.scale],
-            np.diag([1.0, 0.0, c.offset**2, c.scale_sigma**2]).tolist(),
-        ],
+        "speed": [[0.0, 0.0, 0.0, c.scale], speed.tolist()],
         "kept": s.kept[:6:2],
         "level_then": s.level_then,
-        "since_lock": 2.0 * RECOVER,
-        "reason": int(Reason.NOT_BRAKED),
-        "told": first_answers(table.vehicle).tolist(),
+        "since_lock": ecu.since_lock,
+        "reason": int(ecu.reason),
+        "told": ecu.of_block.tolist(),
     }
 
 
-def _numbers(table: Table, sample_time: float, bits: int) -> dict[str, Member]:
+def _numbers(ecu: Online, bits: int) -> dict[str, Member]:
     """Members of `bte_car` that are no maps; those of axles as [front, rear]."""
-    samples, block = block_of(sample_time)
-    c = constants(table, SensorNoise(**table.noise), block)
-    car, known = table.vehicle, known_effects(table).parameters
+    c, table, car = ecu.constants, ecu.table, ecu.table.vehicle
+    known = known_effects(table).parameters
     drag, rolling = known[DRAG[0]], known[ROLLING[0]]
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / car.wheelbase
     lift = (1.0 - drag.get("load_share", 1.0)) * lever / car.weight
-    ranges = zip(("low", "high", "jump"), limits(sample_time), strict=True)
     return {
         "tuning": _tuning(c),
-        **{name: x.tolist() for name, x in ranges},  # what a working sensor reads
-        "start": Data("bte_state", _initial(_started(table, c), bits)),
-        "samples": samples,  # of a block
-        "waiting": max(1, round(c.before_bite / block)),  # blocks on which no zero rests
-        "sample_time": sample_time,  # [s]
-        "block": block,  # [s]
-        "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),  # of a sample in its low pass
+        "low": ecu.low.tolist(),  # what a working sensor reads
+        "high": ecu.high.tolist(),
+        "jump": ecu.jump.tolist(),
+        "start": Data("bte_state", _initial(_started(ecu), bits)),
+        "samples": ecu.samples,  # of a block
+        "waiting": max(1, round(c.before_bite / c.block)),  # blocks on which no zero rests
+        "sample_time": ecu.sample_time,  # [s]
+        "block": c.block,  # [s]
+        "lateral_part": ecu.lateral_part,  # of a sample in its low pass
         "weight": car.weight,  # [N]
         "load": [float(load[0]) / car.weight for load in axle_loads(car, np.zeros(1))],  # at rest
         "height": [lever, -lever],  # load that moves at 1 g

@@ -20,7 +20,6 @@ from calib.base.write import write_whole
 from calib.car.model import WET_ASPHALT, Model
 from calib.ecu.car_source import SOURCE, sources
 from calib.ecu.channels import ANSWERS, CHANNELS, VARIABLES
-from calib.ecu.online import require_plain
 from calib.estimation.known import known_effects
 from calib.estimation.reasons import Reason
 from calib.exports.dataset import prefix
@@ -108,7 +107,6 @@ def write_fmu(
     out; ExchangeError as `sources`; OSError.
     """
     require_maps(stored.table, stored.id)
-    require_plain(stored.table)
     car, step = stored.table.vehicle.name, repr(float(sample_time))
     name = f"{prefix(car)}_{of}"
     code = sources(stored.table, sample_time, how, f"{name}, SHA-256 {stored.digest}")

@@ -15,7 +15,6 @@ from calib.base.errors import StoreError
 from calib.base.names import WHEELS, G
 from calib.car.bias import front_share
 from calib.car.braking import MOVING
-from calib.car.vehicle import Vehicle
 from calib.ecu import channels as at
 from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects
@@ -24,7 +23,7 @@ from calib.estimation.reasons import HARDEST, RECOVER, Reason, disturbed, locks
 from calib.estimation.state import Sample, State, started
 from calib.estimation.step import step
 from calib.model.resistance import RESISTANCE
-from calib.run.blocks import BLOCK, Blocks
+from calib.run.blocks import Blocks, samples_of_block
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import LATERAL_TIME, turning
 from calib.run.noise import SensorNoise
@@ -52,19 +51,6 @@ def require_plain(table: Table) -> None:
         )
 
 
-def block_of(sample_time: float) -> tuple[int, float]:
-    """Samples of a block and its length [s], by the time from sample to sample [s]."""
-    samples = max(1, round(BLOCK / sample_time))
-    return samples, round(samples * sample_time, 9)
-
-
-def first_answers(car: Vehicle) -> Array:
-    """Level, ratio and pads of both axles, (4, 3), before anything is known: any pads."""
-    filed = car.front.pad_friction, car.rear.pad_friction
-    bounds = 1.0, Constants.least_level, Constants.most_level
-    return np.outer([1.0, filed[0] / filed[1], *filed], bounds)
-
-
 class Online:
     """One ECU with a table; ``sample_time`` [s] of its task.
 
@@ -74,18 +60,23 @@ class Online:
     def __init__(self, table: Table, sample_time: float) -> None:
         require_plain(table)
         self.table, self.sample_time, car = table, sample_time, table.vehicle
-        self.samples, self.block = block_of(sample_time)
+        self.samples = samples_of_block(sample_time)
+        self.block = round(self.samples * sample_time, 9)
         self.constants = constants(table, SensorNoise(**table.noise), self.block)
         self.state: State = started(self.constants)
         self.low, self.high, self.jump = at.limits(sample_time)
         self.last, self.raw = np.zeros((2, len(at.CHANNELS)))
         self.begun, self.faulty, self.fastest = False, False, 0.0
         self.held, self.p_held, self.lateral, self.since_lock = 0.0, 0.0, 0.0, 2.0 * RECOVER
+        self.lateral_part = 1.0 - math.exp(-sample_time / LATERAL_TIME)
         self.before = np.zeros((2, len(WHEELS)))
         self.rows: list[tuple[float, ...]] = []
         self.omega: list[Array] = []
         self.gains = np.array([[axle.torque_gain] for axle in (car.front, car.rear)])
-        self.reason, self.of_block = Reason.NOT_BRAKED, first_answers(car)
+        pads, c = (car.front.pad_friction, car.rear.pad_friction), Constants
+        self.filed = np.array([pads[0] / pads[1], *pads])
+        bounds = 1.0, c.least_level, c.most_level  # any pads, before anything is known
+        self.of_block, self.reason = np.outer([1.0, *self.filed], bounds), Reason.NOT_BRAKED
 
     def step(self, sample: Array) -> tuple[Reason, Array]:
         """Take in a sample (10,) of `CHANNELS`, and give `ANSWERS` (7, 3); all are finite."""
@@ -141,8 +132,8 @@ class Online:
         slip = np.copysign(np.interp(abs(z), tyre.force, tyre.slip), z)
         apart, speed = (x[at.RR] - x[at.RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
         turned = float(turning(apart, speed, car.track_width, slip, car.cg_height))
-        part = 1.0 - math.exp(-self.sample_time / LATERAL_TIME)
-        self.lateral = self.lateral + part * (turned - self.lateral) if self.begun else turned
+        part = self.lateral_part if self.begun else 1.0
+        self.lateral += part * (turned - self.lateral)
         recent = self.since_lock <= RECOVER + 0.5 * self.sample_time
         told = disturbed(recent, self.lateral, x[at.STEERING])
         return REASONS[told] if fine else Reason.FAULT
@@ -165,8 +156,8 @@ class Online:
         )  # fmt: skip
         rows = given(self.table, b, worst, with_v=False)._replace(driven=driven)
         answer = step(self.constants, self.state, Sample(*(float(x[0]) for x in rows)))
-        share, filed = front_share(car, rows.log_odds), first_answers(car)[1:, 0]
+        share = front_share(car, rows.log_odds)
         pads = pads_of(share, answer.level[:, None], answer.ratio[:, None])[..., 0]
         relative = np.vstack([np.exp(answer.ratio), pads])
-        self.of_block = np.vstack([np.exp(answer.level), filed[:, None] * relative])
+        self.of_block = np.vstack([np.exp(answer.level), self.filed[:, None] * relative])
         self.reason = REASONS[int(answer.reason)]

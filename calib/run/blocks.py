@@ -58,7 +58,7 @@ class Blocks:
 
 def blocks(s: Signals, length: float = BLOCK) -> Blocks:
     """Means over consecutive blocks of about ``length`` [s]; a shorter rest is left out."""
-    n = max(1, round(length / s.sample_time))
+    n = samples_of_block(s.sample_time, length)
     last = slice(n - 1, s.time.size // n * n, n)
     step = n * s.sample_time
     p_f, p_r, drive_f, drive_r, z, omega_f, omega_r, speed = (
@@ -75,6 +75,11 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
         samples=n,
         length=step,
     )  # fmt: skip
+
+
+def samples_of_block(sample_time: float, length: float = BLOCK) -> int:
+    """Samples of a block of about ``length`` [s], at least one."""
+    return max(1, round(length / sample_time))
 
 
 def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
@@ -99,6 +104,6 @@ def braked_alone_in(log: Log) -> Axle | None:
     """`braked_alone` of a log; None where it has no ``p_mc``."""
     if "p_mc" not in log:
         return None
-    n = max(1, round(BLOCK / log.sample_time))
+    n = samples_of_block(log.sample_time)
     p_f, p_r = (block_mean(axle_pressure(log, axle), n) for axle in ("f", "r"))
     return braked_alone(p_f, p_r)

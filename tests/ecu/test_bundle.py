@@ -16,8 +16,7 @@ from tests.exports.test_a2l import a2ltool, needs_a2ltool
 from tests.exports.test_formats import dcm_reader
 from tests.studies.ecu_target import ARGUED, remarks
 from tests.support import ecu_code
-from tests.support.ecu_code import BOTH, SEDAN, STRICT, called, program
-from tests.support.failing_sensors import failing
+from tests.support.ecu_code import BOTH, SEDAN, STRICT, called, failing, program
 from tests.support.programs import needs
 
 HOW = {  # with the time from call to call [s]

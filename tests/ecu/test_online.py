@@ -16,7 +16,7 @@ from calib.estimation.limits import DEFAULTS
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate_one
 from calib.table.exported import Precision
-from tests.support.failing_sensors import failing
+from tests.support.ecu_code import failing
 from tests.support.plant import as_log, drive
 from tests.support.programs import needs
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without

@@ -27,8 +27,7 @@ from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.exported import Precision
 from tests.studies.study import arguments
-from tests.support.ecu_code import called, on_target
-from tests.support.failing_sensors import failing
+from tests.support.ecu_code import called, failing, on_target
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = {

@@ -1,4 +1,4 @@
-"""Programs of the code of an ECU: for this machine, and for a bare Cortex-M4F that QEMU runs."""
+"""What tests the code of an ECU: sensors that fail, and programs for a PC and a bare Cortex-M4F."""
 
 import os
 import subprocess
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from calib.base.arrays import Array
+from calib.ecu.channels import CHANNELS, OMEGA
 from calib.ecu.native import OUTPUTS
 from calib.store.store import Store
 from tests.support.programs import needs
@@ -24,6 +25,9 @@ QEMU = (
 )
 PER_TICK = 1.25  # instructions of 32 ns, as ``shift=5`` has them, in a tick of SysTick at 25 MHz
 BOTH = [pytest.param(cc, marks=needs(cc)) for cc in ("gcc", "clang")]
+NOTHING = (np.nan, np.inf, -np.inf, 1e30, 1e-40, 0.0)
+READ = np.array([(channel.low, channel.high, *NOTHING) for channel in CHANNELS.values()])
+"""What each channel may read once it fails (10, 8)."""
 
 
 def program(code: Path, command: str, main: Path | None = None, prefix: str = "bte") -> Path:
@@ -71,3 +75,17 @@ def called(folder: Path, *command: str | Path) -> str:
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout[-1000:] + done.stderr[-2000:]
     return done.stdout + done.stderr
+
+
+def failing(samples: Array, seed: int) -> Array:
+    """Samples (n, 10) in pieces, each with gains and zeros that are wrong but go into the filter;
+    some channels read an end of their range, or no number."""
+    x, rng = samples.copy(), np.random.default_rng(seed)
+    for part in np.split(x, np.sort(rng.integers(len(x), size=(5, 20, 100)[seed % 3]))):
+        pressure, deceleration, wheels, front = np.exp(rng.normal(0.0, [1.0, 1.0, 0.5, 0.03]))
+        part[:, :2] *= pressure, deceleration
+        part[:, OMEGA] *= wheels * np.array([front, front, 1.0, 1.0])
+        part[:, :6] += rng.normal(0.0, [1e5, 1.0, *(0.03,) * 4])
+        fails = rng.random(len(CHANNELS)) < 0.02
+        part[:, fails] = READ[fails, rng.integers(READ.shape[1])]
+    return x
