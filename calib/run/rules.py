@@ -136,8 +136,8 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
         yield (
             f"p_mc is {abs(off):.2f} s {'late' if off > 0.0 else 'early'} against the "
             f"deceleration, and brakes make {late:g} s at most: look for a pressure of another "
-            "run, record all channels on one clock, or put p_mc in time with "
-            f'delay = "{off:.2f} s" in a channel map'
+            "run, log the torque T_drive of a motor that brakes first, record all channels on one "
+            f'clock, or put p_mc in time with delay = "{off:.2f} s" in a channel map'
         )
     elif pressure.in_time < LIMITS.explained and not motor:
         yield (
