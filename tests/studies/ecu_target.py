@@ -72,7 +72,7 @@ def costs() -> None:
         for name, samples in runs.items():
             with TemporaryDirectory() as folder:
                 write_bundle(stored, Path(folder, "code"), how, logs[0].sample_time)
-                given = samples.astype(np.float32 if how.single else np.float64)
+                given = samples.astype(f"f{how.floating // 8}")
                 _, bytes_of, instructions = on_target(Path(folder, "code"), given)
             row = (*bytes_of, np.mean(instructions), np.max(instructions))
             print(f"| {told} | {name} |", " | ".join(f"{one:,.0f}" for one in row), "|", flush=True)
