@@ -153,7 +153,8 @@ def _inputs(sample_time: float) -> Iterator[str]:
 
 def _renamed(text: str, prefix: str) -> str:
     """The same with another prefix, in capitals where it is."""
-    return text.replace("bte", prefix).replace("BTE", prefix.upper())
+    with_prefix = {car_source.PREFIX: prefix, car_source.PREFIX.upper(): prefix.upper()}
+    return re.sub("|".join(with_prefix), lambda found: with_prefix[found[0]], text)
 
 
 def _samples(table: Table, sample_time: float) -> Array:

@@ -142,6 +142,7 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
     assert {path.name for path in code.iterdir()} == {*names("acme"), *foreign}
     assert not any("bte" in path.read_text().lower() for path in code.glob("acme*.[ch]"))
     called(code, program(code, f"cc -std=c99 {STRICT}", prefix="acme"))
+    assert set(names("xBTE")) >= {"xBTE.c", "xBTE.h", "xBTE_car.c", "xBTE.a2l"}
     own.mkdir()
     (own / "CMakeLists.txt").write_text("project(own)\n")
     new = ("ecu", "--out", own / "code")
