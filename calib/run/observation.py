@@ -19,8 +19,6 @@ from calib.run.driving_record import (
     rolls,
     standing,
 )
-from calib.run.filters import centred_mean
-from calib.run.limits import LIMITS
 from calib.run.pressure_delay import PressureDelay, pressure_delay
 from calib.run.sensors import Sensor, sensors_of
 from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, slips_of, wheel_parts
@@ -129,14 +127,13 @@ _GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch o
 
 def _pressure_delay(log: Log, driving: DrivingRecord) -> PressureDelay | None:
     front, rear = (axle_pressure(log, axle) for axle in AXLES)
-    glitch = (np.abs(log["a_x"]) > _GREATEST).astype(float)
-    true = centred_mean(glitch, max(1, round(LIMITS.pressure_width / driving.step)) | 1) == 0.0
     return pressure_delay(
         log.time,
         driving.z,
         (front,) if np.array_equal(front, rear) else (front, rear),
         [log[name] for name in ("T_drive_f", "T_drive_r") if name in log],
-        driving.moving & true,
+        driving.moving,
+        np.abs(log["a_x"]) > _GREATEST,
     )
 
 

@@ -53,24 +53,41 @@ class PressureDelay:
     in_time: float
 
     def beyond(self, late: float) -> bool:
-        """Whether p is surely later or earlier than ``late`` [s]."""
-        return self.low > late or self.high < -late
+        """Whether p, which explains the deceleration, is surely ``late`` [s] or early by more."""
+        return self.explained > LIMITS.explained and (self.low > late or self.high < -late)
+
+    @property
+    def words(self) -> str:
+        """How p lies in time."""
+        late = "late" if self.value < 0.0 else "early"
+        return f"{abs(self.value):.2f} s {late} against the deceleration"
+
+    @property
+    def entry(self) -> str:
+        """What puts p in time in a channel map."""
+        return f'delay = "{-self.value:.2f} s"'
 
 
 def pressure_delay(
-    time: Array, z: Array, pressures: Sequence[Array], drives: Sequence[Array], use: Mask
+    time: Array,
+    z: Array,
+    pressures: Sequence[Array],
+    drives: Sequence[Array],
+    moving: Mask,
+    glitch: Mask,
 ) -> PressureDelay | None:
     """The delay of ``z`` [1] after ``pressures`` [Pa]; None where too little is braked to tell.
 
     ``time`` [s]; ``pressures`` one, or those of both axles; ``drives`` torques of engine or motor
-    [N m]; ``use`` where the car moves and ``z`` is true; (n,) each.
+    [N m]; ``moving`` where the car moves, ``glitch`` where ``z`` is not true; (n,) each.
     """
     step = step_of(time)
     width = max(1, round(LIMITS.pressure_width / step)) | 1
     inside = slice(width // 2, time.size - width // 2)  # the others are means of fewer samples
     z, *torques = (centred_mean(x, width)[inside] for x in (z, *drives))
     pressed = [centred_mean(p, width)[inside] / BITE for p in pressures]
-    time, use = time[inside], use[inside]
+    use = (moving & (centred_mean(glitch.astype(float), width) == 0.0))[inside]
+    time = time[inside]
     active = (np.max(pressed, axis=0) > 1.0) | (z > _SLOWS)
     rolling = ~np.logical_or.accumulate(active) & (np.abs(z) < STEADY)
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))

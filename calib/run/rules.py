@@ -131,13 +131,11 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
     if pressure is None or (seen.slipping and (seen.slipping.cycles or seen.slipping.locked)):
         return
     motor = any(name.startswith("T_drive") for name in seen.present)
-    if pressure.beyond(late) and pressure.explained > LIMITS.explained:
-        off = -pressure.value
+    if pressure.beyond(late):
         yield (
-            f"p_mc is {abs(off):.2f} s {'late' if off > 0.0 else 'early'} against the "
-            f"deceleration, and brakes make {late:g} s at most: look for a pressure of another "
-            "run, log the torque T_drive of a motor that brakes first, record all channels on one "
-            f'clock, or put p_mc in time with delay = "{off:.2f} s" in a channel map'
+            f"p_mc is {pressure.words}, and brakes make {late:g} s at most: look for a pressure of "
+            "another run, log the torque T_drive of a motor that brakes first, record all channels "
+            f"on one clock, or put p_mc in time with {pressure.entry} in a channel map"
         )
     elif pressure.in_time < LIMITS.explained and not motor:
         yield (
