@@ -1,14 +1,15 @@
 """Observations on a log, on which its verdicts depend."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import AXLES, CHANNELS, G
+from calib.base.names import CHANNELS, WHEELS, G
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
-from calib.run.axle_signals import axle_pressure, wheels_held
+from calib.run.axle_signals import wheels_held
 from calib.run.blocks import Axle, braked_alone_in
 from calib.run.copies import made_of_wheels
 from calib.run.driving_record import (
@@ -19,7 +20,7 @@ from calib.run.driving_record import (
     rolls,
     standing,
 )
-from calib.run.pressure_delay import PressureDelay, pressure_delay
+from calib.run.pressure_delay import PressureDelay, delay_of_wheel, pressure_delay
 from calib.run.sensors import Sensor, sensors_of
 from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, slips_of, wheel_parts
 
@@ -54,7 +55,7 @@ class Observation:
     standing : time in which no wheel turns [s].
     speed, z : highest speed [m/s], approximate without ``v``; highest deceleration, in g [1].
     alone : the axle that brakes alone by its pressures, "f" or "r"; None for both.
-    pressure : how the deceleration follows the pressure, if known.
+    pressures : how the deceleration follows each pressure, by channel, where that is known.
     wheels_held : mean time for which a wheel speed keeps a value while the car slows [s].
     v_of_wheels : whether ``v`` is made of the wheel speeds.
     axles, slipping, wheels : None where ``a_x`` or a wheel speed is missing; so are the times
@@ -73,7 +74,7 @@ class Observation:
     speed: float = 0.0
     z: float = 0.0
     alone: Axle | None = None
-    pressure: PressureDelay | None = None
+    pressures: dict[str, PressureDelay] = field(default_factory=dict)
     wheels_held: float = 0.0
     v_of_wheels: bool = False
     axles: Axles | None = None
@@ -99,6 +100,7 @@ def observe(log: Log, *, full: bool = True) -> Observation:
     driving = driving_record(log)
     events = brake_events(driving)
     slips = slips_of(log, driving)
+    at_limit = slipping(slips, driving)
     rolling = driving.lead_in & driving.moving
     return Observation(
         present=present,
@@ -113,11 +115,11 @@ def observe(log: Log, *, full: bool = True) -> Observation:
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),
-        pressure=_pressure_delay(log, driving) if "p_mc" in log else None,
+        pressures=dict(_delays(log, driving, at_limit.first)) if "p_mc" in log else {},
         wheels_held=wheels_held(log),
         v_of_wheels=full and "v" in log and made_of_wheels(log),
         axles=axles_of(log, driving, slips),
-        slipping=slipping(slips, driving),
+        slipping=at_limit,
         wheels=wheel_parts(log, driving),
     )
 
@@ -125,16 +127,22 @@ def observe(log: Log, *, full: bool = True) -> Observation:
 _GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch of a_x
 
 
-def _pressure_delay(log: Log, driving: DrivingRecord) -> PressureDelay | None:
-    front, rear = (axle_pressure(log, axle) for axle in AXLES)
-    return pressure_delay(
-        log.time,
-        driving.z,
-        (front,) if np.array_equal(front, rear) else (front, rear),
-        [log[name] for name in ("T_drive_f", "T_drive_r") if name in log],
-        driving.moving,
-        np.abs(log["a_x"]) > _GREATEST,
-    )
+def _delays(log: Log, driving: DrivingRecord, limit: float) -> Iterator[tuple[str, PressureDelay]]:
+    """The delay of the deceleration after each pressure until a wheel is at its ``limit`` [s].
+
+    That of a wheel is told by the master cylinder, which it follows.
+    """
+    master, free = log["p_mc"], log.time < limit
+    use = free & driving.moving & (np.abs(log["a_x"]) <= _GREATEST)
+    drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
+    first = pressure_delay(log.time, driving.z, master, drives, use)
+    if first is None:
+        return
+    yield "p_mc", first
+    for name in (f"p_{wheel}" for wheel in WHEELS):
+        late = delay_of_wheel(log.time, log[name], master, free) if name in log else None
+        if late is not None:
+            yield name, first.less(late)
 
 
 def clock_of(time: Array) -> _Clock:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array, Index, Mask
 from calib.car.braking import BITE
 from calib.logs.clock import step_of
 from calib.run.driving_record import BITE_Z, STEADY
@@ -29,10 +29,12 @@ _USUAL, _SPREAD = 0.02, 0.06
 """Delay of brakes and filters as usual, and the half width of its Cauchy distribution [s]: of a
 second it says little, where a normal one would deny it."""
 _SURE = 0.98  # chance that the delay is above `low`, and that it is below `high` [1]
-_KEPT = 0.5  # share of the samples that a delay must leave [1]
+_KEPT, _BRAKED = 0.5, 0.25  # shares of all samples and of the braked ones that a delay leaves [1]
 _SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # standard deviation of f and of g, at these, over the usual deceleration [1]
+_KNEES = (0.125, 0.25, 0.5)
+"""Shares of the highest pressure at which that of a wheel may bend [1]."""
 _EXACT = 1e-10  # square of what the rounding of numbers leaves of z [1]
 _GROUP = 4  # samples over which residuals are averaged to see how they are correlated: 0.2 s
 
@@ -54,41 +56,42 @@ class PressureDelay:
 
     def beyond(self, late: float) -> bool:
         """Whether p, which explains the deceleration, is surely ``late`` [s] or early by more."""
-        return self.explained > LIMITS.explained and (self.low > late or self.high < -late)
+        return self.explained > LIMITS.explained_late and (self.low > late or self.high < -late)
 
     @property
     def words(self) -> str:
         """How p lies in time."""
         late = "late" if self.value < 0.0 else "early"
-        return f"{abs(self.value):.2f} s {late} against the deceleration"
+        return f"{abs(self.value):.2f} s {late}"
 
     @property
     def entry(self) -> str:
         """What puts p in time in a channel map."""
         return f'delay = "{-self.value:.2f} s"'
 
+    def less(self, other: "PressureDelay") -> "PressureDelay":
+        """The delay after a pressure that comes ``other`` later than this one's."""
+        return PressureDelay(
+            self.value - other.value,
+            self.low - other.high,
+            self.high - other.low,
+            min(self.explained, other.explained),
+            other.in_time,
+        )
+
 
 def pressure_delay(
-    time: Array,
-    z: Array,
-    pressures: Sequence[Array],
-    drives: Sequence[Array],
-    moving: Mask,
-    glitch: Mask,
+    time: Array, z: Array, pressure: Array, drives: Sequence[Array], use: Mask
 ) -> PressureDelay | None:
-    """The delay of ``z`` [1] after ``pressures`` [Pa]; None where too little is braked to tell.
+    """The delay of ``z`` [1] after a ``pressure`` [Pa]; None where too little is braked to tell.
 
-    ``time`` [s]; ``pressures`` one, or those of both axles; ``drives`` torques of engine or motor
-    [N m]; ``moving`` where the car moves, ``glitch`` where ``z`` is not true; (n,) each.
+    ``time`` [s]; ``drives`` torques of engine or motor [N m]; ``use`` where the car moves, no wheel
+    is at its limit yet and ``z`` is true; (n,) each.
     """
     step = step_of(time)
-    width = max(1, round(LIMITS.pressure_width / step)) | 1
-    inside = slice(width // 2, time.size - width // 2)  # the others are means of fewer samples
-    z, *torques = (centred_mean(x, width)[inside] for x in (z, *drives))
-    pressed = [centred_mean(p, width)[inside] / BITE for p in pressures]
-    use = (moving & (centred_mean(glitch.astype(float), width) == 0.0))[inside]
-    time = time[inside]
-    active = (np.max(pressed, axis=0) > 1.0) | (z > _SLOWS)
+    time, use, (z, pressed, *torques) = _means(time, use, z, pressure / BITE, *drives)
+    slowed = z > _SLOWS
+    active = (pressed > 1.0) | slowed
     rolling = ~np.logical_or.accumulate(active) & (np.abs(z) < STEADY)
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
@@ -98,15 +101,50 @@ def pressure_delay(
     usual = abs(float(np.median(z[use & active])))
     if not (np.ptp(z[at]) > 0.0 and usual > 0.0):  # an a_x that hangs has no course to explain
         return None
-    known = time[at] - _TRIED[:, None] <= time[-1]
-    tried, known = (x[np.mean(known, axis=1) > _KEPT] for x in (_TRIED, known))
-    p = [np.interp(time[at] - tried[:, None], time, one) for one in pressed]
-    aged = ((time[at] - time[at[0]]) * one for one in p)
-    some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
-    besides = np.array([np.ones(at.size), *(x[at] for x in torques)])
-    others = (np.broadcast_to(x, known.shape) for x in besides)
-    columns = np.stack([*others, *p, *aged, *some], axis=1) * known[:, None]
+    tried, known, p = _shifted(time, pressed, at, slowed[at])
+    aged = (time[at] - time[at[0]]) * p
+    some = [np.clip(p / bite, 0.0, 1.0) for bite in _BITES]
+    others = [np.ones_like(p), *(np.broadcast_to(x[at], p.shape) for x in torques)]
+    columns = np.stack([*others, p, aged, *some], axis=1) * known[:, None]
     return _by_chance(tried, columns, z[at] * known, known.sum(axis=1), _FORCE * usual)
+
+
+def delay_of_wheel(time: Array, wheel: Array, master: Array, use: Mask) -> PressureDelay | None:
+    """The delay of a wheel's pressure after the ``master`` cylinder's [Pa]; None without braking.
+
+    A valve between them may limit or reduce: the one is a curve over the other. ``time`` [s];
+    ``use`` where no wheel is at its limit yet; (n,) each.
+    """
+    step = step_of(time)
+    time, use, (wheel, master) = _means(time, use, wheel / BITE, master / BITE)
+    pressed, highest = wheel > 1.0, float(np.max(master))
+    if step * np.count_nonzero(use & pressed) < LIMITS.pressure_braked or highest < 1.0:
+        return None
+    at = np.flatnonzero(use)[:: max(1, round(LIMITS.pressure_every / step))]
+    tried, known, p = _shifted(time, master, at, pressed[at])
+    parts = (np.minimum(p, share * highest) for share in _KNEES)
+    columns = np.stack([np.ones_like(p), p, *parts], axis=1) * known[:, None]
+    return _by_chance(tried, columns, wheel[at] / highest * known, known.sum(axis=1), np.inf)
+
+
+def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
+    """The times that have whole means, where all of these is of ``use``, and those of signals."""
+    width = max(1, round(LIMITS.pressure_width / step_of(time))) | 1
+    inside = slice(width // 2, time.size - width // 2)
+    unused, *means = (centred_mean(x, width)[inside] for x in ((~use).astype(float), *signals))
+    return time[inside], unused == 0.0, means
+
+
+def _shifted(time: Array, p: Array, at: Index, counts: Mask) -> tuple[Array, Array, Array]:
+    """Delays that are tried (m,), those that leave enough of what ``counts`` (n,) of the samples.
+
+    With each of them: whether p is known, and p itself, at the samples ``at``, (m, n).
+    """
+    then = time[at] - _TRIED[:, None]
+    known = then <= time[-1]
+    left = np.count_nonzero(known & counts, axis=1) >= _BRAKED * np.count_nonzero(counts)
+    left &= np.mean(known, axis=1) > _KEPT
+    return _TRIED[left], known[left], np.interp(then[left], time, p)
 
 
 def _by_chance(

@@ -124,25 +124,27 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
 def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
     """A pressure of another run, or of a clock that is off by more than ``late`` [s].
 
-    Nothing is said of a wheel at its limit, which does not follow its pressure, nor of how much the
-    pressure explains where a motor brakes as well.
+    Nothing is said of how much the pressure explains where a motor brakes as well.
     """
-    pressure = seen.pressure
-    if pressure is None or (seen.slipping and (seen.slipping.cycles or seen.slipping.locked)):
-        return
     motor = any(name.startswith("T_drive") for name in seen.present)
-    if pressure.beyond(late):
+    off = {name: delay for name, delay in seen.pressures.items() if delay.beyond(late)}
+    if off:
+        which = ", ".join(f"{name} is {delay.words}" for name, delay in off.items())
+        entries = ", ".join(f"{name} with {delay.entry}" for name, delay in off.items())
         yield (
-            f"p_mc is {pressure.words}, and brakes make {late:g} s at most: look for a pressure of "
-            "another run, log the torque T_drive of a motor that brakes first, record all channels "
-            f"on one clock, or put p_mc in time with {pressure.entry} in a channel map"
+            f"{which} against the deceleration, and brakes make {late:g} s at most: look for a "
+            "pressure of another run, log the torque T_drive of a motor that brakes first, record "
+            f"all channels on one clock, or put in time in a channel map {entries}"
         )
-    elif pressure.in_time < LIMITS.explained and not motor:
-        yield (
-            f"p_mc explains {100 * max(pressure.in_time, 0.0):.0f} % of how the deceleration "
-            f"goes, and that of the same run {100 * LIMITS.explained:.0f} % or more: look for a "
-            "pressure of another run, and log the torque T_drive of a motor that brakes"
-        )
+        return
+    for name, delay in seen.pressures.items():
+        if delay.in_time < LIMITS.explained and not motor:
+            share, what = max(delay.in_time, 0.0), "the deceleration" if name == "p_mc" else name
+            yield (
+                f"p_mc explains {100 * share:.0f} % of how {what} goes, and that of the same run "
+                f"{100 * LIMITS.explained:.0f} % or more: look for a pressure of another run, and "
+                "log the torque T_drive of a motor that brakes"
+            )
 
 
 def _not_for_fit(seen: Observation) -> Iterator[str]:

@@ -12,6 +12,7 @@ fl with rr L = -E, fr with rl L = E. One wheel that brakes more or less moves |X
 X alone is no brake and no tyre, and no bend.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -176,25 +177,32 @@ def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
 
 @dataclass(frozen=True)
 class Slipping:
-    """Wheels at their limit: ABS cycles as (wheel, start [s]); wheels that locked."""
+    """Wheels at their limit: ABS cycles as (wheel, start [s]); wheels that locked.
+
+    ``first`` time at which one of them begins to slip deeply [s]; inf where none does.
+    """
 
     cycles: tuple[tuple[str, float], ...]
     locked: tuple[str, ...]
+    first: float
 
 
 def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
     """Find ABS cycles and locked wheels; without ``v`` not where all four slip at the same time."""
     inside = driving.braked & driving.moving
-    cycles, locked = [], []
+    cycles, locked, first = [], [], math.inf
     for wheel, slip in slips.items():
         for start, end in runs(inside & (slip > LIMITS.deep_back)):
             deepest, time = slip[start:end].max(), (end - start) * driving.step
+            if deepest > LIMITS.deep:
+                first = min(first, float(driving.time[start]))
             if deepest > LIMITS.locked:
                 locked.append(wheel)
             comes_back = end < inside.size and inside[end] and time < LIMITS.abs_cycle
             if deepest > LIMITS.deep and comes_back:
                 cycles.append((wheel, float(driving.time[start])))
-    return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
+    cycles.sort(key=lambda cycle: cycle[1])
+    return Slipping(tuple(cycles), tuple(dict.fromkeys(locked)), first)
 
 
 def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:

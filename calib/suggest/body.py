@@ -222,12 +222,12 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
-    none = np.zeros(braking.size, np.bool_)
-    delay = pressure_delay(clock.time, braking / G, [item.values], [], ~none, none)
+    every = np.ones(braking.size, np.bool_)
+    delay = pressure_delay(clock.time, braking / G, item.values, [], every)
     if delay and delay.beyond(LIMITS.pressure_late):
         return (
-            f"a pressure that is {delay.words}: take it with --take, and put it in time with "
-            f"{delay.entry}"
+            f"a pressure that is {delay.words} against the deceleration: take it with --take, "
+            f"and put it in time with {delay.entry}"
         )
     if (agrees := follows(item.values, braking, clock)) < _FOLLOWS:
         return f"a pressure that does not agree with the deceleration (correlation {agrees:.2f})"

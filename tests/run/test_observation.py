@@ -35,7 +35,7 @@ def test_the_figures_are_the_columns_of_a_batch():
 
 
 def share(log):
-    return observe(log, full=False).pressure.in_time
+    return observe(log, full=False).pressures["p_mc"].in_time
 
 
 @pytest.mark.parametrize("pressure", [ramp(), stop(), stop(level=8.0), stop(end=4.0)])

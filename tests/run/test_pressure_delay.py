@@ -32,7 +32,7 @@ def late(log, delay):
 
 
 def found(log):
-    return observe(log, full=False).pressure
+    return observe(log, full=False).pressures.get("p_mc")
 
 
 @pytest.mark.parametrize("name", RUNS)
