@@ -30,9 +30,11 @@ def export(
     ),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     points: int | None = option("Breakpoints on each axis, least error; else all rows.", "N"),
-    bits: int | None = option("8, 16 or 32; for c-header, a2l, ecu, fmu.", "BITS", "--fixed-point"),
-    single: bool = option("Single precision; for c-header, a2l, ecu, fmu.", None, "--float"),
-    sample_time: float | None = option("Time from call to call [s], 0.01; for ecu, fmu.", "S"),
+    bits: int | None = option(
+        "8, 16 or 32; for c-header, a2l, ecu and FMUs.", "BITS", "--fixed-point"
+    ),
+    single: bool = option("Single precision; for c-header, a2l, ecu and FMUs.", None, "--float"),
+    sample_time: float | None = option("Time from call to call [s], 0.01; for ecu and FMUs.", "S"),
     prefix: str | None = option("Of all labels; the table's name, of code bte.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),

@@ -179,7 +179,7 @@ def _recorded(
 def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
     refuse_absurd(log.channels, log.source)
     possible, marked, more = without_impossible(log.channels, log.source)
-    possible, moved = _in_time(possible, taken)
+    possible, moved = _in_time(possible, taken, log.source)
     cut, cut_notes = without_open_ends(possible)
     values, notes = complete_channels(cut, needed, log.source)
     check_clock(values["time"], log.source)
@@ -195,18 +195,31 @@ def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
 
 
 def _in_time(
-    channels: dict[str, Array], taken: list[Assigned]
+    channels: dict[str, Array], taken: list[Assigned], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The channels without the delays that the map states, in the rows that all have, and notes."""
+    """The channels without the delays that the map states, in the rows that all have, and notes.
+
+    Raises LogError where no row is left.
+    """
     time = channels["time"]
     late = {item.channel: item.mapping.delay for item in taken if item.mapping.delay}
     if not late or not is_ascending(time):
         return channels, ()
     moved = {name: np.interp(time + delay, time, channels[name]) for name, delay in late.items()}
+    moves = [
+        f"{name} was put {abs(delay):g} s {'earlier' if delay > 0.0 else 'later'}"
+        for name, delay in late.items()
+    ]
     shifts = [0.0, *late.values()]
     kept = (time + min(shifts) >= time[0]) & (time + max(shifts) <= time[-1])
-    notes = (f"{name} was put {delay:g} s earlier" for name, delay in late.items())
-    return {name: x[kept] for name, x in (channels | moved).items()}, tuple(notes)
+    if not kept.any():
+        raise LogError(
+            f"no time has all channels: {', '.join(moves)}",
+            where=where,
+            expected=f"delays within the {np.ptp(time):.3g} s of the log",
+            do="correct the delay in the channel map",
+        )
+    return {name: x[kept] for name, x in (channels | moved).items()}, tuple(moves)
 
 
 def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Assigned:

@@ -13,7 +13,7 @@ def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]
     """Warnings on the log ``name``."""
     rules = (
         _clock, clock_gaps, _lead_in, _radii, swapped_axles, _abs, locked_wheels, _speed, saturated,
-        _wheel_speeds, _pressure,
+        _wheel_speeds, _pressure, _pressure_clock,
     )  # fmt: skip
     return tuple(warning for rule in rules for warning in rule(name, seen))
 
@@ -134,3 +134,12 @@ def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if seen.z > 0.1 and pressure.high / seen.z > LIMITS.stiff:
         per_g = pressure.high / seen.z / 1e5
         yield warning("pressure_per_g", log, per_g, (0.0, LIMITS.stiff / 1e5))
+
+
+def _pressure_clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """A pressure that may be off by more than brakes are, or not: the log does not tell."""
+    late = LIMITS.pressure_late
+    for channel, delay in seen.pressures.items():
+        most = max(delay.low, delay.high, key=abs)
+        if abs(most) > late and not delay.beyond(late):
+            yield warning("pressure_clock", log, most, (-late, late), channel=channel)

@@ -10,6 +10,7 @@ from calib.car.lag import first_order
 from calib.logs.read import read_log
 from calib.run.check import problems_for
 from calib.run.observation import observe
+from calib.run.warnings import warnings_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
@@ -29,6 +30,15 @@ def late(log, delay):
     """The log with a pressure that was recorded ``delay`` [s] late; its ends are held."""
     then = log.time - delay
     return changed(log, p_mc=np.interp(then, log.time, log["p_mc"]))
+
+
+def with_wheels(log, rear=lambda p: p, **delays):
+    """The log with four wheel pressures; those of `rear` behind a valve; some channels are late."""
+    p = log["p_mc"]
+    wheels = {f"p_{wheel}": rear(p) if wheel[0] == "r" else p for wheel in ("fl", "fr", "rl", "rr")}
+    pressures = {"p_mc": p, **wheels}
+    made = {x: np.interp(log.time - delays.get(x, 0.0), log.time, pressures[x]) for x in pressures}
+    return changed(log, **made)
 
 
 def found(log):
@@ -103,6 +113,49 @@ def test_a_short_braking_and_a_run_without_noise(noise, delay):
     answer = found(late(log, delay))
     assert answer.value == pytest.approx(-delay, abs=0.06)
     assert answer.low < answer.value < answer.high
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("late_ones", [("p_mc",), ("p_rl", "p_rr"), ("p_fl",)])
+@pytest.mark.parametrize("delay", [-1.0, 0.5, 1.0])
+def test_each_pressure_is_told_by_its_name(name, late_ones, delay):
+    """The rear brakes get no more than 20 bar, as behind a valve."""
+    log = with_wheels(RUNS[name], lambda p: np.minimum(p, 20e5), **dict.fromkeys(late_ones, delay))
+    seen = observe(log, full=False).pressures
+    assert len(seen) == 5
+    for channel, answer in seen.items():
+        true = -delay if channel in late_ones else 0.0
+        assert answer.value == pytest.approx(true, abs=0.1)
+        assert answer.beyond(BOUND) == (channel in late_ones)
+    assert problems_for(log, "fit")
+    assert not problems_for(with_wheels(RUNS["ramp"], lambda p: np.minimum(p, 20e5)), "fit")
+
+
+@pytest.mark.parametrize(("end", "duration"), [(4.5, 5.2), (9.0, 6.0)])
+@pytest.mark.parametrize("delay", [-2.0, -0.5, 0.4, 0.7])
+def test_a_delay_that_hides_the_braking_explains_nothing(end, duration, delay):
+    """A tap, and a stop that the log ends with: with most of it unknown any delay would do."""
+    log = made_run(stop(start=4.0, end=end), duration=duration, speed=40.0)
+    assert found(late(log, delay)).value == pytest.approx(-delay, abs=0.1)
+
+
+@pytest.mark.parametrize("delay", [-0.7, 0.0, 0.5, 1.0])
+def test_a_wheel_that_locks_ends_what_tells_of_the_delay(delay):
+    log = made_run(stop(start=4.0, end=7.0), duration=8.0, speed=40.0)
+    omega = np.where(log.time > 5.0, 0.3, 1.0) * log["omega_fl"]
+    a_x = np.where(log.time > 5.0, 0.7, 1.0) * log["a_x"]
+    answer = found(late(changed(log, omega_fl=omega, a_x=a_x), delay))
+    assert answer.value == pytest.approx(-delay, abs=0.06)
+    assert answer.explained > 0.98
+
+
+def test_where_a_log_does_not_tell_it_is_said():
+    """Pads that bite at 3 bar and 6 bar/s are as good as a delay of half a second."""
+    log = made_run(ramp())
+    shifted = changed(log, a_x=made_run(lambda t: np.maximum(ramp()(t) - 3.0, 0.0))["a_x"])
+    assert not problems_for(shifted, "fit")
+    assert "pressure_clock" in [x.code for x in warnings_of("ramp", observe(shifted))]
+    assert "pressure_clock" not in [x.code for x in warnings_of("ramp", observe(log))]
 
 
 def test_without_a_braking_or_a_lead_in_nothing_is_said():
