@@ -16,11 +16,11 @@ import numpy as np
 from calib.base.arrays import Array, Index
 from calib.base.errors import LogError
 from calib.base.names import WHEELS
-from calib.base.noise import explained_square
 from calib.base.units import UnknownUnit, si_of, spelling
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.logs.source import ColumnSource, Recording
+from calib.run.least_squares import squares_left
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
@@ -32,8 +32,8 @@ def made_of_wheels(log: Log) -> bool:
     log = _as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
     if not _is_noise(log, "v"):
         return False
-    wheels = np.array([_rough(log, f"omega_{w}") for w in WHEELS])
-    return float(explained_square(wheels, _rough(log, "v"))) > LIMITS.copy_correlation**2
+    wheels, v = np.array([[_rough(log, f"omega_{w}") for w in WHEELS]]), _rough(log, "v")
+    return float(squares_left(wheels, v)[0]) < (1.0 - LIMITS.copy_correlation**2) * float(v @ v)
 
 
 def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:

@@ -7,9 +7,10 @@ from calib.run.filters import block_mean
 
 
 def squares_left(columns: Array, y: Array, ridge: Array | float = 0.0) -> Array:
-    """Least sums of squares of ``y`` (m, n) less a mix of ``columns`` (m, k, n), (m,).
+    """Least sums of squares of ``y`` (m, n) or (n,) less a mix of ``columns`` (m, k, n), (m,).
 
-    ``ridge`` (k,) times the square of each share is added. Right to 1e-9 of the squares of y.
+    ``ridge`` (k,) times the square of each share is added. A column that is zero, or the same as
+    another, adds nothing. Right to 1e-9 of the squares of y.
     """
     gram = columns @ np.swapaxes(columns, 1, 2) + ridge * np.eye(columns.shape[1])
     size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))

@@ -1,11 +1,11 @@
-"""Noise against the covariance that it is made of, the normal distribution, and numpy's fit."""
+"""Noise against the covariance that it is made of, and the normal distribution."""
 
 import numpy as np
 import pytest
 import scipy.stats
 
 from calib.base.intervals import QUARTILE, Z95
-from calib.base.noise import explained_square, moving_average, second_differences
+from calib.base.noise import moving_average, second_differences
 
 
 @pytest.mark.parametrize("made", [[1.0, -0.7], [1.0, -1.2, 0.4]])
@@ -28,21 +28,6 @@ def test_second_differences_have_the_variance_of_their_parts():
     for lag, expected in enumerate(made):
         seen = np.mean(differences[lag:] * differences[: differences.size - lag])
         assert seen == pytest.approx(expected, abs=0.03)
-
-
-def test_what_columns_explain_is_numpy_s_for_each_set():
-    rng = np.random.default_rng(0)
-    columns = rng.normal(size=(7, 3, 40)) * rng.uniform(1e-3, 1e5, (7, 3, 1))
-    y = rng.normal(size=40)
-    for one, square in zip(columns, explained_square(columns, y), strict=True):
-        left = y - one.T @ np.linalg.lstsq(one.T, y)[0]
-        assert y @ y - square == pytest.approx(float(left @ left), rel=1e-9)
-
-
-def test_zero_and_doubled_columns_add_nothing():
-    x, y = np.arange(5.0), np.array([1.0, 0.0, 2.0, -1.0, 3.0])
-    alone = explained_square(x[None], y)
-    assert explained_square(np.array([x, 0.0 * x, 3.0 * x]), y) == pytest.approx(float(alone))
 
 
 def test_the_quantiles_are_those_of_the_normal_distribution():
