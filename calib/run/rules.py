@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from itertools import permutations
+from itertools import groupby, permutations
 
 from calib.base.names import AXLE_NAMES, WHEELS
 from calib.run.driving_record import BITE_Z, NOMINAL_RADIUS, BrakeEvent
@@ -129,12 +129,14 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
     motor = any(name.startswith("T_drive") for name in seen.present)
     off = {name: delay for name, delay in seen.pressures.items() if delay.beyond(late)}
     if off:
-        which = ", ".join(f"{name} is {delay.words}" for name, delay in off.items())
-        entries = ", ".join(f"{name} with {delay.entry}" for name, delay in off.items())
+        alike = groupby(off.items(), key=lambda item: (item[1].words, item[1].entry))
+        told = [(", ".join(name for name, _ in items), *words) for words, items in alike]
+        which = "; ".join(f"{names} {'are' if ',' in names else 'is'} {x}" for names, x, _ in told)
+        entries = ", ".join(f"{entry} to {names}" for names, _, entry in told)
         yield (
             f"{which} against the deceleration, and brakes make {late:g} s at most: look for a "
             "pressure of another run, log the torque T_drive of a motor that brakes first, record "
-            f"all channels on one clock, or put in time in a channel map {entries}"
+            f"all channels on one clock, or give {entries} in a channel map"
         )
         return
     for name, delay in seen.pressures.items():
