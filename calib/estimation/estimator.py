@@ -106,9 +106,9 @@ class Estimate:
 
     @property
     def refused(self) -> dict[str, Mask]:
-        """Samples in which the pads bite and the model does not hold, (n,) each, by reason."""
+        """Samples in which the pads bite and the ECU has no answer, (n,) each, by reason."""
         reasons = (reason for reason in Reason if reason is not Reason.VALID)
-        shown = {reason.words: self.bites & (self.best.step.reason == reason) for reason in reasons}
+        shown = {reason.words: self.bites & (self.ecu.step.reason == reason) for reason in reasons}
         return dict.fromkeys(self.unfit, self.bites) | shown
 
     @property

@@ -10,19 +10,18 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
 from calib.base.errors import InputError
-from calib.base.names import WHEELS
 
 COLUMNS = (
     *("time", "z", "eta", "normalised_force_f", "normalised_force_r"),
-    *(f"pad_friction_{axle}{end}" for axle in "fr" for end in ("", "_lower", "_upper")),
-    *(f"brake_torque_{wheel}" for wheel in WHEELS),
+    *(f"ecu_pad_friction_{axle}{end}" for axle in "fr" for end in ("", "_lower", "_upper")),
+    *(f"ecu_brake_torque_{wheel}" for wheel in ("fl", "rl")),  # both of an axle have the same
 )
-"""Numeric columns of a result that are drawn; every program wrote them."""
+"""Numeric columns of a result that are drawn."""
 
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Estimates of one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
+    """Answers of the ECU to one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
 
     ``name`` is the stem of the log; ``digest`` the SHA-256 of the file.
     """
@@ -57,7 +56,7 @@ def read_result(path: Path) -> StoredResult:
         found = read_table(io.BytesIO(data))
     except (OSError, ArrowException, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    missing = [name for name in (*COLUMNS, "valid") if name not in found.column_names]
+    missing = [name for name in (*COLUMNS, "ecu_valid") if name not in found.column_names]
     if missing or found.num_rows < 2:
         raise InputError(
             f"no column {', '.join(missing)}" if missing else "fewer than two samples",
@@ -66,7 +65,7 @@ def read_result(path: Path) -> StoredResult:
         )
     try:
         values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
-        valid = np.asarray(found["valid"].to_numpy(zero_copy_only=False), dtype=bool)
+        valid = np.asarray(found["ecu_valid"].to_numpy(zero_copy_only=False), dtype=bool)
     except (ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"holds more than numbers ({cause})", where=path) from cause
     return StoredResult(

@@ -1,4 +1,4 @@
-"""A stop with its estimate, pads first, as in Figs. 13 to 16; with truth the lines of 9 to 11."""
+"""A stop with the answer of its ECU, pads first, as in Figs. 13 to 16; with truth as in 9 to 11."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -93,12 +93,12 @@ def of_validation(
     `BASELINES`, too.
     """
     e, values = result.estimate, result.estimate.columns()
-    over = _over(e.time, e.valid)
-    first = _pads(values, e.valid, over, _other_pads(e, vehicle))
+    valid, over = e.ecu.valid, _over(e.time, e.ecu.valid)
+    first = _pads(values, valid, over, _other_pads(e, vehicle))
     panels = [
         first,
         *(_methods(e, first.lines[:2], over) if compare else ()),
-        *_signals(values, e.valid, over, _other_torques(e, vehicle), _slips(e)),
+        *_signals(values, valid, over, _other_torques(e, vehicle), _slips(e)),
     ]
     lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
     refused = [f"{lasts:.1f}\u00a0s {why}" for why, lasts in lost.items() if lasts >= _LEAST]
@@ -108,7 +108,11 @@ def of_validation(
         f"{_GREY}{': ' * bool(refused)}{', '.join(refused)}.",
         *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
     )
-    told = [word(result), *broken(result), _in_words([pads(result.figures, x) for x in _STROKES])]
+    told = [
+        word(result),
+        *broken(result),
+        _in_words([pads(result.figures, x, "ecu_") for x in _STROKES]),
+    ]
     kind = "stop" if truth_of(e) is None else "simulation"
     return _sheet(kind, log.name, panels, " ".join(notes), told)
 
@@ -116,7 +120,7 @@ def of_validation(
 def pads_over_time(result: Validation) -> Picture:
     """Pad friction of both axles of a stop, for a page."""
     e = result.estimate
-    panel = _pads(e.columns(), e.valid, _over(e.time, e.valid), _other_pads(e, None))
+    panel = _pads(e.columns(), e.ecu.valid, _over(e.time, e.ecu.valid), _other_pads(e, None))
     caption = f"{result.log}: pad friction with its 95 % band; grey: no valid answer."
     return Picture(caption, Sheet("stop", result.log, (panel,)))
 
@@ -155,7 +159,7 @@ def _in_words(means: Iterable[str | None]) -> str:
 
 def _mean_pads(result: StoredResult, axle: str) -> str:
     """As the validation counts them, over the valid samples."""
-    columns = (result.values[f"pad_friction_{axle}{end}"] for end in _ENDS)
+    columns = (result.values[f"ecu_pad_friction_{axle}{end}"] for end in _ENDS)
     mu, lower, upper = (values[result.valid] for values in columns)
     mean = float(np.mean(mu))
     return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
@@ -169,7 +173,7 @@ def _pads(values: _Values, valid: Mask, over: _Over, beside: _Lines = ()) -> Pan
     lines, ends = [], [_tails(line.y) for line in beside]
     for axle, look in _STROKES.items():
         pad, lower, upper = (
-            np.where(valid, values[f"pad_friction_{axle}{end}"], np.nan) for end in _ENDS
+            np.where(valid, values[f"ecu_pad_friction_{axle}{end}"], np.nan) for end in _ENDS
         )
         thick, label = {**look, "linewidth": 1.8}, f"{AXLE_NAMES[axle]}, with 95 % band"
         lines.append(Line(values["time"], pad, thick, label, (lower, upper)))
@@ -193,9 +197,20 @@ def _before(e: Estimate, vehicle: Vehicle | None) -> list[tuple[str, float]]:
 
 
 def _other_pads(e: Estimate, vehicle: Vehicle | None) -> list[Line]:
-    """The pads as they were before the stop, and the true ones where they are known."""
-    ends = e.time[[0, -1]]
+    """Pads by the speed, which no ECU has, as they were before the stop, and the true ones."""
+    by_v = zip((e.best.pads_f, e.best.pads_r), AXLE_NAMES.values(), _STROKES.values(), strict=True)
     lines = [
+        Line(
+            e.time,
+            np.where(e.valid, x.value, np.nan),
+            {**look, "linewidth": 0.9},
+            f"{name}, with v",
+        )
+        for x, name, look in by_v
+        if e.read.v is not None
+    ]
+    ends = e.time[[0, -1]]
+    lines += [
         Line(ends, [mu, mu], {**_BEFORE, "color": look["color"]}, f"{whose}, {mu:.3f}")
         for (whose, mu), look in zip(_before(e, vehicle), _STROKES.values(), strict=True)
     ]
@@ -252,7 +267,7 @@ def _signals(
     for axle, look in _STROKES.items():
         name = AXLE_NAMES[axle]
         forces.append(Line(time, values[f"normalised_force_{axle}"], look, name, mean=MEAN))
-        torque = (values[f"brake_torque_{axle}l"] + values[f"brake_torque_{axle}r"]) / 1e3
+        torque = 2.0 * values[f"ecu_brake_torque_{axle}l"] / 1e3
         brakes.append(Line(time, torque, look, name, mean=MEAN))
     z = Line(time, values["z"], BODY, "deceleration over g", mean=MEAN)
     eta = Line(time, 100.0 * (values["eta"] - 1.0), IDENTIFIED, "\u03b7 - 1", mean=_SLIP_MEAN)

@@ -9,7 +9,8 @@ from calib.show.result import COLUMNS, is_result, read_result
 
 def written(path, **changes):
     columns = {name: np.linspace(0.1, 1.0, 50) + i for i, name in enumerate(COLUMNS)}
-    columns["valid"] = np.arange(50) % 2 == 0
+    columns["ecu_valid"] = np.arange(50) % 2 == 0
+    columns |= dict.fromkeys(("valid", "pad_friction_f", "pad_friction_r"), columns["ecu_valid"])
     columns |= changes
     pq.write_table(pa.table({k: v for k, v in columns.items() if v is not None}), path)
     return columns
@@ -23,7 +24,7 @@ def test_a_result_is_read_as_written(tmp_path):
     assert found.name == "stop"
     for name in COLUMNS:
         assert np.array_equal(found.values[name], columns[name])
-    assert np.array_equal(found.valid, columns["valid"])
+    assert np.array_equal(found.valid, columns["ecu_valid"])
 
 
 def test_a_log_or_rubbish_is_no_result(tmp_path):
@@ -36,6 +37,6 @@ def test_a_log_or_rubbish_is_no_result(tmp_path):
 
 
 def test_a_missing_column_is_named(tmp_path):
-    written(tmp_path / "a.parquet", brake_torque_rl=None)
-    with pytest.raises(InputError, match="no column brake_torque_rl"):
+    written(tmp_path / "a.parquet", ecu_brake_torque_rl=None)
+    with pytest.raises(InputError, match="no column ecu_brake_torque_rl"):
         read_result(tmp_path / "a.parquet")

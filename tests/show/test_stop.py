@@ -33,13 +33,13 @@ def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped)
     then = sedan.calibration
     bar = np.maximum(e.read.p_f, 0.0)
     for label, best, ramp in (
-        (FRONT, e.best.pads_f, then.pad_friction_f.value),
-        (REAR, e.best.pads_r, then.pad_friction_r.value),
+        (FRONT, e.ecu.pads_f, then.pad_friction_f.value),
+        (REAR, e.ecu.pads_r, then.pad_friction_r.value),
     ):
         (one,) = (x for x in pads.lines if x.label == label)
         for y, known in zip((one.y, *one.band), (best.value, best.lower, best.upper), strict=True):
-            assert np.array_equal(y[e.valid], known[e.valid])
-            assert np.isnan(y[~e.valid]).all()
+            assert np.array_equal(y[e.ecu.valid], known[e.ecu.valid])
+            assert np.isnan(y[~e.ecu.valid]).all()
         before = f"{label.split(',')[0]} on the ramp, {ramp:.3f}"
         assert line(pads, before)[1].tolist() == [ramp, ramp]
     # the table's vehicle has 28.84 cm^2 and 130.9 mm in front
@@ -47,8 +47,8 @@ def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped)
     mu = then.pad_friction_f.value
     assert torque == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * mu * bar)
     low, high = pads.ylim
-    assert low < e.best.pads_r.lower[e.valid].min()
-    assert high > e.best.pads_r.upper[e.valid].max()
+    assert low < e.ecu.pads_r.lower[e.ecu.valid].min()
+    assert high > e.ecu.pads_r.upper[e.ecu.valid].max()
 
 
 def test_methods_are_beside_the_estimate_on_an_axis_of_their_own(drawn, stopped):
@@ -57,26 +57,26 @@ def test_methods_are_beside_the_estimate_on_an_axis_of_their_own(drawn, stopped)
         one = panel(drawn, name)
         for method, (label, _) in stop.BASELINES.items():
             rival = line(one, label)[1]
-            assert np.array_equal(rival[e.valid], METHODS[method](e)[i][e.valid])
-            assert np.isnan(rival[~e.valid]).all()
-        best = (e.best.pads_f, e.best.pads_r)[i]
-        assert np.array_equal(line(one, "estimate")[1][e.valid], best.value[e.valid])
+            assert np.array_equal(rival[e.ecu.valid], METHODS[method](e)[i][e.ecu.valid])
+            assert np.isnan(rival[~e.ecu.valid]).all()
+        best = (e.ecu.pads_f, e.ecu.pads_r)[i]
+        assert np.array_equal(line(one, "estimate")[1][e.ecu.valid], best.value[e.ecu.valid])
         low, high = one.ylim
-        assert high - low < np.median((best.upper - best.lower)[e.valid])
+        assert high - low < np.median((best.upper - best.lower)[e.ecu.valid])
 
 
 def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
     write_result(stopped.estimate, tmp_path / "stop.parquet")
     sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
-    assert sheet.result.lower() in drawn.result
+    assert sheet.result.lower() in drawn.result.lower()
     for name, label in (("pads", REAR), ("normalised-forces", "rear"), ("axle-torques", "rear")):
         a, b = (line(panel(one, name), label)[1] for one in (sheet, drawn))
         assert np.array_equal(a, b, equal_nan=True)
     # the interval before the bite is that of the prior, and does not set the axis
     e = stopped.estimate
-    pads = e.best.pads_r
-    span = pads.upper[e.valid].max() - pads.lower[e.valid].min()
-    before = pads.upper[~e.valid].max() - pads.lower[~e.valid].min()
+    pads = e.ecu.pads_r
+    span = pads.upper[e.ecu.valid].max() - pads.lower[e.ecu.valid].min()
+    before = pads.upper[~e.ecu.valid].max() - pads.lower[~e.ecu.valid].min()
     low, high = panel(sheet, "pads").ylim
     assert span < high - low < 1.3 * span
     assert before > 1.5 * span
