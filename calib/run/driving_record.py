@@ -25,7 +25,7 @@ from calib.run.limits import LIMITS
 
 BITE_Z = 0.08  # deceleration that is braking if no pressure is logged [g]: above drag and engine
 STEADY = 0.15  # largest deceleration of a car that rolls [g]
-_DRIVEN = 0.05
+DRIVEN = 0.05
 """Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
 and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
 shows."""
@@ -38,7 +38,7 @@ NOMINAL_RADIUS = 0.32  # rolling radius of a usual wheel [m], for a speed if ``v
 
 def rolls(z: Array) -> Mask:
     """Where a felt deceleration (n,) [g], smoothed, is that of a car which rolls."""
-    return np.asarray((z > -_DRIVEN) & (z < STEADY))
+    return np.asarray((z > -DRIVEN) & (z < STEADY))
 
 
 @dataclass(frozen=True)

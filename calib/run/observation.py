@@ -1,15 +1,15 @@
 """Observations on a log, on which its verdicts depend."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import CHANNELS, WHEELS, G
+from calib.base.names import AXLES, CHANNELS, G
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
-from calib.run.axle_signals import wheels_held
+from calib.run.axle_signals import axle_pressure, wheels_held
 from calib.run.blocks import Axle, braked_alone_in
 from calib.run.copies import made_of_wheels
 from calib.run.driving_record import (
@@ -20,6 +20,7 @@ from calib.run.driving_record import (
     rolls,
     standing,
 )
+from calib.run.limits import LIMITS
 from calib.run.pressure_delay import PressureDelay, delay_of_wheel, pressure_delay
 from calib.run.sensors import Sensor, sensors_of
 from calib.run.wheels import Axles, Slipping, WheelParts, axles_of, slipping, slips_of, wheel_parts
@@ -115,7 +116,7 @@ def observe(log: Log, *, full: bool = True) -> Observation:
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),
-        pressures=dict(_delays(log, driving, at_limit.first)) if "p_mc" in log else {},
+        pressures=_delays(log, driving, at_limit.first) if "p_mc" in log else {},
         wheels_held=wheels_held(log),
         v_of_wheels=full and "v" in log and made_of_wheels(log),
         axles=axles_of(log, driving, slips),
@@ -127,22 +128,28 @@ def observe(log: Log, *, full: bool = True) -> Observation:
 _GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch of a_x
 
 
-def _delays(log: Log, driving: DrivingRecord, limit: float) -> Iterator[tuple[str, PressureDelay]]:
+def _delays(log: Log, driving: DrivingRecord, limit: float) -> dict[str, PressureDelay]:
     """The delay of the deceleration after each pressure until a wheel is at its ``limit`` [s].
 
-    That of a wheel is told by the master cylinder, which it follows.
+    Wheels are told by the master cylinder where they follow it, and the deceleration agrees; else
+    by the deceleration, and nothing is said of ``p_mc``: a motor, a booster or a hold is between.
     """
-    master, free = log["p_mc"], log.time < limit
-    use = free & driving.moving & (np.abs(log["a_x"]) <= _GREATEST)
+    use = driving.moving & (log.time < limit)
+    both = [[f"p_{axle}l", f"p_{axle}r"] for axle in AXLES]
+    names = [name for pair in both if all(x in log for x in pair) for name in pair]
     drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
-    first = pressure_delay(log.time, driving.z, master, drives, use)
-    if first is None:
-        return
-    yield "p_mc", first
-    for name in (f"p_{wheel}" for wheel in WHEELS):
-        late = delay_of_wheel(log.time, log[name], master, free) if name in log else None
-        if late is not None:
-            yield name, first.less(late)
+    true = use & (np.abs(log["a_x"]) <= _GREATEST)
+    of_z = partial(pressure_delay, log.time, driving.z, drives=drives, use=true)
+    master = of_z([log["p_mc"]])
+    wheels = of_z([axle_pressure(log, axle) for axle in AXLES]) if names else None
+    if master is None or wheels is None:
+        return {"p_mc": master} if master else {}
+    if not drives:
+        behind = [delay_of_wheel(log.time, log[name], log["p_mc"], use) for name in names]
+        told = [master.less(x) for x in behind if x and x.explained > LIMITS.explained_curve]
+        if len(told) == len(names) and wheels.within(told):
+            return {"p_mc": master, **dict(zip(names, told, strict=True))}
+    return dict.fromkeys(names, wheels)
 
 
 def clock_of(time: Array) -> _Clock:

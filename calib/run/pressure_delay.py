@@ -8,7 +8,8 @@ dry are in c, lines that lag in the delay, resistance and a bias of a_x in a. Pa
 and a motor that brakes along are in f and g, which are small: on a slow ramp they and a delay are
 nearly one. So every delay is weighed by what it leaves, and by how usual it is: brakes have little,
 clocks may be apart by anything. Before a log the pressure is as in its first sample, after it
-unknown. No vehicle is needed. Wrong where a wheel is at its limit.
+unknown. No vehicle is needed. Wrong where a wheel is at its limit, and where the torque of a motor
+goes as the pressure would, at another time.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.car.braking import BITE
 from calib.logs.clock import step_of
-from calib.run.driving_record import BITE_Z, STEADY
+from calib.run.driving_record import BITE_Z, DRIVEN, rolls
 from calib.run.filters import centred_mean, since
 from calib.run.least_squares import lasting_variance, squares_left
 from calib.run.limits import LIMITS
@@ -33,10 +34,11 @@ _KEPT, _BRAKED = 0.5, 0.25  # shares of all samples and of the braked ones that 
 _SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # standard deviation of f and of g, at these, over the usual deceleration [1]
-_KNEES = (0.125, 0.25, 0.5)
+_KNEES = (0.125, 0.25, 0.375, 0.5, 0.75)
 """Shares of the highest pressure at which that of a wheel may bend [1]."""
+_HYSTERESIS = 0.003  # of a wheel's pressure over that of the master cylinder, of the highest [1]
 _EXACT = 1e-10  # square of what the rounding of numbers leaves of z [1]
-_GROUP = 4  # samples over which residuals are averaged to see how they are correlated: 0.2 s
+_GROUPS = (4, 8)  # samples of the means that tell how long residuals last: to 0.4 s
 
 
 @dataclass(frozen=True)
@@ -76,55 +78,61 @@ class PressureDelay:
             self.low - other.high,
             self.high - other.low,
             min(self.explained, other.explained),
-            other.in_time,
+            self.in_time,
         )
+
+    def within(self, others: Sequence["PressureDelay"]) -> bool:
+        """Whether it may be one of the ``others``, or a mean of them."""
+        low, high = min(other.low for other in others), max(other.high for other in others)
+        return self.low <= high and low <= self.high
 
 
 def pressure_delay(
-    time: Array, z: Array, pressure: Array, drives: Sequence[Array], use: Mask
+    time: Array, z: Array, pressures: Sequence[Array], drives: Sequence[Array], use: Mask
 ) -> PressureDelay | None:
-    """The delay of ``z`` [1] after a ``pressure`` [Pa]; None where too little is braked to tell.
+    """The delay of ``z`` [1] after ``pressures`` [Pa]; None where too little is braked to tell.
 
-    ``time`` [s]; ``drives`` torques of engine or motor [N m]; ``use`` where the car moves, no wheel
-    is at its limit yet and ``z`` is true; (n,) each.
+    ``time`` [s]; ``pressures`` one, or those of both axles; ``drives`` torques of engine or motor
+    [N m]; ``use`` where the car moves, no wheel is at its limit yet and ``z`` is true; (n,) each.
     """
-    step = step_of(time)
-    time, use, (z, pressed, *torques) = _means(time, use, z, pressure / BITE, *drives)
+    step, (time, use, (z, *means)) = step_of(time), _means(time, use, z, *pressures, *drives)
+    use = use & (z > -DRIVEN)
+    pressed, torques = [p / BITE for p in means[: len(pressures)]], means[len(pressures) :]
     slowed = z > _SLOWS
-    active = (pressed > 1.0) | slowed
-    rolling = ~np.logical_or.accumulate(active) & (np.abs(z) < STEADY)
+    active = (np.max(pressed, axis=0) > 1.0) | slowed
+    rolling = ~np.logical_or.accumulate(slowed) & rolls(z)  # a pressure that is early is no brake
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
     at = np.flatnonzero(use & (rolling | (since(time, active) < LIMITS.pressure_after)))
     at = at[:: max(1, round(LIMITS.pressure_every / step))]
     usual = abs(float(np.median(z[use & active])))
-    if not (np.ptp(z[at]) > 0.0 and usual > 0.0):  # an a_x that hangs has no course to explain
-        return None
     tried, known, p = _shifted(time, pressed, at, slowed[at])
     aged = (time[at] - time[at[0]]) * p
-    some = [np.clip(p / bite, 0.0, 1.0) for bite in _BITES]
-    others = [np.ones_like(p), *(np.broadcast_to(x[at], p.shape) for x in torques)]
-    columns = np.stack([*others, p, aged, *some], axis=1) * known[:, None]
-    return _by_chance(tried, columns, z[at] * known, known.sum(axis=1), _FORCE * usual)
+    some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
+    others = [
+        np.broadcast_to(x, known.shape) for x in (np.ones(at.size), *(x[at] for x in torques))
+    ]
+    columns = np.stack([*others, *p, *aged, *some], axis=1)
+    return _by_chance(tried, columns, z[at], known, _EXACT, _FORCE * usual)
 
 
 def delay_of_wheel(time: Array, wheel: Array, master: Array, use: Mask) -> PressureDelay | None:
     """The delay of a wheel's pressure after the ``master`` cylinder's [Pa]; None without braking.
 
     A valve between them may limit or reduce: the one is a curve over the other. ``time`` [s];
-    ``use`` where no wheel is at its limit yet; (n,) each.
+    ``use`` where the car moves and no wheel is at its limit yet; (n,) each.
     """
-    step = step_of(time)
-    time, use, (wheel, master) = _means(time, use, wheel / BITE, master / BITE)
+    step, (time, use, (wheel, master)) = step_of(time), _means(time, use, wheel, master)
+    wheel, master = wheel / BITE, master / BITE
     pressed, highest = wheel > 1.0, float(np.max(master))
     if step * np.count_nonzero(use & pressed) < LIMITS.pressure_braked or highest < 1.0:
         return None
     at = np.flatnonzero(use)[:: max(1, round(LIMITS.pressure_every / step))]
-    tried, known, p = _shifted(time, master, at, pressed[at])
-    parts = (np.minimum(p, share * highest) for share in _KNEES)
-    columns = np.stack([np.ones_like(p), p, *parts], axis=1) * known[:, None]
-    return _by_chance(tried, columns, wheel[at] / highest * known, known.sum(axis=1), np.inf)
+    tried, known, p = _shifted(time, [master], at, pressed[at])
+    parts = (np.minimum(p[0], share * highest) for share in _KNEES)
+    columns = np.stack([np.ones_like(p[0]), *p, *parts], axis=1)
+    return _by_chance(tried, columns, wheel[at] / highest, known, _HYSTERESIS**2)
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
@@ -135,35 +143,47 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
     return time[inside], unused == 0.0, means
 
 
-def _shifted(time: Array, p: Array, at: Index, counts: Mask) -> tuple[Array, Array, Array]:
+def _shifted(
+    time: Array, pressures: Sequence[Array], at: Index, counts: Mask
+) -> tuple[Array, Mask, Array]:
     """Delays that are tried (m,), those that leave enough of what ``counts`` (n,) of the samples.
 
-    With each of them: whether p is known, and p itself, at the samples ``at``, (m, n).
+    With each of them: whether the pressures are known at the samples ``at`` (m, n), and what they
+    are (k, m, n).
     """
     then = time[at] - _TRIED[:, None]
     known = then <= time[-1]
     left = np.count_nonzero(known & counts, axis=1) >= _BRAKED * np.count_nonzero(counts)
     left &= np.mean(known, axis=1) > _KEPT
-    return _TRIED[left], known[left], np.interp(then[left], time, p)
+    return _TRIED[left], known[left], np.array([np.interp(then[left], time, p) for p in pressures])
 
 
 def _by_chance(
-    tried: Array, columns: Array, y: Array, samples: Array, force: float
-) -> PressureDelay:
-    """The delay by its likelihood and by what is usual.
+    tried: Array,
+    columns: Array,
+    y: Array,
+    known: Mask,
+    least: float,
+    force: float = np.inf,
+) -> PressureDelay | None:
+    """The delay by its likelihood and by what is usual; None where ``y`` has no course.
 
-    ``y`` (m, n) is made of the ``columns`` (m, k, n) with each of the delays ``tried`` [s] (m,),
-    but for the unknown ones of its ``samples`` (m,), which are 0; ``force`` the spread of the last
-    two columns [1].
+    ``y`` (n,) is made of the ``columns`` (m, k, n) with each of the delays ``tried`` [s] (m,),
+    where it is ``known`` (m, n), but for ``least`` [1], the variance of what no column has;
+    ``force`` the spread of the last two [1].
     """
+    if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
+        return None
+    columns, y, samples = columns * known[:, None], y * known, known.sum(axis=1)
     ridge, variance = np.zeros(columns.shape[1]), float(np.var(y[np.abs(tried).argmin()]))
     for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
-        squares = squares_left(columns, y, ridge) / samples + _EXACT
+        squares = squares_left(columns, y, ridge) / samples + least
         cost = samples * np.log(squares / variance)
         best = int(np.argmin(cost))
         A = columns[best].T
         rest = (y[best] - A @ np.linalg.lstsq(A, y[best], rcond=None)[0])[: samples[best]]
-        short, lasting = squares[best], lasting_variance(rest, _GROUP) + _EXACT
+        short = squares[best]
+        lasting = max(lasting_variance(rest, size) for size in _GROUPS) + least
         ridge[-len(_BITES) :] = lasting / force**2
     log_chance = -0.5 * cost * short / lasting - np.log1p(((tried - _USUAL) / _SPREAD) ** 2)
     chance = np.exp(log_chance - np.max(log_chance))

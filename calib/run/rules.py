@@ -105,18 +105,19 @@ def _between(x: float, ends: tuple[float, float]) -> bool:
 
 
 def _wrong_pressure(seen: Observation) -> Iterator[str]:
-    sensor = seen.sensor("p_mc")
-    if sensor is None:
-        return
-    low, high = sensor.low / 1e5, sensor.high / 1e5
-    if sensor.high > LIMITS.pressure:
-        yield f"p_mc reaches {high:.0f} bar: check its unit"
-    if sensor.low < -3e5:
-        yield f"p_mc falls to {low:.1f} bar: check its zero and its sign"
-    if sensor.low > LIMITS.never_free:
-        yield f"p_mc never falls below {low:.1f} bar: check its zero with the pedal released"
-    if seen.z > 2.5 * BITE_Z and sensor.high < LIMITS.softest * seen.z:
-        what = f"p_mc takes {high / seen.z:.1f} bar for each g"
+    for sensor in seen.sensors:
+        name, low, high = sensor.channel, sensor.low / 1e5, sensor.high / 1e5
+        if not name.startswith("p_"):
+            continue
+        if sensor.high > LIMITS.pressure:
+            yield f"{name} reaches {high:.0f} bar: check its unit"
+        if sensor.low < -3e5:
+            yield f"{name} falls to {low:.1f} bar: check its zero and its sign"
+        if sensor.low > LIMITS.never_free:
+            yield f"{name} never falls below {low:.1f} bar: check its zero with the pedal released"
+    master = seen.sensor("p_mc")
+    if master and seen.z > 2.5 * BITE_Z and master.high < LIMITS.softest * seen.z:
+        what = f"p_mc takes {master.high / 1e5 / seen.z:.1f} bar for each g"
         least = f"no car less than {LIMITS.softest / 1e5:g}"
         yield f"{what}, and {least}: check its unit (bar or MPa) and its scale"
 
@@ -126,6 +127,9 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
 
     Nothing is said of how much the pressure explains where a motor brakes as well.
     """
+    master = seen.sensor("p_mc")
+    if master and master.saturated:
+        return
     motor = any(name.startswith("T_drive") for name in seen.present)
     off = {name: delay for name, delay in seen.pressures.items() if delay.beyond(late)}
     if off:
@@ -139,14 +143,14 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
             f"all channels on one clock, or give {entries} in a channel map"
         )
         return
-    for name, delay in seen.pressures.items():
-        if delay.in_time < LIMITS.explained and not motor:
-            share, what = max(delay.in_time, 0.0), "the deceleration" if name == "p_mc" else name
-            yield (
-                f"p_mc explains {100 * share:.0f} % of how {what} goes, and that of the same run "
-                f"{100 * LIMITS.explained:.0f} % or more: look for a pressure of another run, and "
-                "log the torque T_drive of a motor that brakes"
-            )
+    weak = {x: d.in_time for x, d in seen.pressures.items() if d.in_time < LIMITS.explained}
+    if weak and not motor:
+        yield (
+            f"what {', '.join(weak)} explain of how the deceleration goes is "
+            f"{100 * max(*weak.values(), 0.0):.0f} %, and of the same run it is "
+            f"{100 * LIMITS.explained:.0f} % or more: look for a pressure of another run, and log "
+            "the torque T_drive of a motor that brakes"
+        )
 
 
 def _not_for_fit(seen: Observation) -> Iterator[str]:

@@ -137,9 +137,9 @@ def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
 
 
 def _pressure_clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
-    """A pressure that may be off by more than brakes are, or not: the log does not tell."""
-    late = LIMITS.pressure_late
+    """A pressure that may be off by far more than brakes are, or not: the log does not tell."""
+    late = LIMITS.pressure_searched
     for channel, delay in seen.pressures.items():
         most = max(delay.low, delay.high, key=abs)
-        if abs(most) > late and not delay.beyond(late):
+        if abs(most) > late and not delay.beyond(LIMITS.pressure_late):
             yield warning("pressure_clock", log, most, (-late, late), channel=channel)

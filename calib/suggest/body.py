@@ -223,7 +223,7 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
     every = np.ones(braking.size, np.bool_)
-    delay = pressure_delay(clock.time, braking / G, item.values, [], every)
+    delay = pressure_delay(clock.time, braking / G, [item.values], [], every)
     if delay and delay.beyond(LIMITS.pressure_late):
         return (
             f"a pressure that is {delay.words} against the deceleration: take it with --take, "

@@ -19,6 +19,7 @@ RAMPS = (
     "simulation_study/ramp_noisy.parquet",
     "third_party/cal_ramp.parquet",
 )
+OMEGAS = tuple(f"omega_{wheel}" for wheel in ("fl", "fr", "rl", "rr"))
 BOUND = 0.3  # [s] of `LIMITS.pressure_late`
 RUNS = {
     "ramp": made_run(ramp(start=4.0, rate=12.0), duration=10.0, speed=40.0),
@@ -149,10 +150,48 @@ def test_a_wheel_that_locks_ends_what_tells_of_the_delay(delay):
     assert answer.explained > 0.98
 
 
+def test_wheels_that_do_not_follow_the_pedal_are_told_by_the_deceleration():
+    """A motor takes what it can before the brakes do; a car is held while its pedal is free."""
+    log = made_run(ramp(start=4.0, rate=12.0), duration=10.0, speed=40.0)
+    left = np.maximum(log["p_mc"] - 15e5, 0.0)
+    torque = -12e3 * 0.3 * (log["p_mc"] - left) / 70e5 * 9.81
+    blended = changed(with_wheels(changed(log, p_mc=left)), p_mc=log["p_mc"], T_drive_f=torque)
+    held = np.where(log.time > 9.0, 25e5, 0.0) + 0.0 * log["p_mc"]
+    still = {x: np.where(log.time > 9.0, 0.0, log[x]) for x in ("v", "p_mc", "a_x", *OMEGAS)}
+    parked = changed(with_wheels(log, lambda p: p + held), **still)
+    for honest in (blended, parked):
+        assert not any(x.beyond(BOUND) for x in observe(honest).pressures.values())
+        assert not [x for x in problems_for(honest, "validate") if "p_" in x]
+    for channel, answer in observe(with_wheels(log, p_fl=1.0)).pressures.items():
+        assert answer.beyond(BOUND) == (channel == "p_fl")
+
+
+def test_an_engine_that_drives_before_the_roll_is_no_delay():
+    log = made_run(ramp(start=4.0, rate=12.0), duration=10.0, speed=40.0)
+    gears = 1.2 * np.clip(3.2 - log.time, 0.0, 1.0) * (1.0 + np.sin(4.0 * log.time))
+    assert not found(changed(log, a_x=log["a_x"] + gears)).beyond(BOUND)
+
+
+@pytest.mark.parametrize("early", [0.9, 1.4, 2.5])
+def test_a_pressure_that_comes_while_the_car_still_rolls(early):
+    log = made_run(stop(start=1.5, end=4.0), duration=6.0, speed=40.0)
+    assert any("p_mc" in reason for reason in problems_for(late(log, -early), "validate"))
+
+
+def test_a_wheel_without_pressure_says_nothing():
+    log = with_wheels(RUNS["ramp"])
+    assert np.isfinite(
+        [x.value for x in observe(changed(log, p_fl=0.0 * log.time)).pressures.values()]
+    ).all()
+    assert observe(changed(log, p_fl=0.0 * log.time + 2e5)).pressures
+
+
 def test_where_a_log_does_not_tell_it_is_said():
-    """Pads that bite at 3 bar and 6 bar/s are as good as a delay of half a second."""
-    log = made_run(ramp())
-    shifted = changed(log, a_x=made_run(lambda t: np.maximum(ramp()(t) - 3.0, 0.0))["a_x"])
+    """Pads that bite at 3 bar and 3 bar/s are as good as a delay of a second."""
+    slow = ramp(start=3.0, rate=3.0)
+    log = made_run(slow, duration=14.0, speed=40.0)
+    bitten = made_run(lambda t: np.maximum(slow(t) - 3.0, 0.0), duration=14.0, speed=40.0)
+    shifted = changed(log, a_x=bitten["a_x"])
     assert not problems_for(shifted, "fit")
     assert "pressure_clock" in [x.code for x in warnings_of("ramp", observe(shifted))]
     assert "pressure_clock" not in [x.code for x in warnings_of("ramp", observe(log))]
