@@ -25,12 +25,13 @@ from calib.base.write import write_whole
 from calib.car.model import default_model
 from calib.ecu import car_source
 from calib.ecu.channels import A_X, CHANNELS, FL, limits, samples_of
-from calib.ecu.online import Online
+from calib.ecu.online import answered
 from calib.exports.addresses import find_addresses
 from calib.exports.dataset import Dataset, build
 from calib.exports.write import FORMATS
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
+from calib.run.blocks import samples_of_block
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 from calib.table.exported import Precision, as_exported
@@ -96,13 +97,12 @@ def write_bundle(
     where ``elf`` does not hold the table.
     """
     require_prefix(prefix)
-    car_source.require_time(sample_time)
     require_maps(stored.table, stored.id)
+    texts = car_source.sources(stored.table, sample_time, how, f"{_ABOUT} $about", stored.version)
+    texts |= {name: (car_source.SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
     table = as_exported(stored.table, how)
     samples = how.computed(_samples(table, sample_time))
-    texts = {name: (car_source.SOURCE / name).read_text() for name in _GIVEN}
-    texts |= car_source.sources(stored.table, sample_time, how, f"{_ABOUT} $about", stored.version)
-    texts["vectors.h"] = "\n".join(_vectors(samples, Online(table, sample_time), how))
+    texts["vectors.h"] = "\n".join(_vectors(table, sample_time, samples, how))
     about = f"{stored.id}, digest {stored.digest}, {stored.state.words}"
     facts = {
         "about": about.replace("*/", "* /"),
@@ -172,13 +172,13 @@ def _samples(table: Table, sample_time: float) -> Array:
     return samples
 
 
-def _vectors(samples: Array, online: Online, how: Precision) -> Iterator[str]:
+def _vectors(table: Table, sample_time: float, samples: Array, how: Precision) -> Iterator[str]:
     """vectors.h: every sample, and the answers at the ends of the blocks."""
-    every, bits = online.samples, how.floating
+    every, bits = samples_of_block(sample_time), how.floating
     yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
     yield f"#define COUNT {len(samples)}U\n#define EVERY {every}U"
     yield f"#define TOLERANCE {_TOLERANCE[bits]:g}"
-    kept = online.run(samples)[every - 1 :: every]
+    kept = answered(table, sample_time, samples)[every - 1 :: every]
     for name, rows in (("inputs", samples), ("expected", kept)):
         cells = ",\n".join(
             ", ".join(car_source.number(x, bits) for x in row) for row in rows.tolist()

@@ -4,14 +4,15 @@ The maps are on as many breakpoints and in the precision that the export asks fo
 is what `calib.table.exported` reads back. What is the same in every block is computed here.
 """
 
+import math
 import re
 from collections.abc import Iterable
 from dataclasses import replace
-from itertools import groupby
+from itertools import starmap
 from pathlib import Path
 from string import Template
 from textwrap import fill
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -22,16 +23,20 @@ from calib.car.bias import force_per_pressure, front_share
 from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
-from calib.ecu.channels import ANSWERS, CHANNELS
-from calib.ecu.online import HELD_PRESSURE, HELD_TIME, RESTS, Online
-from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
+from calib.car.vehicle import Vehicle
+from calib.ecu.channels import ANSWERS, CHANNELS, limits
+from calib.ecu.online import HELD_PRESSURE, HELD_TIME, require_plain, unknown
+from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.readout import SLOWEST
 from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
+from calib.estimation.state import started
 from calib.exports.dataset import MOST_AXES, Axis, Grid, label, maps_of
 from calib.model.resistance import DRAG, ROLLING
+from calib.run.blocks import samples_of_block
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
-from calib.run.noise import WALK
+from calib.run.lateral import LATERAL_TIME
+from calib.run.noise import WALK, SensorNoise
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
 
@@ -39,17 +44,11 @@ SOURCE = Path(__file__).parent / "source"
 PREFIX = "bte"
 """First part of every label, of files and functions, too."""
 _FASTEST, _SLOWEST = 1e-4, 0.1  # times from call to call [s]
-
-
-class Data(NamedTuple):
-    """A member of a structure that refers to data: its type in C, and its initial value."""
-
-    kind: str
-    initial: str
+_RESTS = 1.5  # speed of every wheel below which a car may get other numbers [rad/s]
 
 
 Member: TypeAlias = Any
-"""A member of a structure: a number (whole: a count), `Data`, a list of either, or a structure."""
+"""A member of a structure: a number (whole: a count), text as in C, a list, or a structure."""
 
 
 def sources(
@@ -57,13 +56,16 @@ def sources(
 ) -> dict[str, str]:
     """The estimator in C for a table, by file: bte.h, bte.c, bte_car.c.
 
-    ``told`` is what the last file says of its table, ``version`` its number. Raises ExchangeError
-    for a precision that C does not have, or a time that no ECU has.
+    ``told`` is what the last file says of its table, ``version`` its number. Raises StoreError as
+    `require_plain`, ExchangeError for a precision that C does not have, or a time that no ECU has.
     """
     require_time(sample_time)
+    require_plain(table)
     grids, bits = code_grids(table, PREFIX, how), how.floating
     table = as_exported(table, how)
-    car = _numbers(Online(table, sample_time), bits) | _maps(grids, bits)
+    samples = samples_of_block(sample_time)
+    c = constants(table, SensorNoise(**table.noise), round(samples * sample_time, 9))
+    numbers = _numbers(c, table, sample_time)
     header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
         floating=bits,
         real="float" if bits == 32 else "double",
@@ -71,10 +73,9 @@ def sources(
         reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
         inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
         answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
-        tuning=_declared(car["tuning"]),
-        car=_declared(car),
+        numbers=fill(", ".join(starmap(_declared, numbers.items())), 90),
     )
-    data: dict[str, tuple[str, Any]] = {label(PREFIX, "version"): ("bte_real", float(version))}
+    data: dict[str, tuple[str, Member]] = {label(PREFIX, "version"): ("bte_real", float(version))}
     for one in (*axes_of(grids), *grids):
         kind = "bte_cell" if isinstance(one, Grid) else "bte_real"
         data[one.label] = kind, one.fixed.raw.tolist() if one.fixed else one.numbers
@@ -83,8 +84,20 @@ def sources(
         data[f"{PREFIX}_{name}"] = "bte_real", both.tolist()
     source = [f"/* {told} */", '#include "bte.h"']
     for name, (kind, values) in data.items():
-        declared = f"BTE_CAL {kind} {name}" + (f"[{len(values)}]" if type(values) is list else "")
+        declared = f"BTE_CAL {kind} {_declared(name, values)}"
         source.append(f"extern {declared};\nBTE_CAL_DATA {declared} = {_initial(values, bits)};")
+    car = (
+        numbers
+        | _maps(grids)
+        | {
+            "start": _started(c, table.vehicle),
+            "samples": samples,  # of a block
+            "waiting": max(1, round(c.before_bite / c.block)),  # blocks on which no zero rests
+            "version": f"&{label(PREFIX, 'version')}",
+            "tyre": [f"{PREFIX}_tyre_force", 2 * table.tyre.force.size - 1],
+            "tyre_slip": f"{PREFIX}_tyre_slip",
+        }
+    )
     body = "\n".join(f"    .{name} = {_initial(x, bits)}," for name, x in car.items())
     source.append(f"const bte_car bte_this_car = {{\n{body}\n}};\n")
     code = (SOURCE / "bte.c").read_text(encoding="utf-8")
@@ -123,21 +136,9 @@ def number(x: float, bits: int) -> str:
     return f"{np.float32(x)!s}F" if bits == 32 else repr(float(x))
 
 
-def _tuning(c: Constants) -> dict[str, Member]:
-    """Tuned numbers, those of which are left that the code reads."""
-    every = vars(c) | {
-        "bite": BITE, "moving": MOVING, "steady": STEADY, "radius_walk": WALK,
-        "slowest": SLOWEST, "rests": RESTS, "held_time": HELD_TIME, "held_pressure": HELD_PRESSURE,
-        "steering": STEERING, "lateral": LATERAL, "lock": LOCK, "recover": RECOVER,
-        "slows": HARDEST / NOMINAL_RADIUS, "turning": MOVING / NOMINAL_RADIUS,
-    }  # fmt: skip
-    read = re.findall(r"(?:\bc->|tuning\.)(\w+)", (SOURCE / "bte.c").read_text(encoding="utf-8"))
-    return {name: x for name, x in every.items() if name in read}
-
-
-def _started(ecu: Online) -> Member:
+def _started(c: Constants, car: Vehicle) -> dict[str, Member]:
     """What `bte_state` begins with."""
-    s, c = ecu.state, ecu.constants
+    s = started(c)
     a, lag, rate, aa, _, _, ll, _, rr = s.level
     speed = np.diag([1.0, 0.0, c.offset**2, c.scale_sigma**2])
     return {
@@ -147,31 +148,33 @@ def _started(ecu: Online) -> Member:
         "speed": [[0.0, 0.0, 0.0, c.scale], speed.tolist()],
         "kept": s.kept[:6:2],
         "level_then": s.level_then,
-        "since_lock": ecu.since_lock,
-        "reason": int(ecu.reason),
-        "told": ecu.of_block.tolist(),
+        "since_lock": 2.0 * RECOVER,
+        "reason": int(Reason.NOT_BRAKED),
+        "told": unknown(car).tolist(),
     }
 
 
-def _numbers(ecu: Online, bits: int) -> dict[str, Member]:
-    """Members of `bte_car` that are no maps; those of axles as [front, rear]."""
-    c, table, car = ecu.constants, ecu.table, ecu.table.vehicle
-    known = known_effects(table).parameters
+def _numbers(c: Constants, table: Table, sample_time: float) -> dict[str, Member]:
+    """Numbers of `bte_car`: tuned ones, those that the code reads; of axles as [front, rear]."""
+    car, known = table.vehicle, known_effects(table).parameters
+    low, high, change = (x.tolist() for x in limits(sample_time))
     drag, rolling = known[DRAG[0]], known[ROLLING[0]]
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / car.wheelbase
     lift = (1.0 - drag.get("load_share", 1.0)) * lever / car.weight
-    return {
-        "tuning": _tuning(c),
-        "low": ecu.low.tolist(),  # what a working sensor reads
-        "high": ecu.high.tolist(),
-        "jump": ecu.jump.tolist(),
-        "start": Data("bte_state", _initial(_started(ecu), bits)),
-        "samples": ecu.samples,  # of a block
-        "waiting": max(1, round(c.before_bite / c.block)),  # blocks on which no zero rests
-        "sample_time": ecu.sample_time,  # [s]
-        "block": c.block,  # [s]
-        "lateral_part": ecu.lateral_part,  # of a sample in its low pass
+    tuned = vars(c) | {
+        "bite": BITE, "moving": MOVING, "steady": STEADY, "radius_walk": WALK,
+        "slowest": SLOWEST, "rests": _RESTS, "held_time": HELD_TIME, "held_pressure": HELD_PRESSURE,
+        "steering": STEERING, "lateral": LATERAL, "lock": LOCK, "recover": RECOVER,
+        "slows": HARDEST / NOMINAL_RADIUS, "turning": MOVING / NOMINAL_RADIUS,
+    }  # fmt: skip
+    read = re.findall(r"\b(?:c|car)->(\w+)", (SOURCE / "bte.c").read_text(encoding="utf-8"))
+    return {name: x for name, x in tuned.items() if name in read and isinstance(x, float)} | {
+        "low": low,  # what a working sensor reads
+        "high": high,
+        "change": change,  # from call to call
+        "sample_time": sample_time,  # [s]
+        "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),  # of a sample in its low pass
         "weight": car.weight,  # [N]
         "load": [float(load[0]) / car.weight for load in axle_loads(car, np.zeros(1))],  # at rest
         "height": [lever, -lever],  # load that moves at 1 g
@@ -187,22 +190,17 @@ def _numbers(ecu: Online, bits: int) -> dict[str, Member]:
         "force": sum(force_per_pressure(car)),  # of both axles with these pads [N/Pa]
         "share": front_share(car, 0.0),  # of the front axle in it
         "ramp_share": [on_ramp, 1.0 - on_ramp],  # of the axles in it with the pads of the ramp
-        "ramp_ratio": c.ramp_ratio,  # ln of the ratio of these pads
-        "version": Data("BTE_CAL bte_real *", f"&{label(PREFIX, 'version')}"),
-        "tyre": Data("bte_axis", f"{{{PREFIX}_tyre_force, {2 * table.tyre.force.size - 1}}}"),
-        "tyre_slip": Data("BTE_CAL bte_real *", f"{PREFIX}_tyre_slip"),
     }
 
 
-def _maps(grids: Iterable[Grid], bits: int) -> dict[str, Member]:
+def _maps(grids: Iterable[Grid]) -> dict[str, Member]:
     """Members of `bte_car` that are maps, by the columns that each of them has."""
 
-    def together(columns: Iterable[str], axes: int) -> Data:
+    def together(columns: Iterable[str], axes: int) -> Member:
         made = [of[name, axes] for name in columns]
-        places = [Data("", f"{{{a.label}, {len(a.values)}}}") for a in made[0].axes]
-        steps = [g.fixed.step if g.fixed else 1.0 for g in made]
-        cells = [Data("", g.label) for g in made]
-        return Data("bte_map", _initial([places, axes, len(made), cells, steps], bits))
+        places = [[axis.label, len(axis.values)] for axis in made[0].axes]
+        steps = [one.fixed.step if one.fixed else 1.0 for one in made]
+        return [places, axes, len(made), [one.label for one in made], steps]
 
     of, ratio = {(g.column, len(g.axes)): g for g in grids}, [names[0] for names in PADS]
     return {
@@ -217,29 +215,14 @@ def _enumeration(rows: Iterable[tuple[str, str]]) -> str:
     return "\n".join(f"    BTE_{name.upper()}, /* {meaning} */" for name, meaning in rows)
 
 
-def _declared(members: dict[str, Member]) -> str:
-    """The members of a structure in C."""
-
-    def kind(name: str) -> str:
-        x = members[name]
-        one = x[0] if isinstance(x, list) else x
-        if isinstance(one, float):
-            return "bte_real"
-        return "uint16_t" if isinstance(one, int) else getattr(one, "kind", f"{PREFIX}_{name}")
-
-    def size(name: str) -> str:
-        return f"{name}[{len(members[name])}]" if type(members[name]) is list else name
-
-    lines = (f"{of} {', '.join(map(size, names))};" for of, names in groupby(members, kind))
-    return "\n".join(fill(x, 100, initial_indent=4 * " ", subsequent_indent=8 * " ") for x in lines)
+def _declared(name: str, x: Member) -> str:
+    return f"{name}[{len(x)}]" if isinstance(x, list) else name
 
 
 def _initial(x: Member, bits: int) -> str:
     """The initial value of a member in C."""
     if isinstance(x, dict):
         return f"{{{', '.join(f'.{name} = {_initial(y, bits)}' for name, y in x.items())}}}"
-    if isinstance(x, Data):
-        return x.initial
     if isinstance(x, list | tuple):
         return f"{{{', '.join(_initial(y, bits) for y in x)}}}"
-    return str(x) if isinstance(x, int) else number(x, bits)
+    return number(x, bits) if isinstance(x, float) else str(x)

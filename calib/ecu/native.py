@@ -55,18 +55,6 @@ def compiler() -> list[str]:
     return named
 
 
-def write_sources(table: Table, sample_time: float, how: Precision, folder: Path) -> list[Path]:
-    """Write a program that runs samples into a folder, and return the files that are compiled.
-
-    Raises ExchangeError as `sources`.
-    """
-    files = sources(table, sample_time, how, "made to be run here")
-    files["bte_run.c"] = (SOURCE / "bte_run.c").read_text()
-    for name, text in files.items():
-        (folder / name).write_text(text)
-    return [folder / name for name in files if name.endswith(".c")]
-
-
 @dataclass(frozen=True)
 class Native:
     """The code of a table at a sample time [s], in a precision."""
@@ -79,15 +67,19 @@ class Native:
     def library(self) -> ctypes.CDLL:
         """The shared object. Raises ProgramError where it cannot be compiled."""
         cc = compiler()
+        files = sources(self.table, self.sample_time, self.how, "made to be run here")
+        files["bte_run.c"] = (SOURCE / "bte_run.c").read_text(encoding="utf-8")
         with TemporaryDirectory() as folder:
-            files = write_sources(self.table, self.sample_time, self.how, Path(folder))
-            made = Path(folder, "bte.so")
-            line = [*cc, *FLAGS, *map(str, files), "-o", str(made), "-lm"]
+            for name, text in files.items():
+                Path(folder, name).write_text(text, encoding="utf-8")
+            made = str(Path(folder, "bte.so"))
+            code = [str(Path(folder, name)) for name in files if name.endswith(".c")]
+            line = [*cc, *FLAGS, *code, "-o", made, "-lm"]
             done = subprocess.run(line, capture_output=True, text=True, check=False)
             if done.returncode:
                 why = done.stderr[-400:] or f"it ended with {done.returncode} and said nothing"
                 raise ProgramError("the C code does not compile", where=cc[0], do=why)
-            return ctypes.CDLL(str(made))
+            return ctypes.CDLL(made)
 
     def run(self, samples: Array) -> Array:
         """Answers (n, 22) to samples (n, 10), as `bte_run` has them."""

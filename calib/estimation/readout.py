@@ -108,16 +108,21 @@ def read_out(
     factors: tuple[Array | float, Array | float] = (1.0, 1.0),
     *,
     with_v: bool = True,
+    driven: Mask | bool = False,
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
     The table's vehicle is as driven, with the pads of the file; ``b`` means of the signals over
     blocks; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of the axles' pad friction by
     which known effects are taken out of it; ``with_v`` whether the reference speed is used where it
-    is logged.
+    is logged; ``driven`` while the accelerator is pressed (n,).
     """
-    worst = disturbed[: b.end.size * b.samples].reshape(-1, b.samples).max(axis=1)
-    x = given(table, b, worst, with_v=with_v)
+    whole = slice(b.end.size * b.samples)
+    worst, thrust = (
+        np.broadcast_to(x, s.time.shape)[whole].reshape(-1, b.samples).max(axis=1)
+        for x in (disturbed, driven)
+    )
+    x = _given(table, b, worst, thrust, with_v=with_v)
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
     answers, at = run(c, x), b.last_complete(s.time)
@@ -142,7 +147,9 @@ def read_out(
     return Readout(x, answers.at(at), *itertools.starmap(Bounded, bounded))
 
 
-def given(table: Table, b: Blocks, disturbed: Index, *, with_v: bool) -> Sample[Array]:
+def _given(
+    table: Table, b: Blocks, disturbed: Index, driven: Mask, *, with_v: bool
+) -> Sample[Array]:
     """What the step is given of each block (k,), with the resistance and slips that are known.
 
     ``disturbed`` number of a `Reason` of each (k,); the rest as of `read_out`.
@@ -152,19 +159,19 @@ def given(table: Table, b: Blocks, disturbed: Index, *, with_v: bool) -> Sample[
         b = replace(b, v=None, speed=car.rear.rolling_radius * b.omega_r)
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
     road = block_balance(car, known_effects(table), b)
-    driven = known_slips(table, road)
+    slips = known_slips(table, road)
     return Sample(
         demand=road.demanded / car.weight,
         nominal=(brake_f + brake_r) / car.weight,
         pressure=np.maximum(b.p_f, b.p_r),
         z=b.z,
-        eta=b.eta / speed_ratio(*driven),
-        rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - driven[0]), SLOWEST),
+        eta=b.eta / speed_ratio(*slips),
+        rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - slips[0]), SLOWEST),
         rear_share=road.load_r / car.weight,
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,
         disturbed=disturbed.astype(np.float64),
         log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
-        driven=np.zeros(b.end.size),
+        driven=driven.astype(np.float64),
     )
 
 

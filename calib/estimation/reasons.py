@@ -76,12 +76,15 @@ def _locks(log: Log, s: Signals) -> Mask:
     if s.v is not None and s.lead_in.any():  # all four may lock together
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))
         fastest = np.maximum(fastest, per_speed * s.v)
-    slows = HARDEST / NOMINAL_RADIUS * s.time
+    return locks(s.time, fastest, wheels.min(axis=0))
+
+
+def locks(time: Array, fastest: Array, slowest: Array) -> Mask:
+    """Whether wheels [rad/s] (n,) depart from each other as only ABS or a locked wheel does.
+
+    The fastest one, too, may slow as no road lets a car slow. ``time`` [s] (n,).
+    """
+    slows = HARDEST / NOMINAL_RADIUS * time
     fastest = np.maximum.accumulate(fastest + slows) - slows
-    return locks(fastest, wheels.min(axis=0))
-
-
-def locks(fastest: Array | float, slowest: Array | float) -> Mask:
-    """Whether wheels [rad/s] (n,) depart from each other as only ABS or a locked wheel does."""
     apart = fastest - slowest > LOCK * np.maximum(fastest, 1.0)
     return np.asarray(apart & (fastest > MOVING / NOMINAL_RADIUS))

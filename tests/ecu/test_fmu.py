@@ -12,7 +12,7 @@ import pytest
 
 from calib.ecu.channels import ANSWERS, CHANNELS
 from calib.ecu.fmu import V0, simulated, write_fmu
-from calib.ecu.online import Online
+from calib.ecu.online import answered
 from calib.model.simulate import simulate
 from calib.table.exported import Precision
 from tests.support.ecu_code import SEDAN
@@ -112,7 +112,7 @@ def test_an_estimator_behind_the_car_has_the_numbers_of_python_and_finds_its_pad
     told = run(fmus["estimator"], inputs)[1:]
     names = ("reason", *(f"{x}{end}" for x in ANSWERS for end in ("", "_lower", "_upper")))
     answers = np.stack([told[name] for name in names], axis=1)
-    expected = Online(SEDAN.table, STEP).run(samples)
+    expected = answered(SEDAN.table, STEP, samples)
     np.testing.assert_allclose(answers, expected, rtol=1e-9, atol=1e-9)
     assert told["reason"][-1] == 0
     for name, value in (true | {"brake_torque_f": car["brake_torque_f"][-1]}).items():

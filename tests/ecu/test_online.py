@@ -10,7 +10,7 @@ from calib.base.errors import ProgramError, StoreError
 from calib.car.effects.effects import Effects
 from calib.ecu.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
 from calib.ecu.native import Native, coded
-from calib.ecu.online import Online, require_plain
+from calib.ecu.online import answered, require_plain
 from calib.estimation.estimator import estimate
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.reasons import Reason
@@ -34,7 +34,7 @@ def both(fitted):
     native = Native(fitted, STEP, Precision())
 
     def run(samples):
-        python, c = Online(fitted, STEP).run(samples), native.run(samples)
+        python, c = answered(fitted, STEP, samples), native.run(samples)
         assert np.array_equal(python[:, REASON], c[:, REASON])
         assert c == pytest.approx(python, rel=1e-9)
         assert np.isfinite(python).all()
@@ -163,18 +163,19 @@ def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(both):
 
 
 def test_another_table_is_taken_at_rest_only(fitted):
-    online, code = Online(fitted, STEP), Native(fitted, STEP, Precision()).library
+    code = Native(fitted, STEP, Precision()).library
     state, out = create_string_buffer(4096), create_string_buffer(1024)
     car = c_void_p(addressof(c_char.in_dll(code, "bte_this_car")))
     code.bte_init(state, car)
+    fresh = state.raw
     for speed, taken in ((60.0, False), (0.0, True)):
         x = np.zeros(len(CHANNELS))
         x[OMEGA] = speed
         for _ in range(2):  # the first one is a jump
-            online.step(x)
             code.bte_step(state, (c_double * len(x))(*x), out)
-        assert online.exchange(fitted) == code.bte_exchange(state, car) == taken
-        assert online.begun != taken
+        left = fresh if taken else state.raw
+        assert code.bte_exchange(state, car) == taken
+        assert state.raw == left
 
 
 def test_a_car_with_an_effect_that_the_code_does_not_take_out_is_refused(fitted):

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.ecu.channels import CHANNELS, samples_of
 from calib.ecu.native import Native
-from calib.ecu.online import Online
+from calib.ecu.online import answered
 from calib.fitting.fit import fit
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
@@ -92,7 +92,7 @@ def compared(seed: int) -> Found:
     worst, other, reasons = {}, {}, Counter[int]()
     for name, how in HOW.items():
         given = how.computed(samples)
-        right = Online(as_exported(table, how), step).run(given)
+        right = answered(as_exported(table, how), step, given)
         told = native_of(seed // 10, step, name).run(given)
         apart = np.abs(told - right) / np.maximum(np.abs(right), 1e-6)
         worst[name] = float(apart[:, 1:].max())

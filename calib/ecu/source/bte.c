@@ -10,17 +10,11 @@
 #define R(x) ((bte_real)(x))
 
 #if BTE_FLOAT == 64
-typedef uint64_t bte_bits;
-static bte_real root(bte_real x) { return sqrt(x); }
-static const uint32_t MANTISSA = 52;
-static const int32_t BIAS = 1023, TERMS = 14;
-#define LARGEST R(700.0)
+#define MATH(name) name
+enum { TERMS = 14, LARGEST = 700 };
 #else
-typedef uint32_t bte_bits;
-static bte_real root(bte_real x) { return sqrtf(x); }
-static const uint32_t MANTISSA = 23;
-static const int32_t BIAS = 127, TERMS = 8;
-#define LARGEST R(87.0)
+#define MATH(name) name##f
+enum { TERMS = 8, LARGEST = 87 };
 #endif
 
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
@@ -34,38 +28,29 @@ enum { PRESSURE, Z, FRONT, APART, DRIVE };
 static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
 static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
 static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
-static bte_real size_of(bte_real x) { return x < R(0.0) ? -x : x; }
 static bte_real square(bte_real x) { return x * x; }
 
 /* Own exp and ln, by their series: those of C libraries differ in the last digits. */
 static bte_real exponential(bte_real x) {
-    const bte_real held = clip(x, -LARGEST, LARGEST), turns = held / (LN2_HIGH + LN2_LOW);
-    const int32_t k = (int32_t)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5))), exponent = k + BIAS;
+    const bte_real held = clip(x, -R(LARGEST), R(LARGEST)), turns = held / (LN2_HIGH + LN2_LOW);
+    const int k = (int)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5)));
     const bte_real rest = (held - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
-    bte_real sum = R(1.0), power;
-    for (int32_t n = TERMS; n > 0; n--) {
+    bte_real sum = R(1.0);
+    for (int n = TERMS; n > 0; n--) {
         sum = R(1.0) + sum * rest / (bte_real)n;
     }
-    const bte_bits bits = (bte_bits)exponent << MANTISSA;
-    (void)memcpy(&power, &bits, sizeof power);
-    return sum * power;
+    return MATH(ldexp)(sum, k);
 }
 
 static bte_real logarithm(bte_real x) {
-    const bte_bits one = (bte_bits)BIAS << MANTISSA;
-    bte_bits bits;
-    bte_real m, sum = R(0.0);
-    (void)memcpy(&bits, &x, sizeof bits);
-    const bte_bits exponent = bits >> MANTISSA;
-    int32_t k = (int32_t)exponent - BIAS;
-    bits = (bits & (((bte_bits)1 << MANTISSA) - 1U)) | one;
-    (void)memcpy(&m, &bits, sizeof m);
-    if (m > R(1.4142135623730951)) {
-        m = m * R(0.5);
-        k = k + 1;
+    int k = 0;
+    bte_real m = MATH(frexp)(x, &k), sum = R(0.0);
+    if (m <= R(0.70710678118654755)) {
+        m = R(2.0) * m;
+        k = k - 1;
     }
     const bte_real f = (m - R(1.0)) / (m + R(1.0)), f2 = f * f;
-    for (int32_t n = 2 * TERMS - 7; n > 0; n -= 2) { /* needs fewer */
+    for (int n = 2 * TERMS - 7; n > 0; n -= 2) { /* needs fewer */
         sum = R(1.0) / (bte_real)n + sum * f2;
     }
     return (bte_real)k * LN2_HIGH + ((bte_real)k * LN2_LOW + R(2.0) * f * sum);
@@ -74,8 +59,8 @@ static bte_real logarithm(bte_real x) {
 /* A median with its bounds, these farther away by `more`, added as squares. */
 static void widen(bte_real x[BTE_BOUNDS], bte_real more_lower, bte_real more_upper) {
     const bte_real below = x[BTE_LOWER] - x[BTE_MEDIAN], above = x[BTE_UPPER] - x[BTE_MEDIAN];
-    x[BTE_LOWER] = x[BTE_MEDIAN] - root(square(below) + square(more_lower));
-    x[BTE_UPPER] = x[BTE_MEDIAN] + root(square(above) + square(more_upper));
+    x[BTE_LOWER] = x[BTE_MEDIAN] - MATH(sqrt)(square(below) + square(more_lower));
+    x[BTE_UPPER] = x[BTE_MEDIAN] + MATH(sqrt)(square(above) + square(more_upper));
 }
 
 static void move_by(bte_real x[BTE_BOUNDS], bte_real by) {
@@ -193,9 +178,9 @@ static void forget_stop(bte_state *s) {
 
 /* Zeros, from blocks that lie far enough before a bite. */
 static void roll(bte_state *s, const bte_block *x, bool counts) {
-    const bte_tuning *c = &s->car->tuning;
-    const bte_real dt = s->car->block;
-    if (s->waits >= s->car->waiting) {
+    const bte_car *c = s->car;
+    const bte_real dt = c->block;
+    if (s->waits >= c->waiting) {
         const bte_block *old = &s->waiting[0];
         const bte_real wheels = c->noise_rim / old->rim;
         measure(&s->demand, old->demand, (square(c->noise_z) + R(1e-8)) / dt);
@@ -203,7 +188,7 @@ static void roll(bte_state *s, const bte_block *x, bool counts) {
         s->waits--;
         (void)memmove(&s->waiting[0], &s->waiting[1], s->waits * sizeof s->waiting[0]);
     }
-    if (counts && !s->driven && x->pressure < c->untouched && size_of(x->z) < c->steady) {
+    if (counts && !s->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
         s->waiting[s->waits] = *x;
         s->waits++;
     } else {
@@ -213,7 +198,7 @@ static void roll(bte_state *s, const bte_block *x, bool counts) {
 
 /* Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise. */
 static void press(bte_state *s, bte_real nominal) {
-    const bte_real dt = s->car->block, lag = largest(s->level.x[LAG], s->car->tuning.least_lag);
+    const bte_real dt = s->car->block, lag = largest(s->level.x[LAG], s->car->least_lag);
     const bte_real left = exponential(-dt / lag), rate = (nominal - s->nominal) / dt;
     const bte_real behind = s->acting - s->nominal + lag * rate;
     s->by_lag = -rate + (s->by_lag + rate) * left + behind * left * dt / square(lag);
@@ -223,8 +208,8 @@ static void press(bte_state *s, bte_real nominal) {
 
 /* Level and lag; means of what goes into the map. */
 static void brake(bte_state *s, const bte_block *x) {
-    const bte_tuning *c = &s->car->tuning;
-    const bte_real y = x->demand - s->demand.value, dt = s->car->block;
+    const bte_car *c = s->car;
+    const bte_real y = x->demand - s->demand.value, dt = c->block;
     bte_gauss *g = &s->level;
     const bte_real grows[BTE_STATES] = {R(0.0), R(0.0), dt, R(0.0)};
     g->x[LEVEL] += g->x[RATE] * dt;
@@ -256,14 +241,14 @@ static void brake(bte_state *s, const bte_block *x) {
 
 /* The speed by a_x, until it is measured; `bends` by how much the mean deceleration changed. */
 static void move(bte_state *s, const bte_block *x, bte_real bends, bool braking) {
-    const bte_tuning *c = &s->car->tuning;
+    const bte_car *c = s->car;
     bte_gauss *g = &s->speed;
     if (!s->anchored) { /* radii that are made equal now would look like a speed that jumps */
-        *g = s->car->start.speed;
+        *g = c->start.speed;
         g->x[V] = rim_of(s, x);
         s->anchored = braking || s->eta_less_1.variance < R(0.5) * square(c->zero);
     }
-    const bte_real dt = s->car->block;
+    const bte_real dt = c->block;
     const bte_real lost = GRAVITY * dt * (R(0.5) * (x->z + s->z) - g->x[OFFSET]);
     const bte_real scaled = braking ? R(1.0) - g->x[SCALE] : R(1.0);
     const bte_real by[BTE_STATES] = {R(0.0), R(0.0), GRAVITY * dt * scaled,
@@ -286,21 +271,21 @@ static void move(bte_state *s, const bte_block *x, bte_real bends, bool braking)
 
 /* The speed by the wheels; what does not fit is offset, scale and slip. */
 static void see_speed(bte_state *s, const bte_block *x, bool braking) {
-    const bte_tuning *c = &s->car->tuning;
+    const bte_car *c = s->car;
     bte_gauss *g = &s->speed;
     const bte_real over = largest(x->demand - s->demand.value, R(0.0));
     const bte_real slip = braking ? over * exponential(g->x[SLIP]) : R(0.0);
     const bte_real rest = (rim_of(s, x) - g->x[V]) + g->x[V] * slip;
     const bte_real by[BTE_STATES] = {R(1.0) - slip, -g->x[V] * slip, R(0.0), R(0.0)};
-    const bte_real variance = square(c->noise_rim) / s->car->block
+    const bte_real variance = square(c->noise_rim) / c->block
                               + square(c->slip_rough * slip * g->x[V]);
     correct(g, by, variance, rest);
     g->x[SLIP] = clip(g->x[SLIP], R(-8.0), R(0.0));
 }
 
 static void follow(bte_state *s, const bte_block *x) {
-    const bte_tuning *c = &s->car->tuning;
-    const bte_real dt = s->car->block, most = square(c->zero);
+    const bte_car *c = s->car;
+    const bte_real dt = c->block, most = square(c->zero);
     s->demand.variance = smallest(s->demand.variance + square(c->bias_walk) * dt, most);
     s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->radius_walk) * dt, most);
     const bool braking = x->pressure > c->bite;
@@ -321,7 +306,7 @@ static void follow(bte_state *s, const bte_block *x) {
         }
         roll(s, x, counts);
     }
-    move(s, x, size_of(s->mean_z - before), braking);
+    move(s, x, MATH(fabs)(s->mean_z - before), braking);
     if (counts) {
         see_speed(s, x, braking);
     }
@@ -331,27 +316,27 @@ static void follow(bte_state *s, const bte_block *x) {
 /* Standard deviation of the mean of eta - 1 by wheels, zero and a changing z. */
 static bte_real eta_error(const bte_state *s, bte_real shift, bte_real z, bte_real blocks) {
     const bte_real many = largest(blocks, R(1.0));
-    bte_real wheels = s->car->tuning.noise_rim / largest(s->speed.x[V], R(1.0));
-    wheels = wheels / root(s->car->block * many);
+    bte_real wheels = s->car->noise_rim / largest(s->speed.x[V], R(1.0));
+    wheels = wheels / MATH(sqrt)(s->car->block * many);
     const bte_real bent = shift * largest(s->sums[3] / many / square(z) - R(1.0), R(0.0));
-    return root(square(wheels) + s->eta_less_1.variance + square(bent));
+    return MATH(sqrt)(square(wheels) + s->eta_less_1.variance + square(bent));
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
-static void read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES],
+static void read_ratio(const bte_car *c, const bte_real at[BTE_MAP_AXES],
                        const bte_real error[BTE_MAP_AXES], bte_real out[BTE_BOUNDS]) {
-    const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
+    const bte_axis *shifts = &c->pads.axis[BTE_SHIFT];
     const uint16_t cell = BTE_FIND(shifts, at[BTE_SHIFT]).at;
     const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
-    read_map(&car->pads, at, out);
+    read_map(&c->pads, at, out);
     for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
         bte_real place[] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
         bte_real low[BTE_BOUNDS], high[BTE_BOUNDS];
         place[axis] = at[axis] - step;
-        read_map(&car->pads, place, low);
+        read_map(&c->pads, place, low);
         place[axis] = at[axis] + step;
-        read_map(&car->pads, place, high);
+        read_map(&c->pads, place, high);
         const bte_real by_one = (high[BTE_MEDIAN] - low[BTE_MEDIAN]) / step;
         const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
         widen(out, more, more);
@@ -361,10 +346,10 @@ static void read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES],
 /* The best informed ratio so far; it ages as pads warm up, and those that changed did so unlike. */
 static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, bool is_new,
                       bte_real best[BTE_BOUNDS]) {
-    const bte_tuning *c = &s->car->tuning;
+    const bte_car *c = s->car;
     const bte_real variance = square(c->ageing) * s->age
                               + square(c->unlike * logarithm(pads / s->level_then));
-    const bte_real wider = Z95 * root(variance);
+    const bte_real wider = Z95 * MATH(sqrt)(variance);
     (void)memcpy(best, s->kept, sizeof s->kept);
     widen(best, wider, wider);
     if (is_new || now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER]) {
@@ -373,27 +358,27 @@ static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pad
         s->age = R(0.0);
         s->level_then = pads;
     }
-    s->age += s->car->block;
+    s->age += c->block;
 }
 
 /* The first reason that applies to a block with a pads' level. */
 static bte_reason reason_of(const bte_state *s, const bte_block *x, bte_real level, bool of_map) {
-    const bte_tuning *c = &s->car->tuning;
+    const bte_car *c = s->car;
     return x->pressure <= c->least_pressure                     ? BTE_NOT_BRAKED
            : s->worst != BTE_VALID                              ? s->worst
            : x->rim <= c->moving                                ? BTE_SLOW
-           : s->braked < c->settle - R(0.5) * s->car->block     ? BTE_JUST_APPLIED
+           : s->braked < c->settle - R(0.5) * c->block          ? BTE_JUST_APPLIED
            : level <= c->least_level || level >= c->most_level  ? BTE_NO_PAD
            : !of_map                                            ? BTE_BEYOND_MAP
                                                                 : BTE_VALID;
 }
 
 /* ln of the pads by level and ratio; distances to their bounds add up as squares. */
-static void part_pads(const bte_car *car, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]) {
+static void part_pads(const bte_car *c, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]) {
     bte_real part[BTE_AXLES][BTE_BOUNDS];
     for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        const bte_real ratio = ln[BTE_RATIO][b], front = car->share * exponential(ratio);
-        const bte_real rear = -logarithm(front + (R(1.0) - car->share));
+        const bte_real ratio = ln[BTE_RATIO][b], front = c->share * exponential(ratio);
+        const bte_real rear = -logarithm(front + (R(1.0) - c->share));
         part[BTE_FRONT][b] = ratio + rear;
         part[BTE_REAR][b == BTE_MEDIAN ? b : 3U - b] = rear;
     }
@@ -407,8 +392,7 @@ static void part_pads(const bte_car *car, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BO
 }
 
 static void take(bte_state *s, const bte_block *x) {
-    const bte_car *car = s->car;
-    const bte_tuning *c = &car->tuning;
+    const bte_car *c = s->car;
     follow(s, x);
     const bte_gauss *g = &s->speed;
     const bte_real blocks = s->sums[0];
@@ -417,13 +401,14 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_real mean_shift = s->sums[2] / (is_new ? R(1.0) : blocks), shift = mean_shift / z;
     bte_real at[BTE_MAP_AXES] = {z, shift, R(0.0)};
     bte_real by_map[BTE_BOUNDS], ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS], *level = ln[BTE_LEVEL];
-    read_map(&car->slip, at, by_map);
-    read_map(&car->level, at, level);
+    read_map(&c->slip, at, by_map);
+    read_map(&c->level, at, level);
     const bte_real usual = by_map[0], sigma = by_map[1];
     /* slip: one of what was measured and what the map has; what it was off, the scale of a_x was */
     const bte_real known = g->p[SLIP][SLIP], rest = usual - g->x[SLIP];
     const bte_real gain = R(1.0) / (known + square(sigma)), both = g->p[SLIP][SCALE];
-    const bte_real slip = g->x[SLIP] + gain * known * rest, slip_sigma = root(gain * known) * sigma;
+    const bte_real slip = g->x[SLIP] + gain * known * rest;
+    const bte_real slip_sigma = MATH(sqrt)(gain * known) * sigma;
     const bte_real scaled = largest(R(1.0) - g->x[SCALE] - gain * both * rest, c->least_share);
     const bte_real scale_variance = largest(g->p[SCALE][SCALE] - gain * square(both), R(0.0));
     /* level: friction as it is now, of the pressure as it is now */
@@ -432,29 +417,29 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_real pads = steady * clip(acts, c->least_share, R(1.0) / c->least_share);
     const bte_real noise = largest(s->level.p[LEVEL][LEVEL], R(0.0)) / square(steady);
     const bte_real accelerometer = s->demand.variance / square(z) + scale_variance;
-    const bte_real wider = Z95 * root(smallest(noise, R(1.0)) + accelerometer);
+    const bte_real wider = Z95 * MATH(sqrt)(smallest(noise, R(1.0)) + accelerometer);
     widen(level, wider, wider);
     move_by(level, logarithm(pads * scaled));
     /* ratio */
-    const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
+    const bte_axis *shifts = &c->pads.axis[BTE_SHIFT];
     const bool of_map = shift >= shifts->x[0] && shift <= shifts->x[shifts->count - 1U];
     bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS];
     at[BTE_SLIP] = (slip - usual) / sigma;
     const bte_real off_eta = eta_error(s, mean_shift, z, blocks) / z;
     const bte_real error[BTE_MAP_AXES] = {R(0.0), off_eta, slip_sigma / sigma};
-    read_ratio(car, at, error, now);
-    read_map(&car->before, at, prior);
+    read_ratio(c, at, error, now);
+    read_map(&c->before, at, prior);
     bte_real unread = (now[BTE_UPPER] - now[BTE_LOWER]) / (prior[BTE_UPPER] - prior[BTE_LOWER]);
     if (is_new || !of_map || z < c->least_z || !(unread < R(1.0))) {
         unread = R(1.0);
         (void)memcpy(now, prior, sizeof now);
     }
-    move_by(now, square(unread) * (car->ramp_ratio - prior[BTE_MEDIAN]));
+    move_by(now, square(unread) * (c->ramp_ratio - prior[BTE_MEDIAN]));
     keep_best(s, now, pads, is_new, ln[BTE_RATIO]);
-    part_pads(car, ln);
+    part_pads(c, ln);
     for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) {
         for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-            s->told[i][b] = car->start.told[i][BTE_MEDIAN] * exponential(ln[i][b]);
+            s->told[i][b] = c->start.told[i][BTE_MEDIAN] * exponential(ln[i][b]);
         }
     }
     s->reason = reason_of(s, x, s->told[BTE_LEVEL][BTE_MEDIAN], of_map);
@@ -476,109 +461,106 @@ void bte_told(const bte_state *s, bte_real p_mc, bte_real out[BTE_ANSWERS][BTE_B
 }
 
 /* Slip of an axle by its force and load. */
-static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
-    const bte_place at = BTE_FIND(&car->tyre, force / largest(load, R(0.1) * car->weight));
-    const bte_real low = car->tyre_slip[at.at], high = car->tyre_slip[at.at + 1U];
+static bte_real slip_at(const bte_car *c, bte_real force, bte_real load) {
+    const bte_place at = BTE_FIND(&c->tyre, force / largest(load, R(0.1) * c->weight));
+    const bte_real low = c->tyre_slip[at.at], high = c->tyre_slip[at.at + 1U];
     return low + at.along * (high - low);
 }
 
 /* Take in a sample: the last good reading counts while one is out of its range, or jumps. Whether
  * all sensors work. */
 static bool good(bte_state *s, const bte_real x[BTE_INPUTS]) {
-    const bte_car *car = s->car;
-    const bte_tuning *c = &car->tuning;
-    const bte_real was = s->last[BTE_A_X];
-    const bool same = s->started && x[BTE_A_X] >= was && x[BTE_A_X] <= was;
+    const bte_car *c = s->car;
+    const bool same = s->started && x[BTE_A_X] == s->last[BTE_A_X];
     bool fine = true;
     for (unsigned i = 0; i < BTE_INPUTS; i++) {
-        const bool inside = x[i] >= car->low[i] && x[i] <= car->high[i];
-        const bool taken = inside && !(s->started && size_of(x[i] - s->raw[i]) > car->jump[i]);
+        const bool inside = x[i] >= c->low[i] && x[i] <= c->high[i];
+        const bool taken = inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i]);
         s->raw[i] = inside ? x[i] : s->raw[i];
         s->last[i] = taken ? x[i] : s->last[i];
         fine = fine && taken;
     }
     /* an accelerometer that does not move while the pressure does is frozen */
-    s->held = same ? s->held + car->sample_time : R(0.0);
+    s->held = same ? s->held + c->sample_time : R(0.0);
     s->p_held = same ? s->p_held : s->last[BTE_P_MC];
-    return fine && !(s->held > c->held_time - R(0.5) * car->sample_time
-                     && size_of(s->last[BTE_P_MC] - s->p_held) > c->held_pressure
-                     && car->radius[BTE_FRONT] * s->last[BTE_OMEGA_FL] > c->moving);
+    return fine && !(s->held > c->held_time - R(0.5) * c->sample_time
+                     && MATH(fabs)(s->last[BTE_P_MC] - s->p_held) > c->held_pressure
+                     && c->radius[BTE_FRONT] * s->last[BTE_OMEGA_FL] > c->moving);
 }
 
 /* Whether the car is steered, corners, or a wheel locks, or just has. */
 static bte_reason disturbance(bte_state *s, bool fine) {
-    const bte_car *car = s->car;
-    const bte_tuning *c = &car->tuning;
+    const bte_car *c = s->car;
     const bte_real *x = s->last, *omega = &x[BTE_OMEGA_FL];
     bte_real fastest = R(0.0), slowest = R(0.0);
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
         bte_real *b = s->before[w];
-        const bte_real low = smallest(b[0], b[1]), high = largest(b[0], b[1]);
-        const bte_real middle = s->started ? clip(omega[w], low, high) : omega[w];
-        b[0] = s->started ? b[1] : omega[w];
+        const bte_real last = s->started ? b[1] : omega[w], first = s->started ? b[0] : last;
+        const bte_real middle = clip(omega[w], smallest(first, last), largest(first, last));
+        b[0] = last;
         b[1] = omega[w];
         fastest = w == 0U ? middle : largest(fastest, middle);
         slowest = w == 0U ? middle : smallest(slowest, middle);
     }
     const bte_real mean = R(0.5) * (x[BTE_OMEGA_RL] + x[BTE_OMEGA_RR]);
-    const bte_real speed = car->radius[BTE_REAR] * mean, z = -x[BTE_A_X] / GRAVITY;
-    s->fastest = largest(fastest, s->fastest - c->slows * car->sample_time);
+    const bte_real speed = c->radius[BTE_REAR] * mean, z = -x[BTE_A_X] / GRAVITY;
+    s->fastest = largest(fastest, s->fastest - c->slows * c->sample_time);
     const bool locks = s->fastest - slowest > c->lock * largest(s->fastest, R(1.0))
                        && s->fastest > c->turning;
-    s->since_lock = locks ? R(0.0) : s->since_lock + car->sample_time;
+    s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
     const bte_real apart = (x[BTE_OMEGA_RR] - x[BTE_OMEGA_RL]) / largest(mean, R(1.0));
-    const bte_real slip = largest(slip_at(car, z * car->weight, car->weight), R(0.0));
-    const bte_real leaned = R(4.0) * slip * car->cg_height / (GRAVITY * car->track_width);
-    const bte_real turned = apart / (car->track_width / square(largest(speed, c->moving)) + leaned);
-    s->lateral = s->started ? s->lateral + car->lateral_part * (turned - s->lateral) : turned;
-    return !fine                                                      ? BTE_FAULT
-           : s->since_lock <= c->recover + R(0.5) * car->sample_time  ? BTE_LOCKED
-           : !(size_of(s->lateral) < c->lateral)                      ? BTE_CORNERS
-           : !(size_of(x[BTE_STEERING]) < c->steering)                ? BTE_TURNED
-                                                                      : BTE_VALID;
+    const bte_real slip = largest(slip_at(c, z * c->weight, c->weight), R(0.0));
+    const bte_real leaned = R(4.0) * slip * c->cg_height / (GRAVITY * c->track_width);
+    const bte_real turned = apart / (c->track_width / square(largest(speed, c->moving)) + leaned);
+    s->lateral = s->started ? s->lateral + c->lateral_part * (turned - s->lateral) : turned;
+    return !fine                                                    ? BTE_FAULT
+           : s->since_lock <= c->recover + R(0.5) * c->sample_time  ? BTE_LOCKED
+           : !(MATH(fabs)(s->lateral) < c->lateral)                 ? BTE_CORNERS
+           : !(MATH(fabs)(x[BTE_STEERING]) < c->steering)           ? BTE_TURNED
+                                                                    : BTE_VALID;
 }
 
 /* A block from the sums: the force balance (1), (5) to (7), drag and rolling resistance known. */
 static void take_block(bte_state *s) {
-    const bte_car *car = s->car;
+    const bte_car *c = s->car;
     bte_real mean[BTE_SIGNALS], load[BTE_AXLES], other[BTE_AXLES], driven[BTE_AXLES];
     for (unsigned i = 0; i < BTE_SIGNALS; i++) {
-        mean[i] = s->sum[i] / (bte_real)car->samples;
+        mean[i] = s->sum[i] / (bte_real)c->samples;
     }
     const bte_real p = mean[PRESSURE], z = mean[Z];
     const bte_real omega[BTE_AXLES] = {mean[FRONT], mean[FRONT] + mean[APART]};
-    const bte_real speed = car->radius[BTE_REAR] * omega[BTE_REAR];
-    const bte_real body = car->drag * square(speed);
-    const bte_real grown = R(1.0) + car->rolling_growth * (square(speed / R(20.0)) - R(1.0));
-    bte_real demanded = car->weight * z - body, turning = car->weight;
+    const bte_real speed = c->radius[BTE_REAR] * omega[BTE_REAR];
+    const bte_real body = c->drag * square(speed);
+    const bte_real grown = R(1.0) + c->rolling_growth * (square(speed / R(20.0)) - R(1.0));
+    bte_real demanded = c->weight * z - body, turning = c->weight;
     for (unsigned a = 0; a < BTE_AXLES; a++) {
-        bte_real spin = s->block_full ? (omega[a] - s->omega[a]) / car->block : R(0.0);
+        bte_real spin = s->block_full ? (omega[a] - s->omega[a]) / c->block : R(0.0);
         if (s->faulty || s->worst == BTE_FAULT) { /* of a reading that was held nothing is known */
-            spin = -GRAVITY * z / car->radius[a];
+            spin = -GRAVITY * z / c->radius[a];
         }
         s->omega[a] = omega[a];
-        load[a] = car->weight * (car->load[a] + car->height[a] * z);
-        other[a] = car->rolling * grown * load[a] - mean[DRIVE + a] / car->radius[a];
-        demanded -= other[a] + car->turning_mass[a] * car->radius[a] * spin;
-        turning += car->turning_mass[a] * GRAVITY;
+        load[a] = c->weight * (c->load[a] + c->height[a] * z);
+        other[a] = c->rolling * grown * load[a] - mean[DRIVE + a] / c->radius[a];
+        demanded -= other[a] + c->turning_mass[a] * c->radius[a] * spin;
+        turning += c->turning_mass[a] * GRAVITY;
     }
     s->block_full = true;
     s->faulty = s->worst == BTE_FAULT;
     const bte_real z_alone = demanded / turning;
     for (unsigned a = 0; a < BTE_AXLES; a++) {
-        const bte_real tyre = car->ramp_share[a] * demanded
-                              - car->turning_mass[a] * GRAVITY * z_alone;
-        const bte_real alone = car->weight * (car->load[a] + car->height[a] * z_alone);
-        load[a] += car->weight * car->drag_lift[a] * body;
-        driven[a] = slip_at(car, tyre + other[a], load[a]) - slip_at(car, tyre, alone);
+        const bte_real tyre = c->ramp_share[a] * demanded
+                              - c->turning_mass[a] * GRAVITY * z_alone;
+        const bte_real alone = c->weight * (c->load[a] + c->height[a] * z_alone);
+        load[a] += c->weight * c->drag_lift[a] * body;
+        driven[a] = slip_at(c, tyre + other[a], load[a]) - slip_at(c, tyre, alone);
     }
     const bte_real eta_less_1 = mean[FRONT] > R(0.0) ? mean[APART] / mean[FRONT] : R(0.0);
     const bte_real off = driven[BTE_REAR] - driven[BTE_FRONT];
     const bte_real left = eta_less_1 * (R(1.0) - driven[BTE_FRONT]) + off;
-    const bte_real rim = car->radius[BTE_FRONT] * omega[BTE_FRONT] / (R(1.0) - driven[BTE_FRONT]);
-    const bte_block block = {demanded / car->weight, car->force / car->weight * p, p, z,
-                             left / (R(1.0) - driven[BTE_REAR]), largest(rim, car->tuning.slowest),
-                             load[BTE_REAR] / car->weight};
+    const bte_real rim = c->radius[BTE_FRONT] * omega[BTE_FRONT] / (R(1.0) - driven[BTE_FRONT]);
+    const bte_block block = {demanded / c->weight, c->force / c->weight * p, p, z,
+                             left / (R(1.0) - driven[BTE_REAR]), largest(rim, c->slowest),
+                             load[BTE_REAR] / c->weight};
     take(s, &block);
 }
 
@@ -590,7 +572,7 @@ void bte_init(bte_state *s, const bte_car *car) {
 bool bte_exchange(bte_state *s, const bte_car *car) {
     bool rests = true;
     for (unsigned w = 0; w < BTE_WHEELS; w++) {
-        rests = rests && size_of(s->last[BTE_OMEGA_FL + w]) < s->car->tuning.rests;
+        rests = rests && MATH(fabs)(s->last[BTE_OMEGA_FL + w]) < s->car->rests;
     }
     if (rests) {
         bte_init(s, car);

@@ -111,12 +111,13 @@ typedef struct {
 } bte_state;
 
 /* The numbers of a car; calib/ecu/car_source.py has what they are. */
-typedef struct {
-$tuning
-} bte_tuning;
-
 typedef struct bte_car {
-$car
+    bte_state start;
+    bte_map pads, slip, level, before;
+    bte_axis tyre;
+    BTE_CAL bte_real *tyre_slip, *version;
+    uint16_t samples, waiting;
+    bte_real $numbers;
 } bte_car;
 
 /* Forget everything. */
