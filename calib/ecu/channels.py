@@ -14,9 +14,11 @@ class Variable(NamedTuple):
 
     A sensor that works reads ``low`` to ``high``. From sample to sample it changes by ``jump`` and
     ``rate`` times their distance in time [s] at most; what changes by more is an error of the bus.
+    ``estimator`` and ``car`` what it is to the FMU of either, see `calib.ecu.fmu`.
     """
 
-    of: str
+    estimator: str
+    car: str
     name: str
     unit: str
     meaning: str
@@ -27,18 +29,18 @@ class Variable(NamedTuple):
 
 
 def _read(row: dict[str, str]) -> Variable:
-    of, name, unit, meaning, *numbers = row.values()
-    return Variable(of, name, unit, meaning, *(float(x or "nan") for x in numbers))
+    estimator, car, name, unit, meaning, *numbers = row.values()
+    return Variable(estimator, car, name, unit, meaning, *(float(x or "nan") for x in numbers))
 
 
 VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.ecu"))}
-CHANNELS = {x.name: x for x in VARIABLES.values() if x.of == "sensor"}
+CHANNELS = {x.name: x for x in VARIABLES.values() if x.estimator == "input"}
 """What an ECU reads at one time; a sample (10,) has this order, in Python and in C."""
 
 P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_ = range(len(CHANNELS))
 OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, None)
 
-ANSWERS = {x.name: x for x in VARIABLES.values() if x.of == "answer"}
+ANSWERS = {x.name: x for x in VARIABLES.values() if x.estimator == "output"}
 """What is answered: (7, 3), each a median with its 95 % bounds."""
 
 

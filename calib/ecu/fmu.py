@@ -8,18 +8,17 @@ No binary is inside: the tool that imports it compiles the sources, with its own
 import hashlib
 import io
 import zipfile
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from string import Template
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from calib.base.program import PROGRAM
 from calib.base.templates import templates
 from calib.base.write import write_whole
 from calib.car.model import WET_ASPHALT, Model
 from calib.ecu.car_source import SOURCE, sources
-from calib.ecu.channels import ANSWERS, CHANNELS, VARIABLES
+from calib.ecu.channels import VARIABLES
 from calib.estimation.known import known_effects
 from calib.estimation.reasons import Reason
 from calib.exports.dataset import prefix
@@ -35,51 +34,45 @@ GLUE = SOURCE.parent / "fmu_source"
 V0 = 30.0
 """First speed of the car where nothing else is set [m/s]."""
 
-
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
 _ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
-_TYRE = ("stiffness", "peak", "shape", "load_exponent")
+_ROLES = {
+    "input": ("input", "continuous"),
+    "parameter": ("parameter", "tunable"),
+    "begin": ("parameter", "fixed"),
+    "output": ("output", "discrete"),
+    "time": ("independent", "continuous"),
+}
+"""Causality and variability in FMI, by the words of `variables.csv`, in the order of references."""
 
 
 class Row(NamedTuple):
-    """A variable of the FMU; ``unit`` None for an integer, ``start`` None for what it computes."""
+    """A variable of the FMU; ``unit`` is empty for an integer, ``start`` None for an output."""
 
     name: str
-    unit: str | None
+    unit: str
     meaning: str
-    causality: str = "output"
-    variability: str = "discrete"
+    causality: str
+    variability: str
     start: float | None = None
 
 
-def _rows(names: Iterable[str], *how: Any) -> list[Row]:
-    return [Row(name, VARIABLES[name].unit, VARIABLES[name].meaning, *how) for name in names]
-
-
-def _variables(table: Table, of: Content) -> list[Row]:
+def _rows(table: Table, of: Content) -> list[Row]:
     """Variables, each in the place of its reference; inputs and parameters come first."""
-    inputs, why, given, told = [*CHANNELS], _ENDS, list[Row](), list[Row]()
-    if of == "estimator":
-        why = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
-        for x in ANSWERS.values():
-            told += [Row(x.name + y, x.unit, x.meaning + end) for y, end in _BOUNDS.items()]
-    else:
-        inputs, car = ["p_mc", "T_drive_f", "T_drive_r"], simulated(table)
-        starts = {x: getattr(car, x) for x in ("pad_friction_f", "pad_friction_r")}
-        starts |= {f"tyre_{x}": getattr(car.tyre, x) for x in _TYRE}
-        for name, start in starts.items():
-            given += _rows([name], "parameter", "tunable", start)
-        given += _rows(["v0"], "parameter", "fixed", V0)
-        wheels = [name for name in CHANNELS if name.startswith("omega")]
-        told = _rows(["a_x", *wheels, "v", "brake_torque_f", "brake_torque_r"])
-    time = Row("time", "s", "Simulated time", "independent", "continuous")
-    return [
-        *_rows(inputs, "input", "continuous", 0.0),
-        *given,
-        *told,
-        time,
-        Row("reason", None, why),
+    reasons, ends = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason), _BOUNDS
+    starts = {x.name: 0.0 for x in VARIABLES.values() if getattr(x, of) == "input"}
+    if of == "car":
+        car, reasons, ends = simulated(table), _ENDS, {"": ""}
+        starts |= {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r}
+        starts |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()} | {"v0": V0}
+    rows = [
+        Row(x.name + end, x.unit, x.meaning + told, *how, starts.get(x.name))
+        for role, how in _ROLES.items()
+        for x in VARIABLES.values()
+        if getattr(x, of) == role
+        for end, told in (ends if role == "output" else {"": ""}).items()
     ]
+    return [*rows, Row("reason", "", reasons, *_ROLES["output"])]
 
 
 def simulated(table: Table) -> Model:
@@ -112,7 +105,7 @@ def write_fmu(
     code = sources(stored.table, sample_time, how, f"{name}, SHA-256 {stored.digest}")
     places = {"fmi.c": "fmi.c", "version.h": f"fmi{version}.h", "model.h": f"{of}.h"}
     glue = {file: (GLUE / place).read_text(encoding="utf-8") for file, place in places.items()}
-    variables = _variables(stored.table, of)
+    variables = _rows(stored.table, of)
     starts = [repr(float(x.start)) for x in variables if x.start is not None]
     facts = {
         "version": version, "of": of, "name": name, "step": step, "program": PROGRAM,
