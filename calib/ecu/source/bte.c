@@ -180,16 +180,14 @@ static void forget_stop(bte_state *s) {
 static void roll(bte_state *s, const bte_block *x, bool counts) {
     const bte_car *c = s->car;
     const bte_real dt = c->block;
+    bte_block *oldest = &s->waiting[s->waits % c->waiting];
     if (s->waits >= c->waiting) {
-        const bte_block *old = &s->waiting[0];
-        const bte_real wheels = c->noise_rim / old->rim;
-        measure(&s->demand, old->demand, (square(c->noise_z) + R(1e-8)) / dt);
-        measure(&s->eta_less_1, old->eta_less_1, R(2.0) * square(wheels) / dt);
-        s->waits--;
-        (void)memmove(&s->waiting[0], &s->waiting[1], s->waits * sizeof s->waiting[0]);
+        const bte_real wheels = c->noise_rim / oldest->rim;
+        measure(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
+        measure(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
     }
     if (counts && !s->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
-        s->waiting[s->waits] = *x;
+        *oldest = *x;
         s->waits++;
     } else {
         s->waits = 0;
@@ -448,15 +446,14 @@ static void take(bte_state *s, const bte_block *x) {
 void bte_told(const bte_state *s, bte_real p_mc, bte_real out[BTE_ANSWERS][BTE_BOUNDS]) {
     const bte_real *level = s->told[BTE_LEVEL];
     (void)memcpy(out, s->told, sizeof s->told);
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        bte_real both = R(0.0);
+    for (unsigned b = 0; b < BTE_BOUNDS; b++) { /* the median first */
+        bte_real sum = R(0.0);
         for (unsigned a = 0; a < BTE_AXLES; a++) {
             const bte_real clamp = s->car->torque_gain[a] * largest(p_mc, R(0.0));
-            const bte_real *pads = s->told[BTE_PAD_FRICTION_F + a];
-            out[BTE_BRAKE_TORQUE_F + a][b] = clamp * pads[b];
-            both += R(2.0) * clamp * pads[BTE_MEDIAN];
+            out[BTE_BRAKE_TORQUE_F + a][b] = clamp * s->told[BTE_PAD_FRICTION_F + a][b];
+            sum += R(2.0) * out[BTE_BRAKE_TORQUE_F + a][BTE_MEDIAN];
         }
-        out[BTE_BRAKE_TORQUE_SUM][b] = level[b] / level[BTE_MEDIAN] * both;
+        out[BTE_BRAKE_TORQUE_SUM][b] = level[b] / level[BTE_MEDIAN] * sum;
     }
 }
 

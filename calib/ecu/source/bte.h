@@ -99,7 +99,7 @@ typedef struct {
     bte_zero demand, eta_less_1;
     bte_gauss level, speed;
     bool anchored, started, block_full, faulty, driven;
-    uint8_t waits;
+    uint32_t waits;
     bte_block waiting[4];
     bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
     bte_real kept[BTE_BOUNDS], age, level_then;
