@@ -14,7 +14,7 @@ class Variable(NamedTuple):
 
     A sensor that works reads ``low`` to ``high``. From sample to sample it changes by ``jump`` and
     ``rate`` times their distance in time [s] at most; what changes by more is an error of the bus.
-    ``estimator`` and ``car`` what it is to the FMU of either, see `calib.ecu.fmu`.
+    ``estimator`` and ``car`` its causality and variability in the FMU of either.
     """
 
     estimator: str
@@ -34,13 +34,13 @@ def _read(row: dict[str, str]) -> Variable:
 
 
 VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.ecu"))}
-CHANNELS = {x.name: x for x in VARIABLES.values() if x.estimator == "input"}
+CHANNELS = {x.name: x for x in VARIABLES.values() if "input" in x.estimator}
 """What an ECU reads at one time; a sample (10,) has this order, in Python and in C."""
 
 P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_ = range(len(CHANNELS))
 OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, None)
 
-ANSWERS = {x.name: x for x in VARIABLES.values() if x.estimator == "output"}
+ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
 """What is answered: (7, 3), each a median with its 95 % bounds."""
 
 

@@ -36,43 +36,39 @@ V0 = 30.0
 
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
 _ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
-_ROLES = {
-    "input": ("input", "continuous"),
-    "parameter": ("parameter", "tunable"),
-    "begin": ("parameter", "fixed"),
-    "output": ("output", "discrete"),
-    "time": ("independent", "continuous"),
-}
-"""Causality and variability in FMI, by the words of `variables.csv`, in the order of references."""
+_ORDER = ("input", "parameter", "output", "independent")
+"""Causalities by the order of references."""
 
 
 class Row(NamedTuple):
-    """A variable of the FMU; ``unit`` is empty for an integer, ``start`` None for an output."""
+    """A variable of the FMU; ``unit`` is empty for an integer, ``start`` None for an output.
+
+    ``role`` its causality and variability.
+    """
 
     name: str
     unit: str
     meaning: str
-    causality: str
-    variability: str
-    start: float | None = None
+    role: str
+    start: float | None
 
 
 def _rows(table: Table, of: Content) -> list[Row]:
     """Variables, each in the place of its reference; inputs and parameters come first."""
     reasons, ends = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason), _BOUNDS
-    starts = {x.name: 0.0 for x in VARIABLES.values() if getattr(x, of) == "input"}
+    starts = {x.name: 0.0 for x in VARIABLES.values() if "input" in getattr(x, of)}
     if of == "car":
         car, reasons, ends = simulated(table), _ENDS, {"": ""}
         starts |= {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r}
         starts |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()} | {"v0": V0}
     rows = [
-        Row(x.name + end, x.unit, x.meaning + told, *how, starts.get(x.name))
-        for role, how in _ROLES.items()
+        Row(x.name + end, x.unit, x.meaning + told, getattr(x, of), starts.get(x.name))
+        for causality in _ORDER
         for x in VARIABLES.values()
-        if getattr(x, of) == role
-        for end, told in (ends if role == "output" else {"": ""}).items()
+        if causality in getattr(x, of)
+        for end, told in (ends if causality == "output" else {"": ""}).items()
     ]
-    return [*rows, Row("reason", "", reasons, *_ROLES["output"])]
+    return [*rows, Row("reason", "", reasons, "output discrete", None)]
 
 
 def simulated(table: Table) -> Model:
