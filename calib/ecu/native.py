@@ -20,7 +20,7 @@ from calib.base.arrays import Array
 from calib.base.errors import ProgramError
 from calib.ecu.car_source import SOURCE, sources
 from calib.ecu.channels import ANSWERS, samples_of
-from calib.ecu.online import require_plain
+from calib.ecu.online import READ_OUT, require_plain
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.validate import Coded
@@ -31,9 +31,6 @@ from calib.table.table import Table
 
 OUTPUTS = 1 + 3 * len(ANSWERS)
 """Numbers that the code answers with: a reason, and `ANSWERS` with their bounds."""
-
-_READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
-"""Fields of a `Readout` by the order of `ANSWERS`."""
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 """Without contraction every compiler gives the same bits."""
@@ -109,7 +106,7 @@ def coded(table: Table, how: Precision) -> Coded:
             known[key] = Native(e.table, log.sample_time, how)
         reason, *told = known[key].run(samples_of(log)).T
         answers = map(Bounded, told[::3], told[1::3], told[2::3])
-        parts: dict[str, Any] = dict(zip(_READ_OUT, answers, strict=True))
+        parts: dict[str, Any] = dict(zip(READ_OUT, answers, strict=True))
         return replace(e.ecu, step=e.ecu.step._replace(reason=reason), **parts)
 
     return run

@@ -33,6 +33,9 @@ HELD_TIME, HELD_PRESSURE = 0.1, 5e5
 """Time [s] for which a_x keeps a value while the pressure moves by so much [Pa], and the car rolls:
 it is frozen."""
 
+READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
+"""Fields of a `Readout` by the order of `ANSWERS`."""
+
 
 def require_plain(table: Table) -> None:
     """Raise StoreError for a car with known effects that the code of an ECU does not take out."""
@@ -79,8 +82,7 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
     why, driven = np.where(good, _disturbed(table, x, s), Reason.FAULT), x[:, at.DRIVEN] > 0.5
     told = read_out(table, noise, s, b, why, with_v=False, driven=driven)
     early = np.arange(len(x)) < b.samples - 1
-    quantities = told.level, told.ratio, told.pads_f, told.pads_r
-    answers = np.where(early, unknown(car)[..., None], quantities)
+    answers = np.where(early, unknown(car)[..., None], [getattr(told, x) for x in READ_OUT[:4]])
     gains = np.outer([front.torque_gain, rear.torque_gain], np.maximum(p, 0.0))
     torques = gains[:, None] * answers[2:]
     total = answers[:1] / answers[:1, :1] * 2.0 * torques[:, 0].sum(axis=0)

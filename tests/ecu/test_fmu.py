@@ -23,7 +23,6 @@ FMICallException = pytest.importorskip("fmpy.fmi1").FMICallException
 
 PATH = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
 """With the cmake that may come with FMPy."""
-MISSING = [name for name in ("cmake", "cc") if shutil.which(name, path=PATH) is None]
 STEP, ERROR = 0.005, 3  # [s]; fmi2Error and fmi3Error
 TIME = STEP * np.arange(1200)
 RAMP, STOP = 6e5 * np.maximum(TIME - 1.0, 0.0), 25e5 * np.clip((TIME - 2.0) / 0.1, 0.0, 1.0)
@@ -41,8 +40,8 @@ def written(path, stored, version, model):
 @pytest.fixture(scope="module", params=[2, 3])
 def fmus(request, tmp_path_factory):
     """The estimator and the car as FMPy compiled and unpacked them in a bare folder."""
-    if MISSING:
-        pytest.skip(f"no {' and no '.join(MISSING)} here")
+    if any(shutil.which(name, path=PATH) is None for name in ("cmake", "cc")):
+        pytest.skip("missing here: cmake or cc")
     folder, fmus = tmp_path_factory.mktemp("bare"), {}
     for model in ("estimator", "car"):
         path, about = written(folder / f"{model}.fmu", SEDAN, request.param, model)

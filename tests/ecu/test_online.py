@@ -10,7 +10,7 @@ from calib.base.errors import ProgramError, StoreError
 from calib.car.effects.effects import Effects
 from calib.ecu.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
 from calib.ecu.native import Native, coded
-from calib.ecu.online import answered, require_plain
+from calib.ecu.online import READ_OUT, answered, require_plain
 from calib.estimation.estimator import estimate
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.reasons import Reason
@@ -61,8 +61,7 @@ def test_a_log_gives_sample_by_sample_what_it_gives_as_a_whole(fitted, wet, both
     told, e = both(samples_of(wet)), estimate(fitted, without(wet, "v"))
     assert np.array_equal(told[:, REASON], e.ecu.step.reason)
     late = wet.time > wet.time[0] + 0.05  # before the first block a log has the answer of it
-    quantities = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
-    parts = [part[late] for of in quantities for part in getattr(e.ecu, of)]
+    parts = [part[late] for of in READ_OUT for part in getattr(e.ecu, of)]
     assert told[late, 1:] == pytest.approx(np.array(parts).T, rel=1e-9, abs=1e-9)
 
 
@@ -101,9 +100,12 @@ LIFE = {
         [(4.1, 5.0, LOCKED | FAULT)],
     ),
     "steered": ([(4, 5, STEERING, 0.2)], [(4.1, 5.0, {Reason.TURNED})]),
+    "it stands, and rolls back": (
+        [(-1, 4.001, OMEGA, 0), (4, 99, OMEGA, -5)], [(3.3, 5.0, {Reason.SLOW})],
+    ),
 }  # fmt: skip
 """Such readings, and the reasons that are told between two times."""
-SPOILT = {*list(LIFE)[-4:]}
+SPOILT = {*list(LIFE)[-5:]}
 """Of which nothing is known at the end of the first stop."""
 
 
@@ -137,13 +139,6 @@ def test_whatever_happens_a_valid_answer_has_the_pads_in_its_bounds(what, drive_
 def test_a_reset_while_braking_has_wider_bounds(drive_on, both):
     known, reset = (both(drive_on[(start < TIME) & (TIME < 4.9)])[-1] for start in (-1.0, 4.0))
     assert reset[RATIO + 2] / reset[RATIO + 1] > known[RATIO + 2] / known[RATIO + 1]
-
-
-def test_standstill_and_reverse_have_their_reasons(both):
-    rests = np.zeros((400, len(CHANNELS)))
-    rests[100:, P_MC] = 10e5
-    rests[250:, OMEGA] = -5.0
-    assert set(both(rests)[120:, REASON]) == {Reason.SLOW}
 
 
 def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(both):

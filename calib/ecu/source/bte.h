@@ -2,7 +2,8 @@
  *
  *     sample --means over a block--> zeros, level, lag, slip, ratio --> friction, torque, bounds
  *
- * SI units. No memory is allocated, nothing is recursive, and of the C library only sqrt is called.
+ * SI units. No memory is allocated, nothing is recursive, and of math.h only sqrt, fabs, frexp and
+ * ldexp are called, which have the same bits everywhere.
  * One task calls all functions of one `bte_state`:
  *
  *     bte_init(&state, &bte_this_car);                 at power-on, and after a reset

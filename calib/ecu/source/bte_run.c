@@ -26,19 +26,18 @@ void bte_run(const bte_real *samples, uint32_t count, bte_real *told) {
 
 int main(void) {
     static bte_real told[COUNT * BTE_TOLD];
-    unsigned other = 0U, wrong = 0U;
+    unsigned wrong = 0U;
     double worst = 0.0;
     bte_run(inputs, COUNT, told);
     for (uint32_t i = 0; i < COUNT / EVERY * BTE_TOLD; i++) {
-        const uint32_t end = (i / BTE_TOLD + 1U) * EVERY - 1U, place = i % BTE_TOLD;
-        const double right = (double)expected[i], found = (double)told[end * BTE_TOLD + place];
-        const double apart = fabs(found - right) / fmax(right, 1e-6);
-        other += place == 0U && apart > 0.0;
-        wrong += place > 0U && !(apart <= TOLERANCE);
-        worst = place > 0U ? fmax(worst, apart) : worst;
+        const uint32_t end = (i / BTE_TOLD + 1U) * EVERY - 1U;
+        const double right = (double)expected[i];
+        const double found = (double)told[end * BTE_TOLD + i % BTE_TOLD];
+        const double apart = fabs(found - right) / fmax(right, 1e-6); /* of reasons 0.1 or more */
+        wrong += !(apart <= TOLERANCE);
+        worst = fmax(worst, apart);
     }
-    printf("%u samples: largest difference %.3g, %u beyond %g, %u reasons differ\n",
-           COUNT, worst, wrong, TOLERANCE, other);
-    return other > 0U || wrong > 0U;
+    printf("%u samples: largest difference %.3g, %u beyond %g\n", COUNT, worst, wrong, TOLERANCE);
+    return wrong > 0U;
 }
 #endif
