@@ -100,15 +100,13 @@ def write_bundle(
     require_maps(stored.table, stored.id)
     texts = car_source.sources(stored.table, sample_time, how, f"{_ABOUT} $about", stored.version)
     texts |= {name: (car_source.SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
-    table = as_exported(stored.table, how)
-    samples = how.computed(_samples(table, sample_time))
-    texts["vectors.h"] = "\n".join(_vectors(table, sample_time, samples, how))
+    texts["vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
     about = f"{stored.id}, digest {stored.digest}, {stored.state.words}"
     facts = {
         "about": about.replace("*/", "* /"),
         "table": stored.id, "digest": stored.digest, "state": stored.state.words,
         "bits": how.floating, "cell": car_source.cell(how), "step": f"{sample_time:g}",
-        "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"), "count": len(samples),
+        "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"),
         "inputs": "\n".join(_inputs(sample_time)),
     }  # fmt: skip
     with workshop(folder) as work:
@@ -172,15 +170,14 @@ def _samples(table: Table, sample_time: float) -> Array:
     return samples
 
 
-def _vectors(table: Table, sample_time: float, samples: Array, how: Precision) -> Iterator[str]:
+def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
     """vectors.h: every sample, and the answers at the ends of the blocks."""
+    samples = how.computed(_samples(table, sample_time))
     every, bits = samples_of_block(sample_time), how.floating
     yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
     yield f"#define COUNT {len(samples)}U\n#define EVERY {every}U"
     yield f"#define TOLERANCE {_TOLERANCE[bits]:g}"
     kept = answered(table, sample_time, samples)[every - 1 :: every]
-    for name, rows in (("inputs", samples), ("expected", kept)):
-        cells = ",\n".join(
-            ", ".join(car_source.number(x, bits) for x in row) for row in rows.tolist()
-        )
-        yield f"static const bte_real {name}[] = {{\n{cells}\n}};\n"
+    for name, rows in (("inputs[][BTE_INPUTS]", samples), ("expected[][BTE_TOLD]", kept)):
+        cells = car_source.initial(rows.tolist(), bits).replace("}, ", "},\n")
+        yield f"static const bte_real {name} = {cells};\n"

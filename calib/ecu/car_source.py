@@ -85,7 +85,7 @@ def sources(
     source = [f"/* {told} */", '#include "bte.h"']
     for name, (kind, values) in data.items():
         declared = f"BTE_CAL {kind} {_declared(name, values)}"
-        source.append(f"extern {declared};\nBTE_CAL_DATA {declared} = {_initial(values, bits)};")
+        source.append(f"extern {declared};\nBTE_CAL_DATA {declared} = {initial(values, bits)};")
     car = (
         numbers
         | _maps(grids)
@@ -98,7 +98,7 @@ def sources(
             "tyre_slip": f"{PREFIX}_tyre_slip",
         }
     )
-    body = "\n".join(f"    .{name} = {_initial(x, bits)}," for name, x in car.items())
+    body = "\n".join(f"    .{name} = {initial(x, bits)}," for name, x in car.items())
     source.append(f"const bte_car bte_this_car = {{\n{body}\n}};\n")
     code = (SOURCE / "bte.c").read_text(encoding="utf-8")
     return {"bte.h": header, "bte.c": code, "bte_car.c": "\n\n".join(source)}
@@ -129,11 +129,6 @@ def require_time(sample_time: float) -> None:
 def cell(how: Precision) -> str:
     """Type of the cells of the maps in C."""
     return f"int{how.bits}_t" if how.bits else "bte_real"
-
-
-def number(x: float, bits: int) -> str:
-    """A constant in C that reads back to the last bit of a floating point of 32 or 64 ``bits``."""
-    return f"{np.float32(x)!s}F" if bits == 32 else repr(float(x))
 
 
 def _started(c: Constants, car: Vehicle) -> dict[str, Member]:
@@ -219,10 +214,12 @@ def _declared(name: str, x: Member) -> str:
     return f"{name}[{len(x)}]" if isinstance(x, list) else name
 
 
-def _initial(x: Member, bits: int) -> str:
-    """The initial value of a member in C."""
+def initial(x: Member, bits: int) -> str:
+    """The initial value of a member in C, to the last bit of a floating point of ``bits``."""
     if isinstance(x, dict):
-        return f"{{{', '.join(f'.{name} = {_initial(y, bits)}' for name, y in x.items())}}}"
+        return f"{{{', '.join(f'.{name} = {initial(y, bits)}' for name, y in x.items())}}}"
     if isinstance(x, list | tuple):
-        return f"{{{', '.join(_initial(y, bits) for y in x)}}}"
-    return number(x, bits) if isinstance(x, float) else str(x)
+        return f"{{{', '.join(initial(y, bits) for y in x)}}}"
+    if not isinstance(x, float):
+        return str(x)
+    return f"{np.float32(x)!s}F" if bits == 32 else repr(float(x))

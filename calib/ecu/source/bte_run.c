@@ -28,10 +28,10 @@ int main(void) {
     static bte_real told[COUNT * BTE_TOLD];
     unsigned wrong = 0U;
     double worst = 0.0;
-    bte_run(inputs, COUNT, told);
+    bte_run(&inputs[0][0], COUNT, told);
     for (uint32_t i = 0; i < COUNT / EVERY * BTE_TOLD; i++) {
         const uint32_t end = (i / BTE_TOLD + 1U) * EVERY - 1U;
-        const double right = (double)expected[i];
+        const double right = (double)expected[i / BTE_TOLD][i % BTE_TOLD];
         const double found = (double)told[end * BTE_TOLD + i % BTE_TOLD];
         const double apart = fabs(found - right) / fmax(right, 1e-6); /* of reasons 0.1 or more */
         wrong += !(apart <= TOLERANCE);
