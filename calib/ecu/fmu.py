@@ -99,8 +99,8 @@ def write_fmu(
     car, step = stored.table.vehicle.name, repr(float(sample_time))
     name = f"{prefix(car)}_{of}"
     code = sources(stored.table, sample_time, how, f"{name}, SHA-256 {stored.digest}")
-    places = {"fmi.c": "fmi.c", "version.h": f"fmi{version}.h", "model.h": f"{of}.h"}
-    glue = {file: (GLUE / place).read_text(encoding="utf-8") for file, place in places.items()}
+    files = "fmi.c", f"fmi{version}.h", f"{of}.h"
+    glue = {file: (GLUE / file).read_text(encoding="utf-8") for file in files}
     variables = _rows(stored.table, of)
     starts = [repr(float(x.start)) for x in variables if x.start is not None]
     facts = {
@@ -112,12 +112,12 @@ def write_fmu(
     }  # fmt: skip
     facts["token"] = hashlib.sha256(repr((facts, glue, code)).encode()).hexdigest()[:32]
     made = templates("calib.ecu", markup=True)
-    files = {"modelDescription.xml": made.get_template("model.xml.j2").render(facts)}
+    inside = {"modelDescription.xml": made.get_template("model.xml.j2").render(facts)}
     if version == 3:
-        files["sources/buildDescription.xml"] = made.get_template("build.xml.j2").render(facts)
+        inside["sources/buildDescription.xml"] = made.get_template("build.xml.j2").render(facts)
     code |= {file: Template(text).substitute(facts) for file, text in glue.items()}
-    files |= {f"sources/{file}": text for file, text in code.items()}
-    write_whole(path, _zipped(files, stored.digest))
+    inside |= {f"sources/{file}": text for file, text in code.items()}
+    write_whole(path, _zipped(inside, stored.digest))
 
 
 def _zipped(files: dict[str, str], comment: str) -> bytes:

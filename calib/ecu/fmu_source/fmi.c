@@ -1,7 +1,7 @@
 /* An FMU for co-simulation in FMI $version: an instance, its steps, and the functions of the
- * standard as rows of macros, more of them in version.h, which is fmi2.h or fmi3.h. The headers of
- * FMI come with the tool that compiles this. model.h, which is estimator.h or car.h, has
- * model_step(state, numbers, first): what is told after a sample time, or at first.
+ * standard as rows of macros, more of them in fmi2.h or fmi3.h. The headers of FMI come with the
+ * tool that compiles this. estimator.h or car.h has model_step(state, numbers, first): what is told
+ * after a sample time, or at first.
  */
 #include <fmi${version}Functions.h>
 #include <math.h>
@@ -16,7 +16,7 @@
 enum { $references, COUNT, GIVEN = $given };
 static const double first_numbers[COUNT] = {$first};
 
-#include "model.h"
+#include "$of.h"
 
 typedef struct {
     double numbers[COUNT];
@@ -89,7 +89,7 @@ static const char *advance(instance *x, double time, double length) {
     CANNOT(Serialize##State, (void *c, void *state, FMI(Byte) bytes[], size_t size)) \
     CANNOT(Deserialize##State, (void *c, const FMI(Byte) bytes[], size_t size, void **state))
 
-#include "version.h"
+#include "fmi${version}.h"
 
 const char *FMI(GetVersion)(void) { return FMI(Version); }
 void FMI(FreeInstance)(void *c) { free(c); }
