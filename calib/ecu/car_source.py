@@ -73,7 +73,9 @@ def sources(
         reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
         inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
         answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
-        numbers=fill(", ".join(starmap(_declared, numbers.items())), 90),
+        numbers=fill(", ".join(starmap(_declared, numbers.items())), 88).replace(
+            "\n", "\n        "
+        ),
     )
     data: dict[str, tuple[str, Member]] = {label(PREFIX, "version"): ("bte_real", float(version))}
     for one in (*axes_of(grids), *grids):
