@@ -15,6 +15,7 @@ from calib.estimation.estimator import estimate
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate_one
+from calib.run.blocks import BLOCK
 from calib.table.exported import Precision
 from tests.support.ecu_code import failing
 from tests.support.plant import as_log, drive
@@ -31,10 +32,10 @@ FAULT, LOCKED = {Reason.FAULT}, {Reason.LOCKED}
 @pytest.fixture(scope="module")
 def both(fitted):
     """Runs samples in Python and in C, which must agree, and returns the answers."""
-    native = Native(fitted, STEP, Precision())
+    native = {step: Native(fitted, step, Precision()) for step in (STEP, BLOCK)}
 
-    def run(samples):
-        python, c = answered(fitted, STEP, samples), native.run(samples)
+    def run(samples, step=STEP):
+        python, c = answered(fitted, step, samples), native[step].run(samples)
         assert np.array_equal(python[:, REASON], c[:, REASON])
         assert c == pytest.approx(python, rel=1e-9)
         assert np.isfinite(python).all()
@@ -65,9 +66,10 @@ def test_a_log_gives_sample_by_sample_what_it_gives_as_a_whole(fitted, wet, both
     assert told[late, 1:] == pytest.approx(np.array(parts).T, rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", [0, 3, 4, 6])
+@pytest.mark.parametrize("seed", range(12))
 def test_c_equals_python_while_sensors_fail_at_random(seed, drive_on, both):
     both(failing(drive_on, seed))
+    both(failing(drive_on[::10], seed), BLOCK)  # where no block hides a sample
 
 
 TIME = STEP * np.arange(2001)
