@@ -86,9 +86,17 @@ def explained(
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v."""
+    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v.
+
+    A noisy z counts, as the forces of a block are those of its z: on a rough road by five times the
+    noise of quiet wheels.
+    """
     of = Regression(car, [run], most=None)
-    sigma = np.linalg.norm(np.hstack([of.errors["noise"], of.errors["tyres"]]), axis=1)
+    (ramp,) = of.ramps
+    z, seen = ramp.z[1:], run.noise.z / np.sqrt(run.blocks.length)
+    forces = np.repeat(np.abs(ramp.rows @ z) / (z @ z) * seen, z.size)
+    errors = of.errors["noise"], of.errors["tyres"], forces[:, None]
+    sigma = np.linalg.norm(np.hstack(errors), axis=1)
     lasting = np.hstack([of.errors["zeros"], of.errors["accelerometer"]])
     left = of.left(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
     left -= left @ of.white.T @ of.white @ lasting @ lasting.T  # as far as the run tells them

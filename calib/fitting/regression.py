@@ -105,9 +105,6 @@ class _Ramp:
         self.moments = np.stack([mean(x / car.weight) for x in (run.moment_f, run.moment_r)])
         self.log_odds, self.only = np.log(B_f / B_r) + _ALONE.get(run.only, 0.0), run.only
         self.rows, self.errors = np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
-        z, seen = self.z[1:], noise.z / np.sqrt(time[1:])  # the forces are those of a noisy z
-        for row, of in zip(self.rows, self.errors, strict=True):
-            of["noise"] = np.hstack([of["noise"], np.diag(np.abs(row @ z) / (z @ z) * seen)])
 
 
 class Regression:
