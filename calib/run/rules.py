@@ -146,10 +146,10 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
     weak = {x: d.in_time for x, d in seen.pressures.items() if d.in_time < LIMITS.explained}
     if weak and not motor:
         yield (
-            f"what {', '.join(weak)} explain of how the deceleration goes is "
-            f"{100 * max(*weak.values(), 0.0):.0f} %, and of the same run it is "
-            f"{100 * LIMITS.explained:.0f} % or more: look for a pressure of another run, and log "
-            "the torque T_drive of a motor that brakes"
+            f"{', '.join(weak)}: the deceleration is explained to "
+            f"{100 * max(*weak.values(), 0.0):.0f} %, and to {100 * LIMITS.explained:.0f} % or "
+            "more by a pressure of the same run: look for one of another run, and log the torque "
+            "T_drive of a motor that brakes"
         )
 
 
