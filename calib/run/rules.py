@@ -148,7 +148,7 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
         yield (
             f"{', '.join(weak)}: the deceleration is explained to "
             f"{100 * max(*weak.values(), 0.0):.0f} %, and to {100 * LIMITS.explained:.0f} % or "
-            "more by a pressure of the same run: look for one of another run, and log the torque "
+            "more by that of the same run: look for a pressure of another run, and log the torque "
             "T_drive of a motor that brakes"
         )
 
