@@ -11,7 +11,7 @@ from dataclasses import replace
 from itertools import starmap
 from pathlib import Path
 from string import Template
-from textwrap import fill
+from textwrap import fill, indent
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -73,9 +73,7 @@ def sources(
         reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
         inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
         answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
-        numbers=fill(", ".join(starmap(_declared, numbers.items())), 88).replace(
-            "\n", "\n        "
-        ),
+        numbers=indent(fill(", ".join(starmap(_declared, numbers.items())), 88), 8 * " ").lstrip(),
     )
     data: dict[str, tuple[str, Member]] = {label(PREFIX, "version"): ("bte_real", float(version))}
     for one in (*axes_of(grids), *grids):

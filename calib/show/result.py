@@ -17,13 +17,15 @@ COLUMNS = (
     *(f"ecu_brake_torque_{wheel}" for wheel in ("fl", "rl")),  # both of an axle have the same
 )
 """Numeric columns of a result that are drawn."""
+_VALID = ("valid", "ecu_valid")
 
 
 @dataclass(frozen=True)
 class StoredResult:
     """Answers of the ECU to one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
 
-    ``name`` is the stem of the log; ``digest`` the SHA-256 of the file.
+    Of a run of which no sample counts, none is valid. ``name`` is the stem of the log; ``digest``
+    the SHA-256 of the file.
     """
 
     name: str
@@ -56,7 +58,7 @@ def read_result(path: Path) -> StoredResult:
         found = read_table(io.BytesIO(data))
     except (OSError, ArrowException, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    missing = [name for name in (*COLUMNS, "ecu_valid") if name not in found.column_names]
+    missing = [name for name in (*COLUMNS, *_VALID) if name not in found.column_names]
     if missing or found.num_rows < 2:
         raise InputError(
             f"no column {', '.join(missing)}" if missing else "fewer than two samples",
@@ -65,9 +67,14 @@ def read_result(path: Path) -> StoredResult:
         )
     try:
         values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
-        valid = np.asarray(found["ecu_valid"].to_numpy(zero_copy_only=False), dtype=bool)
+        best, ecu = (
+            np.asarray(found[name].to_numpy(zero_copy_only=False), dtype=bool) for name in _VALID
+        )
     except (ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"holds more than numbers ({cause})", where=path) from cause
     return StoredResult(
-        name=path.stem, digest=hashlib.sha256(data).hexdigest(), values=values, valid=valid
+        name=path.stem,
+        digest=hashlib.sha256(data).hexdigest(),
+        values=values,
+        valid=ecu & best.any(),
     )

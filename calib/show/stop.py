@@ -93,7 +93,8 @@ def of_validation(
     `BASELINES`, too.
     """
     e, values = result.estimate, result.estimate.columns()
-    valid, over = e.ecu.valid, _over(e.time, e.ecu.valid)
+    valid = _counts(e)
+    over = _over(e.time, valid)
     first = _pads(values, valid, over, _other_pads(e, vehicle))
     panels = [
         first,
@@ -120,7 +121,8 @@ def of_validation(
 def pads_over_time(result: Validation) -> Picture:
     """Pad friction of both axles of a stop, for a page."""
     e = result.estimate
-    panel = _pads(e.columns(), e.ecu.valid, _over(e.time, e.ecu.valid), _other_pads(e, None))
+    valid = _counts(e)
+    panel = _pads(e.columns(), valid, _over(e.time, valid), _other_pads(e, None))
     caption = f"{result.log}: pad friction with its 95 % band; grey: no valid answer."
     return Picture(caption, Sheet("stop", result.log, (panel,)))
 
@@ -143,6 +145,11 @@ def _sheet(kind: str, name: str, panels: list[Panel], note: str, told: Sequence[
         note=note,
         result=text[0].upper() + text[1:],
     )
+
+
+def _counts(e: Estimate) -> Mask:
+    """Where the ECU has a valid answer to a run that counts (n,)."""
+    return e.ecu.valid & (not e.unfit)
 
 
 def _over(time: Array, valid: Mask) -> _Over:

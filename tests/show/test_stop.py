@@ -91,7 +91,9 @@ def test_a_page_has_the_pads_of_the_picture(stopped, drawn):
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
     none = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
-    assert len(stop.of_validation(sedan, "sedan@1", transition, none).overview().axes) == 6
+    sheet = stop.of_validation(sedan, "sedan@1", transition, none)
+    assert len(sheet.overview().axes) == 6
+    assert np.isnan(line(panel(sheet, "pads"), REAR)[1]).all()
 
 
 def test_a_simulation_shows_its_truth_beside_the_pads_of_the_file(simulated):
