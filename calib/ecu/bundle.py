@@ -24,8 +24,8 @@ from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
 from calib.ecu import car_source
-from calib.ecu.channels import A_X, CHANNELS, FL, limits, samples_of
-from calib.ecu.online import answered
+from calib.estimation.channels import A_X, CHANNELS, FL, limits, samples_of
+from calib.estimation.online import answered
 from calib.exports.addresses import find_addresses
 from calib.exports.dataset import Dataset, build
 from calib.exports.write import FORMATS
@@ -48,14 +48,6 @@ _TOLERANCE = {64: 1e-9, 32: 1e-4}
 
 OURS = b"brake-cal"
 """What every file of the folder has in it."""
-_ABOUT = "By brake-cal:"
-"""How the comment begins that bte_car.c begins with."""
-
-_HEADERS = frozenset(
-    """assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal
-    stdarg stdbool stddef stdint stdio stdlib string tgmath time wchar wctype""".split()  # noqa: SIM905
-)
-"""Headers of C: a file of that name would stand before them."""
 
 _ROLLED, _BRAKED = 3.0, 3.0  # time of the vectors without and with brake [s]
 _SEED = 1
@@ -68,8 +60,9 @@ def names(prefix: str = car_source.PREFIX) -> list[str]:
 
 def require_prefix(prefix: str) -> None:
     """Raise ExchangeError for a name that C does not take for files and labels."""
-    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", prefix) or prefix in _HEADERS:
-        expected = "a letter, then up to 15 of letters, digits and _, and no header of C"
+    code = "".join(path.read_text(encoding="utf-8") for path in car_source.SOURCE.glob("*.[ch]"))
+    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", prefix) or f"<{prefix}.h>" in code:
+        expected = "a letter, then up to 15 of letters, digits and _, and no header that C needs"
         raise ExchangeError(f"the prefix {prefix!r}", expected=expected)
 
 
@@ -83,7 +76,7 @@ def write_bundle(
     quality: Quality = UNPROVED,
     elf: Path | None = None,
 ) -> list[Path]:
-    """Write the code of a version to a folder, replace what an earlier export left, return all.
+    """Write the code of a version to a folder, and return the files.
 
     Parameters
     ----------
@@ -98,7 +91,9 @@ def write_bundle(
     """
     require_prefix(prefix)
     require_maps(stored.table, stored.id)
-    texts = car_source.sources(stored.table, sample_time, how, f"{_ABOUT} $about", stored.version)
+    texts = car_source.sources(
+        stored.table, sample_time, how, "By brake-cal: $about", stored.version
+    )
     texts |= {name: (car_source.SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
     texts["vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
     about = f"{stored.id}, digest {stored.digest}, {stored.state.words}"
@@ -118,7 +113,7 @@ def write_bundle(
             if elf is not None and FORMATS[form].addressed:
                 data = replace(data, addresses=find_addresses(elf, data))
             write_whole(work / f"{prefix}.{form}", FORMATS[form].write(data))
-        return publish(work, folder, _README, _of_any_prefix)
+        return publish(work, folder, _README)
 
 
 def _for_tool(
@@ -131,15 +126,6 @@ def _for_tool(
     version = replace(whole.scalars[0], fixed=None)
     axes, single = tuple(car_source.axes_of(grids)), how.floating == 32
     return replace(whole, axes=axes, curves=(), grids=grids, scalars=(version,), single=single)
-
-
-def _of_any_prefix(folder: Path) -> Iterator[str]:
-    """Files of this program in a folder, whatever their prefix was."""
-    for car in folder.glob("*_car.c"):
-        if car.read_bytes().startswith(f"/* {_ABOUT}".encode()):
-            for name in names(car.name.removesuffix("_car.c")):
-                if (folder / name).is_file() and OURS in (folder / name).read_bytes():
-                    yield name
 
 
 def _inputs(sample_time: float) -> Iterator[str]:

@@ -16,28 +16,26 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from calib.base.errors import ExchangeError
+from calib.base.arrays import Array
+from calib.base.errors import ExchangeError, StoreError
 from calib.base.names import G
 from calib.car.balance import turning_shares
 from calib.car.bias import force_per_pressure, front_share
-from calib.car.braking import BITE, MOVING
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
-from calib.car.vehicle import Vehicle
-from calib.ecu.channels import ANSWERS, CHANNELS, limits
-from calib.ecu.online import HELD_PRESSURE, HELD_TIME, require_plain, unknown
+from calib.estimation.channels import ANSWERS, CHANNELS, limits
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
-from calib.estimation.readout import SLOWEST
-from calib.estimation.reasons import HARDEST, LATERAL, LOCK, RECOVER, STEERING, Reason
+from calib.estimation.online import answered
+from calib.estimation.reasons import Reason
 from calib.estimation.state import started
-from calib.exports.dataset import MOST_AXES, Axis, Grid, label, maps_of
-from calib.model.resistance import DRAG, ROLLING
-from calib.run.blocks import samples_of_block
-from calib.run.driving_record import NOMINAL_RADIUS, STEADY
+from calib.exports.dataset import MOST_AXES, Axis, Grid, maps_of
+from calib.model.resistance import DRAG, RESISTANCE, ROLLING
+from calib.run.blocks import BLOCK, samples_of_block
 from calib.run.lateral import LATERAL_TIME
-from calib.run.noise import WALK, SensorNoise
+from calib.run.noise import SensorNoise
 from calib.table.exported import Precision, as_exported
+from calib.table.generation import require_maps
 from calib.table.table import Table
 
 SOURCE = Path(__file__).parent / "source"
@@ -62,8 +60,7 @@ def sources(
     require_time(sample_time)
     require_plain(table)
     grids, bits = code_grids(table, PREFIX, how), how.floating
-    table = as_exported(table, how)
-    samples = samples_of_block(sample_time)
+    table, samples = as_exported(table, how), samples_of_block(sample_time)
     c = constants(table, SensorNoise(**table.noise), round(samples * sample_time, 9))
     numbers = _numbers(c, table, sample_time)
     header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
@@ -75,29 +72,26 @@ def sources(
         answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
         numbers=indent(fill(", ".join(starmap(_declared, numbers.items())), 88), 8 * " ").lstrip(),
     )
-    data: dict[str, tuple[str, Member]] = {label(PREFIX, "version"): ("bte_real", float(version))}
+    data: dict[str, Member] = {f"{PREFIX}_version": float(version)}
     for one in (*axes_of(grids), *grids):
-        kind = "bte_cell" if isinstance(one, Grid) else "bte_real"
-        data[one.label] = kind, one.fixed.raw.tolist() if one.fixed else one.numbers
-    for name, x in (("tyre_force", table.tyre.force), ("tyre_slip", table.tyre.slip)):
-        both = np.concatenate([-x[:0:-1], x])  # driven and braked
-        data[f"{PREFIX}_{name}"] = "bte_real", both.tolist()
-    source = [f"/* {told} */", '#include "bte.h"']
-    for name, (kind, values) in data.items():
+        data[one.label] = one.fixed.raw.tolist() if one.fixed else one.numbers
+    for name, x in (("force", table.tyre.force), ("slip", table.tyre.slip)):  # driven and braked
+        data[f"{PREFIX}_tyre_{name}"] = np.concatenate([-x[:0:-1], x]).tolist()
+    source, cells = [f"/* {told} */", '#include "bte.h"'], {grid.label for grid in grids}
+    for name, values in data.items():
+        kind = "bte_cell" if name in cells else "bte_real"
         declared = f"BTE_CAL {kind} {_declared(name, values)}"
         source.append(f"extern {declared};\nBTE_CAL_DATA {declared} = {initial(values, bits)};")
-    car = (
-        numbers
-        | _maps(grids)
-        | {
-            "start": _started(c, table.vehicle),
-            "samples": samples,  # of a block
-            "waiting": max(1, round(c.before_bite / c.block)),  # blocks on which no zero rests
-            "version": f"&{label(PREFIX, 'version')}",
-            "tyre": [f"{PREFIX}_tyre_force", 2 * table.tyre.force.size - 1],
-            "tyre_slip": f"{PREFIX}_tyre_slip",
-        }
-    )
+    car = {
+        **numbers,
+        **_maps(grids),
+        "start": _started(c, answered(table, BLOCK / 2.0, np.zeros((2, len(CHANNELS))))[0]),
+        "samples": samples,  # of a block
+        "waiting": max(1, round(c.before_bite / c.block)),  # blocks on which no zero rests
+        "version": f"&{PREFIX}_version",
+        "tyre": [f"{PREFIX}_tyre_force", 2 * table.tyre.force.size - 1],
+        "tyre_slip": f"{PREFIX}_tyre_slip",
+    }
     body = "\n".join(f"    .{name} = {initial(x, bits)}," for name, x in car.items())
     source.append(f"const bte_car bte_this_car = {{\n{body}\n}};\n")
     code = (SOURCE / "bte.c").read_text(encoding="utf-8")
@@ -119,6 +113,19 @@ def axes_of(grids: Iterable[Grid]) -> list[Axis]:
     return [*{axis.label: axis for grid in grids for axis in grid.axes}.values()]
 
 
+def require_plain(table: Table) -> None:
+    """Raise StoreError for a table without maps, or effects that the code does not take out."""
+    require_maps(table)
+    known = known_effects(table)
+    if not set(known.names) <= set(RESISTANCE) or known.terms:
+        more = [name for name in known.names if name not in RESISTANCE]
+        raise StoreError(
+            f"the code takes out no {', '.join(more) or 'empirical term'}",
+            expected=" and ".join(RESISTANCE) + " alone",
+            do="hand out the table in another format, and take the effect out before it is read",
+        )
+
+
 def require_time(sample_time: float) -> None:
     """Raise ExchangeError for a time from call to call [s] that no ECU has."""
     if not _FASTEST <= sample_time <= _SLOWEST:
@@ -131,8 +138,8 @@ def cell(how: Precision) -> str:
     return f"int{how.bits}_t" if how.bits else "bte_real"
 
 
-def _started(c: Constants, car: Vehicle) -> dict[str, Member]:
-    """What `bte_state` begins with."""
+def _started(c: Constants, told: Array) -> dict[str, Member]:
+    """What `bte_state` begins with; what is ``told`` before the first block (22,)."""
     s = started(c)
     a, lag, rate, aa, _, _, ll, _, rr = s.level
     speed = np.diag([1.0, 0.0, c.offset**2, c.scale_sigma**2])
@@ -143,9 +150,9 @@ def _started(c: Constants, car: Vehicle) -> dict[str, Member]:
         "speed": [[0.0, 0.0, 0.0, c.scale], speed.tolist()],
         "kept": s.kept[:6:2],
         "level_then": s.level_then,
-        "since_lock": 2.0 * RECOVER,
+        "since_lock": 2.0 * c.recover,
         "reason": int(Reason.NOT_BRAKED),
-        "told": unknown(car).tolist(),
+        "told": told[1:13].reshape(4, 3).tolist(),
     }
 
 
@@ -157,18 +164,13 @@ def _numbers(c: Constants, table: Table, sample_time: float) -> dict[str, Member
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / car.wheelbase
     lift = (1.0 - drag.get("load_share", 1.0)) * lever / car.weight
-    tuned = vars(c) | {
-        "bite": BITE, "moving": MOVING, "steady": STEADY, "radius_walk": WALK,
-        "slowest": SLOWEST, "rests": _RESTS, "held_time": HELD_TIME, "held_pressure": HELD_PRESSURE,
-        "steering": STEERING, "lateral": LATERAL, "lock": LOCK, "recover": RECOVER,
-        "slows": HARDEST / NOMINAL_RADIUS, "turning": MOVING / NOMINAL_RADIUS,
-    }  # fmt: skip
     read = re.findall(r"\b(?:c|car)->(\w+)", (SOURCE / "bte.c").read_text(encoding="utf-8"))
-    return {name: x for name, x in tuned.items() if name in read and isinstance(x, float)} | {
+    return {name: x for name, x in vars(c).items() if name in read and isinstance(x, float)} | {
         "low": low,  # what a working sensor reads
         "high": high,
         "change": change,  # from call to call
         "sample_time": sample_time,  # [s]
+        "rests": _RESTS,
         "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),  # of a sample in its low pass
         "weight": car.weight,  # [N]
         "load": [float(load[0]) / car.weight for load in axle_loads(car, np.zeros(1))],  # at rest

@@ -8,24 +8,24 @@ No binary is inside: the tool that imports it compiles the sources, with its own
 import hashlib
 import io
 import zipfile
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from string import Template
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from calib.base.program import PROGRAM
 from calib.base.templates import templates
 from calib.base.write import write_whole
 from calib.car.model import WET_ASPHALT, Model
 from calib.ecu.car_source import SOURCE, sources
-from calib.ecu.channels import VARIABLES
+from calib.estimation.channels import REASON, VARIABLES, Variable
 from calib.estimation.known import known_effects
 from calib.estimation.reasons import Reason
 from calib.exports.dataset import prefix
 from calib.exports.write import printable
 from calib.store.version import Stored
 from calib.table.exported import Precision
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
 Version = Literal[2, 3]
@@ -36,39 +36,25 @@ V0 = 30.0
 
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
 _ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
-_ORDER = ("input", "parameter", "output", "independent")
-"""Causalities by the order of references."""
 
 
-class Row(NamedTuple):
-    """A variable of the FMU; ``unit`` is empty for an integer, ``start`` None for an output.
-
-    ``role`` its causality and variability.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    role: str
-    start: float | None
+def _variables(of: Content) -> Iterator[Variable]:
+    """Those of the FMU, each in the place of its reference."""
+    for causality in ("input", "parameter", "output", "independent"):
+        ends = _BOUNDS if (of, causality) == ("estimator", "output") else {"": ""}
+        for x in (x for x in VARIABLES.values() if causality in getattr(x, of)):
+            yield from (x._replace(name=x.name + e, meaning=x.meaning + ends[e]) for e in ends)
+    reasons = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
+    yield REASON._replace(meaning=reasons if of == "estimator" else _ENDS)
 
 
-def _rows(table: Table, of: Content) -> list[Row]:
-    """Variables, each in the place of its reference; inputs and parameters come first."""
-    reasons, ends = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason), _BOUNDS
-    starts = {x.name: 0.0 for x in VARIABLES.values() if "input" in getattr(x, of)}
-    if of == "car":
-        car, reasons, ends = simulated(table), _ENDS, {"": ""}
-        starts |= {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r}
-        starts |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()} | {"v0": V0}
-    rows = [
-        Row(x.name + end, x.unit, x.meaning + told, getattr(x, of), starts.get(x.name))
-        for causality in _ORDER
-        for x in VARIABLES.values()
-        if causality in getattr(x, of)
-        for end, told in (ends if causality == "output" else {"": ""}).items()
-    ]
-    return [*rows, Row("reason", "", reasons, "output discrete", None)]
+def _starts(table: Table, of: Content) -> dict[str, float]:
+    """First values of inputs and parameters."""
+    car = simulated(table)
+    first = {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r, "v0": V0}
+    first |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()}
+    given = (x.name for x in VARIABLES.values() if getattr(x, of).startswith(("input", "param")))
+    return {name: first.get(name, 0.0) for name in given}
 
 
 def simulated(table: Table) -> Model:
@@ -95,20 +81,18 @@ def write_fmu(
     Raises StoreError for a table without maps, or with known effects that the code does not take
     out; ExchangeError as `sources`; OSError.
     """
-    require_maps(stored.table, stored.id)
     car, step = stored.table.vehicle.name, repr(float(sample_time))
     name = f"{prefix(car)}_{of}"
     code = sources(stored.table, sample_time, how, f"{name}, SHA-256 {stored.digest}")
     files = "fmi.c", f"fmi{version}.h", f"{of}.h"
     glue = {file: (GLUE / file).read_text(encoding="utf-8") for file in files}
-    variables = _rows(stored.table, of)
-    starts = [repr(float(x.start)) for x in variables if x.start is not None]
+    variables, starts = [*_variables(of)], _starts(stored.table, of)
     facts = {
         "version": version, "of": of, "name": name, "step": step, "program": PROGRAM,
         "car": printable(car), "table": f"{stored.id}, {printable(stored.state.words)}",
         "compiled": [file for file in (*code, *glue) if file.endswith(".c")],
         "variables": variables, "references": ",\n       ".join(x.name.upper() for x in variables),
-        "given": len(starts), "first": ", ".join(starts),
+        "starts": starts, "given": len(starts), "first": ", ".join(map(repr, starts.values())),
     }  # fmt: skip
     facts["token"] = hashlib.sha256(repr((facts, glue, code)).encode()).hexdigest()[:32]
     made = templates("calib.ecu", markup=True)

@@ -18,15 +18,14 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
-from calib.ecu.car_source import SOURCE, sources
-from calib.ecu.channels import ANSWERS, samples_of
-from calib.ecu.online import READ_OUT, require_plain
+from calib.ecu.car_source import SOURCE, require_plain, sources
+from calib.estimation.channels import ANSWERS, samples_of
 from calib.estimation.estimator import Estimate
+from calib.estimation.online import READ_OUT
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.validate import Coded
 from calib.logs.log import Log
 from calib.table.exported import Precision
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
 OUTPUTS = 1 + 3 * len(ANSWERS)
@@ -96,7 +95,6 @@ def coded(table: Table, how: Precision) -> Coded:
     is no compiler, StoreError for a table that has no code.
     """
     compiler()
-    require_maps(table)
     require_plain(table)
     known = dict[tuple[float, float], Native]()
 

@@ -1,10 +1,13 @@
 """What the step takes from a table: maps that are read, noise of the sensors, tuned numbers."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from calib.run.noise import SensorNoise
+from calib.car.braking import BITE, MOVING
+from calib.run.driving_record import NOMINAL_RADIUS, STEADY
+from calib.run.noise import WALK, SensorNoise
 from calib.table.maps import Reader
 from calib.table.table import Table
 
@@ -30,6 +33,10 @@ class Constants:
     late_sigma: float
     ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
     block: float  # [s]
+    bite: float = BITE  # pressure of a brake that is applied [Pa]
+    moving: float = MOVING  # [m/s]
+    steady: float = STEADY  # deceleration of a car that rolls, at most [1]
+    radius_walk: float = WALK  # of the zeros of eta and slip [1/sqrt(s)]
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
     untouched: float = 7e4  # pressure up to which they do not [Pa]
@@ -65,6 +72,16 @@ class Constants:
     log_slip_sigma: float = 0.7
     slip_walk: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
     slip_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
+    slowest: float = 0.3  # speed of the rims that counts, at least [m/s]
+    steering: float = math.radians(5.0)  # of the driver's wheel; acts on eta as much as the signal
+    lateral: float = 3.0  # acceleration by the speeds of the wheels past which eta is another
+    # [m/s^2]; radii 0.5 % apart, left to right, look like as much at 30 m/s
+    lock: float = 0.15  # departure of a wheel from the others that only ABS or a lock shows [1]
+    slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
+    turning: float = MOVING / NOMINAL_RADIUS  # below that none locks [rad/s]
+    recover: float = 1.0  # after that the filters behind the signals have forgotten it [s]
+    held_time: float = 0.1  # a_x is frozen where it keeps a value for that [s] while a car rolls
+    held_pressure: float = 5e5  # and the pressure moves by that [Pa]
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:

@@ -22,6 +22,7 @@ from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
 from calib.estimation.constants import Constants
 from calib.estimation.known import known_effects, nominal_car
+from calib.estimation.online import online
 from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
@@ -30,7 +31,6 @@ from calib.run.axle_signals import Signals, eta_of, signals
 from calib.run.blocks import Blocks, blocks
 from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
-from calib.run.lateral import lateral
 from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
 from calib.table.generation import require_maps
 from calib.table.table import Table
@@ -198,18 +198,17 @@ def estimate(
     require_maps(table)
     known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     car = weighed(replace(table.vehicle, effects=known), mass)
-    ran, read, means = as_ecu, own, own_means = _seen(car, log)
+    ran = as_ecu = remove_known_effects(car, log)
     sensors, pressures = replace(car, effects=sensed(car.effects)), {f"p_{w}" for w in WHEELS}
     if sensors != car or pressures & log.channels.keys():  # an ECU has that of the master cylinder
         left = {name: x for name, x in log.channels.items() if name not in pressures}
-        as_ecu, own, own_means = _seen(sensors, replace(log, channels=left))
+        as_ecu = remove_known_effects(sensors, replace(log, channels=left))
+    read = signals(ran.log, ran.vehicle)
+    means = blocks(read)
     used = replace(table, vehicle=ran.vehicle)
     nominal = nominal_car(used, vehicle)
-    slip = np.interp(read.z, table.tyre.force, table.tyre.slip)
-    bend = lateral(ran.log, read, car.track_width, slip=slip, height=car.cg_height)
-    disturbed = disturbances(ran.log, read, bend)
-    quiet = SensorNoise(**table.noise)
-    noise = worst_noise([quiet, lead_in_noise(ran.log, read)])
+    disturbed = disturbances(used, ran.log, read)
+    noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
     factors = as_ecu.factor_f / ran.factor_f, as_ecu.factor_r / ran.factor_r
     handed_out = replace(exported or table, vehicle=as_ecu.vehicle)
     return Estimate(
@@ -221,12 +220,5 @@ def estimate(
         blocks=means,
         noise=noise,
         best=read_out(used, noise, read, means, disturbed),
-        ecu=read_out(handed_out, quiet, own, own_means, disturbed, factors, with_v=False),
+        ecu=online(handed_out, as_ecu.log, factors),
     )
-
-
-def _seen(car: Vehicle, log: Log) -> tuple[CorrectedRun, Signals, Blocks]:
-    """A log of a ``car`` with known effects, these taken out; its signals, and their means."""
-    ran = remove_known_effects(car, log)
-    read = signals(ran.log, ran.vehicle)
-    return ran, read, blocks(read)

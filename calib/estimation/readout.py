@@ -6,7 +6,7 @@ What is handed out: the same numbers for every command, and for an ECU without a
 """
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from calib.base.names import AXLES, WHEELS
 from calib.car.balance import brake_forces
 from calib.car.bias import front_share
 from calib.car.forces import speed_ratio
-from calib.estimation.constants import constants
+from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects, known_slips
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample
@@ -26,9 +26,6 @@ from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
-
-SLOWEST = 0.3
-"""Least speed of the rims that counts [m/s]."""
 
 
 class Bounded(NamedTuple):
@@ -106,37 +103,33 @@ def read_out(
     b: Blocks,
     disturbed: Index,
     factors: tuple[Array | float, Array | float] = (1.0, 1.0),
-    *,
-    with_v: bool = True,
     driven: Mask | bool = False,
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
     The table's vehicle is as driven, with the pads of the file; ``b`` means of the signals over
     blocks; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of the axles' pad friction by
-    which known effects are taken out of it; ``with_v`` whether the reference speed is used where it
-    is logged; ``driven`` while the accelerator is pressed (n,).
+    which known effects are taken out of it; ``driven`` while the accelerator is pressed (n,).
     """
     whole = slice(b.end.size * b.samples)
     worst, thrust = (
         np.broadcast_to(x, s.time.shape)[whole].reshape(-1, b.samples).max(axis=1)
         for x in (disturbed, driven)
     )
-    x = _given(table, b, worst, thrust, with_v=with_v)
+    x = _given(table, b, worst, thrust)
     # by the mean of its sample times a log that goes on would have another length
     c = constants(table, noise, round(b.length, 9))
-    answers, at = run(c, x), b.last_complete(s.time)
+    at = b.last_complete(s.time)
+    answer = _before(c, s.time < b.end[0], run(c, x).at(at))
     car, then = table.vehicle, table.calibration
     front, rear = car.front, car.rear
-    share = front_share(car, x.log_odds)
+    share = front_share(car, x.log_odds)[at]
     filed = np.array([front.pad_friction, rear.pad_friction])
     ramp = np.array([then.pad_friction_f.value, then.pad_friction_r.value])
     # over the ramp's pads: the tyres are those of today, and fall out
-    scaled = (filed, answers.ratio), (filed / ramp, answers.change + then.pad_log_ratio.value)
-    pads, changed = (
-        (by[:, None, None] * pads_of(share, answers.level, ratio))[..., at] for by, ratio in scaled
-    )
-    level, ratio = np.exp(answers.level)[:, at], np.exp(answers.ratio)[:, at]
+    scaled = (filed, answer.ratio), (filed / ramp, answer.change + then.pad_log_ratio.value)
+    pads, changed = (by[:, None, None] * pads_of(share, answer.level, x) for by, x in scaled)
+    level, ratio = np.exp(answer.level), np.exp(answer.ratio)
     gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
     torque_f, torque_r = (gain * of for gain, of in zip(gains, pads, strict=True))
     total = level / level[0] * 2.0 * (torque_f[0] + torque_r[0])
@@ -144,19 +137,24 @@ def read_out(
         level, filed[0] / filed[1] * ratio, factors[0] * pads[0], factors[1] * pads[1], *changed,
         torque_f, torque_r, total,
     )  # fmt: skip
-    return Readout(x, answers.at(at), *itertools.starmap(Bounded, bounded))
+    return Readout(x, answer, *itertools.starmap(Bounded, bounded))
 
 
-def _given(
-    table: Table, b: Blocks, disturbed: Index, driven: Mask, *, with_v: bool
-) -> Sample[Array]:
+def _before(c: Constants, first: Mask, answer: Answer) -> Answer:
+    """Answers (n,) while the ``first`` block is not complete (n,): any pads."""
+    any_pads = np.log([[1.0], [c.least_level], [c.most_level]])
+    reason = np.where(first, Reason.NOT_BRAKED, answer.reason)
+    read = answer.level, answer.ratio, answer.change
+    level, ratio, change = (np.where(first, any_pads, x) for x in read)
+    return answer._replace(level=level, ratio=ratio, change=change, reason=reason)
+
+
+def _given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
     """What the step is given of each block (k,), with the resistance and slips that are known.
 
     ``disturbed`` number of a `Reason` of each (k,); the rest as of `read_out`.
     """
     car = table.vehicle
-    if not with_v:
-        b = replace(b, v=None, speed=car.rear.rolling_radius * b.omega_r)
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
     road = block_balance(car, known_effects(table), b)
     slips = known_slips(table, road)
@@ -166,7 +164,7 @@ def _given(
         pressure=np.maximum(b.p_f, b.p_r),
         z=b.z,
         eta=b.eta / speed_ratio(*slips),
-        rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - slips[0]), SLOWEST),
+        rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - slips[0]), Constants.slowest),
         rear_share=road.load_r / car.weight,
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,
         disturbed=disturbed.astype(np.float64),

@@ -4,13 +4,14 @@ from enum import IntEnum
 
 import numpy as np
 
-from calib.base.arrays import Array, Index, Mask
+from calib.base.arrays import Index, Mask
 from calib.base.names import WHEELS
-from calib.car.braking import MOVING
+from calib.estimation.constants import Constants
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
-from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.filters import since, without_single
+from calib.run.lateral import lateral
+from calib.table.table import Table
 
 
 class Reason(IntEnum):
@@ -39,52 +40,37 @@ class Reason(IntEnum):
     FAULT = 9, "a sensor is out of its range or frozen"
 
 
-STEERING = float(np.deg2rad(5.0))
-"""Angle at the driver's wheel [rad] whose effect on eta is as large as the signal."""
-LATERAL = 3.0
-"""Lateral acceleration [m/s^2] by left and right wheel speeds past which cornering tyres leave the
-curve; radii 0.5 % apart, left to right, look like as much at 30 m/s."""
-LOCK = 0.15
-"""Relative departure of a wheel from the others that only ABS or a locked wheel shows."""
-HARDEST = 15.0
-"""Deceleration [m/s^2] that no road lets a car have: wheels that slow more lock, all four too."""
-RECOVER = 1.0
-"""Time after such a departure [s]: the filters behind the signals have forgotten it."""
-
-
-def disturbances(log: Log, s: Signals, cornering: Array) -> Index:
+def disturbances(table: Table, log: Log, s: Signals) -> Index:
     """A `Reason` for each sample (n,) in which the car is steered or a wheel locks, or just has.
 
-    0 where neither is so. ``cornering`` the lateral acceleration [m/s^2] (n,).
+    0 where neither is so.
     """
-    steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
-    return disturbed(since(s.time, _locks(log, s)) <= RECOVER, cornering, steered)
-
-
-def disturbed(locked: Mask | bool, cornering: Array | float, steered: Array | float) -> Index:
-    """A `Reason`, or 0, by whether a wheel locks or just has, and by what corners and steers."""
-    with np.errstate(invalid="ignore"):
-        corners, turned = ~(np.abs(cornering) < LATERAL), ~(np.abs(steered) < STEERING)
-    told = np.where(corners, Reason.CORNERS, np.where(turned, Reason.TURNED, 0))
+    slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
+    car, steered = table.vehicle, log.channels.get("steering", np.zeros_like(s.time))
+    corners = (
+        np.abs(lateral(log, s, car.track_width, slip=slip, height=car.cg_height))
+        >= Constants.lateral
+    )
+    told = np.where(
+        corners, Reason.CORNERS, np.where(np.abs(steered) < Constants.steering, 0, Reason.TURNED)
+    )
+    # within half a sample: else a rounding could decide it
+    locked = since(s.time, _locks(log, s)) <= Constants.recover + 0.5 * s.sample_time
     return np.where(locked, Reason.LOCKED, told)
 
 
 def _locks(log: Log, s: Signals) -> Mask:
-    """Where a wheel departs from the others, or from v, as only ABS or a locked wheel does."""
-    wheels = np.stack([without_single(log[f"omega_{w}"]) for w in WHEELS])
+    """Where a wheel departs from the others, or from v, as only ABS or a locked wheel does.
+
+    The fastest one, too, may slow as no road lets a car slow.
+    """
+    read = (log[f"omega_{w}"] for w in WHEELS)
+    wheels = np.stack([np.append(x[0], without_single(x)[:-1]) for x in read])  # causal
     fastest = wheels.max(axis=0)
     if s.v is not None and s.lead_in.any():  # all four may lock together
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))
         fastest = np.maximum(fastest, per_speed * s.v)
-    return locks(s.time, fastest, wheels.min(axis=0))
-
-
-def locks(time: Array, fastest: Array, slowest: Array) -> Mask:
-    """Whether wheels [rad/s] (n,) depart from each other as only ABS or a locked wheel does.
-
-    The fastest one, too, may slow as no road lets a car slow. ``time`` [s] (n,).
-    """
-    slows = HARDEST / NOMINAL_RADIUS * time
+    slows = Constants.slows * s.time
     fastest = np.maximum.accumulate(fastest + slows) - slows
-    apart = fastest - slowest > LOCK * np.maximum(fastest, 1.0)
-    return np.asarray(apart & (fastest > MOVING / NOMINAL_RADIUS))
+    apart = fastest - wheels.min(axis=0) > Constants.lock * np.maximum(fastest, 1.0)
+    return np.asarray(apart & (fastest > Constants.turning))

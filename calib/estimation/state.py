@@ -21,10 +21,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.car.braking import BITE, MOVING
 from calib.estimation.constants import Constants
-from calib.run.driving_record import STEADY
-from calib.run.noise import WALK
 
 Number = TypeVar("Number", float, Array)
 """Of one block, or of each of many (k,)."""
@@ -124,10 +121,10 @@ def started(c: Constants) -> State:
 def follow(c: Constants, s: State, x: Sample[float]) -> Seen[float]:
     """Take in a block. Changes the state."""
     dt, most = c.block, c.zero**2
-    for zero, walk in ((s.demand, c.bias_walk), (s.eta, WALK), (s.slip, WALK)):
+    for zero, walk in ((s.demand, c.bias_walk), (s.eta, c.radius_walk), (s.slip, c.radius_walk)):
         variance = zero.variance + walk * walk * dt
         zero.variance = variance if variance < most else most
-    braking, counts = x.pressure > BITE, x.rim > MOVING and not x.disturbed
+    braking, counts = x.pressure > c.bite, x.rim > c.moving and not x.disturbed
     _press(c, s, x.nominal)
     before = s.mean_z
     if braking:
@@ -163,10 +160,10 @@ def _roll(c: Constants, s: State, x: Sample[float], counts: bool) -> None:
         wheels = c.noise_rim / old.rim
         s.demand.measured(old.demand, (c.noise_z**2 + 1e-8) / c.block)
         s.eta.measured(old.eta, 2.0 * wheels**2 / c.block)
-        if old.v > MOVING:  # not where v is missing: NaN is not
+        if old.v > c.moving:  # not where v is missing: NaN is not
             slip = 1.0 - _rim(s, old) / old.v
             s.slip.measured(slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
-    if counts and not x.driven and x.pressure < c.untouched and abs(x.z) < STEADY:
+    if counts and not x.driven and x.pressure < c.untouched and abs(x.z) < c.steady:
         s.waiting.append(x)
     else:
         s.waiting.clear()

@@ -15,7 +15,6 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
-from calib.car.braking import MOVING
 from calib.estimation.constants import Constants
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample, Seen, State, follow, started
@@ -100,7 +99,7 @@ def _reasons(c: Constants, x: Sample[Array], braked: Array, level: Array, of_map
     reasons, hold = zip(
         (Reason.NOT_BRAKED, x.pressure <= c.least_pressure),
         (x.disturbed, x.disturbed > 0.0),  # before the rims: those of locked wheels are slow
-        (Reason.SLOW, x.rim <= MOVING),
+        (Reason.SLOW, x.rim <= c.moving),
         (Reason.JUST_APPLIED, braked < c.settle - 0.5 * c.block),
         (Reason.NO_PAD, (level <= c.least_level) | (level >= c.most_level)),
         (Reason.BEYOND_MAP, ~of_map),

@@ -7,8 +7,8 @@ import pytest
 
 from calib.base.errors import ProgramError
 from calib.ecu.bundle import names, write_bundle
-from calib.ecu.channels import samples_of
 from calib.ecu.native import Native
+from calib.estimation.channels import samples_of
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
 from calib.table.exported import Precision
@@ -131,14 +131,14 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
     words = ("tables", "export", SEDAN.id, "--store", SEDAN.path.parent.parent, "--format")
     code, own = tmp_path / "code", tmp_path / "own"
     foreign = {"bte_own.c": "/* our task, around brake-cal */\n", "notes.txt": "ours\n"}
-    for prefix in ("bte", "bte", "acme"):  # what has another prefix goes
+    for prefix in ("bte", "acme", "acme"):
         ran = brake_cal(*words, "ECU", "--float", "--out", code, "--prefix", prefix, "--json")
         told = json.loads(ran.out)
         assert (ran.code, told["format"], told["float"]) == (0, "ecu", 32)
         assert set(told["files"]) == set(names(prefix))
         for name, text in foreign.items():
             (code / name).write_text(text)
-    assert {path.name for path in code.iterdir()} == {*names("acme"), *foreign}
+    assert {path.name for path in code.iterdir()} == {*names("bte"), *names("acme"), *foreign}
     assert not any("bte" in path.read_text().lower() for path in code.glob("acme*.[ch]"))
     called(code, program(code, f"cc -std=c99 {STRICT}", prefix="acme"))
     assert set(names("xBTE")) >= {"xBTE.c", "xBTE.h", "xBTE_car.c", "xBTE.a2l"}

@@ -8,11 +8,12 @@ import pytest
 
 from calib.base.errors import ProgramError, StoreError
 from calib.car.effects.effects import Effects
-from calib.ecu.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
+from calib.ecu.car_source import require_plain
 from calib.ecu.native import Native, coded
-from calib.ecu.online import READ_OUT, answered, require_plain
+from calib.estimation.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
 from calib.estimation.estimator import estimate
 from calib.estimation.limits import DEFAULTS
+from calib.estimation.online import READ_OUT, answered
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate_one
 from calib.run.blocks import BLOCK

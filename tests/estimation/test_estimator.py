@@ -12,7 +12,7 @@ from calib.estimation.baselines import METHODS
 from calib.estimation.constants import Constants
 from calib.estimation.estimator import estimate
 from calib.estimation.known import known_resistance, nominal_car
-from calib.estimation.reasons import LATERAL, Reason
+from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
@@ -268,12 +268,12 @@ def bent(log, lateral, first, last):
 
 def test_bend_gate(fitted, wet):
     """Half as much again as the gate is a bend; half of the gate is the way round a patch."""
-    e = estimate(fitted, bent(wet, -1.5 * LATERAL, 3.0, 4.0))
+    e = estimate(fitted, bent(wet, -1.5 * Constants.lateral, 3.0, 4.0))
     # the wheels are compared over 0.2 s: ln(3) of it until two thirds of the bend show
     assert not np.any(e.valid[(e.time > 3.0 + 0.3) & (e.time < 4.0)])
     assert np.mean(e.valid[(e.time > 2.3) & (e.time < 3.0)]) > 0.98
     assert np.mean(e.valid[(e.time > 4.4) & (e.time < 6.0)]) > 0.98
-    mild = estimate(fitted, bent(wet, -0.5 * LATERAL, 3.0, 4.0))
+    mild = estimate(fitted, bent(wet, -0.5 * Constants.lateral, 3.0, 4.0))
     assert np.mean(mild.valid[(e.time > 2.3) & (e.time < 6.0)]) > 0.98
 
 

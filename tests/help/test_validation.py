@@ -8,7 +8,7 @@ from calib.car.braking import MOVING
 from calib.estimation.constants import Constants
 from calib.estimation.estimator import COLUMNS
 from calib.estimation.limits import DEFAULTS
-from calib.estimation.reasons import LATERAL, RECOVER, STEERING, Reason
+from calib.estimation.reasons import Reason
 from calib.help.page import FOLDER
 
 PAGE = (FOLDER / "validation.md").read_text()
@@ -41,10 +41,10 @@ def test_the_gates_and_the_reasons_are_those_of_the_program():
     for words in (
         f"below {Constants.least_pressure / 1e5:g} bar, or the car below {MOVING:g} m/s",
         f"less than {Constants.settle:g} s",
-        f"and {RECOVER:g} s after it",
+        f"and {Constants.recover:g} s after it",
         f"(a level below {Constants.least_level:g} or above {Constants.most_level:g})",
-        f"more than {LATERAL:g} m/s^2",
-        f"more than {np.rad2deg(STEERING):g} degrees",
+        f"more than {Constants.lateral:g} m/s^2",
+        f"more than {np.rad2deg(Constants.steering):g} degrees",
         *(f"{reason.value} {reason.name.lower().replace('_', ' ')}" for reason in Reason),
     ):
         assert words in " ".join(PAGE.split()), words

@@ -17,9 +17,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.channels import CHANNELS, samples_of
 from calib.ecu.native import Native
-from calib.ecu.online import answered
+from calib.estimation.channels import CHANNELS, samples_of
+from calib.estimation.online import answered
 from calib.fitting.fit import fit
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from calib.base.arrays import Array
-from calib.ecu.channels import CHANNELS, OMEGA
 from calib.ecu.native import OUTPUTS
+from calib.estimation.channels import CHANNELS, OMEGA
 from calib.store.store import Store
 from tests.support.programs import needs
 

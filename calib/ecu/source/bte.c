@@ -1,5 +1,5 @@
 /* The estimator of brake-cal, see bte.h. What is remembered and told of a block follows
- * calib/estimation/state.py and step.py line by line, samples and blocks calib/ecu/online.py.
+ * calib/estimation/state.py and step.py line by line, samples and blocks calib/estimation/online.py.
  * Where float32 would lose digits, a difference stands that Python does not need.
  */
 #include "bte.h"

@@ -33,15 +33,16 @@ def _read(row: dict[str, str]) -> Variable:
     return Variable(estimator, car, name, unit, meaning, *(float(x or "nan") for x in numbers))
 
 
-VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.ecu"))}
+VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.estimation"))}
 CHANNELS = {x.name: x for x in VARIABLES.values() if "input" in x.estimator}
 """What an ECU reads at one time; a sample (10,) has this order, in Python and in C."""
 
 P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_ = range(len(CHANNELS))
 OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, None)
 
+REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
-"""What is answered: (7, 3), each a median with its 95 % bounds."""
+"""What is answered: (7, 3), each a median with its 95 % bounds, beside a `Reason`."""
 
 
 def samples_of(log: Log) -> Array:
