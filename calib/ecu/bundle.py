@@ -35,22 +35,14 @@ from calib.run.blocks import samples_of_block
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 from calib.table.exported import Precision, as_exported
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
-_README = "README.md"
 TOOLS = ("a2l", "cdfx", "dcm")
 """Formats of calibration tools, by the ending of the file."""
-_GIVEN = ("bte_run.c", "CMakeLists.txt", _README)
+_GIVEN = ("bte_run.c", "CMakeLists.txt", "README.md")
 _MADE = ("bte.h", "bte.c", "bte_car.c", "vectors.h", *(f"bte.{form}" for form in TOOLS))
-_TOLERANCE = {64: 1e-9, 32: 1e-4}
-"""Relative difference of the vectors from Python by the bits of the floating point."""
-
 OURS = b"brake-cal"
 """What every file of the folder has in it."""
-
-_ROLLED, _BRAKED = 3.0, 3.0  # time of the vectors without and with brake [s]
-_SEED = 1
 
 
 def names(prefix: str = car_source.PREFIX) -> list[str]:
@@ -90,13 +82,10 @@ def write_bundle(
     where ``elf`` does not hold the table.
     """
     require_prefix(prefix)
-    require_maps(stored.table, stored.id)
-    texts = car_source.sources(
-        stored.table, sample_time, how, "By brake-cal: $about", stored.version
-    )
+    texts = car_source.sources(stored.table, sample_time, how, "$about", stored.version)
     texts |= {name: (car_source.SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
     texts["vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
-    about = f"{stored.id}, digest {stored.digest}, {stored.state.words}"
+    about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.words}"
     facts = {
         "about": about.replace("*/", "* /"),
         "table": stored.id, "digest": stored.digest, "state": stored.state.words,
@@ -113,7 +102,7 @@ def write_bundle(
             if elf is not None and FORMATS[form].addressed:
                 data = replace(data, addresses=find_addresses(elf, data))
             write_whole(work / f"{prefix}.{form}", FORMATS[form].write(data))
-        return publish(work, folder, _README)
+        return publish(work, folder, "README.md")
 
 
 def _for_tool(
@@ -146,11 +135,10 @@ def _samples(table: Table, sample_time: float) -> Array:
 
     It rolls, brakes in two steps, and near the end a wheel locks and a sensor fails.
     """
-    time = np.arange(0.0, _ROLLED + _BRAKED, sample_time)
-    braked = np.clip((time - _ROLLED) / 0.3, 0.0, 1.0) + (time > _ROLLED + 1.5)
-    car = table.vehicle
-    log = add_noise(simulate(default_model(car), time, 15e5 * braked, 30.0, name="vectors"), _SEED)
-    samples = samples_of(log)
+    time = np.arange(0.0, 6.0, sample_time)
+    braked = np.clip((time - 3.0) / 0.3, 0.0, 1.0) + (time > 4.5)
+    log = simulate(default_model(table.vehicle), time, 15e5 * braked, 30.0, name="vectors")
+    samples = samples_of(add_noise(log, seed=1))
     samples[log.time > log.time[-1] - 0.5, FL] *= 0.5
     samples[-5:, A_X] = 99.0
     return samples
@@ -162,7 +150,7 @@ def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
     every, bits = samples_of_block(sample_time), how.floating
     yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
     yield f"#define COUNT {len(samples)}U\n#define EVERY {every}U"
-    yield f"#define TOLERANCE {_TOLERANCE[bits]:g}"
+    yield f"#define TOLERANCE {1e-9 if bits == 64 else 1e-4}"
     kept = answered(table, sample_time, samples)[every - 1 :: every]
     for name, rows in (("inputs[][BTE_INPUTS]", samples), ("expected[][BTE_TOLD]", kept)):
         cells = car_source.initial(rows.tolist(), bits).replace("}, ", "},\n")

@@ -103,7 +103,7 @@ def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_A
 
     Sliced where they have more axes. Raises ExchangeError as `Precision`.
     """
-    read = {*(names[0] for names in PADS), *SLIP, *LEVEL}
+    read = {*(name for name, _ in PADS), *SLIP, *LEVEL}
     of = maps_of(table, first, replace(how, code=True), most_axes)
     return [grid for _, grids in of for grid in grids if grid.column in read]
 
@@ -191,21 +191,16 @@ def _numbers(c: Constants, table: Table, sample_time: float) -> dict[str, Member
 
 
 def _maps(grids: Iterable[Grid]) -> dict[str, Member]:
-    """Members of `bte_car` that are maps, by the columns that each of them has."""
-
-    def together(columns: Iterable[str], axes: int) -> Member:
-        made = [of[name, axes] for name in columns]
+    """Members of `bte_car` that are maps, each of some columns over as many axes."""
+    of, ratio, maps = {(g.column, len(g.axes)): g for g in grids}, [x for x, _ in PADS], {}
+    for name, columns, axes in (
+        ("pads", ratio, 3), ("slip", SLIP, 2), ("level", LEVEL, 1), ("before", ratio, 1)
+    ):  # fmt: skip
+        made = [of[x, axes] for x in columns]
         places = [[axis.label, len(axis.values)] for axis in made[0].axes]
-        steps = [one.fixed.step if one.fixed else 1.0 for one in made]
-        return [places, axes, len(made), [one.label for one in made], steps]
-
-    of, ratio = {(g.column, len(g.axes)): g for g in grids}, [names[0] for names in PADS]
-    return {
-        "pads": together(ratio, 3),
-        "slip": together(SLIP, 2),
-        "level": together(LEVEL, 1),
-        "before": together(ratio, 1),  # of the ratio, before eta is read
-    }
+        steps = [x.fixed.step if x.fixed else 1.0 for x in made]
+        maps[name] = [places, axes, len(made), [x.label for x in made], steps]
+    return maps
 
 
 def _enumeration(rows: Iterable[tuple[str, str]]) -> str:

@@ -95,20 +95,15 @@ def write_fmu(
         "starts": starts, "given": len(starts), "first": ", ".join(map(repr, starts.values())),
     }  # fmt: skip
     facts["token"] = hashlib.sha256(repr((facts, glue, code)).encode()).hexdigest()[:32]
-    made = templates("calib.ecu", markup=True)
-    inside = {"modelDescription.xml": made.get_template("model.xml.j2").render(facts)}
+    written = templates("calib.ecu", markup=True).get_template
+    inside = {"modelDescription.xml": written("model.xml.j2").render(facts)}
     if version == 3:
-        inside["sources/buildDescription.xml"] = made.get_template("build.xml.j2").render(facts)
+        inside["sources/buildDescription.xml"] = written("build.xml.j2").render(facts)
     code |= {file: Template(text).substitute(facts) for file, text in glue.items()}
     inside |= {f"sources/{file}": text for file, text in code.items()}
-    write_whole(path, _zipped(inside, stored.digest))
-
-
-def _zipped(files: dict[str, str], comment: str) -> bytes:
-    """A zip without dates, so that the same table gives the same bytes."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w") as out:
-        for file, text in files.items():
+        for file, text in inside.items():  # without dates
             out.writestr(zipfile.ZipInfo(file), text, zipfile.ZIP_DEFLATED)
-        out.comment = comment.encode()
-    return made.getvalue()
+        out.comment = stored.digest.encode()
+    write_whole(path, made.getvalue())

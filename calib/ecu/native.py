@@ -8,8 +8,7 @@ import os
 import shlex
 import shutil
 import subprocess
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -51,19 +50,15 @@ def compiler() -> list[str]:
     return named
 
 
-@dataclass(frozen=True)
 class Native:
-    """The code of a table at a sample time [s], in a precision."""
+    """The code of a table at a sample time [s], in a precision: its shared ``library``.
 
-    table: Table
-    sample_time: float
-    how: Precision
+    Raises ProgramError where it cannot be compiled.
+    """
 
-    @cached_property
-    def library(self) -> ctypes.CDLL:
-        """The shared object. Raises ProgramError where it cannot be compiled."""
-        cc = compiler()
-        files = sources(self.table, self.sample_time, self.how, "made to be run here")
+    def __init__(self, table: Table, sample_time: float, how: Precision) -> None:
+        cc, self.real = compiler(), np.float64 if how.floating == 64 else np.float32
+        files = sources(table, sample_time, how, "made to be run here")
         files["bte_run.c"] = (SOURCE / "bte_run.c").read_text(encoding="utf-8")
         with TemporaryDirectory() as folder:
             for name, text in files.items():
@@ -73,15 +68,14 @@ class Native:
             line = [*cc, *FLAGS, *code, "-o", made, "-lm"]
             done = subprocess.run(line, capture_output=True, text=True, check=False)
             if done.returncode:
-                why = done.stderr[-400:] or f"it ended with {done.returncode} and said nothing"
+                why = f"exit code {done.returncode}: {done.stderr[-400:]}"
                 raise ProgramError("the C code does not compile", where=cc[0], do=why)
-            return ctypes.CDLL(made)
+            self.library = ctypes.CDLL(made)
 
     def run(self, samples: Array) -> Array:
         """Answers (n, 22) to samples (n, 10), as `bte_run` has them."""
-        real = np.float64 if self.how.floating == 64 else np.float32
-        given = np.ascontiguousarray(samples, real)
-        told = np.empty((len(given), OUTPUTS), real)
+        given = np.ascontiguousarray(samples, self.real)
+        told = np.empty((len(given), OUTPUTS), self.real)
         first, last = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))
         self.library.bte_run(first, ctypes.c_uint32(len(given)), last)
         return told.astype(np.float64)

@@ -11,9 +11,8 @@ from calib.car.effects.effects import Effects
 from calib.ecu.car_source import require_plain
 from calib.ecu.native import Native, coded
 from calib.estimation.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
-from calib.estimation.estimator import estimate
 from calib.estimation.limits import DEFAULTS
-from calib.estimation.online import READ_OUT, answered
+from calib.estimation.online import answered
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate_one
 from calib.run.blocks import BLOCK
@@ -28,6 +27,7 @@ pytestmark = needs("cc")
 STEP = 0.005
 REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, *_ = 0, *range(1, 22, 3)
 FAULT, LOCKED = {Reason.FAULT}, {Reason.LOCKED}
+RELEASED = {Reason.VALID, Reason.NOT_BRAKED}
 
 
 @pytest.fixture(scope="module")
@@ -59,14 +59,6 @@ def drive_on():
     return samples_of(noisy(as_log(run), 3))
 
 
-def test_a_log_gives_sample_by_sample_what_it_gives_as_a_whole(fitted, wet, both):
-    told, e = both(samples_of(wet)), estimate(fitted, without(wet, "v"))
-    assert np.array_equal(told[:, REASON], e.ecu.step.reason)
-    late = wet.time > wet.time[0] + 0.05  # before the first block a log has the answer of it
-    parts = [part[late] for of in READ_OUT for part in getattr(e.ecu, of)]
-    assert told[late, 1:] == pytest.approx(np.array(parts).T, rel=1e-9, abs=1e-9)
-
-
 @pytest.mark.parametrize("seed", range(12))
 def test_c_equals_python_while_sensors_fail_at_random(seed, drive_on, both):
     both(failing(drive_on, seed))
@@ -92,6 +84,9 @@ LIFE = {
     **{what: ([], []) for what in ROWS},
     "nothing at first": ([(-1, 1, OMEGA, 0)], [(0.999, 1.001, FAULT)]),
     "sensors fail": (FAILS, [(begin, end, FAULT) for begin, end, *_ in FAILS]),
+    "a_x is frozen while the brake is released": (
+        [(4.98, 5.5, A_X, lambda x: x[0])], [(4.9, 5.07, RELEASED), (5.1, 5.49, FAULT)],
+    ),
     "a_x is frozen once the pressure moves": (
         [(2.5, 99, A_X, lambda x: x[0])], [(3.2, 4.9, FAULT), (0, 2.9, {Reason.NOT_BRAKED})],
     ),
@@ -104,7 +99,7 @@ LIFE = {
     ),
     "steered": ([(4, 5, STEERING, 0.2)], [(4.1, 5.0, {Reason.TURNED})]),
     "it stands, and rolls back": (
-        [(-1, 4.001, OMEGA, 0), (4, 99, OMEGA, -5)], [(3.3, 5.0, {Reason.SLOW})],
+        [(-1, 4.001, OMEGA, 0), (4, 99, OMEGA, -5), (2, 99, A_X, -1)], [(3.3, 5, {Reason.SLOW})],
     ),
 }  # fmt: skip
 """Such readings, and the reasons that are told between two times."""

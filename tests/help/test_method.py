@@ -14,6 +14,8 @@ from calib.run.blocks import BLOCK
 PAGE = (FOLDER / "method.md").read_text()
 LOGS = calib.sample_logs() / "simulation_study"
 AT = 7.0  # [s]
+UNITS = dict.fromkeys(("bite", "untouched", "least_pressure", "held_pressure"), 1e5)  # [bar]
+UNITS |= {"steering": np.pi / 180.0}  # [deg]
 NUMBER = r"-?\d+\.\d+"
 
 
@@ -35,8 +37,7 @@ def test_the_step_has_the_constants_of_the_page():
     assert set(told) == {"block", *held}
     assert float(told.pop("block")) == BLOCK
     for name, value in told.items():
-        unit = 1e5 if name in ("untouched", "least_pressure") else 1.0  # [bar]
-        assert float(value) * unit == pytest.approx(held[name]), name
+        assert float(value) * UNITS.get(name, 1.0) == pytest.approx(held[name]), name
         assert name in blocks[0], name
 
 
