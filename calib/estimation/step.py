@@ -77,7 +77,8 @@ def _answers(c: Constants, s: State, x: Sample[Array], seen: Seen[Array]) -> Ans
     told = of_map & ~new & (z >= c.least_z)
     at = z, shift, (slip - usual) / sigma
     now, zeros = _ratio(c, at, (_eta_error(c, seen, z) / z, slip_sigma / sigma), x.log_odds, told)
-    best, zeros = _keep(c, s, now, zeros, pads, new)
+    adds = (x.pressure > c.bite) & (x.rim > c.moving) & (x.disturbed == 0.0)
+    best, zeros = _keep(c, s, now, zeros, pads, (new, adds))
     return Answer(
         level, best[:, 0], best[:, 1], noise, accelerometer, zeros,
         slip, slip_sigma, seen.zero_eta, seen.zero_slip, seen.innovation,
@@ -143,20 +144,21 @@ def _ratio(
 
 
 def _keep(
-    c: Constants, s: State, now: Array, zeros: Array, level: Array, new: Mask
+    c: Constants, s: State, now: Array, zeros: Array, level: Array, which: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
     """The best informed ratio so far, as it is known at each block, of the shapes of `_ratio`.
 
-    It ages as pads warm up, and those that changed did so unlike. Stops begin ``new``.
+    It ages as pads warm up, and those that changed did so unlike. Stops begin new, and a block is a
+    reading where it adds to the means: ``which`` of the blocks are new, and add.
     """
     kept, aged = [], []
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
-    for row, a, first in zip(rows, level.tolist(), new.tolist(), strict=True):
+    for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in which), strict=True):
         variance = c.ageing**2 * s.age + (c.unlike * math.log(a / s.level_then)) ** 2
         more = Z95 * math.sqrt(variance)
         (middle, _, low, _, high, *_), (_, _, low_now, _, high_now, *_) = s.kept, row
         known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-        if first or high_now - low_now <= known:
+        if new or (adds and high_now - low_now <= known):
             s.kept, s.age, s.level_then, variance = row, 0.0, a, 0.0
         s.age += c.block
         kept.append(s.kept)

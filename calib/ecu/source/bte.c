@@ -281,7 +281,8 @@ static void see_speed(bte_state *s, const bte_block *x, bool braking) {
     g->x[SLIP] = clip(g->x[SLIP], R(-8.0), R(0.0));
 }
 
-static void follow(bte_state *s, const bte_block *x) {
+/* Take in a block; whether it adds to the means. */
+static bool follow(bte_state *s, const bte_block *x) {
     const bte_car *c = s->car;
     const bte_real dt = c->block, most = square(c->zero);
     s->demand.variance = smallest(s->demand.variance + square(c->bias_walk) * dt, most);
@@ -309,6 +310,7 @@ static void follow(bte_state *s, const bte_block *x) {
         see_speed(s, x, braking);
     }
     s->z = x->z;
+    return braking && counts;
 }
 
 /* Standard deviation of the mean of eta - 1 by wheels, zero and a changing z. */
@@ -343,14 +345,15 @@ static void read_ratio(const bte_car *c, const bte_real at[BTE_MAP_AXES],
 
 /* The best informed ratio so far; it ages as pads warm up, and those that changed did so unlike. */
 static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, bool is_new,
-                      bte_real best[BTE_BOUNDS]) {
+                      bool adds, bte_real best[BTE_BOUNDS]) {
     const bte_car *c = s->car;
     const bte_real variance = square(c->ageing) * s->age
                               + square(c->unlike * logarithm(pads / s->level_then));
     const bte_real wider = Z95 * MATH(sqrt)(variance);
     (void)memcpy(best, s->kept, sizeof s->kept);
     widen(best, wider, wider);
-    if (is_new || now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER]) {
+    const bool narrow = now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER];
+    if (is_new || (adds && narrow)) {
         (void)memcpy(s->kept, now, sizeof s->kept);
         (void)memcpy(best, now, sizeof s->kept);
         s->age = R(0.0);
@@ -391,7 +394,7 @@ static void part_pads(const bte_car *c, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BOUN
 
 static void take(bte_state *s, const bte_block *x) {
     const bte_car *c = s->car;
-    follow(s, x);
+    const bool adds = follow(s, x);
     const bte_gauss *g = &s->speed;
     const bte_real blocks = s->sums[0];
     const bool is_new = blocks == R(0.0);
@@ -433,7 +436,7 @@ static void take(bte_state *s, const bte_block *x) {
         (void)memcpy(now, prior, sizeof now);
     }
     move_by(now, square(unread) * (c->ramp_ratio - prior[BTE_MEDIAN]));
-    keep_best(s, now, pads, is_new, ln[BTE_RATIO]);
+    keep_best(s, now, pads, is_new, adds, ln[BTE_RATIO]);
     part_pads(c, ln);
     for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) {
         for (unsigned b = 0; b < BTE_BOUNDS; b++) {
