@@ -12,7 +12,7 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.base.intervals import QUARTILE
 from calib.base.mixtures import likelihood_ratio
-from calib.base.names import WHEELS, G
+from calib.base.names import AXLES, WHEELS, G
 from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, judged, relative
 from calib.car.balance import brake_forces
@@ -44,6 +44,7 @@ _STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
 _BRAKED = 0.05  # nominal brake force of an axle over its load [1] from which its slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""
+_PRESSED = 20e5  # pressure from which sensors, left and right, agree as one to the other [Pa]
 _TIME = 1.0  # time of such braking, or of rolling, that is needed [s]
 _SPAN, _SIGMA = 11, 5.0
 """Samples of the median from which a lost pulse stands out; the distance below it, in its usual
@@ -68,7 +69,7 @@ def run_warnings(
 
 
 def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
-    """One signal twice, values that are held or late, pressure of a car that rolls freely [bar]."""
+    """One signal twice, values that are held or late, pressures at rest or on one side."""
     for one, other, same in twice(log, [name for name in _COMPARED if name in log]):
         yield Measured("same_signal", same, words={"one": one, "other": other})
     yield Measured("v_held", held_time(log))
@@ -79,6 +80,11 @@ def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
     if s.lead_in.any():
         zero = max((float(np.mean(p[s.lead_in])) for p in (s.p_f, s.p_r)), key=abs)
         yield Measured("pressure_zero", from_si(zero, "bar", "Pa"))
+    for left, right in ((f"p_{axle}l", f"p_{axle}r") for axle in AXLES):
+        if left in log and right in log:
+            high, other = float(np.max(log[left])), float(np.max(log[right]))
+            apart = (high - other) / max(high, other, _PRESSED)
+            yield Measured("pressure_sides", apart, words={"left": left, "right": right})
 
 
 def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:

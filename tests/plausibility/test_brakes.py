@@ -5,6 +5,7 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
+from calib.base.names import WHEELS
 from calib.base.warning import judged
 from calib.plausibility.run import of_brakes, of_channels
 from calib.run.axle_signals import signals
@@ -87,3 +88,15 @@ def test_the_zero_of_the_pressure_is_measured(zero):
     (warning,) = judged("log", of_channels(log, signals(log, CAR)))
     assert warning.code == "pressure_zero"
     assert warning.measured == pytest.approx(zero / 1e5, abs=0.1)
+
+
+@pytest.mark.parametrize(("scale", "zero", "codes"), [
+    (1.0, 0.0, []), (1.05, 1e5, []), (0.8, 0.0, ["pressure_sides"]), (0.0, 0.0, ["pressure_sides"]),
+])  # fmt: skip
+def test_wheel_pressures_of_an_axle_are_alike(scale, zero, codes):
+    log = noisy(stop(REAL), 1)
+    own = {"rl": scale * log["p_mc"] + zero, "rr": log["p_mc"]}
+    log.channels.update({f"p_{wheel}": own.get(wheel, 0.7 * log["p_mc"]) for wheel in WHEELS})
+    found = judged("log", of_channels(log, signals(log, CAR)))
+    assert [one.code for one in found if one.code != "pressure_zero"] == codes
+    assert all(one.measured == pytest.approx(scale - 1.0, abs=0.02) for one in found if codes)
