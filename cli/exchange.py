@@ -110,6 +110,7 @@ def _code(
     with at_option("--prefix", ExchangeError):
         require_prefix(first)
     check_folder(out, names(first))
+    refuse_foreign(out / "README.md", lambda data: stored.digest.encode() in data)
     for name in names(first):
         refuse_foreign(out / name, lambda data: OURS in data)
     with at_option("--points, --fixed-point, --float, --elf", ExchangeError), writing(out):

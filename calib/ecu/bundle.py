@@ -3,7 +3,7 @@
     bte.h bte.c                 the estimator, the same for every car
     bte_car.c                   the numbers of the car
     bte.a2l bte.dcm bte.cdfx    its maps for a calibration tool
-    bte_run.c vectors.h         samples with the answers of Python, and a program that compares
+    bte_run.c bte_vectors.h     samples with the answers of Python, and a program that compares
     README.md CMakeLists.txt
 
 Nothing is made again in the ECU project: functions are called, and files are replaced.
@@ -24,7 +24,7 @@ from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
 from calib.car.model import default_model
 from calib.ecu import car_source
-from calib.estimation.channels import A_X, CHANNELS, FL, limits, samples_of
+from calib.estimation.channels import A_X, ANSWERS, CHANNELS, FL, limits, samples_of
 from calib.estimation.online import answered
 from calib.exports.addresses import find_addresses
 from calib.exports.dataset import Dataset, build
@@ -40,7 +40,7 @@ from calib.table.table import Table
 TOOLS = ("a2l", "cdfx", "dcm")
 """Formats of calibration tools, by the ending of the file."""
 _GIVEN = ("bte_run.c", "CMakeLists.txt", "README.md")
-_MADE = ("bte.h", "bte.c", "bte_car.c", "vectors.h", *(f"bte.{form}" for form in TOOLS))
+_MADE = ("bte.h", "bte.c", "bte_car.c", "bte_vectors.h", *(f"bte.{form}" for form in TOOLS))
 OURS = b"brake-cal"
 """What every file of the folder has in it."""
 
@@ -84,7 +84,7 @@ def write_bundle(
     require_prefix(prefix)
     texts = car_source.sources(stored.table, sample_time, how, "$about", stored.version)
     texts |= {name: (car_source.SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
-    texts["vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
+    texts["bte_vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
     about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.words}"
     facts = {
         "about": about.replace("*/", "* /"),
@@ -92,6 +92,7 @@ def write_bundle(
         "bits": how.floating, "cell": car_source.cell(how), "step": f"{sample_time:g}",
         "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"),
         "inputs": "\n".join(_inputs(sample_time)),
+        "answers": "\n".join(f"| `{x.name}` | {x.unit} | {x.meaning} |" for x in ANSWERS.values()),
     }  # fmt: skip
     with workshop(folder) as work:
         for name, text in texts.items():
@@ -145,7 +146,7 @@ def _samples(table: Table, sample_time: float) -> Array:
 
 
 def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
-    """vectors.h: every sample, and the answers at the ends of the blocks."""
+    """bte_vectors.h: every sample, and the answers at the ends of the blocks."""
     samples = how.computed(_samples(table, sample_time))
     every, bits = samples_of_block(sample_time), how.floating
     yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"

@@ -18,7 +18,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
 from calib.ecu.car_source import SOURCE, require_plain, sources
-from calib.estimation.channels import ANSWERS, samples_of
+from calib.estimation.channels import ANSWERS, rows_of, samples_of
 from calib.estimation.estimator import Estimate
 from calib.estimation.online import READ_OUT
 from calib.estimation.readout import Bounded, Readout
@@ -67,8 +67,8 @@ class Native:
             code = [str(Path(folder, name)) for name in files if name.endswith(".c")]
             line = [*cc, *FLAGS, *code, "-o", made, "-lm"]
             done = subprocess.run(line, capture_output=True, text=True, check=False)
-            if done.returncode:
-                why = f"exit code {done.returncode}: {done.stderr[-400:]}"
+            if not Path(made).exists():
+                why = f"exit code {done.returncode}: {done.stderr[:400]}"
                 raise ProgramError("the C code does not compile", where=cc[0], do=why)
             self.library = ctypes.CDLL(made)
 
@@ -93,10 +93,11 @@ def coded(table: Table, how: Precision) -> Coded:
     known = dict[tuple[float, float], Native]()
 
     def run(e: Estimate, log: Log) -> Readout:
+        require_plain(replace(e.table, vehicle=e.car))
         key = e.table.vehicle.mass, log.sample_time
         if key not in known:
             known[key] = Native(e.table, log.sample_time, how)
-        reason, *told = known[key].run(samples_of(log)).T
+        reason, *told = known[key].run(samples_of(log))[rows_of(log)].T
         answers = map(Bounded, told[::3], told[1::3], told[2::3])
         parts: dict[str, Any] = dict(zip(READ_OUT, answers, strict=True))
         return replace(e.ecu, step=e.ecu.step._replace(reason=reason), **parts)

@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Index
 from calib.base.plain import rows
+from calib.logs.clock import GAP
 from calib.logs.log import Log
 
 
@@ -45,10 +46,23 @@ ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
 """What is answered: (7, 3), each a median with its 95 % bounds, beside a `Reason`."""
 
 
+_LONGEST_GAP = 10.0  # [s]: all but the zeros is forgotten by then
+
+
+def rows_of(log: Log) -> Index:
+    """The place (n,) of each sample of a log in `samples_of` it."""
+    steps, most = np.diff(log.time) / log.sample_time, _LONGEST_GAP / log.sample_time
+    missed = np.where(steps > GAP, np.round(np.minimum(steps, most)), 1.0)
+    return np.append(0, np.cumsum(missed)).astype(np.intp)
+
+
 def samples_of(log: Log) -> Array:
-    """What an ECU would read in a log (n, 10), by `CHANNELS`."""
+    """What an ECU would read in a log (m, 10), by `CHANNELS`: nothing, so NaN, in its gaps."""
+    rows = rows_of(log)
+    samples = np.full((rows[-1] + 1, len(CHANNELS)), np.nan)
     nothing = np.zeros_like(log.time)
-    return np.stack([log.channels.get(name, nothing) for name in CHANNELS], axis=1)
+    samples[rows] = np.stack([log.channels.get(name, nothing) for name in CHANNELS], axis=1)
+    return samples
 
 
 def limits(sample_time: float) -> tuple[Array, Array, Array]:

@@ -80,7 +80,7 @@ class Constants:
     slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
     turning: float = MOVING / NOMINAL_RADIUS  # below that none locks [rad/s]
     recover: float = 1.0  # after that the filters behind the signals have forgotten it [s]
-    held_time: float = 0.1  # a_x is frozen where it keeps a value for that [s] while a car rolls
+    held_time: float = 0.25  # a_x is frozen where it keeps a value for that [s] while a car rolls
     held_pressure: float = 5e5  # and the pressure moves by that [Pa]
 
 

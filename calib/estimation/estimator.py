@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.base.names import WHEELS
+from calib.base.errors import LogError
 from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
@@ -180,7 +180,7 @@ def estimate(
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
     exported : the table as an ECU reads it, of which ``ecu`` then is, see `calib.table.exported`.
 
-    Raises StoreError for a table without maps.
+    Raises StoreError for a table without maps, LogError for a log without a block.
 
     Without a lead-in the radii are those of the vehicle, within one per cent: eta says little then.
 
@@ -198,19 +198,15 @@ def estimate(
     require_maps(table)
     known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     car = weighed(replace(table.vehicle, effects=known), mass)
-    ran = as_ecu = remove_known_effects(car, log)
-    sensors, pressures = replace(car, effects=sensed(car.effects)), {f"p_{w}" for w in WHEELS}
-    if sensors != car or pressures & log.channels.keys():  # an ECU has that of the master cylinder
-        left = {name: x for name, x in log.channels.items() if name not in pressures}
-        as_ecu = remove_known_effects(sensors, replace(log, channels=left))
+    ran, sensors = remove_known_effects(car, log), replace(car, effects=sensed(car.effects))
     read = signals(ran.log, ran.vehicle)
     means = blocks(read)
+    if not means.end.size:
+        raise LogError("the log is shorter than a block of 50 ms", where=log.source)
     used = replace(table, vehicle=ran.vehicle)
     nominal = nominal_car(used, vehicle)
     disturbed = disturbances(used, ran.log, read)
     noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
-    factors = as_ecu.factor_f / ran.factor_f, as_ecu.factor_r / ran.factor_r
-    handed_out = replace(exported or table, vehicle=as_ecu.vehicle)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
@@ -220,5 +216,5 @@ def estimate(
         blocks=means,
         noise=noise,
         best=read_out(used, noise, read, means, disturbed),
-        ecu=online(handed_out, as_ecu.log, factors),
+        ecu=online(exported or table, sensors, log, (ran.factor_f, ran.factor_r)),
     )

@@ -10,12 +10,15 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.names import G
+from calib.base.names import AXLES, G
+from calib.car.forces import deceleration
+from calib.car.vehicle import Vehicle
 from calib.estimation import channels as at
 from calib.estimation.constants import Constants
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
+from calib.model.known_effects import remove_known_effects
 from calib.run.axle_signals import Signals, axle_pressure
 from calib.run.blocks import blocks
 from calib.run.filters import block_mean
@@ -27,31 +30,40 @@ READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torqu
 
 
 def online(
-    table: Table, log: Log, factors: tuple[Array | float, Array | float] = (1.0, 1.0)
+    table: Table,
+    car: Vehicle,
+    log: Log,
+    factors: tuple[Array | float, Array | float] = (1.0, 1.0),
 ) -> Readout:
-    """Run the step of a ``table`` over a ``log`` as `read_out`, with what an ECU reads of it alone.
+    """What an ECU with a ``table`` answers to a ``log``, of which it reads `CHANNELS` alone.
 
-    ``factors`` as of `read_out`. Where a sensor fails its last good reading counts.
+    ``car`` as it is driven, with the known effects that it takes out; ``factors`` what all known
+    effects do to the axles' pad friction, which is given without them. Where a sensor fails, as in
+    a gap of the log, its last good reading counts.
     """
-    front, rear = table.vehicle.front, table.vehicle.rear
-    x, good = _held(at.samples_of(log), log.sample_time, front.rolling_radius)
-    log = replace(log, channels=log.channels | dict(zip(at.CHANNELS, x.T, strict=True)))
-    p, (drive_f, drive_r) = (axle_pressure(log, "f"), axle_pressure(log, "r")), x[:, at.DRIVE].T
-    omega_f, omega_r = 0.5 * (x[:, at.FL] + x[:, at.FR]), 0.5 * (x[:, at.RL] + x[:, at.RR])
-    z, speed, never = -x[:, at.A_X] / G, rear.rolling_radius * omega_r, np.zeros_like(good)
-    s = Signals(
-        log.time, *p, drive_f, drive_r, z, omega_f, omega_r, None, speed, never, log.sample_time
-    )
+    rows, step, radius = at.rows_of(log), log.sample_time, car.front.rolling_radius
+    x, good = _held(at.samples_of(log), step, radius)
+    time = step * np.arange(len(x), dtype=np.float64)
+    held = {"time": time, **dict(zip(at.CHANNELS, x.T, strict=True))}
+    ran = remove_known_effects(car, replace(log, channels=held))
+    p_f, p_r = (axle_pressure(ran.log, axle) for axle in AXLES)
+    omega_f, omega_r = (0.5 * (ran.log[f"omega_{a}l"] + ran.log[f"omega_{a}r"]) for a in AXLES)
+    z, speed = deceleration(ran.log["a_x"]), car.rear.rolling_radius * omega_r
+    (drive_f, drive_r), never = x[:, at.DRIVE].T, np.zeros_like(good)
+    s = Signals(time, p_f, p_r, drive_f, drive_r, z, omega_f, omega_r, None, speed, never, step)
     b = blocks(s)
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
-    held = fault | np.append(False, fault[:-1])  # of such a reading no spin is known
-    spin_f = np.where(held, -G * b.z / front.rolling_radius, b.spin_f)
-    spin_r = np.where(held, -G * b.z / rear.rolling_radius, b.spin_r)
-    b = replace(b, spin_f=spin_f, spin_r=spin_r)
-    why, driven = np.where(good, disturbances(table, log, s), Reason.FAULT), x[:, at.DRIVEN] > 0.5
-    told = read_out(table, SensorNoise(**table.noise), s, b, why, factors, driven)
+    unsure = fault | np.append(False, fault[:-1])  # of a reading that is held no spin is known
+    spin_f = np.where(unsure, -G * b.z / radius, b.spin_f)
+    spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
+    b, used = replace(b, spin_f=spin_f, spin_r=spin_r), replace(table, vehicle=ran.vehicle)
+    why = np.where(good, disturbances(used, ran.log, s), Reason.FAULT)
+    told = read_out(used, SensorNoise(**table.noise), s, b, why, x[:, at.DRIVEN] > 0.5)
     reason = np.where(good, told.step.reason, Reason.FAULT)
-    return replace(told, step=told.step._replace(reason=reason))
+    told = replace(told, step=told.step._replace(reason=reason)).at(rows)
+    left_f, left_r = ran.factor_f[rows] / factors[0], ran.factor_r[rows] / factors[1]
+    pads_f, pads_r = told.pads_f.times(left_f), told.pads_r.times(left_r)
+    return replace(told, pads_f=pads_f, pads_r=pads_r)
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:
@@ -62,7 +74,7 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
     """
     time = sample_time * np.arange(len(samples), dtype=np.float64)
     channels = {"time": time, **dict(zip(at.CHANNELS, samples.T, strict=True))}
-    told = online(table, Log("", "", "", channels))
+    told = online(table, table.vehicle, Log("", "", "", channels))
     return np.vstack([told.step.reason, *(getattr(told, name) for name in READ_OUT)]).T
 
 

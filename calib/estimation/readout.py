@@ -6,8 +6,8 @@ What is handed out: the same numbers for every command, and for an ECU without a
 """
 
 import itertools
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,6 +39,10 @@ class Bounded(NamedTuple):
     def sigma(self) -> Array:
         """Standard deviation of the logarithm of the quantity (n,), by its interval."""
         return np.log(self.upper / self.lower) / (2.0 * Z95)
+
+    def times(self, factor: Array) -> "Bounded":
+        """The same times a factor (n,)."""
+        return Bounded(*(factor * x for x in self))
 
     def deviations(self, true: Array) -> Array:
         """How far its logarithm is from that of ``true``, in standard deviations (n,).
@@ -73,6 +77,12 @@ class Readout:
         """Samples in which the model holds."""
         return np.asarray(self.step.reason == Reason.VALID)
 
+    def at(self, rows: Index) -> "Readout":
+        """The same at some samples."""
+        told = {name: x for name, x in vars(self).items() if isinstance(x, Bounded)}
+        bounded: dict[str, Any] = {name: Bounded(*(y[rows] for y in x)) for name, x in told.items()}
+        return replace(self, step=self.step.at(rows), **bounded)
+
     def columns(self) -> dict[str, Array | Mask]:
         """By the names of `UNITS`, in their order."""
         told = (getattr(self, name) for name in _COLUMNS.values())
@@ -102,14 +112,13 @@ def read_out(
     s: Signals,
     b: Blocks,
     disturbed: Index,
-    factors: tuple[Array | float, Array | float] = (1.0, 1.0),
     driven: Mask | bool = False,
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
     The table's vehicle is as driven, with the pads of the file; ``b`` means of the signals over
-    blocks; ``disturbed`` as `disturbances` has it, (n,); ``factors`` of the axles' pad friction by
-    which known effects are taken out of it; ``driven`` while the accelerator is pressed (n,).
+    blocks; ``disturbed`` as `disturbances` has it, (n,); ``driven`` while the accelerator is
+    pressed (n,).
     """
     whole = slice(b.end.size * b.samples)
     worst, thrust = (
@@ -117,8 +126,7 @@ def read_out(
         for x in (disturbed, driven)
     )
     x = _given(table, b, worst, thrust)
-    # by the mean of its sample times a log that goes on would have another length
-    c = constants(table, noise, round(b.length, 9))
+    c = constants(table, noise, b.length)
     at = b.last_complete(s.time)
     answer = _before(c, s.time < b.end[0], run(c, x).at(at))
     car, then = table.vehicle, table.calibration
@@ -134,8 +142,7 @@ def read_out(
     torque_f, torque_r = (gain * of for gain, of in zip(gains, pads, strict=True))
     total = level / level[0] * 2.0 * (torque_f[0] + torque_r[0])
     bounded = (
-        level, filed[0] / filed[1] * ratio, factors[0] * pads[0], factors[1] * pads[1], *changed,
-        torque_f, torque_r, total,
+        level, filed[0] / filed[1] * ratio, *pads, *changed, torque_f, torque_r, total
     )  # fmt: skip
     return Readout(x, answer, *itertools.starmap(Bounded, bounded))
 

@@ -70,7 +70,7 @@ def _locks(log: Log, s: Signals) -> Mask:
     if s.v is not None and s.lead_in.any():  # all four may lock together
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))
         fastest = np.maximum(fastest, per_speed * s.v)
-    slows = Constants.slows * s.time
+    slows = Constants.slows * np.append(s.time[0], s.time[:-1])
     fastest = np.maximum.accumulate(fastest + slows) - slows
     apart = fastest - wheels.min(axis=0) > Constants.lock * np.maximum(fastest, 1.0)
     return np.asarray(apart & (fastest > Constants.turning))

@@ -80,11 +80,12 @@ def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
     if s.lead_in.any():
         zero = max((float(np.mean(p[s.lead_in])) for p in (s.p_f, s.p_r)), key=abs)
         yield Measured("pressure_zero", from_si(zero, "bar", "Pa"))
-    for left, right in ((f"p_{axle}l", f"p_{axle}r") for axle in AXLES):
-        if left in log and right in log:
-            high, other = float(np.max(log[left])), float(np.max(log[right]))
-            apart = (high - other) / max(high, other, _PRESSED)
-            yield Measured("pressure_sides", apart, words={"left": left, "right": right})
+    for axle in AXLES:
+        words = {"left": f"p_{axle}l", "right": f"p_{axle}r"}
+        if set(words.values()) <= log.channels.keys():
+            left, right = (float(np.max(log[name])) for name in words.values())
+            apart = (left - right) / max(left, right, _PRESSED)
+            yield Measured("pressure_sides", apart, words=words)
 
 
 def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:

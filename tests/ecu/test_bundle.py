@@ -141,6 +141,8 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
     assert {path.name for path in code.iterdir()} == {*names("bte"), *names("acme"), *foreign}
     assert not any("bte" in path.read_text().lower() for path in code.glob("acme*.[ch]"))
     called(code, program(code, f"cc -std=c99 {STRICT}", prefix="acme"))
+    (code / "README.md").write_text("The estimator of brake-cal, of another version.\n")
+    assert brake_cal(*words, "ecu", "--out", code, "--prefix", "acme").code == 2
     assert set(names("xBTE")) >= {"xBTE.c", "xBTE.h", "xBTE_car.c", "xBTE.a2l"}
     own.mkdir()
     (own / "CMakeLists.txt").write_text("project(own)\n")

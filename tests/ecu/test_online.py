@@ -85,7 +85,7 @@ LIFE = {
     "nothing at first": ([(-1, 1, OMEGA, 0)], [(0.999, 1.001, FAULT)]),
     "sensors fail": (FAILS, [(begin, end, FAULT) for begin, end, *_ in FAILS]),
     "a_x is frozen while the brake is released": (
-        [(4.98, 5.5, A_X, lambda x: x[0])], [(4.9, 5.07, RELEASED), (5.1, 5.49, FAULT)],
+        [(4.98, 5.5, A_X, lambda x: x[0])], [(4.9, 5.22, RELEASED), (5.24, 5.49, FAULT)],
     ),
     "a_x is frozen once the pressure moves": (
         [(2.5, 99, A_X, lambda x: x[0])], [(3.2, 4.9, FAULT), (0, 2.9, {Reason.NOT_BRAKED})],

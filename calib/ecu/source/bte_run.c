@@ -1,5 +1,5 @@
 /* Runs the estimator of brake-cal over many samples. With BTE_VECTORS defined it is a program that
- * compares with vectors.h, which Python wrote.
+ * compares with bte_vectors.h, which Python wrote.
  */
 #include <string.h>
 
@@ -22,7 +22,7 @@ void bte_run(const bte_real *samples, uint32_t count, bte_real *told) {
 #include <math.h>
 #include <stdio.h>
 
-#include "vectors.h" /* COUNT, EVERY, TOLERANCE, inputs, expected */
+#include "bte_vectors.h" /* COUNT, EVERY, TOLERANCE, inputs, expected */
 
 int main(void) {
     static bte_real told[COUNT * BTE_TOLD];
