@@ -68,8 +68,8 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
             where=path,
             expected="every object of the C header",
             do=f"compile {data.prefix}_car.c of the code, or define {data.prefix.upper()}_DEFINE "
-            "before a C header in one source file; keep what no code reads from the linker (KEEP in "
-            "its script, or no --gc-sections)",
+            "before a C header in one source file; keep what no code reads from the linker (KEEP "
+            "in its script, or no --gc-sections)",
         )
     return found
 
