@@ -18,7 +18,6 @@ from string import Template
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.base.errors import ExchangeError
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
@@ -27,7 +26,7 @@ from calib.ecu import car_source
 from calib.estimation.channels import A_X, ANSWERS, CHANNELS, FL, limits, samples_of
 from calib.estimation.online import answered
 from calib.exports.addresses import find_addresses
-from calib.exports.dataset import Dataset, build
+from calib.exports.dataset import build
 from calib.exports.write import FORMATS
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
@@ -94,28 +93,22 @@ def write_bundle(
         "inputs": "\n".join(_inputs(sample_time)),
         "answers": "\n".join(f"| `{x.name}` | {x.unit} | {x.meaning} |" for x in ANSWERS.values()),
     }  # fmt: skip
+    date, bits, single = datetime.now(UTC).date().isoformat(), how.bits, how.floating == 32
+    whole = build(stored, how.points, quality, bits, date, first=prefix)
+    shown = replace(whole, curves=(), scalars=(replace(whole.scalars[0], fixed=None),))
     with workshop(folder) as work:
         for name, text in texts.items():
             content = Template(_renamed(text, prefix)).safe_substitute(facts)
             write_whole(work / _renamed(name, prefix), content.encode())
         for form in TOOLS:
-            data = _for_tool(stored, how, prefix, quality, FORMATS[form].most_axes)
+            most_axes = FORMATS[form].most_axes
+            grids = tuple(car_source.code_grids(stored.table, prefix, how, most_axes))
+            axes = tuple(car_source.axes_of(grids))
+            data = replace(shown, axes=axes, grids=grids, single=single)
             if elf is not None and FORMATS[form].addressed:
                 data = replace(data, addresses=find_addresses(elf, data))
             write_whole(work / f"{prefix}.{form}", FORMATS[form].write(data))
         return publish(work, folder, "README.md")
-
-
-def _for_tool(
-    stored: Stored, how: Precision, prefix: str, quality: Quality, most_axes: int
-) -> Dataset:
-    """What a calibration tool sees of the code: the version of the table, and the maps."""
-    date, bits = datetime.now(UTC).date().isoformat(), how.bits
-    whole = build(stored, how.points, quality, bits, date, first=prefix, most_axes=most_axes)
-    grids = tuple(car_source.code_grids(stored.table, prefix, how, most_axes))
-    version = replace(whole.scalars[0], fixed=None)
-    axes, single = tuple(car_source.axes_of(grids)), how.floating == 32
-    return replace(whole, axes=axes, curves=(), grids=grids, scalars=(version,), single=single)
 
 
 def _inputs(sample_time: float) -> Iterator[str]:
@@ -131,8 +124,8 @@ def _renamed(text: str, prefix: str) -> str:
     return re.sub("|".join(with_prefix), lambda found: with_prefix[found[0]], text)
 
 
-def _samples(table: Table, sample_time: float) -> Array:
-    """What the sensors of the table's car read in a noisy stop (n, 10).
+def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
+    """bte_vectors.h: samples of a noisy stop, and the answers at the ends of the blocks.
 
     It rolls, brakes in two steps, and near the end a wheel locks and a sensor fails.
     """
@@ -142,12 +135,7 @@ def _samples(table: Table, sample_time: float) -> Array:
     samples = samples_of(add_noise(log, seed=1))
     samples[log.time > log.time[-1] - 0.5, FL] *= 0.5
     samples[-5:, A_X] = 99.0
-    return samples
-
-
-def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
-    """bte_vectors.h: every sample, and the answers at the ends of the blocks."""
-    samples = how.computed(_samples(table, sample_time))
+    samples = how.computed(samples)
     every, bits = samples_of_block(sample_time), how.floating
     yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
     yield f"#define COUNT {len(samples)}U\n#define EVERY {every}U"

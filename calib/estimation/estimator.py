@@ -28,7 +28,7 @@ from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
 from calib.model.known_effects import CorrectedRun, remove_known_effects
 from calib.run.axle_signals import Signals, eta_of, signals
-from calib.run.blocks import Blocks, blocks
+from calib.run.blocks import Blocks, blocks, samples_of_block
 from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
 from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
@@ -196,17 +196,18 @@ def estimate(
     'N*m'
     """
     require_maps(table)
+    if log.time.size < max(2, samples_of_block(log.sample_time)):
+        raise LogError("the log is shorter than a block of 50 ms", where=log.source)
     known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     car = weighed(replace(table.vehicle, effects=known), mass)
     ran, sensors = remove_known_effects(car, log), replace(car, effects=sensed(car.effects))
     read = signals(ran.log, ran.vehicle)
     means = blocks(read)
-    if not means.end.size:
-        raise LogError("the log is shorter than a block of 50 ms", where=log.source)
     used = replace(table, vehicle=ran.vehicle)
     nominal = nominal_car(used, vehicle)
     disturbed = disturbances(used, ran.log, read)
     noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
+    ecu = online(exported or table, sensors, log)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
@@ -216,5 +217,5 @@ def estimate(
         blocks=means,
         noise=noise,
         best=read_out(used, noise, read, means, disturbed),
-        ecu=online(exported or table, sensors, log, (ran.factor_f, ran.factor_r)),
+        ecu=ecu.with_pads(1.0 / ran.factor_f, 1.0 / ran.factor_r),
     )

@@ -29,17 +29,11 @@ READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torqu
 """Fields of a `Readout` by the order of `ANSWERS`."""
 
 
-def online(
-    table: Table,
-    car: Vehicle,
-    log: Log,
-    factors: tuple[Array | float, Array | float] = (1.0, 1.0),
-) -> Readout:
+def online(table: Table, car: Vehicle, log: Log) -> Readout:
     """What an ECU with a ``table`` answers to a ``log``, of which it reads `CHANNELS` alone.
 
-    ``car`` as it is driven, with the known effects that it takes out; ``factors`` what all known
-    effects do to the axles' pad friction, which is given without them. Where a sensor fails, as in
-    a gap of the log, its last good reading counts.
+    ``car`` as it is driven, with the known effects that it takes out; the pad frictions are those
+    that act, with them. Where a sensor fails, as in a gap of the log, its last good reading counts.
     """
     rows, step, radius = at.rows_of(log), log.sample_time, car.front.rolling_radius
     x, good = _held(at.samples_of(log), step, radius)
@@ -60,10 +54,8 @@ def online(
     why = np.where(good, disturbances(used, ran.log, s), Reason.FAULT)
     told = read_out(used, SensorNoise(**table.noise), s, b, why, x[:, at.DRIVEN] > 0.5)
     reason = np.where(good, told.step.reason, Reason.FAULT)
-    told = replace(told, step=told.step._replace(reason=reason)).at(rows)
-    left_f, left_r = ran.factor_f[rows] / factors[0], ran.factor_r[rows] / factors[1]
-    pads_f, pads_r = told.pads_f.times(left_f), told.pads_r.times(left_r)
-    return replace(told, pads_f=pads_f, pads_r=pads_r)
+    told = told.with_pads(ran.factor_f, ran.factor_r)
+    return replace(told, step=told.step._replace(reason=reason)).at(rows)
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:

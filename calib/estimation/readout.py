@@ -40,10 +40,6 @@ class Bounded(NamedTuple):
         """Standard deviation of the logarithm of the quantity (n,), by its interval."""
         return np.log(self.upper / self.lower) / (2.0 * Z95)
 
-    def times(self, factor: Array) -> "Bounded":
-        """The same times a factor (n,)."""
-        return Bounded(*(factor * x for x in self))
-
     def deviations(self, true: Array) -> Array:
         """How far its logarithm is from that of ``true``, in standard deviations (n,).
 
@@ -76,6 +72,14 @@ class Readout:
     def valid(self) -> Mask:
         """Samples in which the model holds."""
         return np.asarray(self.step.reason == Reason.VALID)
+
+    def with_pads(self, factor_f: Array, factor_r: Array) -> "Readout":
+        """The same with pad frictions times a factor (n,)."""
+        pads_f, pads_r = (
+            Bounded(*(factor * x for x in pads))
+            for pads, factor in ((self.pads_f, factor_f), (self.pads_r, factor_r))
+        )
+        return replace(self, pads_f=pads_f, pads_r=pads_r)
 
     def at(self, rows: Index) -> "Readout":
         """The same at some samples."""

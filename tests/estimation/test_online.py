@@ -1,0 +1,79 @@
+"""What an estimate has of an ECU: sensors that fail as they read, and gaps of a log."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.base.errors import LogError
+from calib.car.effects.effects import Effects
+from calib.estimation.estimator import estimate
+from calib.estimation.reasons import Reason
+from calib.run.blocks import samples_of_block
+from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
+
+PADS = 0.35, 0.32
+EFFECTS = {
+    "accelerometer_lag": {"filter_time": 0.12, "filter_bend": 0.0},
+    "pitch_coupling": {
+        "elastic_share": 0.4,
+        "natural_frequency": 8.2,
+        "damping": 0.3,
+        "pitch_gradient": 0.03,
+    },
+    "hydraulic_delay": {"delay": 0.08},
+}
+
+
+def read(log, **channels):
+    return replace(log, channels=log.channels | channels)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_sensors_are_judged_as_they_read_not_behind_known_effects(fitted, effect):
+    car = replace(CAR, effects=Effects({effect: EFFECTS[effect]}))
+    log = noisy(stop(WET), 5)
+    rough = log["a_x"] + np.random.default_rng(1).normal(0.0, 0.3, log.time.size)
+    glitch = np.where(np.arange(log.time.size) % 397 == 300, 300e5, log["p_mc"])
+    frozen = np.where(log.time < log.time[0] + 1.0, log["a_x"], log["a_x"][0])
+    fine, rough, frozen, glitch = (
+        estimate(fitted, one, car)
+        for one in (log, read(log, a_x=rough), read(log, a_x=frozen), read(log, p_mc=glitch))
+    )
+    assert not np.any(rough.ecu.step.reason == Reason.FAULT)
+    assert np.mean(frozen.ecu.step.reason[frozen.braked] == Reason.FAULT) > 0.8
+    both = fine.ecu.valid & glitch.ecu.valid
+    assert both.sum() > 100
+    for x, y in ((fine.ecu.pads_f, glitch.ecu.pads_f), (fine.ecu.torque_f, glitch.ecu.torque_f)):
+        assert y.value[both] == pytest.approx(x.value[both], rel=0.05)
+
+
+@pytest.mark.parametrize("gap", [0.15, 0.6, 1.2])
+def test_behind_a_gap_of_the_log_the_pads_are_within_their_bounds(fitted, gap):
+    log = without(noisy(stop(replace(REAL, pads=lambda t: PADS)), 6), "v")
+    start = log.time[np.argmax(log["p_mc"] > 10e5)] + 0.6
+    kept = (log.time < start) | (log.time > start + gap)
+    e = estimate(fitted, replace(log, channels={k: x[kept] for k, x in log.channels.items()}))
+    late = e.ecu.valid & (e.time > start + gap)
+    assert late.sum() > 100
+    for pads, true in zip((e.ecu.pads_f, e.ecu.pads_r), PADS, strict=True):
+        assert np.mean((pads.lower < true) & (true < pads.upper) & late) == np.mean(late)
+
+
+def test_a_value_that_is_held_for_a_tenth_of_a_second_is_no_fault(fitted):
+    log = noisy(stop(WET), 5)
+    for hold in (19, 20, 21, 25):
+        slow = log["a_x"][np.arange(log.time.size) // hold * hold]
+        assert not np.any(estimate(fitted, read(log, a_x=slow)).ecu.step.reason == Reason.FAULT)
+
+
+def test_no_usual_clock_is_where_the_length_of_a_block_turns_over():
+    for rate in (40, 50, 60, 100, 125, 150, 200, 250, 333, 500, 1000):
+        lengths = {samples_of_block((1.0 + x) / rate) for x in (-3e-3, 0.0, 3e-3)}
+        assert len(lengths) == 1 or rate > 200
+
+
+def test_a_log_without_a_block_is_refused(fitted):
+    log = noisy(stop(WET), 5)
+    with pytest.raises(LogError):
+        estimate(fitted, replace(log, channels={k: x[:5] for k, x in log.channels.items()}))
