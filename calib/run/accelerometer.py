@@ -127,10 +127,8 @@ def accelerometer(
     lags = [s.lag_of(weighed) for s in speeds]
     lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
     variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
-    other = 0.0
     braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
-    if braked and abs(c[-1]) > 2.0 * _SCALE:
-        other = _other_scale(read, at)
+    other = _other_scale(read, at) if braked and b.v is not None else 0.0
     covariance = weighed.covariance[0]
     return Accelerometer(
         scale=float(c[0]),
