@@ -20,6 +20,7 @@ from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
+from calib.estimation.channels import rows_of
 from calib.estimation.constants import Constants
 from calib.estimation.known import known_effects, nominal_car
 from calib.estimation.online import online
@@ -200,14 +201,17 @@ def estimate(
         raise LogError("the log is shorter than a block of 50 ms", where=log.source)
     known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     car = weighed(replace(table.vehicle, effects=known), mass)
-    ran, sensors = remove_known_effects(car, log), replace(car, effects=sensed(car.effects))
+    whole, rows = _filled(log)
+    ran, sensors = remove_known_effects(car, whole), replace(car, effects=sensed(car.effects))
     read = signals(ran.log, ran.vehicle)
     means = blocks(read)
     used = replace(table, vehicle=ran.vehicle)
     nominal = nominal_car(used, vehicle)
-    disturbed = disturbances(used, ran.log, read)
+    disturbed = np.full(read.time.size, int(Reason.FAULT))
+    disturbed[rows] = disturbances(used, ran.log, read)[rows]
     noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
-    ecu = online(exported or table, sensors, log)
+    best = read_out(used, noise, read, means, disturbed).at(rows)
+    ran, read, ecu = ran.at(rows), read.at(rows), online(exported or table, sensors, log)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
@@ -216,6 +220,16 @@ def estimate(
         forces=brake_balance(nominal, known_effects(used), read),
         blocks=means,
         noise=noise,
-        best=read_out(used, noise, read, means, disturbed),
+        best=best,
         ecu=ecu.with_pads(1.0 / ran.factor_f, 1.0 / ran.factor_r),
     )
+
+
+def _filled(log: Log) -> tuple[Log, Index]:
+    """A log with samples in its gaps, in a straight line (m,), and the places of its own (n,)."""
+    rows = rows_of(log)
+    if rows.size > rows[-1]:
+        return log, rows
+    every = np.arange(rows[-1] + 1)
+    channels = {name: np.interp(every, rows, x) for name, x in log.channels.items()}
+    return replace(log, channels=channels), rows

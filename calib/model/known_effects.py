@@ -14,8 +14,8 @@ motor: with ``engine_drag`` among the known effects both are counted.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array, Index
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, WHEELS, G
 from calib.car.brakes import Brakes, brakes_of
@@ -38,8 +38,6 @@ from calib.car.lag import delayed, integral
 from calib.car.model import Model, default_model
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-9
 """Largest change of a_x [m/s^2] in the last iteration."""
@@ -64,6 +62,12 @@ class CorrectedRun:
     log: Log
     factor_f: Array
     factor_r: Array
+
+    def at(self, rows: Index) -> "CorrectedRun":
+        """The same at some samples."""
+        channels = {name: x[rows] for name, x in self.log.channels.items()}
+        log = replace(self.log, channels=channels)
+        return CorrectedRun(self.vehicle, log, self.factor_f[rows], self.factor_r[rows])
 
 
 def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:

@@ -15,11 +15,12 @@ mean of the turn around it holds the error and noise. The whole log counts: a ri
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
 from calib.base.intervals import QUARTILE
 from calib.base.names import WHEELS
@@ -57,6 +58,11 @@ class Signals:
     lead_in: Mask
     sample_time: float
     delay: SpeedDelay = IN_TIME
+
+    def at(self, rows: Index) -> "Signals":
+        """The same at some samples."""
+        taken: dict[str, Any] = {k: x[rows] for k, x in vars(self).items() if np.ndim(x)}
+        return replace(self, **taken)
 
 
 def eta_of(omega_f: Array, omega_r: Array) -> Array:
