@@ -21,7 +21,6 @@ from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
 from calib.run.blocks import braked_alone
-from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
 from calib.run.wheels import WheelParts, crossed_diagonal
 from calib.table.table import Table
@@ -87,7 +86,7 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     b, demanded = e.blocks, e.best.given.demand
     shift = e.best.given.eta / e.zeros[0] - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
-    rolls = block_mean((e.best.step.reason == Reason.LOCKED).astype(float), b.samples) == 0.0
+    rolls = ~np.isin(e.best.given.disturbed, (Reason.LOCKED, Reason.FAULT))
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     use &= (demanded > _BINS[0]) & (demanded <= _BINS[-1])
     between = np.digitize(demanded[use], _BINS, right=True)

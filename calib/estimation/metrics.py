@@ -72,7 +72,7 @@ def score(e: Estimate) -> Figures:
     }
     # errors of prediction of blocks above 3 m/s after the lead-in
     b = e.blocks
-    rest = e.best.step.innovation[b.samples - 1 :: b.samples]
+    rest = e.best.step.innovation[np.searchsorted(e.time, b.end)]
     rest = rest[np.isfinite(rest) & ~b.lead_in & (b.speed > MOVING)]
     if rest.size > 10:
         found["innovation_rms"] = _rms(rest)

@@ -73,7 +73,7 @@ def made_estimate(
     best = readout(mu_f, mu_r, pressure=pressure, valid=valid, innovation=noise)
     load = 2.0 * best.torque_f.value / CAR.front.rolling_radius / force
     means = Blocks(
-        end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
+        end=TIME[9::10], p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
         omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
         lead_in=one < 0.0, samples=10, length=0.05,
     )  # fmt: skip

@@ -9,6 +9,7 @@ from calib.base.errors import LogError
 from calib.car.effects.effects import Effects
 from calib.estimation.estimator import estimate
 from calib.estimation.reasons import Reason
+from calib.estimation.validate import validate
 from calib.run.blocks import samples_of_block
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 
@@ -54,7 +55,11 @@ def test_behind_a_gap_of_the_log_the_pads_are_within_their_bounds(fitted, gap, l
     log = without(noisy(stop(replace(REAL, pads=lambda t: PADS)), 6), *left_out)
     start = log.time[np.argmax(log["p_mc"] > 10e5)] + 0.6
     kept = (log.time < start) | (log.time > start + gap)
-    e = estimate(fitted, replace(log, channels={k: x[kept] for k, x in log.channels.items()}))
+    channels, truth = ({k: x[kept] for k, x in of.items()} for of in (log.channels, log.truth))
+    (found,) = validate(fitted, [replace(log, channels=channels, truth=truth)])
+    assert found.passed
+    assert {one.code for one in found.all_warnings} <= {"clock_gaps", "level_changed"}
+    e = found.estimate
     assert np.array_equal(e.time, log.time[kept])
     for told in (e.ecu, e.best):
         late = told.valid & (e.time > start + gap)
