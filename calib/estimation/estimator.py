@@ -63,8 +63,8 @@ class Estimate:
     ``table`` with the car as it is driven, ``car`` the same with the nominal pads and all known
     effects; ``ran`` the log, known effects taken out, with what they did to the pad friction, which
     is given without them; ``read`` its signals with their balance of ``forces``, ``blocks`` their
-    means; ``noise`` of the sensors; ``best`` what the step makes of all channels, ``ecu`` without a
-    speed; ``unfit`` why no sample of the run counts, if so.
+    means, those of its filled gaps among them; ``noise`` of the sensors; ``best`` what the step
+    makes of all channels, ``ecu`` without a speed; ``unfit`` why no sample counts, if so.
     """
 
     table: Table

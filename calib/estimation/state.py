@@ -65,6 +65,7 @@ class Seen(NamedTuple, Generic[Number]):
     braked: Number  # time of this stop [s]
     zero_eta: Number  # as they stand [1]
     zero_slip: Number
+    adds: Number  # 1 where the block adds to the means, else 0
 
 
 @dataclass(slots=True)
@@ -149,7 +150,7 @@ def follow(c: Constants, s: State, x: Sample[float]) -> Seen[float]:
         level, level_variance, blocks, s.mean_z, shift / n, zz / n,
         v, log_slip, scale, ss, se, ee, s.demand.variance, s.eta.variance,
         s.acting / x.nominal if braking else 1.0, innovation, s.braked,
-        s.eta.value, s.slip.value,
+        s.eta.value, s.slip.value, float(braking and counts),
     )  # fmt: skip
 
 

@@ -77,8 +77,7 @@ def _answers(c: Constants, s: State, x: Sample[Array], seen: Seen[Array]) -> Ans
     told = of_map & ~new & (z >= c.least_z)
     at = z, shift, (slip - usual) / sigma
     now, zeros = _ratio(c, at, (_eta_error(c, seen, z) / z, slip_sigma / sigma), x.log_odds, told)
-    adds = (x.pressure > c.bite) & (x.rim > c.moving) & (x.disturbed == 0.0)
-    best, zeros = _keep(c, s, now, zeros, pads, (new, adds))
+    best, zeros = _keep(c, s, now, zeros, pads, (new, seen.adds > 0.0))
     return Answer(
         level, best[:, 0], best[:, 1], noise, accelerometer, zeros,
         slip, slip_sigma, seen.zero_eta, seen.zero_slip, seen.innovation,
