@@ -7,7 +7,8 @@ is what `calib.table.exported` reads back. What is the same in every block is co
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import asdict, replace
+from importlib import resources
 from itertools import starmap
 from pathlib import Path
 from string import Template
@@ -16,19 +17,19 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.names import G
 from calib.car.balance import turning_shares
 from calib.car.bias import force_per_pressure, front_share
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
+from calib.ecu.translation import translated
 from calib.estimation.channels import ANSWERS, CHANNELS, limits
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
 from calib.estimation.online import answered
 from calib.estimation.reasons import Reason
-from calib.estimation.state import started
+from calib.estimation.step import started
 from calib.exports.dataset import MOST_AXES, Axis, Grid, maps_of
 from calib.model.resistance import DRAG, RESISTANCE, ROLLING
 from calib.run.blocks import BLOCK, samples_of_block
@@ -61,14 +62,17 @@ def sources(
     grids, bits = code_grids(table, PREFIX, how), how.floating
     table, samples = as_exported(table, how), samples_of_block(sample_time)
     c = constants(table, SensorNoise(**table.noise), round(samples * sample_time, 9))
-    numbers = _numbers(c, table, sample_time)
-    header = Template((SOURCE / "bte.h").read_text(encoding="utf-8")).substitute(
+    equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
+    code = _source("bte.c").substitute(equations=translated(equations))
+    numbers, begin = _numbers(c, table, sample_time, code), _remembered(c)
+    header = _source("bte.h").substitute(
         floating=bits,
         real="float" if bits == 32 else "double",
         cell=cell(how),
         reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
         inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
         answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
+        state="\n".join(f"    {_kind(x)} {_declared(name, x)};" for name, x in begin.items()),
         numbers=indent(fill(", ".join(starmap(_declared, numbers.items())), 88), 8 * " ").lstrip(),
     )
     data: dict[str, Member] = {f"{PREFIX}_version": float(version)}
@@ -76,6 +80,7 @@ def sources(
         data[one.label] = one.fixed.raw.tolist() if one.fixed else one.numbers
     for name, x in (("force", table.tyre.force), ("slip", table.tyre.slip)):  # driven and braked
         data[f"{PREFIX}_tyre_{name}"] = np.concatenate([-x[:0:-1], x]).tolist()
+    first = answered(table, BLOCK / 2.0, np.zeros((2, len(CHANNELS))))[0]
     source, cells = [f"/* {told} */", '#include "bte.h"'], {grid.label for grid in grids}
     for name, values in data.items():
         kind = "bte_cell" if name in cells else "bte_real"
@@ -84,7 +89,13 @@ def sources(
     car = {
         **numbers,
         **_maps(grids),
-        "start": _started(c, answered(table, BLOCK / 2.0, np.zeros((2, len(CHANNELS))))[0]),
+        "start": begin
+        | {
+            "kept": started(c).kept[:6:2],
+            "since_lock": 2.0 * c.recover,
+            "reason": int(Reason.NOT_BRAKED),
+            "told": first[1:13].reshape(4, 3).tolist(),
+        },
         "samples": samples,  # of a block
         "waiting": max(1, round(c.before_bite / c.block)),  # blocks on which no zero rests
         "version": f"&{PREFIX}_version",
@@ -93,8 +104,11 @@ def sources(
     }
     body = "\n".join(f"    .{name} = {initial(x, bits)}," for name, x in car.items())
     source.append(f"const bte_car bte_this_car = {{\n{body}\n}};\n")
-    code = (SOURCE / "bte.c").read_text(encoding="utf-8")
     return {"bte.h": header, "bte.c": code, "bte_car.c": "\n\n".join(source)}
+
+
+def _source(name: str) -> Template:
+    return Template((SOURCE / name).read_text(encoding="utf-8"))
 
 
 def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_AXES) -> list[Grid]:
@@ -135,25 +149,13 @@ def cell(how: Precision) -> str:
     return f"int{how.bits}_t" if how.bits else "bte_real"
 
 
-def _started(c: Constants, told: Array) -> dict[str, Member]:
-    """What `bte_state` begins with; what is ``told`` before the first block (22,)."""
-    s = started(c)
-    a, lag, rate, aa, _, _, ll, _, rr = s.level
-    speed = np.diag([1.0, 0.0, c.offset**2, c.scale_sigma**2])
-    return {
-        "demand": [s.demand.value, s.demand.variance],
-        "eta_less_1": [s.eta.value - 1.0, s.eta.variance],
-        "level": [[a, lag, rate, 0.0], np.diag([aa, ll, rr, 0.0]).tolist()],
-        "speed": [[0.0, 0.0, 0.0, c.scale], speed.tolist()],
-        "kept": s.kept[:6:2],
-        "level_then": s.level_then,
-        "since_lock": 2.0 * c.recover,
-        "reason": int(Reason.NOT_BRAKED),
-        "told": told[1:13].reshape(4, 3).tolist(),
-    }
+def _remembered(c: Constants) -> dict[str, Member]:
+    """What `bte_state` has of `State`, as it is before the first block."""
+    own = ("waiting", "kept")
+    return {name: x for name, x in asdict(started(c)).items() if name not in own}
 
 
-def _numbers(c: Constants, table: Table, sample_time: float) -> dict[str, Member]:
+def _numbers(c: Constants, table: Table, sample_time: float, code: str) -> dict[str, Member]:
     """Numbers of `bte_car`: tuned ones, those that the code reads; of axles as [front, rear]."""
     car, known = table.vehicle, known_effects(table).parameters
     low, high, change = (x.tolist() for x in limits(sample_time))
@@ -161,7 +163,7 @@ def _numbers(c: Constants, table: Table, sample_time: float) -> dict[str, Member
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / car.wheelbase
     lift = (1.0 - drag.get("load_share", 1.0)) * lever / car.weight
-    read = re.findall(r"\b(?:c|car)->(\w+)", (SOURCE / "bte.c").read_text(encoding="utf-8"))
+    read = re.findall(r"\b(?:c|car)->(\w+)", code)
     return {name: x for name, x in vars(c).items() if name in read and isinstance(x, float)} | {
         "low": low, "high": high, "change": change,  # what a sensor reads, and from call to call
         "sample_time": sample_time, "rests": _RESTS,
@@ -200,8 +202,12 @@ def _enumeration(rows: Iterable[tuple[str, str]]) -> str:
     return "\n".join(f"    BTE_{name.upper()}, /* {meaning} */" for name, meaning in rows)
 
 
+def _kind(x: Member) -> str:
+    return "bool" if isinstance(x, bool) else "bte_zero" if isinstance(x, dict) else "bte_real"
+
+
 def _declared(name: str, x: Member) -> str:
-    return f"{name}[{len(x)}]" if isinstance(x, list) else name
+    return f"{name}[{len(x)}]" if isinstance(x, list | tuple) else name
 
 
 def initial(x: Member, bits: int) -> str:
@@ -211,5 +217,5 @@ def initial(x: Member, bits: int) -> str:
     if isinstance(x, list | tuple):
         return f"{{{', '.join(initial(y, bits) for y in x)}}}"
     if not isinstance(x, float):
-        return str(x)
+        return str(x).lower() if isinstance(x, bool) else str(x)
     return f"{np.float32(x)!s}F" if bits == 32 else repr(float(x))

@@ -84,7 +84,7 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     Without wheels at their limit, which no scenario has.
     """
     b, demanded = e.blocks, e.best.given.demand
-    shift = e.best.given.eta / e.zeros[0] - 1.0
+    shift = (1.0 + e.best.given.eta_less_1) / e.zeros[0] - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rolls = ~np.isin(e.best.given.disturbed, (Reason.LOCKED, Reason.FAULT))
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls

@@ -174,7 +174,7 @@ def _given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Ar
         nominal=(brake_f + brake_r) / car.weight,
         pressure=np.maximum(b.p_f, b.p_r),
         z=b.z,
-        eta=b.eta / speed_ratio(*slips),
+        eta_less_1=b.eta / speed_ratio(*slips) - 1.0,
         rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - slips[0]), Constants.slowest),
         rear_share=road.load_r / car.weight,
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,

@@ -15,9 +15,21 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
+from calib.base.names import G
 from calib.estimation.constants import Constants
-from calib.estimation.reasons import Reason
-from calib.estimation.state import Sample, Seen, State, follow, started
+from calib.estimation.equations import (
+    Seen,
+    eta_error,
+    forget_stop,
+    measure,
+    observe,
+    reason_of,
+    rim,
+    seen_of,
+    take_in,
+    weighed,
+)
+from calib.estimation.state import Sample, State, Zero
 
 
 class Answer(NamedTuple):
@@ -41,6 +53,52 @@ class Answer(NamedTuple):
         return Answer(*(np.take(x, which, axis=-1) for x in self))
 
 
+def started(c: Constants) -> State:
+    """The state before the first block: radii of the car within 1 %, pads of any level."""
+    demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, c.radii - 1.0, 0.0))
+    s = State(demand, eta, slip, level=(1.0, c.lag, *(0.0,) * 4, c.lag_sigma**2, 0.0, 0.0))
+    forget_stop(c, s)
+    return s
+
+
+def follow(c: Constants, s: State, x: Sample[float]) -> Seen[float]:
+    """Take in a block. Changes the state."""
+    counts = x.rim > c.moving and not x.disturbed
+    _roll(c, s, x, counts=counts)
+    take_in(c, s, x, counts=counts)
+    if counts and x.v == x.v:  # not where v is missing: NaN is not
+        _see_v(c, s, x)
+    return seen_of(c, s, x, counts=counts)
+
+
+def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
+    """Zeros, from blocks that lie far enough before a bite."""
+    walks = c.bias_walk, c.radius_walk, c.radius_walk
+    for zero, walk in zip((s.demand, s.eta_less_1, s.slip), walks, strict=True):
+        zero.variance = min(zero.variance + walk * walk * c.block, c.zero**2)
+    if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
+        old = s.waiting.popleft()
+        wheels = c.noise_rim / old.rim
+        measure(s.demand, old.demand, (c.noise_z**2 + 1e-8) / c.block)
+        measure(s.eta_less_1, old.eta_less_1, 2.0 * wheels**2 / c.block)
+        if old.v > c.moving:
+            slip = 1.0 - rim(s, old) / old.v
+            measure(s.slip, slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
+    if counts and not x.driven and x.pressure < c.untouched and abs(x.z) < c.steady:
+        s.waiting.append(x)
+    else:
+        s.waiting.clear()
+
+
+def _see_v(c: Constants, s: State, x: Sample[float]) -> None:
+    """The speed by v."""
+    v = s.speed[0]
+    variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.slip.variance
+    variance += (G * x.z * c.late_sigma) ** 2
+    in_time = x.v - G * x.z * c.late
+    observe(s, 1.0, 0.0, in_time * (1.0 - s.slip.value) - v, variance)
+
+
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:
     """Take in a block, and answer. Changes the state."""
     seen = Seen(*np.array([follow(c, s, x)]).T)
@@ -59,53 +117,23 @@ def _answers(c: Constants, s: State, x: Sample[Array], seen: Seen[Array]) -> Ans
     new = seen.blocks == 0.0
     z = np.where(new, c.usual_z, seen.z)
     shift = seen.shift / z
-    # slip: one of what was measured and what the map has; what it was off, the scale of a_x was
     usual, sigma = c.slip(z, shift, 0.0 * z)
-    gain, rest = 1.0 / (seen.slip_variance + sigma**2), usual - seen.log_slip
-    slip = seen.log_slip + gain * seen.slip_variance * rest
-    slip_sigma = np.sqrt(gain * seen.slip_variance) * sigma
-    scaled = np.maximum(1.0 - seen.scale - gain * seen.slip_scale * rest, c.least_share)
-    scale_variance = np.maximum(seen.scale_variance - gain * seen.slip_scale**2, 0.0)
-    # level: friction as it is now, of the pressure as it is now
-    steady = np.maximum(seen.level, c.least_share)
-    pads = steady * np.clip(seen.acts, c.least_share, 1.0 / c.least_share)
-    noise = np.minimum(np.maximum(seen.level_variance, 0.0) / steady**2, 1.0)
-    accelerometer = seen.demand_variance / z**2 + scale_variance
-    level = widened(c.level(z), Z95 * np.sqrt(noise + accelerometer)) + np.log(pads * scaled)
+    w = weighed(c, seen, z, usual, sigma)
+    more = Z95 * np.sqrt(w.noise + w.accelerometer)
+    level = widened(c.level(z), more) + np.log(w.pads * w.scaled)
 
     of_map = np.clip(shift, *c.pads.axes[1][[0, -1]]) == shift
     told = of_map & ~new & (z >= c.least_z)
-    at = z, shift, (slip - usual) / sigma
-    now, zeros = _ratio(c, at, (_eta_error(c, seen, z) / z, slip_sigma / sigma), x.log_odds, told)
-    best, zeros = _keep(c, s, now, zeros, pads, (new, seen.adds > 0.0))
+    at, off_eta = (z, shift, (w.log_slip - usual) / sigma), eta_error(c, seen, z)
+    now, zeros = _ratio(c, at, (off_eta / z, w.slip_sigma / sigma), x.log_odds, told)
+    counts = seen.counts > 0.0
+    best, zeros = _keep(c, s, now, zeros, w.pads, (new, counts & (x.pressure > c.bite)))
     return Answer(
-        level, best[:, 0], best[:, 1], noise, accelerometer, zeros,
-        slip, slip_sigma, seen.zero_eta, seen.zero_slip, seen.innovation,
-        _reasons(c, x, seen.braked, np.exp(level[0]), of_map),
+        level, best[:, 0], best[:, 1], w.noise, w.accelerometer, zeros,
+        w.log_slip, w.slip_sigma, seen.zero_eta, seen.zero_slip,
+        np.where(counts, seen.innovation, np.nan),
+        reason_of(c, x, seen, np.exp(level[0]), of_map),
     )  # fmt: skip
-
-
-def _eta_error(c: Constants, seen: Seen[Array], z: Array) -> Array:
-    """Standard deviation of the mean of eta - 1 (k,) by wheels, zero and a changing z."""
-    wheels = c.noise_rim / np.maximum(seen.speed, 1.0)
-    wheels = wheels / np.sqrt(c.block * np.maximum(seen.blocks, 1.0))
-    # a mean over decelerations that differ is not the curve at their mean
-    bent = seen.shift * np.maximum(seen.z_squared / z**2 - 1.0, 0.0)
-    return np.sqrt(wheels**2 + seen.eta_variance + bent**2)
-
-
-def _reasons(c: Constants, x: Sample[Array], braked: Array, level: Array, of_map: Mask) -> Array:
-    """The first `Reason` that applies to each block (k,)."""
-    reasons, hold = zip(
-        (Reason.NOT_BRAKED, x.pressure <= c.least_pressure),
-        (x.disturbed, x.disturbed > 0.0),  # before the rims: those of locked wheels are slow
-        (Reason.SLOW, x.rim <= c.moving),
-        (Reason.JUST_APPLIED, braked < c.settle - 0.5 * c.block),
-        (Reason.NO_PAD, (level <= c.least_level) | (level >= c.most_level)),
-        (Reason.BEYOND_MAP, ~of_map),
-        strict=True,
-    )
-    return np.select(hold, reasons, Reason.VALID)
 
 
 def widened(x: Array, more: Array) -> Array:

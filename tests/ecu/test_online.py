@@ -10,6 +10,7 @@ from calib.base.errors import ProgramError, StoreError
 from calib.car.effects.effects import Effects
 from calib.ecu.car_source import require_plain
 from calib.ecu.native import Native, coded
+from calib.ecu.translation import translated
 from calib.estimation.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.online import answered
@@ -173,6 +174,12 @@ def test_another_table_is_taken_at_rest_only(fitted):
         left = fresh if taken else state.raw
         assert code.bte_exchange(state, car) == taken
         assert state.raw == left
+
+
+@pytest.mark.parametrize("line", ["while x > 1.0: x -= 1.0", "x: float = 1.0", "import math"])
+def test_what_has_no_counterpart_in_c_is_refused(line):
+    with pytest.raises(ValueError):
+        translated(f"def f(x: float) -> float:\n    'About.'\n    {line}\n    return x\n")
 
 
 def test_a_car_with_an_effect_that_the_code_does_not_take_out_is_refused(fitted):

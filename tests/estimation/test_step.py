@@ -7,10 +7,11 @@ import pytest
 
 from calib.base.names import G
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
+from calib.estimation.equations import observe
 from calib.estimation.reasons import Reason
-from calib.estimation.state import Sample, measured, started
+from calib.estimation.state import Sample
 from calib.estimation.step import run as run_all
-from calib.estimation.step import step
+from calib.estimation.step import started, step
 from calib.table.maps import LevelMap, Reader
 from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map
 
@@ -68,7 +69,7 @@ def stop(level=0.8, *, lag=1e-3, zero=0.012, wheels=0.998, rolling=1.5, apart=0.
         # rims weighted by load slip by as much
         rim = v * (1.0 - slip) / (1.0 + 0.4 * (eta / turned - 1.0))
         out.append(
-            Sample(z + zero, nominal, 4e7 / 4.0 * nominal, z + zero, eta, rim, 0.4,
+            Sample(z + zero, nominal, 4e7 / 4.0 * nominal, z + zero, eta - 1.0, rim, 0.4,
                    v if with_v else math.nan, 0.0, 0.0, 0.0)
         )  # fmt: skip
     return out
@@ -103,8 +104,10 @@ def test_a_reading_is_taken_in_as_the_textbook_has_it():
     P, x, R, y = root @ root.T, rng.normal(size=4) - [0.0, 4.0, 0.0, 0.0], 0.3, 1.7
     H = np.array([*rng.normal(size=2), 0.0, 0.0])
     S, upper = H @ P @ H + R, np.triu_indices(4)
-    out, off = measured((*x, *P[upper]), H[0], H[1], y, R)
-    assert off == pytest.approx(y / np.sqrt(S))
+    s = started(constants())
+    s.speed = (*x, *P[upper])
+    assert observe(s, H[0], H[1], y, R) == pytest.approx(y / np.sqrt(S))
+    out = s.speed
     assert out[:4] == pytest.approx(x + P @ H / S * y)
     assert out[4:] == pytest.approx((P - np.outer(P @ H, H @ P) / S)[upper])
 
@@ -196,7 +199,7 @@ def test_a_second_stop_starts_anew():
 def test_zeros_follow_what_drifts_until_the_bite():
     """Tyres that warm by 0.1 % in five minutes; 2e-5 of eta is 0.1 % of the ratio."""
     _, s = run(stop(rolling=60.0, drift=1e-3 / 300.0, speed=45.0))
-    assert s.eta.value == pytest.approx(0.998 + 60.0 * 1e-3 / 300.0, abs=3e-5)
+    assert s.eta_less_1.value == pytest.approx(-0.002 + 60.0 * 1e-3 / 300.0, abs=3e-5)
     assert s.demand.value == pytest.approx(0.012, abs=1e-3)
 
 
@@ -235,7 +238,7 @@ def test_reasons():
 
 
 def test_an_eta_that_no_stop_shows_is_not_read():
-    answers, _ = run([replace_sample(x, eta=0.998 + 0.1 * (x.eta - 0.998) / 0.004)
+    answers, _ = run([replace_sample(x, eta_less_1=-0.002 + 0.1 * (x.eta_less_1 + 0.002) / 0.004)
                       if x.nominal else x for x in stop()])  # fmt: skip
     last = answers[-1]
     assert last.reason == Reason.BEYOND_MAP

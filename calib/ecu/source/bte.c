@@ -1,6 +1,5 @@
-/* The estimator of brake-cal, see bte.h. What is remembered and told of a block follows
- * calib/estimation/state.py and step.py line by line, samples and blocks calib/estimation/online.py.
- * Where float32 would lose digits, a difference stands that Python does not need.
+/* The estimator of brake-cal, see bte.h. What a block is taken in by is written from
+ * calib/estimation/equations.py; the rest follows step.py, readout.py and online.py there.
  */
 #include "bte.h"
 
@@ -20,9 +19,7 @@ enum { TERMS = 8, LARGEST = 87 };
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
 
-/* States of `level` and of `speed`: ln(slip/z), offset and scale of a_x. Signals of a block. */
-enum { LEVEL, LAG, RATE };
-enum { V, SLIP, OFFSET, SCALE };
+/* Signals of a block. */
 enum { PRESSURE, Z, FRONT, APART, DRIVE };
 
 static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
@@ -56,17 +53,12 @@ static bte_real logarithm(bte_real x) {
     return (bte_real)k * LN2_HIGH + ((bte_real)k * LN2_LOW + R(2.0) * f * sum);
 }
 
-/* A median with its bounds, these farther away by `more`, added as squares. */
-static void widen(bte_real x[BTE_BOUNDS], bte_real more_lower, bte_real more_upper) {
+/* A median with its bounds `by` higher, these farther away by `more`, added as squares. */
+static void widen(bte_real x[BTE_BOUNDS], bte_real by, bte_real more_lower, bte_real more_upper) {
     const bte_real below = x[BTE_LOWER] - x[BTE_MEDIAN], above = x[BTE_UPPER] - x[BTE_MEDIAN];
+    x[BTE_MEDIAN] += by;
     x[BTE_LOWER] = x[BTE_MEDIAN] - MATH(sqrt)(square(below) + square(more_lower));
     x[BTE_UPPER] = x[BTE_MEDIAN] + MATH(sqrt)(square(above) + square(more_upper));
-}
-
-static void move_by(bte_real x[BTE_BOUNDS], bte_real by) {
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        x[b] += by;
-    }
 }
 
 #ifndef BTE_FIND /* for the search of the house; the last point has `along` 1 in the last cell */
@@ -113,75 +105,16 @@ static void read_map(const bte_map *map, const bte_real at[], bte_real out[BTE_B
     }
 }
 
-/* What a reading of sum(h x) shares with each state, and its variance. */
-static bte_real spread_of(const bte_gauss *g, const bte_real h[BTE_STATES],
-                          bte_real shared[BTE_STATES]) {
-    bte_real spread = R(0.0);
-    for (unsigned i = 0; i < BTE_STATES; i++) {
-        shared[i] = R(0.0);
-        for (unsigned j = 0; j < BTE_STATES; j++) {
-            shared[i] += g->p[i][j] * h[j];
-        }
-        spread += h[i] * shared[i];
-    }
-    return spread;
-}
-
-/* Take in a reading of sum(h x) that is off by `rest` and has a variance of its own. */
-static void correct(bte_gauss *g, const bte_real h[BTE_STATES], bte_real variance, bte_real rest) {
-    bte_real shared[BTE_STATES];
-    const bte_real gain = R(1.0) / (spread_of(g, h, shared) + variance);
-    for (unsigned i = 0; i < BTE_STATES; i++) {
-        g->x[i] += gain * rest * shared[i];
-        for (unsigned j = 0; j < BTE_STATES; j++) {
-            g->p[i][j] -= gain * (shared[i] * shared[j]);
-        }
-    }
-}
-
-/* What is known of the first state once it has taken in a share of each of the others. */
-static void mix(bte_gauss *g, const bte_real share[BTE_STATES]) {
-    bte_real shared[BTE_STATES];
-    const bte_real more = spread_of(g, share, shared); /* share[0] is 0 */
-    for (unsigned i = 1; i < BTE_STATES; i++) {
-        g->p[0][i] += shared[i];
-        g->p[i][0] = g->p[0][i];
-    }
-    g->p[0][0] += R(2.0) * shared[0] + more;
-}
-
-static void measure(bte_zero *zero, bte_real x, bte_real variance) {
-    const bte_real gain = zero->variance / (zero->variance + variance);
-    zero->value += gain * (x - zero->value);
-    zero->variance *= R(1.0) - gain;
-}
-
-/* eta over its zero, less 1. Both are kept less 1: near 1 float32 is coarse. */
-static bte_real eta_over_zero(const bte_state *s, const bte_block *x) {
-    return (x->eta_less_1 - s->eta_less_1.value) / (R(1.0) + s->eta_less_1.value);
-}
-
-static bte_real rim_of(const bte_state *s, const bte_block *x) {
-    return x->rim + x->rim * x->rear_share * eta_over_zero(s, x);
-}
-
-static void forget_stop(bte_state *s) {
-    const bte_state *start = &s->car->start;
-    const bte_real lag = s->level.x[LAG], variance = s->level.p[LAG][LAG];
-    s->level = start->level;
-    s->level.x[LAG] = lag;
-    s->level.p[LAG][LAG] = variance;
-    (void)memcpy(s->sums, start->sums, sizeof s->sums);
-    s->braked = R(0.0);
-    s->mean_z = R(0.0);
-}
+$equations
 
 /* Zeros, from blocks that lie far enough before a bite. */
 static void roll(bte_state *s, const bte_block *x, bool counts) {
     const bte_car *c = s->car;
-    const bte_real dt = c->block;
+    const bte_real dt = c->block, most = square(c->zero);
     bte_block *oldest = &s->waiting[s->waits % c->waiting];
-    if (s->waits >= c->waiting) {
+    s->demand.variance = smallest(s->demand.variance + square(c->bias_walk) * dt, most);
+    s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->radius_walk) * dt, most);
+    if (x->pressure <= c->bite && s->waits >= c->waiting) {
         const bte_real wheels = c->noise_rim / oldest->rim;
         measure(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
         measure(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
@@ -192,134 +125,6 @@ static void roll(bte_state *s, const bte_block *x, bool counts) {
     } else {
         s->waits = 0;
     }
-}
-
-/* Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise. */
-static void press(bte_state *s, bte_real nominal) {
-    const bte_real dt = s->car->block, lag = largest(s->level.x[LAG], s->car->least_lag);
-    const bte_real left = exponential(-dt / lag), rate = (nominal - s->nominal) / dt;
-    const bte_real behind = s->acting - s->nominal + lag * rate;
-    s->by_lag = -rate + (s->by_lag + rate) * left + behind * left * dt / square(lag);
-    s->acting = nominal - lag * rate + behind * left;
-    s->nominal = nominal;
-}
-
-/* Level and lag; means of what goes into the map. */
-static void brake(bte_state *s, const bte_block *x) {
-    const bte_car *c = s->car;
-    const bte_real y = x->demand - s->demand.value, dt = c->block;
-    bte_gauss *g = &s->level;
-    const bte_real grows[BTE_STATES] = {R(0.0), R(0.0), dt, R(0.0)};
-    g->x[LEVEL] += g->x[RATE] * dt;
-    mix(g, grows);
-    g->p[LEVEL][LEVEL] += square(c->level_walk * g->x[LEVEL]) * dt;
-    g->p[RATE][RATE] += square(c->fade_walk * g->x[LEVEL]) * dt;
-    const bte_real by[BTE_STATES] = {s->acting, g->x[LEVEL] * s->by_lag, R(0.0), R(0.0)};
-    const bte_real to_come = c->lag_rough * g->x[LEVEL] * (x->nominal - s->acting);
-    const bte_real rough = square(c->level_rough * y) + square(to_come);
-    const bte_real variance = square(c->noise_z) / dt + rough;
-    bte_real shared[BTE_STATES];
-    const bte_real spread = spread_of(g, by, shared) + variance;
-    const bte_real off_by = y - g->x[LEVEL] * s->acting;
-    const bte_real jump = smallest(square(off_by) - square(c->jump) * spread,
-                                   square(c->level_sigma * s->acting));
-    bte_real keep = exponential(-dt / c->memory);
-    if (jump > R(0.0)) { /* pads that change at once: what no noise explains */
-        g->p[LEVEL][LEVEL] += jump / square(s->acting);
-        keep *= spread / (spread + jump);
-    }
-    correct(g, by, variance, off_by);
-    g->x[LAG] = largest(g->x[LAG], R(0.0));
-    s->sums[0] = keep * s->sums[0] + R(1.0);
-    s->sums[1] = keep * s->sums[1] + y;
-    s->sums[2] = keep * s->sums[2] + eta_over_zero(s, x);
-    s->sums[3] = keep * s->sums[3] + y * y;
-    s->mean_z = largest(s->sums[1] / s->sums[0], c->least_mean_z);
-}
-
-/* The speed by a_x, until it is measured; `bends` by how much the mean deceleration changed. */
-static void move(bte_state *s, const bte_block *x, bte_real bends, bool braking) {
-    const bte_car *c = s->car;
-    bte_gauss *g = &s->speed;
-    if (!s->anchored) { /* radii that are made equal now would look like a speed that jumps */
-        *g = c->start.speed;
-        g->x[V] = rim_of(s, x);
-        s->anchored = braking || s->eta_less_1.variance < R(0.5) * square(c->zero);
-    }
-    const bte_real dt = c->block;
-    const bte_real lost = GRAVITY * dt * (R(0.5) * (x->z + s->z) - g->x[OFFSET]);
-    const bte_real scaled = braking ? R(1.0) - g->x[SCALE] : R(1.0);
-    const bte_real by[BTE_STATES] = {R(0.0), R(0.0), GRAVITY * dt * scaled,
-                                     braking ? lost : R(0.0)};
-    g->x[V] -= lost * scaled;
-    mix(g, by);
-    g->p[V][V] += square(GRAVITY * c->noise_z) * dt + square(GRAVITY * c->apart * (x->z - s->z));
-    g->p[OFFSET][OFFSET] += square(c->grade_walk) * dt;
-    if (s->braked > dt) {
-        g->p[SLIP][SLIP] += square(c->slip_walk) * dt + c->slip_bends * bends;
-    } else {
-        for (unsigned i = 0; i < BTE_STATES; i++) {
-            g->p[SLIP][i] = R(0.0);
-            g->p[i][SLIP] = R(0.0);
-        }
-        g->x[SLIP] = c->log_slip;
-        g->p[SLIP][SLIP] = square(c->log_slip_sigma);
-    }
-}
-
-/* The speed by the wheels; what does not fit is offset, scale and slip. */
-static void see_speed(bte_state *s, const bte_block *x, bool braking) {
-    const bte_car *c = s->car;
-    bte_gauss *g = &s->speed;
-    const bte_real over = largest(x->demand - s->demand.value, R(0.0));
-    const bte_real slip = braking ? over * exponential(g->x[SLIP]) : R(0.0);
-    const bte_real rest = (rim_of(s, x) - g->x[V]) + g->x[V] * slip;
-    const bte_real by[BTE_STATES] = {R(1.0) - slip, -g->x[V] * slip, R(0.0), R(0.0)};
-    const bte_real variance = square(c->noise_rim) / c->block
-                              + square(c->slip_rough * slip * g->x[V]);
-    correct(g, by, variance, rest);
-    g->x[SLIP] = clip(g->x[SLIP], R(-8.0), R(0.0));
-}
-
-/* Take in a block; whether it adds to the means. */
-static bool follow(bte_state *s, const bte_block *x) {
-    const bte_car *c = s->car;
-    const bte_real dt = c->block, most = square(c->zero);
-    s->demand.variance = smallest(s->demand.variance + square(c->bias_walk) * dt, most);
-    s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->radius_walk) * dt, most);
-    const bool braking = x->pressure > c->bite;
-    const bool counts = x->rim > c->moving && s->worst == BTE_VALID;
-    press(s, x->nominal);
-    const bte_real before = s->mean_z;
-    if (braking) {
-        s->waits = 0;
-        s->braked += dt;
-        s->released = R(0.0);
-        if (counts) {
-            brake(s, x);
-        }
-    } else {
-        s->released += dt;
-        if (s->braked > R(0.0) && s->released > R(1.0) + R(0.5) * dt) {
-            forget_stop(s);
-        }
-        roll(s, x, counts);
-    }
-    move(s, x, MATH(fabs)(s->mean_z - before), braking);
-    if (counts) {
-        see_speed(s, x, braking);
-    }
-    s->z = x->z;
-    return braking && counts;
-}
-
-/* Standard deviation of the mean of eta - 1 by wheels, zero and a changing z. */
-static bte_real eta_error(const bte_state *s, bte_real shift, bte_real z, bte_real blocks) {
-    const bte_real many = largest(blocks, R(1.0));
-    bte_real wheels = s->car->noise_rim / largest(s->speed.x[V], R(1.0));
-    wheels = wheels / MATH(sqrt)(s->car->block * many);
-    const bte_real bent = shift * largest(s->sums[3] / many / square(z) - R(1.0), R(0.0));
-    return MATH(sqrt)(square(wheels) + s->eta_less_1.variance + square(bent));
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
@@ -339,7 +144,7 @@ static void read_ratio(const bte_car *c, const bte_real at[BTE_MAP_AXES],
         read_map(&c->pads, place, high);
         const bte_real by_one = (high[BTE_MEDIAN] - low[BTE_MEDIAN]) / step;
         const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
-        widen(out, more, more);
+        widen(out, R(0.0), more, more);
     }
 }
 
@@ -351,7 +156,7 @@ static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pad
                               + square(c->unlike * logarithm(pads / s->level_then));
     const bte_real wider = Z95 * MATH(sqrt)(variance);
     (void)memcpy(best, s->kept, sizeof s->kept);
-    widen(best, wider, wider);
+    widen(best, R(0.0), wider, wider);
     const bool narrow = now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER];
     if (is_new || (adds && narrow)) {
         (void)memcpy(s->kept, now, sizeof s->kept);
@@ -360,18 +165,6 @@ static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pad
         s->level_then = pads;
     }
     s->age += c->block;
-}
-
-/* The first reason that applies to a block with a pads' level. */
-static bte_reason reason_of(const bte_state *s, const bte_block *x, bte_real level, bool of_map) {
-    const bte_car *c = s->car;
-    return x->pressure <= c->least_pressure                     ? BTE_NOT_BRAKED
-           : s->worst != BTE_VALID                              ? s->worst
-           : x->rim <= c->moving                                ? BTE_SLOW
-           : s->braked < c->settle - R(0.5) * c->block          ? BTE_JUST_APPLIED
-           : level <= c->least_level || level >= c->most_level  ? BTE_NO_PAD
-           : !of_map                                            ? BTE_BEYOND_MAP
-                                                                : BTE_VALID;
 }
 
 /* ln of the pads by level and ratio; distances to their bounds add up as squares. */
@@ -387,47 +180,32 @@ static void part_pads(const bte_car *c, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BOUN
         const bte_real *x = part[a], middle = x[BTE_MEDIAN];
         bte_real *pads = ln[BTE_PAD_FRICTION_F + a];
         (void)memcpy(pads, ln[BTE_LEVEL], sizeof part[a]);
-        move_by(pads, middle);
-        widen(pads, middle - x[BTE_LOWER], middle - x[BTE_UPPER]);
+        widen(pads, middle, middle - x[BTE_LOWER], middle - x[BTE_UPPER]);
     }
 }
 
 static void take(bte_state *s, const bte_block *x) {
     const bte_car *c = s->car;
-    const bool adds = follow(s, x);
-    const bte_gauss *g = &s->speed;
-    const bte_real blocks = s->sums[0];
-    const bool is_new = blocks == R(0.0);
-    const bte_real z = is_new ? c->usual_z : s->mean_z;
-    const bte_real mean_shift = s->sums[2] / (is_new ? R(1.0) : blocks), shift = mean_shift / z;
-    bte_real at[BTE_MAP_AXES] = {z, shift, R(0.0)};
+    const bool counts = x->rim > c->moving && s->worst == BTE_VALID;
+    roll(s, x, counts);
+    take_in(c, s, x, counts);
+    const bte_seen seen = seen_of(c, s, x, counts);
+    const bool is_new = seen.blocks == R(0.0);
+    const bte_real z = is_new ? c->usual_z : seen.z, shifted = seen.shift / z;
+    bte_real at[BTE_MAP_AXES] = {z, shifted, R(0.0)};
     bte_real by_map[BTE_BOUNDS], ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS], *level = ln[BTE_LEVEL];
     read_map(&c->slip, at, by_map);
     read_map(&c->level, at, level);
     const bte_real usual = by_map[0], sigma = by_map[1];
-    /* slip: one of what was measured and what the map has; what it was off, the scale of a_x was */
-    const bte_real known = g->p[SLIP][SLIP], rest = usual - g->x[SLIP];
-    const bte_real gain = R(1.0) / (known + square(sigma)), both = g->p[SLIP][SCALE];
-    const bte_real slip = g->x[SLIP] + gain * known * rest;
-    const bte_real slip_sigma = MATH(sqrt)(gain * known) * sigma;
-    const bte_real scaled = largest(R(1.0) - g->x[SCALE] - gain * both * rest, c->least_share);
-    const bte_real scale_variance = largest(g->p[SCALE][SCALE] - gain * square(both), R(0.0));
-    /* level: friction as it is now, of the pressure as it is now */
-    const bte_real steady = largest(s->level.x[LEVEL], c->least_share);
-    const bte_real acts = x->pressure > c->bite ? s->acting / x->nominal : R(1.0);
-    const bte_real pads = steady * clip(acts, c->least_share, R(1.0) / c->least_share);
-    const bte_real noise = largest(s->level.p[LEVEL][LEVEL], R(0.0)) / square(steady);
-    const bte_real accelerometer = s->demand.variance / square(z) + scale_variance;
-    const bte_real wider = Z95 * MATH(sqrt)(smallest(noise, R(1.0)) + accelerometer);
-    widen(level, wider, wider);
-    move_by(level, logarithm(pads * scaled));
+    const bte_weighed w = weighed(c, &seen, z, usual, sigma);
+    const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
+    widen(level, logarithm(w.pads * w.scaled), wider, wider);
     /* ratio */
     const bte_axis *shifts = &c->pads.axis[BTE_SHIFT];
-    const bool of_map = shift >= shifts->x[0] && shift <= shifts->x[shifts->count - 1U];
+    const bool of_map = shifted >= shifts->x[0] && shifted <= shifts->x[shifts->count - 1U];
     bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS];
-    at[BTE_SLIP] = (slip - usual) / sigma;
-    const bte_real off_eta = eta_error(s, mean_shift, z, blocks) / z;
-    const bte_real error[BTE_MAP_AXES] = {R(0.0), off_eta, slip_sigma / sigma};
+    at[BTE_SLIP] = (w.log_slip - usual) / sigma;
+    const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &seen, z) / z, w.slip_sigma / sigma};
     read_ratio(c, at, error, now);
     read_map(&c->before, at, prior);
     bte_real unread = (now[BTE_UPPER] - now[BTE_LOWER]) / (prior[BTE_UPPER] - prior[BTE_LOWER]);
@@ -435,15 +213,15 @@ static void take(bte_state *s, const bte_block *x) {
         unread = R(1.0);
         (void)memcpy(now, prior, sizeof now);
     }
-    move_by(now, square(unread) * (c->ramp_ratio - prior[BTE_MEDIAN]));
-    keep_best(s, now, pads, is_new, adds, ln[BTE_RATIO]);
+    widen(now, square(unread) * (c->ramp_ratio - prior[BTE_MEDIAN]), R(0.0), R(0.0));
+    keep_best(s, now, w.pads, is_new, counts && x->pressure > c->bite, ln[BTE_RATIO]);
     part_pads(c, ln);
     for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) {
         for (unsigned b = 0; b < BTE_BOUNDS; b++) {
             s->told[i][b] = c->start.told[i][BTE_MEDIAN] * exponential(ln[i][b]);
         }
     }
-    s->reason = reason_of(s, x, s->told[BTE_LEVEL][BTE_MEDIAN], of_map);
+    s->reason = (bte_reason)reason_of(c, x, &seen, s->told[BTE_LEVEL][BTE_MEDIAN], of_map);
 }
 
 void bte_told(const bte_state *s, bte_real p_mc, bte_real out[BTE_ANSWERS][BTE_BOUNDS]) {
@@ -560,7 +338,7 @@ static void take_block(bte_state *s) {
     const bte_real rim = c->radius[BTE_FRONT] * omega[BTE_FRONT] / (R(1.0) - driven[BTE_FRONT]);
     const bte_block block = {demanded / c->weight, c->force / c->weight * p, p, z,
                              left / (R(1.0) - driven[BTE_REAR]), largest(rim, c->slowest),
-                             load[BTE_REAR] / c->weight};
+                             load[BTE_REAR] / c->weight, (bte_real)s->worst};
     take(s, &block);
 }
 

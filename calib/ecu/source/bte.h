@@ -37,7 +37,7 @@ typedef enum {
 $reasons
 } bte_reason;
 
-enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4 };
+enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4, BTE_SIGNALS = 6 };
 
 /* What the sensors read at one time, x[BTE_INPUTS]; bte_car.c has their ranges. */
 enum {
@@ -83,27 +83,19 @@ typedef struct {
     bte_real value, variance;
 } bte_zero;
 
-/* A Gaussian of several states: values and covariances. */
-enum { BTE_STATES = 4, BTE_SIGNALS = 6 };
-typedef struct {
-    bte_real x[BTE_STATES], p[BTE_STATES][BTE_STATES];
-} bte_gauss;
-
 /* Means over a block, as the estimator takes them in. */
 typedef struct {
-    bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share;
+    bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share, disturbed;
 } bte_block;
 
 /* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
 typedef struct {
     const struct bte_car *car;
-    bte_zero demand, eta_less_1;
-    bte_gauss level, speed;
-    bool anchored, started, block_full, faulty, driven;
+$state
+    bool started, block_full, faulty, driven;
     uint32_t waits;
     bte_block waiting[4];
-    bte_real nominal, acting, by_lag, z, braked, released, sums[4], mean_z;
-    bte_real kept[BTE_BOUNDS], age, level_then;
+    bte_real kept[BTE_BOUNDS];
     bte_real last[BTE_INPUTS], raw[BTE_INPUTS], before[BTE_WHEELS][2];
     bte_real fastest, lateral, since_lock, p_held, held, sum[BTE_SIGNALS], omega[BTE_AXLES];
     uint16_t count;

@@ -1,0 +1,140 @@
+"""Functions of Python written in C, so that both run the same equations.
+
+    calib/estimation/equations.py --ast--> static functions of bte.c
+
+They are of numbers: assignments, if, calls and return. Parts of a tuple are assigned one after the
+other; a NamedTuple that is returned is a structure; the first paragraph of a docstring is a
+comment.
+"""
+
+import ast
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from textwrap import wrap
+
+_TYPES = {
+    "Constants": "const bte_car *", "State": "bte_state *", "Sample": "const bte_block *",
+    "Zero": "bte_zero *", "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
+    "None": "void",
+}  # fmt: skip
+"""Of parameters and what is returned; a NamedTuple has a type of its own."""
+_NAMES = {
+    "G": "GRAVITY", "max": "largest", "min": "smallest", "abs": "MATH(fabs)",
+    "np.maximum": "largest", "np.minimum": "smallest", "np.clip": "clip",
+    "math.exp": "exponential", "math.sqrt": "MATH(sqrt)", "np.sqrt": "MATH(sqrt)",
+}  # fmt: skip
+_LOGIC = {" and ": " && ", " or ": " || ", " | ": " || ", "not ": "!"}
+
+
+def translated(source: str) -> str:
+    """The functions and NamedTuples of a module in C, in their order.
+
+    Raises ValueError for a statement that has no counterpart there.
+    """
+    out, depth = list[str](), 0
+    whole = [x for x in ast.parse(source).body if isinstance(x, ast.ClassDef | ast.FunctionDef)]
+    for line in _lines(whole, {}):
+        depth -= line.startswith("}")
+        margin = 4 * depth * " "
+        out += wrap(line, 100, initial_indent=margin, subsequent_indent=margin + 8 * " ") or [""]
+        depth += line.endswith("{")
+    return "\n".join(out)
+
+
+def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
+    """Statements without margins; ``new`` how often names are stored that are not declared yet."""
+    for node in body:
+        match node:
+            case ast.ClassDef():
+                members = (_text(x.target) for x in node.body if isinstance(x, ast.AnnAssign))
+                yield from ("", "typedef struct {", f"bte_real {', '.join(members)};")
+                yield f"}} {_type(node.name)};"
+            case ast.FunctionDef():
+                about = " ".join((ast.get_docstring(node) or "").split("\n\n")[0].split())
+                yield from ("", f"/* {about.replace('``', '')} */")
+                given = (*node.args.args, *node.args.kwonlyargs)
+                heads = ", ".join(f"{_type(x.annotation, ' *')} {x.arg}" for x in given)
+                yield f"static {_type(node.returns)} {node.name}({heads}) {{".replace(" * ", " *")
+                yield from _lines(node.body[1:], Counter(_stored(node)))
+                yield "}"
+            case ast.If():
+                yield f"if ({_text(node.test)}) {{"
+                yield from _lines(node.body, new)
+                if node.orelse:
+                    yield "} else {"
+                    yield from _lines(node.orelse, new)
+                yield "}"
+            case ast.Return(ast.Call(ast.Name(name), values)) if name[0].isupper():
+                yield f"const {_type(name)} told = {{{', '.join(map(_text, values))}}};"
+                yield "return told;"
+            case ast.Assign([to], of):
+                for target, value in _parts(to, of):
+                    kind = "bool" if isinstance(value, ast.Compare | ast.BoolOp) else "bte_real"
+                    times = new.pop(_text(target), 0)
+                    declared = f"{'const ' if times == 1 else ''}{kind} " if times else ""
+                    yield f"{declared}{_text(target)} = {_text(value)};"
+            case ast.AugAssign() | ast.Expr() | ast.Return():
+                yield f"{_text(node)};"
+            case _:
+                raise ValueError(f"no counterpart in C: {ast.unparse(node)}")
+
+
+def _stored(node: ast.AST) -> Iterator[str]:
+    names = (x for x in ast.walk(node) if isinstance(x, ast.Name))
+    return (x.id for x in names if isinstance(x.ctx, ast.Store))
+
+
+def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
+    """What is assigned, and what to it; places of an array where only one of both is a tuple."""
+    sides = [x.elts if isinstance(x, ast.Tuple) else x for x in (target, value)]
+    count = max(len(x) if isinstance(x, list) else 0 for x in sides)
+    if not count:
+        return [(target, value)]
+    parts = (
+        x if isinstance(x, list) else [ast.Subscript(x, ast.Constant(i)) for i in range(count)]
+        for x in sides
+    )
+    return [(to, of) for to, of in zip(*parts, strict=True) if ast.unparse(to) != "_"]
+
+
+def _type(of: ast.expr | str | None, pointer: str = "") -> str:
+    name = (of if isinstance(of, str) else ast.unparse(of or ast.Name(""))).split("[")[0]
+    return _TYPES.get(name, f"{'const ' * bool(pointer)}bte_{name.lower()}{pointer}")
+
+
+def _text(node: ast.AST) -> str:
+    text = ast.unparse(_InC().visit(node))
+    for python, c in _LOGIC.items():
+        text = text.replace(python, c)
+    return text
+
+
+class _InC(ast.NodeTransformer):
+    """Makes of an expression one that is written as in C."""
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return ast.Name(_NAMES.get(node.id, node.id))
+
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+        return ast.Name(f"R({node.value})") if isinstance(node.value, float) else node
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        name = ast.unparse(node)
+        return ast.Name(
+            _NAMES.get(name, name.replace("Reason.", "(bte_real)BTE_").replace(".", "->", 1))
+        )
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        left, right = self.visit(node.left), self.visit(node.right)
+        is_square = isinstance(node.op, ast.Pow)
+        called = ast.Call(ast.Name("square"), [left], [])
+        return called if is_square else ast.BinOp(left, node.op, right)
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
+        return ast.Name(f"({_text(node.test)} ? {_text(node.body)} : {_text(node.orelse)})")
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        if ast.unparse(node.func) == "np.where":
+            return self.visit_IfExp(ast.IfExp(*node.args))
+        given = [self.visit(x) for x in (*node.args, *(k.value for k in node.keywords))]
+        return ast.Call(self.visit(node.func), given, [])
