@@ -51,7 +51,7 @@ class Seen(NamedTuple, Generic[Number]):
 class Weighed(NamedTuple):
     """Slip, one of what was measured and what the map has, and level, of blocks (k,)."""
 
-    log_slip: Array  # ln(slip/z)
+    slip: Array  # how far ln(slip/z) is from that of the map, in its sigma
     slip_sigma: Array
     scaled: Array  # share of a_x that is deceleration [1]: what the slip was off, it was
     pads: Array  # level as it is now, of the pressure as it is now [1]
@@ -226,8 +226,8 @@ def weighed(c: Constants, seen: Seen[Array], z: Array, usual: Array, sigma: Arra
     scale_variance = np.maximum(seen.scale_variance - gain * seen.slip_scale**2, 0.0)
     steady = np.maximum(seen.level, c.least_share)
     return Weighed(
-        seen.log_slip + gain * known * rest,
-        np.sqrt(gain * known) * sigma,
+        -gain * sigma * rest,
+        np.sqrt(gain * known),
         np.maximum(1.0 - seen.scale - gain * seen.slip_scale * rest, c.least_share),
         steady * np.clip(seen.acts, c.least_share, 1.0 / c.least_share),
         np.minimum(np.maximum(seen.level_variance, 0.0) / steady**2, 1.0),

@@ -124,13 +124,13 @@ def _answers(c: Constants, s: State, x: Sample[Array], seen: Seen[Array]) -> Ans
 
     of_map = np.clip(shift, *c.pads.axes[1][[0, -1]]) == shift
     told = of_map & ~new & (z >= c.least_z)
-    at, off_eta = (z, shift, (w.log_slip - usual) / sigma), eta_error(c, seen, z)
-    now, zeros = _ratio(c, at, (off_eta / z, w.slip_sigma / sigma), x.log_odds, told)
+    error = eta_error(c, seen, z) / z, w.slip_sigma
+    now, zeros = _ratio(c, (z, shift, w.slip), error, x.log_odds, told)
     counts = seen.counts > 0.0
     best, zeros = _keep(c, s, now, zeros, w.pads, (new, counts & (x.pressure > c.bite)))
     return Answer(
         level, best[:, 0], best[:, 1], w.noise, w.accelerometer, zeros,
-        w.log_slip, w.slip_sigma, seen.zero_eta, seen.zero_slip,
+        usual + sigma * w.slip, sigma * w.slip_sigma, seen.zero_eta, seen.zero_slip,
         np.where(counts, seen.innovation, np.nan),
         reason_of(c, x, seen, np.exp(level[0]), of_map),
     )  # fmt: skip

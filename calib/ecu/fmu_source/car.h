@@ -2,8 +2,8 @@
  * calib/model/solver.py with the numbers of bte_car.c, and the tyre of calib/car/magic_formula.py.
  * Newton's method finds the slips of the axles; z, speed and loads follow in the same turns.
  */
-static const double G = 9.80665, LONGEST = 0.005, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01;
-enum { DRIVES, STANDS, LIFTS, SLIDES }; /* reasons */
+static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01;
+enum { DRIVES, STANDS, LIFTS, SLIDES, TURNS = 40 }; /* reasons; a turn gains a digit or more */
 
 typedef struct {
     double v, z, slip[BTE_AXLES], omega[BTE_AXLES];
@@ -14,14 +14,12 @@ static void solve(model *m, double x[], double dt) {
     const bte_car *car = &bte_this_car;
     const double shape = x[TYRE_SHAPE], edge = tan(0.5 * acos(-1.0) * EDGE / shape);
     const model was = *m;
-    double change = 1.0;
-    for (int turn = 0; turn < 100 && change > 1e-13; turn++) {
+    for (int turn = 0; turn < TURNS; turn++) {
         m->v = was.v - 0.5 * G * dt * (was.z + m->z);
         x[REASON] = m->v < STOPS ? STANDS : DRIVES;
         const double v = fmax(m->v, 0.5 * STOPS), drag = car->drag * v * v;
         const double rolling = car->rolling * (1.0 + car->rolling_growth * (v * v / 400.0 - 1.0));
         double sum = drag;
-        change = 0.0;
         for (int a = 0; a < BTE_AXLES; a++) {
             const double share = car->load[a] + car->height[a] * m->z + car->drag_lift[a] * drag;
             const double load = car->weight * fmax(share, LEAST);
@@ -44,22 +42,19 @@ static void solve(model *m, double x[], double dt) {
             m->slip[a] += more;
             x[REASON] = share < LEAST ? LIFTS : fabs(bx) > edge ? SLIDES : x[REASON];
             sum += force + rise * more;
-            change = fmax(change, fabs(more));
         }
-        change = fmax(change, fabs(sum / car->weight - m->z));
         m->z = sum / car->weight; /* (5) */
     }
 }
 
 /* A car that stands is at rest; where it would lift or slide what was told last holds. */
 static void model_step(model *m, double x[], bool first) {
-    const int parts = first ? 1 : (int)ceil(SAMPLE_TIME / LONGEST - 1e-6);
     if (first) {
         *m = (model){.v = x[V0]};
         x[REASON] = DRIVES;
     }
-    for (int i = 0; i < parts && x[REASON] == DRIVES; i++) {
-        solve(m, x, first ? 0.0 : SAMPLE_TIME / parts);
+    if (x[REASON] == DRIVES) {
+        solve(m, x, first ? 0.0 : SAMPLE_TIME);
     }
     if (x[REASON] <= STANDS) {
         const double moves = x[REASON] == DRIVES ? 1.0 : 0.0;

@@ -1,7 +1,6 @@
-/* An FMU for co-simulation in FMI $version: an instance, its steps, and the functions of the
- * standard as rows of macros, more of them in fmi2.h or fmi3.h. The headers of FMI come with the
- * tool that compiles this. estimator.h or car.h has model_step(state, numbers, first): what is told
- * after a sample time, or at first.
+/* An FMU for co-simulation in FMI $version, with the headers of the tool that compiles it; more
+ * functions are in fmi2.h or fmi3.h. estimator.h or car.h has model_step(state, numbers, first):
+ * what is told after a sample time, or at first.
  */
 #include <fmi${version}Functions.h>
 #include <math.h>
@@ -15,7 +14,6 @@
 /* References: inputs and parameters, which are GIVEN; outputs; time [s]; the reason. */
 enum { $references, COUNT, GIVEN = $given };
 static const double first_numbers[COUNT] = {$first};
-
 #include "$of.h"
 
 typedef struct {
@@ -24,16 +22,11 @@ typedef struct {
     void (*log)(void), *host; /* of the tool; its logger is of a type of the version */
 } instance;
 
-static void reset(instance *x) {
-    memcpy(x->numbers, first_numbers, sizeof first_numbers);
-    model_step(&x->state, x->numbers, true);
-}
-
 static instance *made(const char *token, void (*log)(void), void *host) {
     instance *x = strcmp(token, "$token") == 0 ? calloc(1, sizeof *x) : NULL;
     if (x != NULL) {
         *x = (instance){.log = log, .host = host};
-        reset(x);
+        FMI(Reset)(x);
     }
     return x;
 }
@@ -93,7 +86,8 @@ static const char *advance(instance *x, double time, double length) {
 
 const char *FMI(GetVersion)(void) { return FMI(Version); }
 void FMI(FreeInstance)(void *c) { free(c); }
-DOES(Reset, ALONE, reset(x))
+DOES(Reset, ALONE, memcpy(x->numbers, first_numbers, sizeof first_numbers);
+     model_step(&x->state, x->numbers, true))
 DOES(ExitInitializationMode, ALONE, model_step(&x->state, x->numbers, true))
 DOES(Terminate, ALONE, )
 DOES(SetDebugLogging, (void *c, FMI(Boolean) on, size_t n, const FMI(String) of[]), )

@@ -82,9 +82,8 @@ static bte_place find(const bte_axis *axis, bte_real x) {
 
 /* All columns of a map at a place. */
 static void read_map(const bte_map *map, const bte_real at[], bte_real out[BTE_BOUNDS]) {
-    unsigned corners = 1U, cell[8];
+    unsigned corners = 1U, cell[8] = {0};
     bte_real weight[8];
-    cell[0] = 0U;
     weight[0] = R(1.0);
     for (unsigned a = 0; a < map->axes; a++) { /* parts what the axes before it have in two */
         const bte_place place = BTE_FIND(&map->axis[a], at[a]);
@@ -157,8 +156,7 @@ static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pad
     const bte_real wider = Z95 * MATH(sqrt)(variance);
     (void)memcpy(best, s->kept, sizeof s->kept);
     widen(best, R(0.0), wider, wider);
-    const bool narrow = now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER];
-    if (is_new || (adds && narrow)) {
+    if (is_new || (adds && now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER])) {
         (void)memcpy(s->kept, now, sizeof s->kept);
         (void)memcpy(best, now, sizeof s->kept);
         s->age = R(0.0);
@@ -169,19 +167,16 @@ static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pad
 
 /* ln of the pads by level and ratio; distances to their bounds add up as squares. */
 static void part_pads(const bte_car *c, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]) {
-    bte_real part[BTE_AXLES][BTE_BOUNDS];
+    bte_real front[BTE_BOUNDS], rear[BTE_BOUNDS];
     for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        const bte_real ratio = ln[BTE_RATIO][b], front = c->share * exponential(ratio);
-        const bte_real rear = -logarithm(front + (R(1.0) - c->share));
-        part[BTE_FRONT][b] = ratio + rear;
-        part[BTE_REAR][b == BTE_MEDIAN ? b : 3U - b] = rear;
+        const bte_real ratio = ln[BTE_RATIO][b];
+        rear[b] = -logarithm(c->share * exponential(ratio) + (R(1.0) - c->share));
+        front[b] = ratio + rear[b];
+        ln[BTE_PAD_FRICTION_F][b] = ln[BTE_LEVEL][b];
+        ln[BTE_PAD_FRICTION_R][b] = ln[BTE_LEVEL][b];
     }
-    for (unsigned a = 0; a < BTE_AXLES; a++) {
-        const bte_real *x = part[a], middle = x[BTE_MEDIAN];
-        bte_real *pads = ln[BTE_PAD_FRICTION_F + a];
-        (void)memcpy(pads, ln[BTE_LEVEL], sizeof part[a]);
-        widen(pads, middle, middle - x[BTE_LOWER], middle - x[BTE_UPPER]);
-    }
+    widen(ln[BTE_PAD_FRICTION_F], front[0], front[0] - front[1], front[0] - front[2]);
+    widen(ln[BTE_PAD_FRICTION_R], rear[0], rear[0] - rear[2], rear[0] - rear[1]);
 }
 
 static void take(bte_state *s, const bte_block *x) {
@@ -196,16 +191,15 @@ static void take(bte_state *s, const bte_block *x) {
     bte_real by_map[BTE_BOUNDS], ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS], *level = ln[BTE_LEVEL];
     read_map(&c->slip, at, by_map);
     read_map(&c->level, at, level);
-    const bte_real usual = by_map[0], sigma = by_map[1];
-    const bte_weighed w = weighed(c, &seen, z, usual, sigma);
+    const bte_weighed w = weighed(c, &seen, z, by_map[0], by_map[1]);
     const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
     widen(level, logarithm(w.pads * w.scaled), wider, wider);
     /* ratio */
     const bte_axis *shifts = &c->pads.axis[BTE_SHIFT];
     const bool of_map = shifted >= shifts->x[0] && shifted <= shifts->x[shifts->count - 1U];
     bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS];
-    at[BTE_SLIP] = (w.log_slip - usual) / sigma;
-    const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &seen, z) / z, w.slip_sigma / sigma};
+    at[BTE_SLIP] = w.slip;
+    const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &seen, z) / z, w.slip_sigma};
     read_ratio(c, at, error, now);
     read_map(&c->before, at, prior);
     bte_real unread = (now[BTE_UPPER] - now[BTE_LOWER]) / (prior[BTE_UPPER] - prior[BTE_LOWER]);
@@ -225,16 +219,15 @@ static void take(bte_state *s, const bte_block *x) {
 }
 
 void bte_told(const bte_state *s, bte_real p_mc, bte_real out[BTE_ANSWERS][BTE_BOUNDS]) {
-    const bte_real *level = s->told[BTE_LEVEL];
+    const bte_real *level = s->told[BTE_LEVEL], *gain = s->car->torque_gain;
     (void)memcpy(out, s->told, sizeof s->told);
     for (unsigned b = 0; b < BTE_BOUNDS; b++) { /* the median first */
-        bte_real sum = R(0.0);
         for (unsigned a = 0; a < BTE_AXLES; a++) {
-            const bte_real clamp = s->car->torque_gain[a] * largest(p_mc, R(0.0));
+            const bte_real clamp = gain[a] * largest(p_mc, R(0.0));
             out[BTE_BRAKE_TORQUE_F + a][b] = clamp * s->told[BTE_PAD_FRICTION_F + a][b];
-            sum += R(2.0) * out[BTE_BRAKE_TORQUE_F + a][BTE_MEDIAN];
         }
-        out[BTE_BRAKE_TORQUE_SUM][b] = level[b] / level[BTE_MEDIAN] * sum;
+        const bte_real axles = out[BTE_BRAKE_TORQUE_F][0] + out[BTE_BRAKE_TORQUE_R][0];
+        out[BTE_BRAKE_TORQUE_SUM][b] = R(2.0) * axles * (level[b] / level[BTE_MEDIAN]);
     }
 }
 
@@ -310,21 +303,20 @@ static void take_block(bte_state *s) {
     const bte_real speed = c->radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = c->drag * square(speed);
     const bte_real grown = R(1.0) + c->rolling_growth * (square(speed / R(20.0)) - R(1.0));
-    bte_real demanded = c->weight * z - body, turning = c->weight;
+    const bool held = s->faulty || s->worst == BTE_FAULT; /* a reading: nothing is known of spins */
+    bte_real demanded = c->weight * z - body;
     for (unsigned a = 0; a < BTE_AXLES; a++) {
-        bte_real spin = s->block_full ? (omega[a] - s->omega[a]) / c->block : R(0.0);
-        if (s->faulty || s->worst == BTE_FAULT) { /* of a reading that was held nothing is known */
-            spin = -GRAVITY * z / c->radius[a];
-        }
+        const bte_real spin = held            ? -GRAVITY * z / c->radius[a]
+                              : s->block_full ? (omega[a] - s->omega[a]) / c->block
+                                              : R(0.0);
         s->omega[a] = omega[a];
         load[a] = c->weight * (c->load[a] + c->height[a] * z);
         other[a] = c->rolling * grown * load[a] - mean[DRIVE + a] / c->radius[a];
         demanded -= other[a] + c->turning_mass[a] * c->radius[a] * spin;
-        turning += c->turning_mass[a] * GRAVITY;
     }
     s->block_full = true;
     s->faulty = s->worst == BTE_FAULT;
-    const bte_real z_alone = demanded / turning;
+    const bte_real z_alone = demanded / c->rolls;
     for (unsigned a = 0; a < BTE_AXLES; a++) {
         const bte_real tyre = c->ramp_share[a] * demanded
                               - c->turning_mass[a] * GRAVITY * z_alone;
@@ -333,8 +325,7 @@ static void take_block(bte_state *s) {
         driven[a] = slip_at(c, tyre + other[a], load[a]) - slip_at(c, tyre, alone);
     }
     const bte_real eta_less_1 = mean[FRONT] > R(0.0) ? mean[APART] / mean[FRONT] : R(0.0);
-    const bte_real off = driven[BTE_REAR] - driven[BTE_FRONT];
-    const bte_real left = eta_less_1 * (R(1.0) - driven[BTE_FRONT]) + off;
+    const bte_real left = eta_less_1 + driven[BTE_REAR] - driven[BTE_FRONT] * (R(1.0) + eta_less_1);
     const bte_real rim = c->radius[BTE_FRONT] * omega[BTE_FRONT] / (R(1.0) - driven[BTE_FRONT]);
     const bte_block block = {demanded / c->weight, c->force / c->weight * p, p, z,
                              left / (R(1.0) - driven[BTE_REAR]), largest(rim, c->slowest),
