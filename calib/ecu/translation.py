@@ -2,9 +2,8 @@
 
     calib/estimation/equations.py --ast--> static functions of bte.c
 
-They are of numbers: assignments, if, calls and return. Parts of a tuple are assigned one after the
-other; a NamedTuple that is returned is a structure; the first paragraph of a docstring is a
-comment.
+They are of numbers: assignments, if, calls and return. Parts of a tuple are assigned one by one; a
+NamedTuple that is returned is a structure; the first paragraph of a docstring is a comment.
 """
 
 import ast
@@ -119,16 +118,14 @@ class _InC(ast.NodeTransformer):
         return ast.Name(f"R({node.value})") if isinstance(node.value, float) else node
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        name = ast.unparse(node)
-        return ast.Name(
-            _NAMES.get(name, name.replace("Reason.", "(bte_real)BTE_").replace(".", "->", 1))
-        )
+        name = ast.unparse(node).replace("Reason.", "(bte_real)BTE_")
+        return ast.Name(_NAMES.get(name, name.replace(".", "->", 1)))
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         left, right = self.visit(node.left), self.visit(node.right)
-        is_square = isinstance(node.op, ast.Pow)
-        called = ast.Call(ast.Name("square"), [left], [])
-        return called if is_square else ast.BinOp(left, node.op, right)
+        if isinstance(node.op, ast.Pow) and ast.unparse(node.right) == "2":
+            return ast.Call(ast.Name("square"), [left], [])
+        return ast.BinOp(left, node.op, right)
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
         return ast.Name(f"({_text(node.test)} ? {_text(node.body)} : {_text(node.orelse)})")
