@@ -6,7 +6,7 @@ is what `calib.table.exported` reads back. What is the same in every block is co
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, replace
 from importlib import resources
 from itertools import starmap
@@ -59,52 +59,58 @@ def sources(
     """
     require_time(sample_time)
     require_plain(table)
-    grids, bits = code_grids(table, PREFIX, how), how.floating
-    table, samples = as_exported(table, how), samples_of_block(sample_time)
+    grids, samples = code_grids(table, PREFIX, how), samples_of_block(sample_time)
+    table = as_exported(table, how)
     c = constants(table, SensorNoise(**table.noise), round(samples * sample_time, 9))
     equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
     code = _source("bte.c").substitute(equations=translated(equations))
-    numbers, begin = _numbers(c, table, sample_time, code), _remembered(c)
-    header = _source("bte.h").substitute(
-        floating=bits,
-        real="float" if bits == 32 else "double",
-        cell=cell(how),
-        reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
-        inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
-        answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
-        state="\n".join(f"    {_kind(x)} {_declared(name, x)};" for name, x in begin.items()),
-        numbers=indent(fill(", ".join(starmap(_declared, numbers.items())), 88), 8 * " ").lstrip(),
-    )
-    data: dict[str, Member] = {f"{PREFIX}_version": float(version)}
-    for one in (*axes_of(grids), *grids):
-        data[one.label] = one.fixed.raw.tolist() if one.fixed else one.numbers
-    for name, x in (("force", table.tyre.force), ("slip", table.tyre.slip)):  # driven and braked
-        data[f"{PREFIX}_tyre_{name}"] = np.concatenate([-x[:0:-1], x]).tolist()
+    state, numbers = _remembered(c), _numbers(c, table, sample_time, code)
     first = answered(table, BLOCK / 2.0, np.zeros((2, len(CHANNELS))))[0]
-    source, cells = [f"/* {told} */", '#include "bte.h"'], {grid.label for grid in grids}
-    for name, values in data.items():
-        kind = "bte_cell" if name in cells else "bte_real"
-        declared = f"BTE_CAL {kind} {_declared(name, values)}"
-        source.append(f"extern {declared};\nBTE_CAL_DATA {declared} = {initial(values, bits)};")
+    start = {"reason": int(Reason.NOT_BRAKED), "told": first[1:13].reshape(4, 3).tolist()}
     car = {
         **numbers,
         **_maps(grids),
-        "start": begin
-        | {
-            "kept": started(c).kept[:6:2],
-            "since_lock": 2.0 * c.recover,
-            "reason": int(Reason.NOT_BRAKED),
-            "told": first[1:13].reshape(4, 3).tolist(),
-        },
+        "start": state | start,
         "samples": samples,  # of a block
         "waiting": max(1, round(c.before_bite / c.block)),  # blocks on which no zero rests
         "version": f"&{PREFIX}_version",
         "tyre": [f"{PREFIX}_tyre_force", 2 * table.tyre.force.size - 1],
         "tyre_slip": f"{PREFIX}_tyre_slip",
     }
-    body = "\n".join(f"    .{name} = {initial(x, bits)}," for name, x in car.items())
-    source.append(f"const bte_car bte_this_car = {{\n{body}\n}};\n")
-    return {"bte.h": header, "bte.c": code, "bte_car.c": "\n\n".join(source)}
+    data: dict[str, Member] = {f"{PREFIX}_version": float(version)}
+    for name, x in (("force", table.tyre.force), ("slip", table.tyre.slip)):  # driven and braked
+        data[f"{PREFIX}_tyre_{name}"] = np.concatenate([-x[:0:-1], x]).tolist()
+    written = "\n\n".join((f"/* {told} */", '#include "bte.h"', *_data(grids, data, car, how)))
+    return {"bte.h": _header(state, numbers, how), "bte.c": code, "bte_car.c": written}
+
+
+def _header(state: dict[str, Member], numbers: dict[str, Member], how: Precision) -> str:
+    return _source("bte.h").substitute(
+        floating=how.floating,
+        real="float" if how.floating == 32 else "double",
+        cell=cell(how),
+        reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
+        inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
+        answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
+        state="\n".join(f"    {_kind(x)} {_declared(name, x)};" for name, x in state.items()),
+        numbers=indent(fill(", ".join(starmap(_declared, numbers.items())), 88), 8 * " ").lstrip(),
+    )
+
+
+def _data(
+    grids: list[Grid], data: dict[str, Member], car: dict[str, Member], how: Precision
+) -> Iterator[str]:
+    """Definitions: of maps, of other ``data`` that has a label, and of `bte_this_car`."""
+    held = (*axes_of(grids), *grids)
+    data |= {x.label: x.fixed.raw.tolist() if x.fixed else x.numbers for x in held}
+    cells = {grid.label for grid in grids}
+    for name, values in data.items():
+        kind = "bte_cell" if name in cells else "bte_real"
+        declared = f"BTE_CAL {kind} {_declared(name, values)}"
+        begins = initial(values, how.floating)
+        yield f"extern {declared};\nBTE_CAL_DATA {declared} = {begins};"
+    body = "\n".join(f"    .{name} = {initial(x, how.floating)}," for name, x in car.items())
+    yield f"const bte_car bte_this_car = {{\n{body}\n}};\n"
 
 
 def _source(name: str) -> Template:
@@ -150,9 +156,10 @@ def cell(how: Precision) -> str:
 
 
 def _remembered(c: Constants) -> dict[str, Member]:
-    """What `bte_state` has of `State`, as it is before the first block."""
-    own = ("waiting", "kept")
-    return {name: x for name, x in asdict(started(c)).items() if name not in own}
+    """What `bte_state` has of `State`, as it is before the first block, and of locked wheels."""
+    s = started(c)
+    own = {"kept": s.kept[:6:2], "since_lock": 2.0 * c.recover}
+    return {name: x for name, x in asdict(s).items() if name != "waiting"} | own
 
 
 def _numbers(c: Constants, table: Table, sample_time: float, code: str) -> dict[str, Member]:

@@ -37,7 +37,7 @@ def translated(source: str) -> str:
         margin = 4 * depth * " "
         out += wrap(line, 100, initial_indent=margin, subsequent_indent=margin + 8 * " ") or [""]
         depth += line.endswith("{")
-    return "\n".join(out)
+    return "\n".join(out).strip()
 
 
 def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:

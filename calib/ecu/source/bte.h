@@ -95,9 +95,8 @@ $state
     bool started, block_full, faulty, driven;
     uint32_t waits;
     bte_block waiting[4];
-    bte_real kept[BTE_BOUNDS];
     bte_real last[BTE_INPUTS], raw[BTE_INPUTS], before[BTE_WHEELS][2];
-    bte_real fastest, lateral, since_lock, p_held, held, sum[BTE_SIGNALS], omega[BTE_AXLES];
+    bte_real fastest, lateral, p_held, held, sum[BTE_SIGNALS], omega[BTE_AXLES];
     uint16_t count;
     bte_reason worst, reason;
     bte_real told[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]; /* of the last block; torques follow */
