@@ -151,18 +151,22 @@ def move(c: Constants, s: State, x: Sample[float], bends: float, *, braking: boo
 
     ``bends`` by how much the mean deceleration changed [1].
     """
+    rims = rim(s, x)
     if not s.anchored:  # radii that are made equal now would look like a speed that jumps
         s.speed = (
-            rim(s, x), 0.0, 0.0, c.scale,
+            0.0, 0.0, 0.0, c.scale,
             1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, c.offset**2, 0.0, c.scale_sigma**2,
         )  # fmt: skip
+        s.rim = rims
         s.anchored = braking or s.eta_less_1.variance < 0.5 * c.zero**2
     dt = c.block
-    v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee = s.speed
+    v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee = s.speed  # v less rims
     lost = G * dt * (0.5 * (x.z + s.z) - o)
     by_o = G * dt * (1.0 - e) if braking else G * dt
     by_e = lost if braking else 0.0
+    v += s.rim - rims
     v -= lost * (1.0 - e) if braking else lost
+    s.rim = rims
     pv = vv + by_o * vo + by_e * ve
     vs += by_o * so + by_e * se
     vo += by_o * oo + by_e * oe
@@ -180,10 +184,10 @@ def move(c: Constants, s: State, x: Sample[float], bends: float, *, braking: boo
 
 def see_rims(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
     """The speed by the wheels; what does not fit is offset, scale and slip."""
-    v, over = s.speed[0], max(x.demand - s.demand.value, 0.0)
+    v, over = s.rim + s.speed[0], max(x.demand - s.demand.value, 0.0)
     slip = over * math.exp(s.speed[1]) if braking else 0.0
     variance = c.noise_rim**2 / c.block + (c.slip_rough * slip * v) ** 2
-    s.innovation = observe(s, 1.0 - slip, -v * slip, rim(s, x) - v + v * slip, variance)
+    s.innovation = observe(s, 1.0 - slip, -v * slip, v * slip - s.speed[0], variance)
 
 
 def take_in(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
@@ -213,7 +217,7 @@ def seen_of(c: Constants, s: State, x: Sample[float], *, counts: bool) -> Seen[f
     v, log_slip, _, scale, _, _, _, _, ss, _, se, _, _, ee = s.speed
     return Seen(
         level, level_variance, blocks, s.mean_z, eta / n, zz / n,
-        v, log_slip, scale, ss, se, ee, s.demand.variance, s.eta_less_1.variance,
+        s.rim + v, log_slip, scale, ss, se, ee, s.demand.variance, s.eta_less_1.variance,
         s.acting / x.nominal if x.pressure > c.bite else 1.0, s.innovation, s.braked,
         1.0 + s.eta_less_1.value, s.slip.value, 1.0 if counts else 0.0,
     )  # fmt: skip

@@ -47,7 +47,9 @@ class State:
     eta_less_1: Zero
     slip: Zero
     level: Numbers  # of the pads [1], lag of the brakes [s], rate of the level [1/s]
-    speed: Numbers = (0.0,) * 14  # [m/s], ln(slip/z), offset and scale of a_x [1]
+    # speed above that of the rims [m/s], a small number; ln(slip/z), offset and scale of a_x [1]
+    speed: Numbers = (0.0,) * 14
+    rim: float = 0.0  # of all wheels [m/s]
     anchored: bool = False  # once the speed no longer moves with the zero of eta
     waiting: deque[Sample[float]] = field(default_factory=deque)
     nominal: float = 0.0  # brake force of nominal pads over the weight [1]

@@ -92,7 +92,7 @@ def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
 
 def _see_v(c: Constants, s: State, x: Sample[float]) -> None:
     """The speed by v."""
-    v = s.speed[0]
+    v = s.rim + s.speed[0]
     variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
     in_time = x.v - G * x.z * c.late
