@@ -42,6 +42,11 @@ from calib.table.table import Table
 SOURCE = Path(__file__).parent / "source"
 PREFIX = "bte"
 """First part of every label, of files and functions, too."""
+_MATH = {
+    32: {"function": "name##f", "terms": 8, "largest": 87},
+    64: {"function": "name", "terms": 14, "largest": 700},
+}
+"""How a floating point calls sqrt, and has exp and ln."""
 _RESTS = 1.5  # speed of every wheel below which a car may get other numbers [rad/s]
 
 
@@ -63,7 +68,7 @@ def sources(
     table = as_exported(table, how)
     c = constants(table, SensorNoise(**table.noise), round(samples * sample_time, 9))
     equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
-    code = _source("bte.c").substitute(equations=translated(equations))
+    code = _source("bte.c").substitute(_MATH[how.floating], equations=translated(equations))
     state, numbers = _remembered(c), _numbers(c, table, sample_time, code)
     first = answered(table, BLOCK / 2.0, np.zeros((2, len(CHANNELS))))[0]
     start = {"reason": int(Reason.NOT_BRAKED), "told": first[1:13].reshape(4, 3).tolist()}
@@ -86,7 +91,6 @@ def sources(
 
 def _header(state: dict[str, Member], numbers: dict[str, Member], how: Precision) -> str:
     return _source("bte.h").substitute(
-        floating=how.floating,
         real="float" if how.floating == 32 else "double",
         cell=cell(how),
         reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),

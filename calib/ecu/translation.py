@@ -20,7 +20,8 @@ _TYPES = {
 _NAMES = {
     "G": "GRAVITY", "max": "largest", "min": "smallest", "abs": "MATH(fabs)",
     "np.maximum": "largest", "np.minimum": "smallest", "np.clip": "clip",
-    "math.exp": "exponential", "math.sqrt": "MATH(sqrt)", "np.sqrt": "MATH(sqrt)",
+    "math.exp": "exponential", "math.log": "logarithm", "math.sqrt": "MATH(sqrt)",
+    "np.sqrt": "MATH(sqrt)",
 }  # fmt: skip
 _LOGIC = {" and ": " && ", " or ": " || ", " | ": " || ", "not ": "!"}
 

@@ -223,6 +223,23 @@ def seen_of(c: Constants, s: State, x: Sample[float], *, counts: bool) -> Seen[f
     )  # fmt: skip
 
 
+def aged(c: Constants, s: State, level: float) -> float:
+    """Variance of the kept ratio: pads warm up, and those that changed did so unlike."""
+    return c.ageing**2 * s.age + (c.unlike * math.log(level / s.level_then)) ** 2
+
+
+def share_of(c: Constants, width: float, known: float) -> float:
+    """Share of a reading by its ``width`` and what is ``known``: no last digit decides."""
+    return min(max(0.5 + 0.5 * (known / width - 1.0) / c.tie, 0.0), 1.0)
+
+
+def renewed(c: Constants, s: State, level: float, share: float) -> float:
+    """Variance of the kept ratio once it has its share of a reading."""
+    s.age = (1.0 - share) * s.age
+    s.level_then = (1.0 - share) * s.level_then + share * level
+    return aged(c, s, level)
+
+
 def weighed(c: Constants, seen: Seen[Array], z: Array, usual: Array, sigma: Array) -> Weighed:
     """Slip and level (k,); ``usual`` is ln(slip/z) by the map, with its ``sigma``."""
     known, rest = seen.slip_variance, usual - seen.log_slip

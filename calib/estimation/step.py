@@ -19,13 +19,16 @@ from calib.base.names import G
 from calib.estimation.constants import Constants
 from calib.estimation.equations import (
     Seen,
+    aged,
     eta_error,
     forget_stop,
     measure,
     observe,
     reason_of,
+    renewed,
     rim,
     seen_of,
+    share_of,
     take_in,
     weighed,
 )
@@ -163,8 +166,9 @@ def _ratio(
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     unread = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])
-    told = told & (unread < 1.0)
-    now, zeros, unread = (np.where(told, *x) for x in ((now, prior), (zeros, 0.0), (unread, 1.0)))
+    share = np.where(told, np.clip(0.5 + 0.5 * (1.0 / unread - 1.0) / c.tie, 0.0, 1.0), 0.0)
+    now, zeros = prior + share * (now - prior), share * zeros
+    unread = 1.0 + share * (unread - 1.0)
     # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
     now[:, 0] += unread**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
     return now, zeros
@@ -175,20 +179,19 @@ def _keep(
 ) -> tuple[Array, Array]:
     """The best informed ratio so far, as it is known at each block, of the shapes of `_ratio`.
 
-    It ages as pads warm up, and those that changed did so unlike. Stops begin new, and a block is a
-    reading where it adds to the means: ``which`` of the blocks are new, and add.
+    Stops begin new, and a block is a reading where it adds to the means: ``which`` of the blocks
+    are new, and add.
     """
-    kept, aged = [], []
+    kept, more_variance = [], []
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
     for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in which), strict=True):
-        variance = c.ageing**2 * s.age + (c.unlike * math.log(a / s.level_then)) ** 2
-        more = Z95 * math.sqrt(variance)
+        s.age += c.block
+        more = Z95 * math.sqrt(aged(c, s, a))
         (middle, _, low, _, high, *_), (_, _, low_now, _, high_now, *_) = s.kept, row
         known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-        if new or (adds and high_now - low_now <= known):
-            s.kept, s.age, s.level_then, variance = row, 0.0, a, 0.0
-        s.age += c.block
+        share = 1.0 if new else share_of(c, high_now - low_now, known) if adds else 0.0
+        s.kept = [(1.0 - share) * x + share * y for x, y in zip(s.kept, row, strict=True)]
         kept.append(s.kept)
-        aged.append(variance)
-    out, more_variance = np.array(kept).T, np.array(aged)
-    return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(more_variance)), out[6] + more_variance
+        more_variance.append(renewed(c, s, a, share))
+    out, variance = np.array(kept).T, np.array(more_variance)
+    return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(variance)), out[6] + variance

@@ -26,6 +26,7 @@ PATH = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH",
 STEP, ERROR = 0.005, 3  # [s]; fmi2Error and fmi3Error
 TIME = STEP * np.arange(1200)
 RAMP, STOP = 6e5 * np.maximum(TIME - 1.0, 0.0), 25e5 * np.clip((TIME - 2.0) / 0.1, 0.0, 1.0)
+RELEASED = 56.5e5 * np.clip((TIME - 0.1) / 0.4, 0.0, 1.0) * (TIME < 1.1)  # from near the peak
 MOTOR = {"T_drive_f": 300.0 * np.sin(np.maximum(TIME - 0.1, 0.0)), "T_drive_r": -100.0 * (TIME > 3)}
 ROLLING = [2e6, -3.0, 60.0, 60.0, 60.2, 60.2, 0.0, 0.0, 0.0, 0.0]
 INPUTS, REALS, REASON = list(range(10)), list(range(10, 31)), 32  # 31 is the time
@@ -91,12 +92,15 @@ def test_another_program_finds_no_fault_in_it(version, model, tmp_path):
     assert (units["p_mc"], units["brake_torque_f"], units["reason"]) == ("Pa", "N.m", None)
 
 
-@pytest.mark.parametrize(("pressure", "drive"), [(RAMP, {}), (STOP, MOTOR), (4.0 * STOP, {})])
-def test_the_car_gives_the_numbers_of_a_simulation(fmus, pressure, drive):
+@pytest.mark.parametrize(
+    ("pressure", "v0", "drive"),
+    [(RAMP, V0, {}), (STOP, V0, MOTOR), (4.0 * STOP, V0, {}), (RELEASED, 12.0, {})],
+)
+def test_the_car_gives_the_numbers_of_a_simulation(fmus, pressure, v0, drive):
     torque = {name[-1]: column for name, column in drive.items()}
-    log = simulate(simulated(SEDAN.table), TIME, pressure, V0, drive_torque=torque)
+    log = simulate(simulated(SEDAN.table), TIME, pressure, v0, drive_torque=torque)
     inputs = {"p_mc": pressure, **drive}
-    told = run(fmus["car"], {name: column[1:] for name, column in inputs.items()})
+    told = run(fmus["car"], {name: column[1:] for name, column in inputs.items()}, v0=v0)
     assert np.array_equal(told["reason"] != 0, np.arange(TIME.size) >= log.time.size)
     for name in ("a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v"):
         np.testing.assert_allclose(told[name][: log.time.size], log[name], rtol=1e-8, atol=1e-8)

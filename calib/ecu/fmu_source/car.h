@@ -14,6 +14,7 @@ static void solve(model *m, double x[], double dt) {
     const bte_car *car = &bte_this_car;
     const double shape = x[TYRE_SHAPE], edge = tan(0.5 * acos(-1.0) * EDGE / shape);
     const model was = *m;
+    m->slip[BTE_FRONT] = m->slip[BTE_REAR] = 0.0; /* from where no turn goes past a peak */
     for (int turn = 0; turn < TURNS; turn++) {
         m->v = was.v - 0.5 * G * dt * (was.z + m->z);
         x[REASON] = m->v < STOPS ? STANDS : DRIVES;

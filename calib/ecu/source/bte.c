@@ -7,14 +7,8 @@
 #include <string.h>
 
 #define R(x) ((bte_real)(x))
-
-#if BTE_FLOAT == 64
-#define MATH(name) name
-enum { TERMS = 14, LARGEST = 700 };
-#else
-#define MATH(name) name##f
-enum { TERMS = 8, LARGEST = 87 };
-#endif
+#define MATH(name) $function
+enum { TERMS = $terms, LARGEST = $largest }; /* of the series; of what exp gives a number for */
 
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
@@ -147,22 +141,26 @@ static void read_ratio(const bte_car *c, const bte_real at[BTE_MAP_AXES],
     }
 }
 
-/* The best informed ratio so far; it ages as pads warm up, and those that changed did so unlike. */
+static void blend(bte_real x[BTE_BOUNDS], const bte_real y[BTE_BOUNDS], bte_real share) {
+    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
+        x[b] = (R(1.0) - share) * x[b] + share * y[b];
+    }
+}
+
+/* The best informed ratio so far. */
 static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, bool is_new,
                       bool adds, bte_real best[BTE_BOUNDS]) {
     const bte_car *c = s->car;
-    const bte_real variance = square(c->ageing) * s->age
-                              + square(c->unlike * logarithm(pads / s->level_then));
-    const bte_real wider = Z95 * MATH(sqrt)(variance);
+    s->age += c->block;
+    const bte_real then = Z95 * MATH(sqrt)(aged(c, s, pads));
+    (void)memcpy(best, s->kept, sizeof s->kept);
+    widen(best, R(0.0), then, then);
+    const bte_real known = best[BTE_UPPER] - best[BTE_LOWER], width = now[BTE_UPPER] - now[BTE_LOWER];
+    const bte_real share = is_new ? R(1.0) : adds ? share_of(c, width, known) : R(0.0);
+    blend(s->kept, now, share);
+    const bte_real wider = Z95 * MATH(sqrt)(renewed(c, s, pads, share));
     (void)memcpy(best, s->kept, sizeof s->kept);
     widen(best, R(0.0), wider, wider);
-    if (is_new || (adds && now[BTE_UPPER] - now[BTE_LOWER] <= best[BTE_UPPER] - best[BTE_LOWER])) {
-        (void)memcpy(s->kept, now, sizeof s->kept);
-        (void)memcpy(best, now, sizeof s->kept);
-        s->age = R(0.0);
-        s->level_then = pads;
-    }
-    s->age += c->block;
 }
 
 /* ln of the pads by level and ratio; distances to their bounds add up as squares. */
@@ -203,10 +201,10 @@ static void take(bte_state *s, const bte_block *x) {
     read_ratio(c, at, error, now);
     read_map(&c->before, at, prior);
     bte_real unread = (now[BTE_UPPER] - now[BTE_LOWER]) / (prior[BTE_UPPER] - prior[BTE_LOWER]);
-    if (is_new || !of_map || z < c->least_z || !(unread < R(1.0))) {
-        unread = R(1.0);
-        (void)memcpy(now, prior, sizeof now);
-    }
+    const bool told = !is_new && of_map && z >= c->least_z;
+    const bte_real read = told ? share_of(c, unread, R(1.0)) : R(0.0);
+    blend(now, prior, R(1.0) - read);
+    unread = R(1.0) + read * (unread - R(1.0));
     widen(now, square(unread) * (c->ramp_ratio - prior[BTE_MEDIAN]), R(0.0), R(0.0));
     keep_best(s, now, w.pads, is_new, counts && x->pressure > c->bite, ln[BTE_RATIO]);
     part_pads(c, ln);

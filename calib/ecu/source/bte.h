@@ -19,7 +19,6 @@
 extern "C" {
 #endif
 
-#define BTE_FLOAT $floating
 typedef $real bte_real;
 typedef $cell bte_cell; /* of the maps */
 
