@@ -1,1 +1,1 @@
-"""The estimator of the table as C for an ECU, and what it is proved against."""
+"""The estimator of a table as C for an ECU, and as an FMU beside the simulated car."""

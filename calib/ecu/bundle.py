@@ -1,6 +1,6 @@
 """The folder that an ECU project takes in: the estimator, this car's numbers, and their proof.
 
-    bte.h bte.c                 the estimator, the same for every car
+    bte.h bte.c                 the estimator, the same for every car of a precision
     bte_car.c                   the numbers of the car
     bte.a2l bte.dcm bte.cdfx    its maps for a calibration tool
     bte_run.c bte_vectors.h     samples with the answers of Python, and a program that compares
@@ -27,7 +27,7 @@ from calib.estimation.channels import A_X, ANSWERS, CHANNELS, FL, limits, sample
 from calib.estimation.online import answered
 from calib.exports.addresses import find_addresses
 from calib.exports.dataset import build
-from calib.exports.write import FORMATS
+from calib.exports.write import FORMATS, as_comment
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
 from calib.run.blocks import samples_of_block
@@ -40,6 +40,10 @@ TOOLS = ("a2l", "cdfx", "dcm")
 """Formats of calibration tools, by the ending of the file."""
 _GIVEN = ("bte_run.c", "CMakeLists.txt", "README.md")
 _MADE = ("bte.h", "bte.c", "bte_car.c", "bte_vectors.h", *(f"bte.{form}" for form in TOOLS))
+_HEADERS = (
+    " assert complex ctype errno features fenv float inttypes iso646 limits locale math setjmp "
+    "signal stdarg stdbool stddef stdint stdio stdlib string tgmath time wchar wctype "
+)
 OURS = b"brake-cal"
 """What every file of the folder has in it."""
 
@@ -51,9 +55,8 @@ def names(prefix: str = car_source.PREFIX) -> list[str]:
 
 def require_prefix(prefix: str) -> None:
     """Raise ExchangeError for a name that C does not take for files and labels."""
-    code = "".join(path.read_text(encoding="utf-8") for path in car_source.SOURCE.glob("*.[ch]"))
-    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", prefix) or f"<{prefix}.h>" in code:
-        expected = "a letter, then up to 15 of letters, digits and _, and no header that C needs"
+    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", prefix) or f" {prefix} " in _HEADERS:
+        expected = "a letter, then up to 15 of letters, digits and _, and no header of C"
         raise ExchangeError(f"the prefix {prefix!r}", expected=expected)
 
 
@@ -77,7 +80,7 @@ def write_bundle(
     elf : linked program with the code, for the addresses in the A2L.
 
     Raises StoreError for a table without maps, or with known effects that the code does not take
-    out; ExchangeError for a name that C does not take, or a time without a block; ProgramError
+    out; ExchangeError for a name that C does not take, or a time of no ECU; ProgramError
     where ``elf`` does not hold the table.
     """
     require_prefix(prefix)
@@ -86,25 +89,24 @@ def write_bundle(
     texts["bte_vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
     about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.words}"
     facts = {
-        "about": about.replace("*/", "* /"),
+        "about": as_comment(about),
         "table": stored.id, "digest": stored.digest, "state": stored.state.words,
         "bits": how.floating, "cell": car_source.cell(how), "step": f"{sample_time:g}",
         "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"),
         "inputs": "\n".join(_inputs(sample_time)),
         "answers": "\n".join(f"| `{x.name}` | {x.unit} | {x.meaning} |" for x in ANSWERS.values()),
     }  # fmt: skip
-    date, bits, single = datetime.now(UTC).date().isoformat(), how.bits, how.floating == 32
-    whole = build(stored, how.points, quality, bits, date, first=prefix)
-    shown = replace(whole, curves=(), scalars=(replace(whole.scalars[0], fixed=None),))
+    date, single = datetime.now(UTC).date().isoformat(), how.floating == 32
+    whole = build(stored, how.points, quality, how.bits, date, first=prefix)
+    version = replace(whole.scalars[0], fixed=None)
+    shown = replace(whole, curves=(), scalars=(version,), single=single)
     with workshop(folder) as work:
         for name, text in texts.items():
             content = Template(_renamed(text, prefix)).safe_substitute(facts)
             write_whole(work / _renamed(name, prefix), content.encode())
         for form in TOOLS:
-            most_axes = FORMATS[form].most_axes
-            grids = tuple(car_source.code_grids(stored.table, prefix, how, most_axes))
-            axes = tuple(car_source.axes_of(grids))
-            data = replace(shown, axes=axes, grids=grids, single=single)
+            grids = car_source.code_grids(stored.table, prefix, how, FORMATS[form].most_axes)
+            data = replace(shown, axes=tuple(car_source.axes_of(grids)), grids=tuple(grids))
             if elf is not None and FORMATS[form].addressed:
                 data = replace(data, addresses=find_addresses(elf, data))
             write_whole(work / f"{prefix}.{form}", FORMATS[form].write(data))

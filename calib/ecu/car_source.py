@@ -189,7 +189,7 @@ def _numbers(c: Constants, table: Table, sample_time: float, code: str) -> dict[
         "rolling_growth": rolling.get("rolling_growth", 0.0),
         "radius": [axle.rolling_radius for axle in axles],  # [m]
         "turning_mass": [car.weight / G * x for x in turning_shares(car)],  # at the road [kg]
-        "rolls": car.weight * (1.0 + sum(turning_shares(car))),  # the same with the car [N]
+        "rolls": car.weight * (1.0 + sum(turning_shares(car))),  # weight, and of what turns [N]
         "torque_gain": [axle.torque_gain for axle in axles],  # of a wheel, over p and mu [m^3]
         "force": sum(force_per_pressure(car)),  # of both axles with these pads [N/Pa]
         "share": front_share(car, 0.0),  # of the front axle in it

@@ -1,6 +1,6 @@
 """A table as an FMU of FMI 2.0 or 3.0, for co-simulation: the estimator, or the car that it is for.
 
-    p_mc --> car: a_x, wheel speeds, v --> estimator: pad friction and torque with their bounds
+    p_mc --> car: a_x, wheel speeds --> estimator: pad friction and torque with their bounds
 
 No binary is inside: the tool that imports it compiles the sources, with its own headers of FMI.
 """

@@ -3,7 +3,8 @@
     calib/estimation/equations.py --ast--> static functions of bte.c
 
 They are of numbers: assignments, if, calls and return. Parts of a tuple are assigned one by one; a
-NamedTuple that is returned is a structure; the first paragraph of a docstring is a comment.
+NamedTuple that is returned is a structure; a docstring is a comment. What C would take in another
+meaning, as 1/2, is found by the tests, which hold both to the same numbers.
 """
 
 import ast
@@ -49,13 +50,14 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
                 members = (_text(x.target) for x in node.body if isinstance(x, ast.AnnAssign))
                 yield from ("", "typedef struct {", f"bte_real {', '.join(members)};")
                 yield f"}} {_type(node.name)};"
-            case ast.FunctionDef():
-                about = " ".join((ast.get_docstring(node) or "").split("\n\n")[0].split())
-                yield from ("", f"/* {about.replace('``', '')} */")
+            case ast.FunctionDef(body=[ast.Expr(ast.Constant(str(about))), *rest]):
+                yield from ("", f"/* {' '.join(about.split()).replace('``', '')} */")
                 given = (*node.args.args, *node.args.kwonlyargs)
                 heads = ", ".join(f"{_type(x.annotation, ' *')} {x.arg}" for x in given)
                 yield f"static {_type(node.returns)} {node.name}({heads}) {{".replace(" * ", " *")
-                yield from _lines(node.body[1:], Counter(_stored(node)))
+                names = (x for x in ast.walk(node) if isinstance(getattr(x, "ctx", 0), ast.Store))
+                stored = Counter(map(ast.unparse, names))
+                yield from _lines(rest, {x: stored[x] for x in {*stored} - {y.arg for y in given}})
                 yield "}"
             case ast.If():
                 yield f"if ({_text(node.test)}) {{"
@@ -79,11 +81,6 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
                 raise ValueError(f"no counterpart in C: {ast.unparse(node)}")
 
 
-def _stored(node: ast.AST) -> Iterator[str]:
-    names = (x for x in ast.walk(node) if isinstance(x, ast.Name))
-    return (x.id for x in names if isinstance(x.ctx, ast.Store))
-
-
 def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
     """What is assigned, and what to it; places of an array where only one of both is a tuple."""
     sides = [x.elts if isinstance(x, ast.Tuple) else x for x in (target, value)]
@@ -94,7 +91,11 @@ def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
         x if isinstance(x, list) else [ast.Subscript(x, ast.Constant(i)) for i in range(count)]
         for x in sides
     )
-    return [(to, of) for to, of in zip(*parts, strict=True) if ast.unparse(to) != "_"]
+    pairs = [(to, of) for to, of in zip(*parts, strict=True) if ast.unparse(to) != "_"]
+    for i, (_, of) in enumerate(pairs):
+        if {ast.unparse(x) for x in ast.walk(of)} & {ast.unparse(to) for to, _ in pairs[:i]}:
+            raise ValueError(f"one by one it is another in C: {ast.unparse(of)}")
+    return pairs
 
 
 def _type(of: ast.expr | str | None, pointer: str = "") -> str:

@@ -15,7 +15,7 @@ from calib.table.table import Table
 
 
 class Reason(IntEnum):
-    """Why the answer of a block does not stand: the first that applies; 0 for one that does.
+    """Why the answer of a block does not hold; 0 for one that does.
 
     It says that the model does not hold, never that an interval is wide.
     """
@@ -28,9 +28,9 @@ class Reason(IntEnum):
         one._value_, one.words = value, words
         return one
 
-    VALID = 0, "it stands"
+    VALID = 0, "the answer is valid"
     NOT_BRAKED = 1, "the pressure is low"
-    TURNED = 2, "the wheel is turned"
+    TURNED = 2, "the steering wheel is turned"
     CORNERS = 3, "the car corners"
     LOCKED = 4, "a wheel locks, or ABS works"
     SLOW = 5, "the car is slow"

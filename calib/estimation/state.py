@@ -1,4 +1,4 @@
-"""What the estimator is given of a block, what it remembers, and what it sees: scalars."""
+"""What the estimator is given of a block, and what it remembers."""
 
 from collections import deque
 from collections.abc import Sequence

@@ -4,8 +4,8 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
            --answer--> level; the map: ln of the pads' ratio, given the slip; with 95 % bounds
             --keep---> the best informed ratio, which ages as pads that warm up do
 
-What is recursive stands in `calib.estimation.state`; the rest is a function of the state, written
-once for any number of blocks: those of a whole log, or one.
+What is recursive stands in `calib.estimation.equations`, but for zeros, v and the kept ratio; the
+rest is a function of the state, for any number of blocks: those of a whole log, or one.
 """
 
 import math

@@ -216,7 +216,7 @@ def _short(text: str) -> str:
     return f'"{plain}"'
 
 
-def _ascii(text: str) -> str:
+def as_comment(text: str) -> str:
     """``text`` for a comment of C: without a begin or end of a comment and without trigraphs."""
     plain = "".join(c if " " <= c <= "~" and c not in "?\\" else "_" for c in text)
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
@@ -362,7 +362,7 @@ FORMATS = {
     "dcm": _Format("dcm", partial(_filled, "dcm", _quoted), most_axes=2),
     "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x)))),
     "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
-    "c-header": _Format("h", partial(_filled, "h", _ascii), fixed=True),
+    "c-header": _Format("h", partial(_filled, "h", as_comment), fixed=True),
     "inca-csv": _Format("inca.csv", _write_inca_csv, most_axes=2),
 }
 """A new one is a template and a line here."""

@@ -58,6 +58,7 @@ def test_it_compiles_without_a_remark_and_its_vectors_agree(codes, width, cc):
     for standard in ("c99", "c11", "c17"):
         called(codes[width], program(codes[width], f"{cc} -std={standard} -O2 {STRICT}"))
     called(codes[width], cc, STRICT, "-c -x c++ bte.c")  # bte_car.c is C
+    called(codes[width], cc, STRICT, "-DBTE_FIND=own -DBTE_CAL=volatile -c bte.c bte_car.c")
 
 
 @needs("cc")
@@ -73,7 +74,7 @@ def test_another_program_finds_the_addresses_of_the_a2l(codes, width, tmp_path):
     assert theirs.count("/begin CHARACTERISTIC") == 12  # eight maps, three levels, the version
     before = {path: path.read_bytes() for path in code.iterdir()}
     with pytest.raises(ProgramError):  # it has no labels of that name
-        write_bundle(SEDAN, code, *HOW[width], "acme", elf=made)
+        write_bundle(SEDAN, code, *HOW[width], "take", elf=made)
     assert before == {path: path.read_bytes() for path in code.iterdir()}
 
 
@@ -131,24 +132,24 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
     words = ("tables", "export", SEDAN.id, "--store", SEDAN.path.parent.parent, "--format")
     code, own = tmp_path / "code", tmp_path / "own"
     foreign = {"bte_own.c": "/* our task, around brake-cal */\n", "notes.txt": "ours\n"}
-    for prefix in ("bte", "acme", "acme"):
+    for prefix in ("bte", "take", "take"):
         ran = brake_cal(*words, "ECU", "--float", "--out", code, "--prefix", prefix, "--json")
         told = json.loads(ran.out)
         assert (ran.code, told["format"], told["float"]) == (0, "ecu", 32)
         assert set(told["files"]) == set(names(prefix))
         for name, text in foreign.items():
             (code / name).write_text(text)
-    assert {path.name for path in code.iterdir()} == {*names("bte"), *names("acme"), *foreign}
-    assert not any("bte" in path.read_text().lower() for path in code.glob("acme*.[ch]"))
-    called(code, program(code, f"cc -std=c99 {STRICT}", prefix="acme"))
+    assert {path.name for path in code.iterdir()} == {*names("bte"), *names("take"), *foreign}
+    assert not any("bte" in path.read_text().lower() for path in code.glob("take*.[ch]"))
+    called(code, program(code, f"cc -std=c99 {STRICT}", prefix="take"))
     (code / "README.md").write_text("The estimator of brake-cal, of another version.\n")
-    assert brake_cal(*words, "ecu", "--out", code, "--prefix", "acme").code == 2
+    assert brake_cal(*words, "ecu", "--out", code, "--prefix", "take").code == 2
     assert set(names("xBTE")) >= {"xBTE.c", "xBTE.h", "xBTE_car.c", "xBTE.a2l"}
     own.mkdir()
     (own / "CMakeLists.txt").write_text("project(own)\n")
     new = ("ecu", "--out", own / "code")
     for more in (
-        *((*new, "--prefix", name) for name in ("9a", "a-b", "", "math")),
+        *((*new, "--prefix", name) for name in ("9a", "a-b", "", "math", "stddef")),
         *((*new, "--sample-time", time) for time in (0.0, 1.0)),
         ("ecu", "--out", own),
         ("fmu3", "--out", own / "CMakeLists.txt"),

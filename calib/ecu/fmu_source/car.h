@@ -2,7 +2,7 @@
  * calib/model/solver.py with the numbers of bte_car.c, and the tyre of calib/car/magic_formula.py.
  * Newton's method finds the slips of the axles; z, speed and loads follow in the same turns.
  */
-static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01;
+static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01; /* [1]; [m/s]; [1] */
 enum { DRIVES, STANDS, LIFTS, SLIDES, TURNS = 40 }; /* reasons; a turn gains a digit or more */
 
 typedef struct {
@@ -19,7 +19,7 @@ static void solve(model *m, double x[], double dt) {
         m->v = was.v - 0.5 * G * dt * (was.z + m->z);
         x[REASON] = m->v < STOPS ? STANDS : DRIVES;
         const double v = fmax(m->v, 0.5 * STOPS), drag = car->drag * v * v;
-        const double rolling = car->rolling * (1.0 + car->rolling_growth * (v * v / 400.0 - 1.0));
+        const double grown = 1.0 + car->rolling_growth * (pow(v / 20.0, 2.0) - 1.0);
         double sum = drag;
         for (int a = 0; a < BTE_AXLES; a++) {
             const double share = car->load[a] + car->height[a] * m->z + car->drag_lift[a] * drag;
@@ -36,7 +36,7 @@ static void solve(model *m, double x[], double dt) {
             const double omega = v * (1.0 - m->slip[a]) / radius;
             const double spin = dt > 0.0 ? (omega - was.omega[a]) / dt : -G * m->z * omega / v;
             const double brakes = 2.0 * x[PAD_FRICTION_F + a] * car->torque_gain[a] * x[P_MC];
-            const double demanded = turning * radius * spin + rolling * load
+            const double demanded = turning * radius * spin + car->rolling * grown * load
                                     + (brakes - x[T_DRIVE_F + a]) / radius; /* (1) */
             const double more = (demanded - force) / (rise + (dt > 0.0 ? turning * v / dt : 0.0));
             m->omega[a] = omega;

@@ -1,5 +1,5 @@
-/* The estimator of brake-cal, see bte.h. What a block is taken in by is written from
- * calib/estimation/equations.py; the rest follows step.py, readout.py and online.py there.
+/* The estimator of brake-cal, see bte.h. What takes in a block is written from equations.py of
+ * calib/estimation; the rest follows step.py, readout.py, known.py, reasons.py and online.py there.
  */
 #include "bte.h"
 
@@ -13,7 +13,7 @@ enum { TERMS = $terms, LARGEST = $largest }; /* of the series; of what exp gives
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
 
-/* Signals of a block. */
+/* Sums of a block, SI; rear less front by wheel: float32 has few digits. Drive is of both axles. */
 enum { PRESSURE, Z, FRONT, APART, DRIVE };
 
 static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
@@ -55,7 +55,7 @@ static void widen(bte_real x[BTE_BOUNDS], bte_real by, bte_real more_lower, bte_
     x[BTE_UPPER] = x[BTE_MEDIAN] + MATH(sqrt)(square(above) + square(more_upper));
 }
 
-#ifndef BTE_FIND /* for the search of the house; the last point has `along` 1 in the last cell */
+#ifndef BTE_FIND /* there is no other search; the last point has `along` 1 in the last cell */
 static bte_place find(const bte_axis *axis, bte_real x) {
     bte_place place = {0, R(0.0)};
     uint16_t high = (uint16_t)(axis->count - 1U);
@@ -75,7 +75,7 @@ static bte_place find(const bte_axis *axis, bte_real x) {
 #endif
 
 /* All columns of a map at a place. */
-static void read_map(const bte_map *map, const bte_real at[], bte_real out[BTE_BOUNDS]) {
+static void look_up(const bte_map *map, const bte_real at[], bte_real out[BTE_BOUNDS]) {
     unsigned corners = 1U, cell[8] = {0};
     bte_real weight[8];
     weight[0] = R(1.0);
@@ -126,15 +126,15 @@ static void read_ratio(const bte_car *c, const bte_real at[BTE_MAP_AXES],
     const bte_axis *shifts = &c->pads.axis[BTE_SHIFT];
     const uint16_t cell = BTE_FIND(shifts, at[BTE_SHIFT]).at;
     const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
-    read_map(&c->pads, at, out);
+    look_up(&c->pads, at, out);
     for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
         bte_real place[] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
         bte_real low[BTE_BOUNDS], high[BTE_BOUNDS];
         place[axis] = at[axis] - step;
-        read_map(&c->pads, place, low);
+        look_up(&c->pads, place, low);
         place[axis] = at[axis] + step;
-        read_map(&c->pads, place, high);
+        look_up(&c->pads, place, high);
         const bte_real by_one = (high[BTE_MEDIAN] - low[BTE_MEDIAN]) / step;
         const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
         widen(out, R(0.0), more, more);
@@ -155,8 +155,9 @@ static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pad
     const bte_real then = Z95 * MATH(sqrt)(aged(c, s, pads));
     (void)memcpy(best, s->kept, sizeof s->kept);
     widen(best, R(0.0), then, then);
-    const bte_real known = best[BTE_UPPER] - best[BTE_LOWER], width = now[BTE_UPPER] - now[BTE_LOWER];
-    const bte_real share = is_new ? R(1.0) : adds ? share_of(c, width, known) : R(0.0);
+    const bte_real known = best[BTE_UPPER] - best[BTE_LOWER];
+    const bte_real of_new = share_of(c, now[BTE_UPPER] - now[BTE_LOWER], known);
+    const bte_real share = is_new ? R(1.0) : adds ? of_new : R(0.0);
     blend(s->kept, now, share);
     const bte_real wider = Z95 * MATH(sqrt)(renewed(c, s, pads, share));
     (void)memcpy(best, s->kept, sizeof s->kept);
@@ -187,8 +188,8 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_real z = is_new ? c->usual_z : seen.z, shifted = seen.shift / z;
     bte_real at[BTE_MAP_AXES] = {z, shifted, R(0.0)};
     bte_real by_map[BTE_BOUNDS], ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS], *level = ln[BTE_LEVEL];
-    read_map(&c->slip, at, by_map);
-    read_map(&c->level, at, level);
+    look_up(&c->slip, at, by_map);
+    look_up(&c->level, at, level);
     const bte_weighed w = weighed(c, &seen, z, by_map[0], by_map[1]);
     const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
     widen(level, logarithm(w.pads * w.scaled), wider, wider);
@@ -199,7 +200,7 @@ static void take(bte_state *s, const bte_block *x) {
     at[BTE_SLIP] = w.slip;
     const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &seen, z) / z, w.slip_sigma};
     read_ratio(c, at, error, now);
-    read_map(&c->before, at, prior);
+    look_up(&c->before, at, prior);
     bte_real unread = (now[BTE_UPPER] - now[BTE_LOWER]) / (prior[BTE_UPPER] - prior[BTE_LOWER]);
     const bool told = !is_new && of_map && z >= c->least_z;
     const bte_real read = told ? share_of(c, unread, R(1.0)) : R(0.0);
@@ -208,7 +209,7 @@ static void take(bte_state *s, const bte_block *x) {
     widen(now, square(unread) * (c->ramp_ratio - prior[BTE_MEDIAN]), R(0.0), R(0.0));
     keep_best(s, now, w.pads, is_new, counts && x->pressure > c->bite, ln[BTE_RATIO]);
     part_pads(c, ln);
-    for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) {
+    for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) { /* it starts with those of the file */
         for (unsigned b = 0; b < BTE_BOUNDS; b++) {
             s->told[i][b] = c->start.told[i][BTE_MEDIAN] * exponential(ln[i][b]);
         }
@@ -238,7 +239,7 @@ static bte_real slip_at(const bte_car *c, bte_real force, bte_real load) {
 
 /* Take in a sample: the last good reading counts while one is out of its range, or jumps. Whether
  * all sensors work. */
-static bool good(bte_state *s, const bte_real x[BTE_INPUTS]) {
+static bool take_sample(bte_state *s, const bte_real x[BTE_INPUTS]) {
     const bte_car *c = s->car;
     const bool same = s->started && x[BTE_A_X] == s->last[BTE_A_X];
     bool fine = true;
@@ -290,7 +291,7 @@ static bte_reason disturbance(bte_state *s, bool fine) {
 }
 
 /* A block from the sums: the force balance (1), (5) to (7), drag and rolling resistance known. */
-static void take_block(bte_state *s) {
+static void block_ends(bte_state *s) {
     const bte_car *c = s->car;
     bte_real mean[BTE_SIGNALS], load[BTE_AXLES], other[BTE_AXLES], driven[BTE_AXLES];
     for (unsigned i = 0; i < BTE_SIGNALS; i++) {
@@ -349,7 +350,7 @@ bool bte_exchange(bte_state *s, const bte_car *car) {
 
 bte_reason bte_step(bte_state *s, const bte_real x[BTE_INPUTS],
                     bte_real out[BTE_ANSWERS][BTE_BOUNDS]) {
-    const bool fine = good(s, x), begins = s->count == 0U;
+    const bool fine = take_sample(s, x), begins = s->count == 0U;
     const bte_reason disturbed = disturbance(s, fine);
     const bte_real *last = s->last;
     s->started = true;
@@ -367,7 +368,7 @@ bte_reason bte_step(bte_state *s, const bte_real x[BTE_INPUTS],
     s->count++;
     if (s->count >= s->car->samples) {
         s->count = 0;
-        take_block(s);
+        block_ends(s);
     }
     bte_told(s, last[BTE_P_MC], out);
     return fine ? s->reason : BTE_FAULT;

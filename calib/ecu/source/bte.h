@@ -31,7 +31,7 @@ typedef $cell bte_cell; /* of the maps */
 #define BTE_CAL_DATA
 #endif
 
-/* Why an answer does not stand: the first that applies. */
+/* Why an answer does not hold. */
 typedef enum {
 $reasons
 } bte_reason;
@@ -82,7 +82,7 @@ typedef struct {
     bte_real value, variance;
 } bte_zero;
 
-/* Means over a block, as the estimator takes them in. */
+/* Means over a block [SI], as the estimator takes them in; forces over the weight. */
 typedef struct {
     bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share, disturbed;
 } bte_block;
@@ -93,7 +93,7 @@ typedef struct {
 $state
     bool started, block_full, faulty, driven;
     uint32_t waits;
-    bte_block waiting[4];
+    bte_block waiting[3];
     bte_real last[BTE_INPUTS], raw[BTE_INPUTS], before[BTE_WHEELS][2];
     bte_real fastest, lateral, p_held, held, sum[BTE_SIGNALS], omega[BTE_AXLES];
     uint16_t count;
@@ -101,7 +101,7 @@ $state
     bte_real told[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]; /* of the last block; torques follow */
 } bte_state;
 
-/* The numbers of a car; calib/ecu/car_source.py has what they are. */
+/* The numbers of a car, SI; calib/ecu/car_source.py of brake-cal has what they are. */
 typedef struct bte_car {
     bte_state start;
     bte_map pads, slip, level, before;
