@@ -76,9 +76,10 @@ def follow(c: Constants, s: State, x: Sample[float]) -> Seen[float]:
 
 def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    walks = c.bias_walk, c.radius_walk, c.radius_walk
-    for zero, walk in zip((s.demand, s.eta_less_1, s.slip), walks, strict=True):
-        zero.variance = min(zero.variance + walk * walk * c.block, c.zero**2)
+    a_x, radii, most = c.bias_walk**2 * c.block, c.radius_walk**2 * c.block, c.zero**2
+    for zero, grows in ((s.demand, a_x), (s.eta_less_1, radii), (s.slip, radii)):
+        variance = zero.variance + grows
+        zero.variance = variance if variance < most else most
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.noise_rim / old.rim
@@ -186,12 +187,14 @@ def _keep(
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
     for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in which), strict=True):
         s.age += c.block
-        more = Z95 * math.sqrt(aged(c, s, a))
-        (middle, _, low, _, high, *_), (_, _, low_now, _, high_now, *_) = s.kept, row
+        grown, (middle, _, low, _, high, *_) = aged(c, s, a), s.kept
+        more = Z95 * math.sqrt(grown)
         known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-        share = 1.0 if new else share_of(c, high_now - low_now, known) if adds else 0.0
-        s.kept = [(1.0 - share) * x + share * y for x, y in zip(s.kept, row, strict=True)]
+        share = 1.0 if new else share_of(c, row[4] - row[2], known) if adds else 0.0
+        if share > 0.0:
+            s.kept = [(1.0 - share) * x + share * y for x, y in zip(s.kept, row, strict=True)]
+            grown = renewed(c, s, a, share)
         kept.append(s.kept)
-        more_variance.append(renewed(c, s, a, share))
+        more_variance.append(grown)
     out, variance = np.array(kept).T, np.array(more_variance)
     return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(variance)), out[6] + variance
