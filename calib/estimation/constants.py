@@ -67,7 +67,7 @@ class Constants:
     scale_sigma: float = 0.01
     ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
     unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
-    tie: float = 0.05  # how far two widths are apart, relative, where only the narrower one counts
+    narrower: float = 0.2  # by which a reading takes all of the place of what was known [1]
     slip_rough: float = 0.04  # of the slip of a block, relative
     log_slip: float = -3.2  # ln(slip/z) before any braking, 0.04, and its sigma [1]
     log_slip_sigma: float = 0.7

@@ -229,8 +229,11 @@ def aged(c: Constants, s: State, level: float) -> float:
 
 
 def share_of(c: Constants, width: float, known: float) -> float:
-    """Share of a reading by its ``width`` and what is ``known``: no last digit decides."""
-    return min(max(0.5 + 0.5 * (known / width - 1.0) / c.tie, 0.0), 1.0)
+    """Share of a reading by how much narrower its ``width`` is than what is ``known`` [1].
+
+    It grows from none to all: no last digit decides.
+    """
+    return min(max((known / width - 1.0) / c.narrower, 0.0), 1.0)
 
 
 def renewed(c: Constants, s: State, level: float, share: float) -> float:

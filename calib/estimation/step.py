@@ -167,7 +167,7 @@ def _ratio(
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     unread = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])
-    share = np.where(told, np.clip(0.5 + 0.5 * (1.0 / unread - 1.0) / c.tie, 0.0, 1.0), 0.0)
+    share = np.where(told, np.clip((1.0 / unread - 1.0) / c.narrower, 0.0, 1.0), 0.0)
     now, zeros = prior + share * (now - prior), share * zeros
     unread = 1.0 + share * (unread - 1.0)
     # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
