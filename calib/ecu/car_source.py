@@ -106,9 +106,9 @@ def _data(
 ) -> Iterator[str]:
     """Definitions: of maps, of other ``data`` that has a label, and of `bte_this_car`."""
     held = (*axes_of(grids), *grids)
-    data |= {x.label: x.fixed.raw.tolist() if x.fixed else x.numbers for x in held}
+    maps = {x.label: x.fixed.raw.tolist() if x.fixed else x.numbers for x in held}
     cells = {grid.label for grid in grids}
-    for name, values in data.items():
+    for name, values in (data | maps).items():
         kind = "bte_cell" if name in cells else "bte_real"
         declared = f"BTE_CAL {kind} {_declared(name, values)}"
         begins = initial(values, how.floating)

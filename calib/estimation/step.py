@@ -154,8 +154,8 @@ def _ratio(
 ) -> tuple[Array, Array]:
     """Medians and bounds of ln of the ratio and of its change (3, 2, k); variance by reading (k,).
 
-    ``at`` the three axes of the map, the last two with ``errors``. Where it is not ``told``, or the
-    map knows no more, they are those before eta is read.
+    ``at`` the three axes of the map, the last two with ``errors``. Beside what is known before eta
+    is read it has its share, none where it is not ``told``.
     """
     steps = np.minimum(errors[0], c.pads.width(1, at[1])), np.minimum(errors[1], 1.0)
     places = np.repeat(np.stack(at)[:, None], 5, axis=1)
@@ -167,7 +167,8 @@ def _ratio(
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     unread = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])
-    share = np.where(told, np.clip((1.0 / unread - 1.0) / c.narrower, 0.0, 1.0), 0.0)
+    each = zip(unread.tolist(), told.tolist(), strict=True)
+    share = np.array([share_of(c, width, 1.0) if counts else 0.0 for width, counts in each])
     now, zeros = prior + share * (now - prior), share * zeros
     unread = 1.0 + share * (unread - 1.0)
     # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp

@@ -176,7 +176,9 @@ def test_another_table_is_taken_at_rest_only(fitted):
         assert state.raw == left
 
 
-@pytest.mark.parametrize("line", ["while x > 1.0: x -= 1.0", "x: float = 1.0", "import math"])
+@pytest.mark.parametrize(
+    "line", ["while x > 1.0: x -= 1.0", "x: float = 1.0", "import math", "x, y = 1.0, x"]
+)
 def test_what_has_no_counterpart_in_c_is_refused(line):
     with pytest.raises(ValueError, match="in C"):
         translated(f"def f(x: float) -> float:\n    'About.'\n    {line}\n    return x\n")
