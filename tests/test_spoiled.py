@@ -1,4 +1,4 @@
-"""Whatever a log holds: no traceback, no number that is not finite; more: studies/spoiled.py."""
+"""Whatever a log holds: no traceback, no number that is not finite."""
 
 import numpy as np
 import pytest

@@ -1,7 +1,4 @@
-"""All files of a run or none, whatever is killed when, full or read-only.
-
-`tests/studies/kills.py` kills processes at random times.
-"""
+"""All files of a run or none, whatever is killed when, full or read-only."""
 
 import json
 import os

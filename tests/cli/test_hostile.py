@@ -1,16 +1,11 @@
-"""Files made to break a reader end with one line and the right exit code, and leave nothing.
-
-What they cost is measured by `tests/studies/hostile.py`, with the large ones as well.
-"""
+"""Files made to break a reader end with one line and the right exit code, and leave nothing."""
 
 import pytest
 
 from tests.support.hostile import CASES, RAW
 
-SMALL = [case for case in CASES if not case.large]
 
-
-@pytest.mark.parametrize("case", SMALL, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_it_is_told_in_one_line(case, brake_cal, tmp_path, monkeypatch):
     words = case.make(tmp_path)
     before = sorted(tmp_path.iterdir())
@@ -25,7 +20,7 @@ def test_it_is_told_in_one_line(case, brake_cal, tmp_path, monkeypatch):
 
 
 def test_one_broken_record_is_a_line_of_the_list(brake_cal, tmp_path, monkeypatch):
-    case = next(case for case in SMALL if case.name == "record of 100,000 [, list")
+    case = next(case for case in CASES if case.name == "record of 100,000 [, list")
     words = case.make(tmp_path)
     monkeypatch.chdir(tmp_path)
     out = brake_cal(*words).out

@@ -3,12 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from calib.car.vehicle import Axle
 from calib.fitting.fit import fit
 from calib.model.parameters import PRIORS
-from tests.studies.clean_cars import logs, plant
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 
@@ -94,13 +92,3 @@ def test_a_car_near_ideal_balance_has_the_pads_that_it_has():
         assert abs(found.value - PADS) < 2.5 * found.sigma
     for name, prior in PRIORS._asdict().items():
         assert abs(table.posterior.value(name) - prior.mean) < 3.0 * prior.sigma
-
-
-def test_a_top_that_bends_more_than_a_cubic_leads_to_no_far_minimum():
-    """Started from afar, this one ended with pads of 0.3 of their ratio, and was refused."""
-    made = plant("rear-engined", np.random.default_rng([2, 1, 0]))
-    table = fit(made.vehicle, logs(made, 100))
-    pads = table.calibration.pad_friction_f, table.calibration.pad_friction_r
-    for found, true in zip(pads, made.pads(0.0), strict=True):
-        assert found.value == pytest.approx(true, rel=0.08)
-        assert found.ci95[0] < true < found.ci95[1]

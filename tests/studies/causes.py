@@ -276,7 +276,7 @@ def hydraulic_lag(rng: Rng) -> Hidden:
 def tyre_relaxation(rng: Rng) -> Hidden:
     """0.1 to 0.6 m of way until a tyre has built up its force: slip stiffness, 20 to 30 times 4 kN,
     over the carcass' stiffness along the wheel, 0.2 to 1 kN/mm (Pacejka, ch. 7). The pedals of the
-    stops are fast, 20 to 250 bar/s (`tests.studies.ensemble.profile`); more in `fast_pedal`."""
+    stops are fast, 20 to 250 bar/s (`tests.studies.ensemble.profile`)."""
     way = float(rng.uniform(0.1, 0.6))
     return Hidden(car=lambda role, p, *_: replace(p, relaxation=way))
 

@@ -1,22 +1,15 @@
 """Files made to break a reader, each with the command that reads it and the exit code it ends with.
 
 A case makes its files in an empty folder and returns the words of the command, which runs there.
-Large ones are made by holes and by compression, so that they take no room on the disk.
 """
 
-import io
 import json
 import os
 import re
 import shutil
-import struct
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 ROOT = Path(__file__).parents[2]
 SEDAN = ROOT / "sample_logs" / "sedan"
@@ -37,16 +30,12 @@ Content = bytes | Callable[[Path], bytes | None]
 
 @dataclass(frozen=True)
 class Case:
-    """``words`` of a command on ``files`` by name, and its exit code.
-
-    ``large`` cases are for the study alone: they take seconds.
-    """
+    """``words`` of a command on ``files`` by name, and its exit code."""
 
     name: str
     code: int
     words: list[str]
     files: dict[str, Content]
-    large: bool = False
 
     def make(self, folder: Path) -> list[str]:
         """Write the files into a folder and return the words."""
@@ -85,12 +74,11 @@ def case(
     file: str,
     content: Content,
     code: int = 3,
-    large: bool = False,
     beside: dict[str, Content] | None = None,
 ) -> Case:
     """A command whose last word is a file, with files ``beside`` it."""
     files = {file: content} | (beside or {})
-    return Case(name, code, [*COMMANDS[kind].split(), file], files, large)
+    return Case(name, code, [*COMMANDS[kind].split(), file], files)
 
 
 def toml_case(name: str, text: str) -> list[Case]:
@@ -127,52 +115,6 @@ def link(target: str) -> Content:
     return lambda path: path.symlink_to(target)
 
 
-def holes(kind: str, file: str, head: bytes = b"") -> Case:
-    """A file of 3 GB of zeros that takes no room."""
-
-    def make(path: Path) -> None:
-        with path.open("wb") as made:
-            made.write(head)
-            made.truncate(3_000_000_000)
-
-    return case(f"3 GB of zeros in {file}", kind, file, make, large=True)
-
-
-def bomb(line: bytes, size: int = 1_500_000_000) -> bytes:
-    """A gzip file that unpacks to ``size`` bytes of the ramp's header and one line again."""
-    pack = zlib.compressobj(1, wbits=31)
-    block = line * (10_000_000 // len(line))
-    head = RAMP.read_bytes().splitlines(keepends=True)[0]
-    parts = [pack.compress(head)]
-    parts += [pack.compress(block) for _ in range(size // len(block))]
-    return b"".join([*parts, pack.flush()])
-
-
-def row() -> bytes:
-    return RAMP.read_bytes().splitlines(keepends=True)[1]
-
-
-def parquet_bomb(path: Path) -> bytes:
-    """A Parquet file of 400 million equal values in a few kilobytes."""
-    sink, names = io.BytesIO(), RAMP.read_text().splitlines()[0].split(",")
-    part = pa.table({name: pa.array([1.0]).take(pa.array([0] * 1_000_000)) for name in names})
-    with pq.ParquetWriter(sink, part.schema, compression="zstd") as writer:
-        for _ in range(400):
-            writer.write_table(part)
-    return sink.getvalue()
-
-
-def blf_bomb(path: Path) -> bytes:
-    """A BLF file with one container that unpacks to 2 GB."""
-    pack, block = zlib.compressobj(1), bytes(10_000_000)
-    packed = b"".join([*(pack.compress(block) for _ in range(200)), pack.flush()])
-    body = struct.pack("<HHLLL", 2, 0, 0, 2_000_000_000, 0) + packed
-    container = struct.pack("<4sHHLL", b"LOBJ", 16, 1, 16 + len(body), 10) + body
-    size = 144 + len(container)
-    head = struct.pack("<4sL8xQQL", b"LOGG", 144, size, 2_000_000_000, 9).ljust(144, b"\0")
-    return head + container
-
-
 def mdf_version(written: bytes) -> bytes:
     """The first block of an MDF file with this version."""
     return b"MDF     " + written.ljust(8)[:8] + bytes(48)
@@ -184,20 +126,17 @@ def header(cell: str) -> bytes:
     return "\n".join([f'{first},"{cell}"', *(f"{line},0.5" for line in rows), ""]).encode()
 
 
-def described_by(name: str, file: str, content: Content, large: bool = False) -> Case:
+def described_by(name: str, file: str, content: Content) -> Case:
     """A log of a bus whose map names ``file`` as what describes it."""
     chart = BUS_MAP.replace(b"a.dbc", file.encode())
     beside: dict[str, Content] = {"map.toml": chart, file: content}
-    return case(name, "bus", "a.log", b"(1.0) can0 100#00\n", large=large, beside=beside)
+    return case(name, "bus", "a.log", b"(1.0) can0 100#00\n", beside=beside)
 
 
 BUS_MAP = b'schema = 1\ndbc = "a.dbc"\n[channels.v]\nsource = "V"\n'
 DBC = b'VERSION ""\nBU_: E\nBO_ 256 M: 8 E\n SG_ V : 0|8@1+ (1,0) [0|1] "km/h" E\n'
 SYM_TEXT = b'FormatVersion=6.0\nTitle="' + b"a" * 4_000_000 + b'"\n'
 DBC_TEXT = b'VERSION ""\nBU_: E\nCM_ "' + b"a" * 4_000_000 + b'";\n'
-DBC_SIGNALS = b'VERSION ""\nBU_: E\nBO_ 256 M: 64 E\n' + b"".join(
-    b' SG_ V%d m%d : 8|8@1+ (1,0) [0|1] "" E\n' % (i, i) for i in range(100_000)
-)
 ENTITIES = b"<!DOCTYPE MSRSW [<!ENTITY a '" + b"z" * 100_000 + b"'>]><MSRSW>" + b"&a;" * 9_000
 RECORD = "sedan-2up/v0001/record.json"
 DEEP = b"[" * 100_000
@@ -275,7 +214,6 @@ CASES: list[Case] = [
     ),
     described_by("SYM with a text of 4 MB", "a.sym", SYM_TEXT),
     described_by("DBC with a text of 4 MB", "a.dbc", DBC_TEXT),
-    described_by("DBC of 100,000 signals", "a.dbc", DBC_SIGNALS, large=True),
     described_by("DBC of another grammar", "a.dbc", b"BO_ 1 \n\nx\r\ny"),
     case("controls in a header", "log", "a.csv", header(f"{TERMINAL} [bar]"), 0),
     case("header of 100,000 blanks", "log", "r.csv", header(f"x{chr(9) * 100_000}y"), 0),
@@ -290,22 +228,4 @@ CASES: list[Case] = [
                b'schema = 1\n[channels.v]\nsource = "\\u001b[2J\\u202e"\n'),
     case("key with controls in a map", "check", "m.toml",
                'schema = 1\n"\\u001b[2J\u202e" = 1\n'.encode()),
-    *(
-        case(f"gzip bomb of 1.5 GB of {what}", "log", file, made, large=True)
-        for what, file, made in (
-            ("lines", "a.csv.gz", lambda path: bomb(row())),
-            ("zeros", "a.csv.gz", lambda path: bomb(b"\0" * 100)),
-            ("line ends", "a.csv.gz", lambda path: bomb(b"\n")),
-            ("lines, cut off", "a.csv.gz", lambda path: bomb(row())[:-9]),
-            ("line ends, as VBO", "a.vbo.gz", lambda path: bomb(b"\n")),
-        )
-    ),
-    case("Parquet of 3.2 GB a column", "log", "a.parquet", parquet_bomb, large=True),
-    case("BLF container of 2 GB", "bus", "a.blf", blf_bomb, large=True,
-         beside={"map.toml": BUS_MAP, "a.dbc": DBC}),
-    holes("log", "a.csv"),
-    holes("log", "a.parquet"),
-    holes("log", "a.mf4", mdf_version(b"4.10")),
-    *map(holes, ("check", "import", "validation", "plan", "effect"),
-         ("a.toml", "in.dcm", "v.json", "p.csv", "e.py")),
 ]  # fmt: skip

@@ -149,4 +149,4 @@ ABSORBED: dict[str, Draw] = {
     "anti_dive": lambda s, r: pitch(s, r) | {"through_springs": float(r.uniform(0.3, 0.8))},
 }
 """What has no name of its own: pads and tyre take it up, or a parameter of another name. Drawn only
-by name; see `tests/studies/results/absorbed.md`."""
+by name."""

@@ -1,3 +1,5 @@
+"""The plant of hidden effects: it shares nothing with the program, and obeys closed forms."""
+
 import ast
 from dataclasses import replace
 from functools import cache
@@ -6,10 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.studies.score import outcome, score
-from tests.support.hidden.cases import CARS, draw
+from tests.support.hidden.cases import CARS
 from tests.support.hidden.hydraulics import lines
-from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, Manoeuvre, manoeuvre
+from tests.support.hidden.manoeuvres import Manoeuvre, manoeuvre
 from tests.support.hidden.plant import AMBIENT, COOLING, Car, Start, drive
 from tests.support.hidden.settings import Hidden
 from tests.support.plant import magic
@@ -79,79 +80,3 @@ def test_discs_warm_with_what_the_car_loses():
     heat = 13.4e3 * (rise[0] + cooled[0]) + 8.1e3 * (rise[1] + cooled[1])
     # Wheels store 2 to 3 % of it, slip takes 1 to 2 %.
     assert heat == pytest.approx(lost, rel=0.03)
-
-
-@pytest.fixture(scope="module")
-def bare_case():
-    return draw("none", 5)
-
-
-@pytest.fixture(scope="module")
-def case():
-    return draw("single", 0)
-
-
-def test_the_same_seed_gives_the_same_case_and_another_another(case, bare_case):
-    again = draw("single", 0)
-    assert again.answer == case.answer
-    assert [log.digest for log in again.holdout] == [log.digest for log in case.holdout]
-    assert bare_case.answer != case.answer
-
-
-def test_nothing_but_the_readings_tells_what_is_hidden(case, bare_case):
-    other = bare_case
-    for a, b in zip(
-        case.calibration + case.holdout, other.calibration + other.holdout, strict=True
-    ):
-        assert (a.name, a.source, a.truth, list(a.channels)) == (
-            (b.name, b.source, b.truth, list(b.channels))
-        )
-    assert [log.name for log in case.calibration] == list(CALIBRATION)
-    assert [log.name for log in case.holdout] == list(HOLDOUT)
-
-
-def named(*names: str, verdict: str = "named", rivals: tuple[str, ...] = ()) -> dict:
-    effects = [{"name": n, "parameters": {}, "indistinguishable_from": rivals} for n in names]
-    return {"verdict": verdict, "effects": effects}
-
-
-PAIR = ("aerodynamic_drag", "hydraulic_lag")
-
-
-@pytest.mark.parametrize(
-    ("kind", "effects", "told", "word"),
-    [
-        ("single", PAIR[:1], named("aerodynamic_drag"), "exact"),
-        ("single", PAIR[:1], named("rolling_resistance"), "wrong"),
-        ("single", PAIR[:1], named("engine_drag", verdict="ambiguous", rivals=PAIR[:1]), "set"),
-        ("single", PAIR[:1], named(verdict="no_gap"), "no_gap"),
-        ("double", PAIR, named(*PAIR), "exact"),
-        ("double", PAIR, named("hydraulic_lag"), "partial"),
-        ("double", PAIR, named("hydraulic_lag", "engine_drag"), "wrong"),
-        ("none", (), named("hydraulic_lag", verdict="ambiguous"), "wrong"),
-        ("outside", ("tank_slosh",), named(verdict="unknown"), "exact"),
-    ],
-)
-def test_outcomes(case, kind, effects, told, word):
-    assert outcome(replace(case, kind=kind, effects=effects), told) == word
-
-
-def test_the_gap_closed_and_the_intervals_are_those_of_the_truth(case):
-    area = case.hidden.drag_area
-    told = named("aerodynamic_drag")
-    told["effects"][0]["parameters"] = {
-        "drag_area": {"value": area, "unit": "m^2", "ci95": [area - 0.01, area + 0.01]}
-    }
-
-    def off(by: float) -> dict:
-        return {
-            stem: {k: v + (by if k != "time" else 0.0) for k, v in channels.items()}
-            for stem, channels in case.truth.items()
-        }
-
-    found = score(case, told, off(0.4), off(0.1))
-    assert found.closed == pytest.approx(0.75)
-    assert found.by_channel["a_x"] == pytest.approx(0.75)
-    assert [i.held for i in found.intervals] == [True]
-    told["effects"][0]["parameters"]["drag_area"]["ci95"] = [area + 0.01, area + 0.03]
-    assert not score(case, told).intervals[0].held
