@@ -50,8 +50,7 @@ def qualify(
     Writes the environment and the checks with their results. Exit code 0 if all checks hold.
     """
     from calib.base.plain import counted
-    from calib.help.checks import SUITE
-    from calib.help.qualify import facts
+    from calib.help.qualify import SUITE, facts
     from calib.help.qualify import qualify as made
     from calib.show.html import page_of
 

@@ -4,14 +4,13 @@ import os
 import platform
 import re
 import tempfile
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
 from packaging.requirements import Requirement
-from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 from calib.base.errors import InputError, SettingsError
@@ -43,7 +42,6 @@ def environment() -> dict[str, str]:
         processor = named[1] if named else processor
     return {
         "interpreter": f"{platform.python_implementation()} {platform.python_version()}",
-        "compiler": platform.python_compiler(),
         "operating system": platform.platform(),
         "machine": platform.machine(),
         "processor": processor,
@@ -69,41 +67,26 @@ class Need:
         return f"{self.package} {self.found or 'is missing'}{lowest}"
 
 
-def needs() -> tuple[Need, ...]:
+def needs() -> Iterator[Need]:
     """Python and every package that is declared for users; not installed, Python alone."""
-    lowest = ""
+    lowest, lines = "", list[str]()
     with suppress(PackageNotFoundError):
         lowest = metadata(NAME)["Requires-Python"].removeprefix(">=")
-    return Need("python", lowest, platform.python_version()), *_declared(NAME, _EXTRAS)
-
-
-def packages() -> dict[str, str]:
-    """Version of every installed package that is declared, or by one of those in turn."""
-    found: dict[str, str] = {}
-    waiting = [*_declared(NAME, _EXTRAS)]
-    while waiting:
-        need = waiting.pop()
-        name = canonicalize_name(need.package)
-        if need.found and name not in found:  # without an extra that is not installed
-            found[name] = need.found
-            waiting += _declared(name, ())
-    return dict(sorted(found.items()))
-
-
-def _declared(name: str, extras: Collection[str]) -> Iterator[Need]:
-    """What a package declares, with that of its ``extras``; nothing if it is not installed."""
-    lines: list[str] = []
-    with suppress(PackageNotFoundError):
-        lines = requires(name) or []
+        lines = requires(NAME) or []
+    yield Need("python", lowest, platform.python_version())
     for asked in map(Requirement, lines):
-        marker = asked.marker
-        for extra in ("", *extras):
-            if marker is None or marker.evaluate({"extra": extra}):
-                lowest, found = [s.version for s in asked.specifier if s.operator == ">="], ""
-                with suppress(PackageNotFoundError):
-                    found = version(asked.name)
-                yield Need(asked.name, "".join(lowest), found, extra)
+        for extra in ("", *_EXTRAS):
+            if asked.marker is None or asked.marker.evaluate({"extra": extra}):
+                at_least = [s.version for s in asked.specifier if s.operator == ">="]
+                yield Need(asked.name, "".join(at_least), _installed(asked.name), extra)
                 break
+
+
+def _installed(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
 
 
 @dataclass(frozen=True)
@@ -123,8 +106,16 @@ def _judged(name: str, good: bool, what: str, do: str, otherwise: str = NOTE) ->
 def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
     settings, usual = _settings()
-    found = (*_packages(), *_machine(), *_store(store or usual or STORE), *_samples())
-    return (*found, settings)
+    folder = tempfile.gettempdir()
+    writable, elsewhere = os.access(folder, os.W_OK), "name another one by the variable TMPDIR"
+    return (
+        *_packages(),
+        _Finding("cores", FINE, f"{cores()} for this process"),
+        _judged("temporary files", writable, folder, elsewhere, WRONG),
+        _store(store or usual or STORE),
+        _samples(),
+        settings,
+    )
 
 
 def _settings() -> tuple[_Finding, Path | None]:
@@ -140,7 +131,7 @@ def _settings() -> tuple[_Finding, Path | None]:
 
 
 def _packages() -> Iterator[_Finding]:
-    given = needs()
+    given = list(needs())
     again = "install brake-cal again: pip install --upgrade brake-cal"
     for need in given:
         if not need.extra:
@@ -152,34 +143,23 @@ def _packages() -> Iterator[_Finding]:
             yield _judged(f"[{extra}]", all(need.met for need in its), what, do)
 
 
-def _machine() -> Iterator[_Finding]:
-    yield _Finding("cores", FINE, f"{cores()} for this process")
-    folder = tempfile.gettempdir()
-    do = "name another one by the variable TMPDIR"
-    yield _judged("temporary files", os.access(folder, os.W_OK), folder, do, WRONG)
-
-
-def _store(store: Path) -> Iterator[_Finding]:
+def _store(store: Path) -> _Finding:
     if not store.exists():
-        yield _Finding("store", NOTE, f"{store} is not there", "the first `brake-cal fit` makes it")
-        return
+        return _Finding(
+            "store", NOTE, f"{store} is not there", "the first `brake-cal fit` makes it"
+        )
     if not store.is_dir() or not os.access(store, os.R_OK | os.X_OK):
         what = "cannot be read" if store.is_dir() else "is a file"
-        yield _Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
-        return
+        return _Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
     versions = [len(versions_in(store / name)) for name in names_in(store)]
-    writable, left = os.access(store, os.W_OK), len(unplaced(store))
-    parts = [
-        f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}",
-        "" if writable else "read only",
-        f"{left} unfinished" if left else "",
-    ]
-    do = "no table can be stored or released here"
-    yield _judged("store", writable, ", ".join(filter(None, parts)), do)
+    what = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
+    left, writable = len(unplaced(store)), os.access(store, os.W_OK)
+    what += f", {left} unfinished" * bool(left) + ", read only" * (not writable)
+    return _judged("store", writable, what, "no table can be stored or released here")
 
 
-def _samples() -> Iterator[_Finding]:
+def _samples() -> _Finding:
     try:
-        yield _Finding("sample logs", FINE, str(sample_logs()))
+        return _Finding("sample logs", FINE, str(sample_logs()))
     except InputError as error:
-        yield _Finding("sample logs", NOTE, error.what, "`demo` and `qualify` need them")
+        return _Finding("sample logs", NOTE, error.what, "`demo` and `qualify` need them")

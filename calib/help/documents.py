@@ -75,32 +75,29 @@ def documents() -> dict[str, Document]:
     return {name: Document(**one) for name, one in tomllib.loads(written).items()}
 
 
-FILES = {
-    "vehicle": "vehicle.toml: masses, lengths and brakes of a car",
-    "model": "model.toml: pads, tyre, effects and roads of a simulation",
-    "limits": "limits.toml: the allowed range of each metric",
-    "bench": "bench.toml: brake forces on a roller brake tester",
-    "channel-map": "map.toml: which column of a foreign log is which channel",
-    "settings": "brake-cal.toml: what options say that are not given",
-    "table": "record.json: a stored table without its curves",
-    "summary": "summary.json of a validation, as far as an export reads it",
-    "vehicle-facts": "what `vehicle show --json` prints of a vehicle file",
-    "error": "what a command with --json prints where it ends with an error",
-}
+_FILES = {
+    "vehicle": ("car.vehicle_file:VehicleFile",
+                "vehicle.toml: masses, lengths and brakes of a car"),
+    "model": ("car.model_file:ModelFile",
+              "model.toml: pads, tyre, effects and roads of a simulation"),
+    "limits": ("", "limits.toml: the allowed range of each metric"),
+    "bench": ("model.roller_bench_file:RollerBenchFile",
+              "bench.toml: brake forces on a roller brake tester"),
+    "channel-map": ("logs.channel_map_file:ChannelMapFile",
+                    "map.toml: which column of a foreign log is which channel"),
+    "settings": ("base.settings_file:SettingsFile",
+                 "brake-cal.toml: what options say that are not given"),
+    "table": ("store.record_file:RecordFile", "record.json: a stored table without its curves"),
+    "summary": ("store.record_file:SummaryFile",
+                "summary.json of a validation, as far as an export reads it"),
+    "vehicle-facts": ("car.facts_file:VehicleFactsFile",
+                      "what `vehicle show --json` prints of a vehicle file"),
+    "error": ("base.record:ErrorFile",
+              "what a command with --json prints where it ends with an error"),
+}  # fmt: skip
+"""Kinds of files: the class of each, but that of limits, which is made of the metrics; content."""
+FILES = {name: text for name, (_, text) in _FILES.items()}
 """Kinds of files, and their content."""
-
-_CLASSES = {
-    "vehicle": "car.vehicle_file:VehicleFile",
-    "model": "car.model_file:ModelFile",
-    "bench": "model.roller_bench_file:RollerBenchFile",
-    "channel-map": "logs.channel_map_file:ChannelMapFile",
-    "settings": "base.settings_file:SettingsFile",
-    "table": "store.record_file:RecordFile",
-    "summary": "store.record_file:SummaryFile",
-    "vehicle-facts": "car.facts_file:VehicleFactsFile",
-    "error": "base.record:ErrorFile",
-}
-"""Where the class of each kind stands; that of limits is made of the metrics."""
 
 
 def section(name: str) -> "type[Section]":
@@ -112,7 +109,7 @@ def section(name: str) -> "type[Section]":
 
     if name == "limits":
         return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
-    module, _, kind = _CLASSES[name].partition(":")
+    module, _, kind = _FILES[name][0].partition(":")
     found: type[Section] = getattr(import_module(f"calib.{module}"), kind)
     return found
 

@@ -3,7 +3,7 @@
     python tests/studies/same_results.py A/qualification.json B/qualification.json ...
 
 Prints the largest difference of each document from the first one, over the tolerance of the check.
-Ends with 1 where it is past `MOST`, where checks differ, or where the digests do.
+Ends with 1 where it is past `MOST`, or where checks differ.
 """
 
 import json
@@ -31,12 +31,10 @@ def main() -> int:
             print("a check does not hold: nothing to compare")
             return 1
         largest, name = compare(first, other)
-        same = first["digest"] == other["digest"]
         versions = [f"NumPy {d['packages']['numpy']}, SciPy {d['packages']['scipy']}, "
                     f"{d['environment']['interpreter']}" for d in (first, other)]  # fmt: skip
-        print(f"{versions[0]} against {versions[1]}: {largest:.1e} of a tolerance ({name}), digest "
-              f"{'equal' if same else 'DIFFERENT'}")  # fmt: skip
-        good = good and same and largest <= MOST
+        print(f"{versions[0]} against {versions[1]}: {largest:.1e} of a tolerance ({name})")
+        good = good and largest <= MOST
     return 0 if good else 1
 
 
