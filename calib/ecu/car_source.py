@@ -31,10 +31,10 @@ from calib.estimation.online import answered
 from calib.estimation.reasons import Reason
 from calib.estimation.step import started
 from calib.exports.dataset import MOST_AXES, Axis, Grid, maps_of
-from calib.model.resistance import DRAG, RESISTANCE, ROLLING
 from calib.run.blocks import BLOCK, samples_of_block
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise
+from calib.run.resistance import DRAG, RESISTANCE, ROLLING
 from calib.table.exported import Precision, as_exported
 from calib.table.generation import require_maps
 from calib.table.table import Table

@@ -27,11 +27,11 @@ from calib.estimation.online import online
 from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
-from calib.model.known_effects import CorrectedRun, remove_known_effects
 from calib.run.axle_signals import Signals, eta_of, signals
 from calib.run.blocks import Blocks, blocks, samples_of_block
 from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
+from calib.run.known_effects import CorrectedRun, remove_known_effects
 from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
 from calib.table.generation import require_maps
 from calib.table.table import Table
@@ -174,7 +174,7 @@ def estimate(
     Parameters
     ----------
     table : what the car was calibrated to. Its known effects are taken out of the log first, see
-        `calib.model.known_effects`.
+        `calib.run.known_effects`.
     log : the run, with an unbraked lead-in in which eta is zeroed.
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.

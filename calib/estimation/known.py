@@ -12,7 +12,7 @@ from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
-from calib.model.resistance import DRAG, ROLLING, Resistance
+from calib.run.resistance import DRAG, ROLLING, Resistance
 from calib.table.pad_levels import pad_levels
 from calib.table.table import Table
 

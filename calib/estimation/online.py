@@ -18,10 +18,10 @@ from calib.estimation.constants import Constants
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
-from calib.model.known_effects import remove_known_effects
 from calib.run.axle_signals import Signals, axle_pressure
 from calib.run.blocks import blocks
 from calib.run.filters import block_mean
+from calib.run.known_effects import remove_known_effects
 from calib.run.noise import SensorNoise
 from calib.table.table import Table
 

@@ -24,8 +24,8 @@ from calib.estimation.warnings import warnings_of
 from calib.logs.log import Log
 from calib.plausibility.run import wrong_speed
 from calib.run.gates import require_same_wheels
-from calib.run.observation import observe
 from calib.run.rules import problems
+from calib.run.run import Run
 from calib.run.warnings import clock_gaps, locked_wheels, saturated
 from calib.store.evidence import CONSISTENT
 from calib.table.budget import Parts
@@ -167,7 +167,7 @@ def validate_one(
 
     ``coded`` is what the code of an ECU makes of it, if that counts.
     """
-    seen = observe(log, full=False)
+    seen = Run(log)
     if reasons := problems(seen, "validate"):
         what = "this run cannot be used for a validation: " + "; ".join(reasons)
         raise LogError(what, where=log.source, do="see `brake-cal check`")

@@ -9,11 +9,11 @@ from calib.base.warning import PlausibilityWarning, judged
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
 from calib.logs.log import Log
-from calib.model.resistance import Resistance
 from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import of_changes
 from calib.plausibility.run import run_warnings
 from calib.run.brake_response import brake_response
+from calib.run.resistance import Resistance
 from calib.table.budget import budget_of
 from calib.table.pad_levels import pad_levels
 

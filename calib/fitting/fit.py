@@ -26,11 +26,8 @@ from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated
 from calib.fitting.posterior import parts_of
 from calib.fitting.quality import explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
-from calib.model.known_effects import remove_known_effects
 from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun, prepare
-from calib.model.resistance import RESISTANCE, Resistance
-from calib.model.resistance import identify as identify_resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.sensors import put_right
 from calib.model.settings import SETTINGS
@@ -38,7 +35,10 @@ from calib.model.sort_logs import Prepared, sort_logs
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.run import wrong_speed
 from calib.run.blocks import BLOCK
+from calib.run.known_effects import remove_known_effects
 from calib.run.noise import worst_noise
+from calib.run.resistance import RESISTANCE, Resistance
+from calib.run.resistance import identify as identify_resistance
 from calib.run.same_run import fingerprint_of
 from calib.table.invariants import require_finite
 from calib.table.table import LogReference, Provenance, Table, TableReference, TyrePosterior, Value
@@ -57,7 +57,7 @@ def fit(
     Parameters
     ----------
     vehicle : names the table. The effects that it knows are taken out of the logs first, see
-        `calib.model.known_effects`.
+        `calib.run.known_effects`.
     logs : one ramp or more; logs without braking serve as coast logs, and ramps on which one axle
         brakes alone by its wheel pressures tell tyres and pads of the axles apart.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the

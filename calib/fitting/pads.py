@@ -18,9 +18,9 @@ from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import PRIORS
 from calib.model.parameters import AT
 from calib.model.ramp import RampRun, nominal_forces, pad_scale
-from calib.model.resistance import Resistance
 from calib.model.roller_bench import RollerBench
 from calib.model.settings import SETTINGS
+from calib.run.resistance import Resistance
 from calib.table.budget import Variances, axle_parts
 from calib.table.table import Calibration, TableBudget, Value
 

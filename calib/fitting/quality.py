@@ -24,8 +24,6 @@ from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
-from calib.model.resistance import ROLLING, Resistance
-from calib.model.resistance import identify as identify_resistance
 from calib.model.sensors import judge_accelerometer
 from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared
@@ -33,6 +31,8 @@ from calib.plausibility.run import of_bend, run_warnings
 from calib.run.axle_signals import signals
 from calib.run.brake_response import brake_balance, brake_response
 from calib.run.filters import runs as runs_of
+from calib.run.resistance import ROLLING, Resistance
+from calib.run.resistance import identify as identify_resistance
 from calib.table.table import Value
 
 _SOME = 64  # draws whose median is taken: it is known far better than a block

@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 from calib.car.vehicle import Vehicle
-from calib.model.resistance import Resistance
-from calib.model.resistance import identify as identify_resistance
 from calib.model.sort_logs import Prepared
 from calib.run.accelerometer import Accelerometer, accelerometer
 from calib.run.blocks import Blocks, block_balance
 from calib.run.noise import SensorNoise
+from calib.run.resistance import Resistance
+from calib.run.resistance import identify as identify_resistance
 
 
 def put_right(vehicle: Vehicle, run: Prepared) -> tuple[Prepared, Accelerometer]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
 from calib.base.names import CHANNELS
@@ -11,9 +11,9 @@ from calib.base.warning import PlausibilityWarning
 from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
 from calib.run.driving_record import BrakeEvent
-from calib.run.observation import Observation, figures, observe
 from calib.run.rules import PURPOSES, problems, uses
-from calib.run.sensors import Sensor
+from calib.run.run import Run, figures
+from calib.run.sensors import FIGURES, Sensor
 from calib.run.warnings import impossible_samples, warnings_of
 from calib.run.wheels import IntervalEstimate
 
@@ -56,7 +56,7 @@ class Findings:
     Attributes
     ----------
     log, source, digest, truth, ignored, notes, bridged : as the `Log` has them.
-    seen : observations on clock, sensors and driving [SI].
+    seen : what is seen of clock, sensors and driving [SI].
     warnings : problems that do not make the log unusable.
     verdicts : one for each purpose.
     taken : source column of each channel.
@@ -68,7 +68,7 @@ class Findings:
     digest: str
     truth: tuple[str, ...]
     ignored: tuple[str, ...]
-    seen: Observation
+    seen: Run
     notes: tuple[str, ...]
     warnings: tuple[PlausibilityWarning, ...]
     verdicts: tuple[LogVerdict, ...]
@@ -99,7 +99,7 @@ def check(log: Log, copies: Iterable[str] = ()) -> Findings:
     >>> findings.verdicts[0].reasons
     ('no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition',)
     """
-    seen, copies = observe(log), tuple(copies)
+    seen, copies = Run(log), tuple(copies)
     reasons = {name: (*copies, *problems(seen, name)) for name in PURPOSES}
     return Findings(
         log=log.name,
@@ -124,17 +124,38 @@ def _taken(log: Log, origin: Origin) -> _Taken:
 
 def problems_for(log: Log, purpose: str) -> list[str]:
     """Reasons to refuse a log for one of `PURPOSES`; empty if it is usable."""
-    return problems(observe(log, full=purpose == "diagnose"), purpose)
+    return problems(Run(log), purpose)
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
     """The findings as plain data, numbers in SI; ``figures`` as in the results of a batch."""
+    told = {name: x for name, x in vars(findings).items() if name != "seen"}
     return {
         "usable": findings.usable,
-        **asdict(findings),
+        **{name: _plain(x) for name, x in told.items()},
+        "seen": {name: _plain(getattr(findings.seen, name)) for name in _SEEN},
         "figures": figures(findings.seen),
         "warned": list(dict.fromkeys(warning.code for warning in findings.warnings)),
     }
+
+
+_SEEN = (
+    "present", "missing", "clock", "sensors", "events", "lead_in", "coasting", "lead_in_driven",
+    "standing", "speed", "z", "alone", "pressures", "wheels_held", "v_of_wheels", "axles",
+    "slipping", "wheels",
+)  # fmt: skip
+"""What is told of a run, by name."""
+
+
+def _plain(x: Any) -> Any:
+    """Records as mappings, in tuples and mappings, too."""
+    if isinstance(x, Sensor):
+        return {name: getattr(x, name) for name in FIGURES}
+    if isinstance(x, dict):
+        return {name: _plain(y) for name, y in x.items()}
+    if isinstance(x, tuple):
+        return tuple(map(_plain, x))
+    return asdict(x) if is_dataclass(x) and not isinstance(x, type) else x
 
 
 def facts(findings: Findings) -> Iterator[tuple[str, str]]:

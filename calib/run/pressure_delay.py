@@ -14,13 +14,17 @@ goes as the pressure would, at another time.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
+from calib.base.names import AXLES, G
 from calib.car.braking import BITE
 from calib.logs.clock import step_of
-from calib.run.driving_record import BITE_Z, DRIVEN, rolls
+from calib.logs.log import Log
+from calib.run.axle_signals import axle_pressure
+from calib.run.driving_record import BITE_Z, DRIVEN, DrivingRecord, rolls
 from calib.run.filters import centred_mean, since
 from calib.run.least_squares import lasting_variance, squares_left
 from calib.run.limits import LIMITS
@@ -85,6 +89,33 @@ class PressureDelay:
         """Whether it may be one of the ``others``, or a mean of them."""
         low, high = min(other.low for other in others), max(other.high for other in others)
         return self.low <= high and low <= self.high
+
+
+_GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch of a_x
+
+
+def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, PressureDelay]:
+    """The delay of the deceleration after each pressure until a wheel is at its ``limit`` [s].
+
+    Wheels are told by the master cylinder where they follow it, and the deceleration agrees; else
+    by the deceleration, and nothing is said of ``p_mc``: a motor, a booster or a hold is between.
+    """
+    use = driving.moving & (log.time < limit)
+    both = [[f"p_{axle}l", f"p_{axle}r"] for axle in AXLES]
+    names = [name for pair in both if all(x in log for x in pair) for name in pair]
+    drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
+    true = use & (np.abs(log["a_x"]) <= _GREATEST)
+    of_z = partial(pressure_delay, log.time, driving.z, drives=drives, use=true)
+    master = of_z([log["p_mc"]])
+    wheels = of_z([axle_pressure(log, axle) for axle in AXLES]) if names else None
+    if master is None or wheels is None:
+        return {"p_mc": master} if master else {}
+    if not drives:
+        behind = [delay_of_wheel(log.time, log[name], log["p_mc"], use) for name in names]
+        told = [master.less(x) for x in behind if x and x.explained > LIMITS.explained_curve]
+        if len(told) == len(names) and wheels.within(told):
+            return {"p_mc": master, **dict(zip(names, told, strict=True))}
+    return dict.fromkeys(names, wheels)
 
 
 def pressure_delay(

@@ -7,7 +7,7 @@ from itertools import groupby, permutations
 from calib.base.names import AXLE_NAMES, WHEELS
 from calib.run.driving_record import BITE_Z, NOMINAL_RADIUS, BrakeEvent
 from calib.run.limits import LIMITS
-from calib.run.observation import Observation
+from calib.run.run import Run
 from calib.run.wheels import CORRECT, crossed_side
 
 PURPOSES = ("fit", "validate", "coast", "diagnose")
@@ -23,7 +23,7 @@ _UNIT_KNOWN = 0.16
 that between the closest two, 1.61 and 2.24."""
 
 
-def problems(seen: Observation, purpose: str) -> list[str]:
+def problems(seen: Run, purpose: str) -> list[str]:
     """Reasons why a log is not usable for one of `PURPOSES`, each with what to do.
 
     Or for "search": reasons why its channels are too wrong to be searched for effects.
@@ -33,7 +33,7 @@ def problems(seen: Observation, purpose: str) -> list[str]:
     return list(dict.fromkeys([*basic, *more]))
 
 
-def _unusable(seen: Observation, purpose: str) -> Iterator[str]:
+def _unusable(seen: Run, purpose: str) -> Iterator[str]:
     """For every purpose."""
     for name in seen.missing:
         where = ", in bar, at the master cylinder" if name == "p_mc" else ""
@@ -64,7 +64,7 @@ def _unusable(seen: Observation, purpose: str) -> Iterator[str]:
         yield f"{crossed}: {CORRECT}, or look for a brake circuit without pressure"
 
 
-def _wrong_a_x(seen: Observation) -> Iterator[str]:
+def _wrong_a_x(seen: Run) -> Iterator[str]:
     slope = seen.axles.slope if seen.axles else None
     if slope is None:
         return
@@ -76,7 +76,7 @@ def _wrong_a_x(seen: Observation) -> Iterator[str]:
         yield f"{what}: check the unit of both (g or m/s^2, rad/s or rpm)"
 
 
-def _wrong_v(seen: Observation) -> Iterator[str]:
+def _wrong_v(seen: Run) -> Iterator[str]:
     """A ``v`` in another unit than it says: it makes wheels that no car has, or that a_x denies."""
     if seen.axles is None or seen.axles.radius is None:
         return
@@ -104,7 +104,7 @@ def _between(x: float, ends: tuple[float, float]) -> bool:
     return ends[0] <= x <= ends[1]
 
 
-def _wrong_pressure(seen: Observation) -> Iterator[str]:
+def _wrong_pressure(seen: Run) -> Iterator[str]:
     for sensor in seen.sensors:
         name, low, high = sensor.channel, sensor.low / 1e5, sensor.high / 1e5
         if not name.startswith("p_"):
@@ -122,7 +122,7 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
         yield f"{what}, and {least}: check its unit (bar or MPa) and its scale"
 
 
-def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
+def _foreign_pressure(seen: Run, late: float) -> Iterator[str]:
     """A pressure of another run, or of a clock that is off by more than ``late`` [s].
 
     Nothing is said of how much the pressure explains where a motor brakes as well.
@@ -153,7 +153,7 @@ def _foreign_pressure(seen: Observation, late: float) -> Iterator[str]:
         )
 
 
-def _not_for_fit(seen: Observation) -> Iterator[str]:
+def _not_for_fit(seen: Run) -> Iterator[str]:
     if not seen.events:
         yield "no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition"
         return
@@ -171,7 +171,7 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
     yield from _blurred_eta(seen)
 
 
-def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[str]:
+def _short_lead_in(seen: Run, least: float, braking: str) -> Iterator[str]:
     if seen.lead_in < least:
         do = f"roll for a second before the {braking}, with no engine or motor that brakes"
         yield f"{seen.lead_in:.2f} s of steady rolling at the start: {do}"
@@ -192,7 +192,7 @@ def _no_ramp(event: BrakeEvent, span: float) -> str:
     return f"the ramp spans {event.rise_z:.2f} g: brake up to {span + 0.1:.2f} g, without ABS"
 
 
-def _blurred_eta(seen: Observation) -> Iterator[str]:
+def _blurred_eta(seen: Run) -> Iterator[str]:
     """A table is a curve over eta: its change under braking must be known to half of itself."""
     most = seen.axles.eta_most if seen.axles else None
     if most is None or most.half < 0.5 * abs(most.value):
@@ -208,7 +208,7 @@ def _blurred_eta(seen: Observation) -> Iterator[str]:
         yield f"{what}: too little is known; log the wheel speeds finer and faster, or coast longer"
 
 
-def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
+def _disturbed(seen: Run, ramp: BrakeEvent) -> Iterator[str]:
     slips = seen.slipping
     if slips and any(ramp.start <= t <= ramp.end for _, t in slips.cycles):
         when = min(t for _, t in slips.cycles if t >= ramp.start)
@@ -224,7 +224,7 @@ def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
             yield f"{length:.2f} s are missing from {when:.2f} s on, within the ramp: drive again"
 
 
-def _not_for_validate(seen: Observation) -> Iterator[str]:
+def _not_for_validate(seen: Run) -> Iterator[str]:
     if not seen.events:
         yield "no braking: drive a stop from 50 km/h or more"
         return
@@ -236,14 +236,14 @@ def _not_for_validate(seen: Observation) -> Iterator[str]:
         yield f"{braking:.1f} s of braking above 3 m/s: brake for {LIMITS.braking:g} s or more"
 
 
-def _not_for_coast(seen: Observation) -> Iterator[str]:
+def _not_for_coast(seen: Run) -> Iterator[str]:
     if seen.events:
         yield "the brake is applied: a coast log has no braking"
     elif seen.coasting < LIMITS.coasting:
         yield f"only {seen.coasting:.1f} s of coasting: coast for {LIMITS.coasting:g} s or more"
 
 
-def _without_speed(seen: Observation) -> Iterator[str]:
+def _without_speed(seen: Run) -> Iterator[str]:
     why = "wheel speeds alone cannot tell slip from speed"
     if "v" not in seen.present:
         yield f"no reference speed v: log it, {why}"
@@ -251,7 +251,7 @@ def _without_speed(seen: Observation) -> Iterator[str]:
         yield f"v is made of the wheel speeds: log the speed over ground of another sensor, {why}"
 
 
-def _not_for_diagnose(seen: Observation) -> Iterator[str]:
+def _not_for_diagnose(seen: Run) -> Iterator[str]:
     yield from _without_speed(seen)
     if seen.events:
         yield from _not_for_validate(seen)
@@ -269,7 +269,7 @@ _RULES = {
 }
 
 
-def uses(seen: Observation) -> Iterator[str]:
+def uses(seen: Run) -> Iterator[str]:
     """What can be determined from a log, with its accuracy, in words."""
     axles = seen.axles
     if axles is None:

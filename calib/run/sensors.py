@@ -1,6 +1,7 @@
 """Properties of each channel's sensor: range, resolution, noise, stuck values, saturation."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,65 +17,94 @@ _RESTING = ("T_drive_f", "T_drive_r")
 _UNKNOWN = float("nan")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sensor:
-    """One channel of a log, in SI.
+    """One ``channel`` of a ``log``, in SI; each figure is computed when it is first asked for.
 
-    Attributes
-    ----------
-    low, high : range.
-    resolution : step of the values; 0 if none is detected, or for a channel that was interpolated.
-    noise : standard deviation of variations faster than 0.2 s, without braking; NaN if the
-        unbraked part is too short.
-    white : its uncorrelated part.
-    autocorrelation : of the noise, from one sample to the next [1].
-    flat : share of the unbraked samples that have their most frequent value [1].
-    stuck : (from, to) where it is constant while others change [s].
-    saturated : time for which it stays at its highest (``a_x``: lowest) value, if unusual [s]; 0
-        for the channels of `_RESTING`, and for a pressure that the driver holds.
+    Without ``driving``, all of it counts as unbraked, and nothing as stuck.
     """
 
     channel: str
-    low: float
-    high: float
-    resolution: float
-    noise: float
-    white: float
-    autocorrelation: float
-    flat: float
-    stuck: tuple[tuple[float, float], ...]
-    saturated: float
+    log: Log
+    driving: DrivingRecord | None
+
+    @property
+    def _x(self) -> Array:
+        return self.log[self.channel]
+
+    @property
+    def _quiet(self) -> Mask:
+        return np.ones(self._x.size, bool) if self.driving is None else self.driving.unbraked
+
+    @cached_property
+    def low(self) -> float:
+        """Lowest value."""
+        return float(self._x.min())
+
+    @cached_property
+    def high(self) -> float:
+        """Highest value."""
+        return float(self._x.max())
+
+    @cached_property
+    def resolution(self) -> float:
+        """Step of the values; 0 if none is detected, or for a channel that was interpolated."""
+        return 0.0 if self.channel in self.log.interpolated else resolution_of(self._x)
+
+    @cached_property
+    def _noise(self) -> tuple[float, float, float]:
+        return noise_of(self._x, self._quiet, self.log.sample_time)
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of variations faster than 0.2 s, unbraked; NaN if that is short."""
+        return self._noise[0]
+
+    @property
+    def white(self) -> float:
+        """The uncorrelated part of the noise."""
+        return self._noise[1]
+
+    @property
+    def autocorrelation(self) -> float:
+        """Of the noise, from one sample to the next [1]."""
+        return self._noise[2]
+
+    @cached_property
+    def flat(self) -> float:
+        """Share of the unbraked samples that have their most frequent value [1]."""
+        return _flatness(self._x[self._quiet])
+
+    @cached_property
+    def stuck(self) -> tuple[tuple[float, float], ...]:
+        """Where it is constant while others change, as (from, to) [s]."""
+        if self.driving is None:
+            return ()
+        return _stuck(self.channel, self._x, self.log, self.driving)
+
+    @cached_property
+    def saturated(self) -> float:
+        """Time for which it stays at its highest (``a_x``: lowest) value, if unusual [s].
+
+        0 for the channels of `_RESTING`, and for a pressure that the driver holds.
+        """
+        name, x = self.channel, self._x
+        if name in _RESTING or (name.startswith("p_") and _is_held(x, self.driving)):
+            return 0.0
+        return saturation(-x if name == "a_x" else x, self.log.sample_time)
 
 
-def sensors_of(log: Log, driving: DrivingRecord | None, *, full: bool = True) -> tuple[Sensor, ...]:
-    """Sensors of all measured channels except ``time``. ``stuck`` needs ``driving``.
-
-    Without ``full``, the noise metrics, ``resolution`` and ``flat`` are NaN, which is faster.
-    """
-    names = [name for name in CHANNELS if name in log and name != "time"]
-    return tuple(_sensor(name, log[name], log, driving, full) for name in names)
+FIGURES = (
+    "channel", "low", "high", "resolution", "noise", "white", "autocorrelation", "flat", "stuck",
+    "saturated",
+)  # fmt: skip
+"""What is told of a `Sensor`, by name."""
 
 
-def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: bool) -> Sensor:
-    step = log.sample_time
-    quiet = np.ones(x.size, bool) if driving is None else driving.unbraked
-    noise, white, colour = noise_of(x, quiet, step) if full else (_UNKNOWN,) * 3
-    resolution = _UNKNOWN
-    if full:  # between two samples of another clock there is none to be seen
-        resolution = 0.0 if name in log.interpolated else resolution_of(x)
-    idle = name in _RESTING or (name.startswith("p_") and _is_held(x, driving))
-    return Sensor(
-        channel=name,
-        low=float(x.min()),
-        high=float(x.max()),
-        resolution=resolution,
-        noise=noise,
-        white=white,
-        autocorrelation=colour,
-        flat=_flatness(x[quiet]) if full else _UNKNOWN,
-        stuck=() if driving is None else _stuck(name, x, log, driving),
-        saturated=0.0 if idle else saturation(-x if name == "a_x" else x, step),
-    )
+def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:
+    """Sensors of all measured channels except ``time``."""
+    names = (name for name in CHANNELS if name in log and name != "time")
+    return tuple(Sensor(name, log, driving) for name in names)
 
 
 def resolution_of(x: Array) -> float:

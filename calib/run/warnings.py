@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from calib.base.warning import PlausibilityWarning, warning
 from calib.logs.log import Log
 from calib.run.limits import LIMITS
-from calib.run.observation import Observation
+from calib.run.run import Run
 
 
-def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]:
+def warnings_of(name: str, seen: Run) -> tuple[PlausibilityWarning, ...]:
     """Warnings on the log ``name``."""
     rules = (
         _clock, clock_gaps, _lead_in, _radii, swapped_axles, _abs, locked_wheels, _speed, saturated,
@@ -28,7 +28,7 @@ def impossible_samples(log: Log) -> Iterator[PlausibilityWarning]:
         )  # fmt: skip
 
 
-def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _clock(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     clock = seen.clock
     if clock.rate < LIMITS.slow_rate:
         yield warning("clock_rate", log, clock.rate, (LIMITS.slow_rate, None))
@@ -36,7 +36,7 @@ def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("clock_jitter", log, clock.jitter * clock.rate, (0.0, LIMITS.jitter))
 
 
-def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def clock_gaps(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     """Samples that are missing: what is computed between their neighbours is no measurement."""
     gaps = seen.clock.gaps
     if gaps:
@@ -44,7 +44,7 @@ def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("clock_gaps", log, length, when=when, count=len(gaps))
 
 
-def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _lead_in(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     if seen.events and seen.lead_in < LIMITS.lead_in_good:
         yield warning("lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None))
     if seen.lead_in_driven:
@@ -53,7 +53,7 @@ def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("standing", log, seen.standing)
 
 
-def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _radii(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     axles = seen.axles
     if axles is None:
         return
@@ -70,7 +70,7 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             yield warning(f"sides_{axle}", log, sides.value, (-LIMITS.sides, LIMITS.sides))
 
 
-def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def swapped_axles(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     """Eta that goes the wrong way while braking."""
     eta = seen.axles.eta_braked if seen.axles else None
     if eta is None:
@@ -81,21 +81,21 @@ def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("axles_swapped", log, eta.value, expected, more=more, less=less, axle=less[0])
 
 
-def _abs(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _abs(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     cycles = seen.slipping.cycles if seen.slipping else ()
     if cycles:
         wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in cycles))
         yield warning("abs", log, len(cycles), wheels=wheels, when=cycles[0][1])
 
 
-def locked_wheels(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def locked_wheels(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     """Wheels that lock: what they say after it is no speed of the car."""
     locked = seen.slipping.locked if seen.slipping else ()
     if locked:
         yield warning("locked_wheels", log, len(locked), wheels=", ".join(locked))
 
 
-def _speed(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _speed(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     v = seen.sensor("v")
     if v is None:
         yield warning("no_reference_speed", log, 1.0)
@@ -103,14 +103,14 @@ def _speed(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("v_stuck", log, max(end - start for start, end in v.stuck))
 
 
-def saturated(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def saturated(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     """Channels that stay at the end of their range."""
     for sensor in seen.sensors:
         if sensor.saturated:
             yield warning("saturated", log, sensor.saturated, channel=sensor.channel)
 
 
-def _wheel_speeds(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _wheel_speeds(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     """The standard deviation of eta in a mean over 0.2 s, from the wheels' noise and steps [1].
 
     Two wheels make an axle and two axles make eta: the factors cancel.
@@ -125,7 +125,7 @@ def _wheel_speeds(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("coarse_wheel_speeds", log, blur, (0.0, LIMITS.zero))
 
 
-def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _pressure(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     pressure, a_x = seen.sensor("p_mc"), seen.sensor("a_x")
     if pressure is None or a_x is None or not seen.events:
         return
@@ -136,7 +136,7 @@ def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         yield warning("pressure_per_g", log, per_g, (0.0, LIMITS.stiff / 1e5))
 
 
-def _pressure_clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def _pressure_clock(log: str, seen: Run) -> Iterator[PlausibilityWarning]:
     """A pressure that may be off by far more than brakes are, or not: the log does not tell."""
     late = LIMITS.pressure_searched
     for channel, delay in seen.pressures.items():

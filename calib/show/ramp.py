@@ -17,7 +17,6 @@ from calib.car.braking import BITE
 from calib.car.forces import axle_loads, paper_curves, speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.model.known_effects import remove_known_effects
 from calib.model.parameters import RampParameters, parameters_of, tyres_of
 from calib.model.ramp import (
     RampRun,
@@ -30,6 +29,7 @@ from calib.model.sensors import put_right
 from calib.model.settings import SETTINGS
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
+from calib.run.known_effects import remove_known_effects
 from calib.run.noise import sensor_noise
 from calib.show.panel import Line, Panel
 from calib.show.style import BODY, FRONT, MEAN, REAR, Array, Mask, Stroke

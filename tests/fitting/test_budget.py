@@ -10,8 +10,8 @@ from calib.car.effects.effects import Effects
 from calib.fitting.ensemble import PRIORS
 from calib.fitting.fit import fit
 from calib.fitting.pads import level_of
-from calib.model.resistance import Resistance
 from calib.run.accelerometer import Accelerometer
+from calib.run.resistance import Resistance
 from calib.table.budget import budget_of
 from tests.support.reference_car import CAR, REAL, noisy, prepared, ramp, without
 

@@ -8,8 +8,8 @@ import pytest
 
 from calib.car.effects.effects import Effects
 from calib.fitting.pads import levels_of, ratio_by_levels
-from calib.model.resistance import Resistance
 from calib.model.settings import SETTINGS
+from calib.run.resistance import Resistance
 from calib.table.table import Value
 from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, prepared, ramp, rolled
 

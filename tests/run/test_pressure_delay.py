@@ -9,7 +9,7 @@ import pytest
 from calib.car.lag import first_order
 from calib.logs.read import read_log
 from calib.run.check import problems_for
-from calib.run.observation import observe
+from calib.run.run import Run
 from calib.run.warnings import warnings_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 
@@ -43,7 +43,7 @@ def with_wheels(log, rear=lambda p: p, **delays):
 
 
 def found(log):
-    return observe(log, full=False).pressures.get("p_mc")
+    return Run(log).pressures.get("p_mc")
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -122,7 +122,7 @@ def test_a_short_braking_and_a_run_without_noise(noise, delay):
 def test_each_pressure_is_told_by_its_name(name, late_ones, delay):
     """The rear brakes get no more than 20 bar, as behind a valve."""
     log = with_wheels(RUNS[name], lambda p: np.minimum(p, 20e5), **dict.fromkeys(late_ones, delay))
-    seen = observe(log, full=False).pressures
+    seen = Run(log).pressures
     assert len(seen) == 5
     for channel, answer in seen.items():
         true = -delay if channel in late_ones else 0.0
@@ -160,9 +160,9 @@ def test_wheels_that_do_not_follow_the_pedal_are_told_by_the_deceleration():
     still = {x: np.where(log.time > 9.0, 0.0, log[x]) for x in ("v", "p_mc", "a_x", *OMEGAS)}
     parked = changed(with_wheels(log, lambda p: p + held), **still)
     for honest in (blended, parked):
-        assert not any(x.beyond(BOUND) for x in observe(honest).pressures.values())
+        assert not any(x.beyond(BOUND) for x in Run(honest).pressures.values())
         assert not [x for x in problems_for(honest, "validate") if "p_" in x]
-    for channel, answer in observe(with_wheels(log, p_fl=1.0)).pressures.items():
+    for channel, answer in Run(with_wheels(log, p_fl=1.0)).pressures.items():
         assert answer.beyond(BOUND) == (channel == "p_fl")
 
 
@@ -181,7 +181,7 @@ def test_a_pressure_that_comes_while_the_car_still_rolls(early):
 @pytest.mark.parametrize("bar", [0.0, 2.0])
 def test_a_wheel_whose_pressure_does_not_change_says_nothing(bar):
     hangs = changed(with_wheels(RUNS["ramp"]), p_fl=np.full_like(RUNS["ramp"].time, 1e5 * bar))
-    told = observe(hangs).pressures.values()
+    told = Run(hangs).pressures.values()
     assert told
     assert np.isfinite([x.value for x in told]).all()
 
@@ -193,8 +193,8 @@ def test_where_a_log_does_not_tell_it_is_said():
     bitten = made_run(lambda t: np.maximum(slow(t) - 3.0, 0.0), duration=14.0, speed=40.0)
     shifted = changed(log, a_x=bitten["a_x"])
     assert not problems_for(shifted, "fit")
-    assert "pressure_clock" in [x.code for x in warnings_of("ramp", observe(shifted))]
-    assert "pressure_clock" not in [x.code for x in warnings_of("ramp", observe(log))]
+    assert "pressure_clock" in [x.code for x in warnings_of("ramp", Run(shifted))]
+    assert "pressure_clock" not in [x.code for x in warnings_of("ramp", Run(log))]
 
 
 def test_without_a_braking_or_a_lead_in_nothing_is_said():

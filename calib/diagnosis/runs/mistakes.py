@@ -17,8 +17,6 @@ from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.runs.axles import SWAPPED
 from calib.logs.log import Log
-from calib.model.known_effects import remove_known_effects
-from calib.model.resistance import identify as identify_resistance
 from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import LOADED
 from calib.plausibility.run import NO_SPEED, run_warnings
@@ -26,9 +24,11 @@ from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.brake_response import BrakeResponse, brake_balance, brake_response
 from calib.run.gates import refuse_copies, require_same_wheels
+from calib.run.known_effects import remove_known_effects
 from calib.run.noise import sensor_noise
-from calib.run.observation import Observation, observe
+from calib.run.resistance import identify as identify_resistance
 from calib.run.rules import problems
+from calib.run.run import Run
 from calib.run.warnings import locked_wheels, saturated, swapped_axles
 
 LEVEL = "level_changed"
@@ -65,7 +65,7 @@ def checked(
     logs = [*calibration, *holdout]
     _require_enough(calibration, holdout)
     refuse_copies(calibration, holdout)
-    seen = [observe(log) for log in logs]
+    seen = [Run(log) for log in logs]
     for log, observed in zip(logs, seen, strict=True):
         if reasons := problems(observed, "search"):
             raise LogError(
@@ -112,7 +112,7 @@ def _require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
 
 
 def _warnings_of(
-    vehicle: Vehicle, logs: Sequence[Log], seen: Sequence[Observation]
+    vehicle: Vehicle, logs: Sequence[Log], seen: Sequence[Run]
 ) -> Iterator[PlausibilityWarning]:
     """Of logs without the effects that the vehicle file knows.
 

@@ -185,7 +185,7 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
 def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.run.check import check
     from calib.run.copies import computed_channels
-    from calib.run.observation import figures
+    from calib.run.run import figures
 
     where, file = Path(item.name), Path(item.path)
     with open_log(where, job.channel_map, data=files[""], file=file) as opened:

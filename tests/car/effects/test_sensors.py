@@ -10,7 +10,7 @@ from calib.base.names import WHEELS
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
 from calib.car.lag import delayed
-from calib.model.known_effects import remove_known_effects
+from calib.run.known_effects import remove_known_effects
 from tests.support.effect_runs import SEDAN, driven, made_motion, wave
 
 RUNOUT = {"runout": 0.002, "runout_phase": 0.3, "runout_side": 1.0}

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
-from calib.model.known_effects import remove_known_effects
+from calib.run.known_effects import remove_known_effects
 from tests.support.effect_runs import SEDAN, driven, made_history, made_motion, without_inertia
 
 MOTOR = {

@@ -9,10 +9,10 @@ from calib.base.errors import ModelError
 from calib.car.effects.body import AERODYNAMIC_DRAG
 from calib.car.effects.effects import Effects
 from calib.car.effects.wheels import ROLLING_RESISTANCE
-from calib.model.resistance import MODEL_ERROR, identify
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
+from calib.run.resistance import MODEL_ERROR, identify
 from tests.support.plant import Plant, as_log, drive
 from tests.support.tables import VEHICLE
 

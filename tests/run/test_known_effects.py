@@ -20,7 +20,7 @@ from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
-from calib.model.known_effects import remove_known_effects
+from calib.run.known_effects import remove_known_effects
 from tests.support.effect_runs import SEDAN, driven, wave
 
 HOT = {"f": np.linspace(80.0, 420.0, 801), "r": np.linspace(60.0, 300.0, 801)}

@@ -8,23 +8,24 @@ from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import read_log
 from calib.logs.write import write_csv
 from calib.run.check import check, problems_for
-from calib.run.observation import clock_of, figures, observe
+from calib.run.run import Run, figures
+from calib.run.sampling import sampling_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 
 RUN = made_run(stop())
 
 
 def test_rate_jitter_and_gaps_of_a_clock():
-    even = clock_of(np.arange(500) / 100.0)
+    even = sampling_of(np.arange(500) / 100.0)
     assert (even.rate, even.duration) == (pytest.approx(100.0), pytest.approx(4.99))
     assert (even.jitter, even.gaps) == (pytest.approx(0.0, abs=1e-12), ())
     steps = np.tile([0.004, 0.005, 0.006], 200)
-    uneven = clock_of(np.concatenate([[0.0], np.cumsum(steps)]))
+    uneven = sampling_of(np.concatenate([[0.0], np.cumsum(steps)]))
     assert uneven.jitter == pytest.approx(0.001 * np.sqrt(2 / 3))
     time = np.arange(500) / 200
-    assert clock_of(np.delete(time, 300)).gaps == ()  # one lost sample
+    assert sampling_of(np.delete(time, 300)).gaps == ()  # one lost sample
     time[300:] += 0.05
-    clock = clock_of(time)
+    clock = sampling_of(time)
     assert clock.jitter == pytest.approx(0.0, abs=1e-12)
     assert clock.gaps == ((pytest.approx(299 / 200), pytest.approx(0.055)),)
 
@@ -35,7 +36,7 @@ def test_the_figures_are_the_columns_of_a_batch():
 
 
 def share(log):
-    return observe(log, full=False).pressures["p_mc"].in_time
+    return Run(log).pressures["p_mc"].in_time
 
 
 @pytest.mark.parametrize("pressure", [ramp(), stop(), stop(level=8.0), stop(end=4.0)])
@@ -86,6 +87,6 @@ def test_a_speed_made_of_wheels_is_none_for_a_diagnosis():
     wheels = [RUN[f"omega_{w}"] for w in ("fl", "fr", "rl", "rr")]
     for made in (0.32 * wheels[2], 0.08 * sum(wheels)):
         run = changed(RUN, v=made)
-        assert observe(run).v_of_wheels
+        assert Run(run).v_of_wheels
         assert problems_for(run, "diagnose")
     assert problems_for(RUN, "diagnose") == []

@@ -1,0 +1,260 @@
+"""One log of one car: each view of it is made once, when it is first asked for, and only here.
+
+    log --> driving record --> brakings, slips, wheels, sensors       needs no vehicle
+     |
+     +--> known effects taken out --> signals --> blocks --> noise    what a fit and an estimate
+                                         |          |                 start from
+                                         |          +--> accelerometer, balance of forces
+                                         +--> lead-in, delay of v, rolling radii, brake response
+
+Without a vehicle the first line can be asked for; so far as channels are missing it says nothing.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from calib.base.arrays import Array
+from calib.base.names import CHANNELS
+from calib.car.effects.effects import Effects
+from calib.car.vehicle import Vehicle
+from calib.logs.log import Log
+from calib.run.accelerometer import Accelerometer, accelerometer
+from calib.run.axle_signals import Signals, rolling_radii, signals, wheels_held
+from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone, braked_alone_in
+from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
+from calib.run.copies import made_of_wheels
+from calib.run.driving_record import (
+    BrakeEvent,
+    DrivingRecord,
+    brake_events,
+    driving_record,
+    rolls,
+    standing,
+)
+from calib.run.known_effects import CorrectedRun, remove_known_effects
+from calib.run.noise import SensorNoise, lead_in_noise, sensor_noise
+from calib.run.pressure_delay import PressureDelay, delays_of
+from calib.run.resistance import Resistance
+from calib.run.sampling import Sampling, sampling_of
+from calib.run.sensors import Sensor, sensors_of
+from calib.run.wheels import (
+    Axles,
+    Slipping,
+    WheelParts,
+    axles_of,
+    slipping,
+    slips_of,
+    wheel_parts,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A ``log`` as read, of a ``vehicle`` with the known effects that are taken out of it."""
+
+    log: Log
+    vehicle: Vehicle | None = None
+
+    def __repr__(self) -> str:
+        return f"Run of {self.log!r}"
+
+    # --- the log, without a vehicle ---------------------------------------------------------------
+
+    @property
+    def present(self) -> tuple[str, ...]:
+        """Canonical channels of the log."""
+        return tuple(name for name in CHANNELS if name in self.log)
+
+    @cached_property
+    def missing(self) -> tuple[str, ...]:
+        """Canonical channels that every log must have, and this one has not."""
+        return tuple(q.name for q in CHANNELS.values() if q.required and q.name not in self.log)
+
+    @property
+    def moves(self) -> bool:
+        """Whether ``a_x`` and all wheel speeds are there; without them hardly anything is known."""
+        return not set(self.missing) - {"p_mc"}
+
+    @cached_property
+    def clock(self) -> Sampling:
+        """Samples, rate, jitter and gaps."""
+        return sampling_of(self.log.time)
+
+    @cached_property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """One for each channel but ``time``."""
+        return sensors_of(self.log, self.driving if self.moves else None)
+
+    def sensor(self, channel: str) -> Sensor | None:
+        """The sensor of a channel, or None."""
+        return next((s for s in self.sensors if s.channel == channel), None)
+
+    @cached_property
+    def driving(self) -> DrivingRecord:
+        """Smoothed speed, deceleration and pressure."""
+        return driving_record(self.log)
+
+    @cached_property
+    def events(self) -> tuple[BrakeEvent, ...]:
+        """Applications of the brake, by pressure, or by deceleration where there is none."""
+        return brake_events(self.driving) if self.moves else ()
+
+    @property
+    def lead_in(self) -> float:
+        """Unbraked, steady and moving time before the first event [s]."""
+        if not self.moves:
+            return 0.0
+        rolling = self.driving.lead_in & self.driving.moving & rolls(self.driving.z)
+        return float(rolling.sum() * self.driving.step)
+
+    @property
+    def lead_in_driven(self) -> bool:
+        """Whether the car was accelerated before the first event."""
+        if not self.moves:
+            return False
+        rolling = self.driving.lead_in & self.driving.moving
+        return bool((self.driving.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum())
+
+    @property
+    def coasting(self) -> float:
+        """All unbraked, steady and moving time [s]."""
+        return float(self.driving.unbraked.sum() * self.driving.step) if self.moves else 0.0
+
+    @property
+    def standing(self) -> float:
+        """Time in which no wheel turns [s]."""
+        return float(standing(self.log).sum() * self.driving.step) if self.moves else 0.0
+
+    @property
+    def speed(self) -> float:
+        """Highest speed [m/s], approximate without ``v``."""
+        return float(self.driving.speed.max()) if self.moves else 0.0
+
+    @property
+    def z(self) -> float:
+        """Highest deceleration, in g [1]."""
+        if not (self.moves and self.driving.moving.any()):
+            return 0.0
+        return float(self.driving.z[self.driving.moving].max())
+
+    @cached_property
+    def alone(self) -> Axle | None:
+        """The axle that brakes alone by its pressures; None for both."""
+        return braked_alone_in(self.log) if self.moves else None
+
+    @cached_property
+    def pressures(self) -> dict[str, PressureDelay]:
+        """How the deceleration follows each pressure, by channel, where that is known."""
+        if self.slipping is None or "p_mc" not in self.log:
+            return {}
+        return delays_of(self.log, self.driving, self.slipping.first)
+
+    @cached_property
+    def wheels_held(self) -> float:
+        """Mean time for which a wheel speed keeps a value while the car slows [s]."""
+        return wheels_held(self.log) if self.moves else 0.0
+
+    @cached_property
+    def v_of_wheels(self) -> bool:
+        """Whether ``v`` is made of the wheel speeds."""
+        return self.moves and "v" in self.log and made_of_wheels(self.log)
+
+    @cached_property
+    def slips(self) -> dict[str, Array]:
+        """Smoothed slip of each wheel [1] (n,)."""
+        return slips_of(self.log, self.driving)
+
+    @cached_property
+    def slipping(self) -> Slipping | None:
+        """Wheels at their limit."""
+        return slipping(self.slips, self.driving) if self.moves else None
+
+    @cached_property
+    def axles(self) -> Axles | None:
+        """Front against rear, left against right."""
+        return axles_of(self.log, self.driving, self.slips) if self.moves else None
+
+    @cached_property
+    def wheels(self) -> WheelParts | None:
+        """What braking changes of the four slips; None without rolling or braking, too."""
+        return wheel_parts(self.log, self.driving) if self.moves else None
+
+    # --- the car, its known effects taken out -----------------------------------------------------
+
+    @cached_property
+    def corrected(self) -> CorrectedRun:
+        """The run as the car without its known effects would have given it."""
+        assert self.vehicle is not None, "a view of a car needs a vehicle"
+        return remove_known_effects(self.vehicle, self.log)
+
+    @property
+    def car(self) -> Vehicle:
+        """The vehicle as driven, with those effects that take part in the balance of forces."""
+        return self.corrected.vehicle
+
+    @cached_property
+    def signals(self) -> Signals:
+        """Signals of the axles at the rate of the log."""
+        return signals(self.corrected.log, self.car)
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """Means of the signals over 50 ms."""
+        return blocks(self.signals)
+
+    @cached_property
+    def noise(self) -> SensorNoise:
+        """Noise of the sensors, from the whole run."""
+        return sensor_noise(self.corrected.log, self.blocks)
+
+    @cached_property
+    def lead_in_noise(self) -> SensorNoise:
+        """Noise of the sensors, from the lead-in alone."""
+        return lead_in_noise(self.corrected.log, self.signals)
+
+    @cached_property
+    def rolling_radii(self) -> tuple[float, float] | None:
+        """Radii [m] of front and rear wheels on the lead-in; None without ``v`` or a lead-in."""
+        return rolling_radii(self.signals)
+
+    @property
+    def only(self) -> Axle | None:
+        """The axle that brakes alone by the pressures of the blocks; None for both."""
+        return braked_alone(self.blocks.p_f, self.blocks.p_r)
+
+    def accelerometer(self, known: Resistance, noise: SensorNoise | None = None) -> Accelerometer:
+        """Scale and offset of the accelerometer with a ``known`` resistance.
+
+        ``noise`` of the sensors if it is not that of the run.
+        """
+        b, of = self.blocks, noise or self.noise
+        unexplained = block_balance(self.car, known.effects, b).demanded / self.car.weight
+        return accelerometer(b, unexplained, known.sigma_z(self.car, b.speed), of.z, of.v)
+
+    def balance(self, effects: Effects) -> BrakeBalance:
+        """Forces of the run with nominal pads and the ``effects`` known of body and wheels."""
+        return brake_balance(self.car, effects, self.signals)
+
+    def response(self, effects: Effects) -> BrakeResponse | None:
+        """How the brakes answer the pressure; None if the run brakes too little to tell."""
+        return brake_response(self.signals, self.balance(effects))
+
+
+def figures(run: Run) -> dict[str, float | None]:
+    """Every figure in SI, see `calib.line.fleet.columns`; None where the log gives none."""
+    clock, pressure = run.clock, run.sensor("p_mc")
+    zero = run.axles.front_rear if run.axles else None
+    return {
+        "samples": clock.samples,
+        "duration": clock.duration,
+        "rate": clock.rate,
+        "jitter": clock.jitter,
+        "gaps": len(clock.gaps),
+        "brakings": len(run.events),
+        "lead_in": run.lead_in,
+        "coasting": run.coasting,
+        "speed_max": run.speed,
+        "deceleration_max": run.z,
+        "pressure_max": pressure.high if pressure else None,
+        "eta_zero": zero.value if zero else None,
+    }
