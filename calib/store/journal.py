@@ -26,8 +26,8 @@ from calib.base.program import PROGRAM
 from calib.base.write import sync, write_whole
 from calib.store.state import (
     CHANGES,
+    OUTSIDE,
     STATES,
-    UNKNOWN,
     Evidence,
     StateDecision,
     VersionState,
@@ -36,9 +36,7 @@ from calib.store.state import (
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
 
-STORED, ADOPTED, CHANGED, SIGNED = "stored", "adopted", "changed", "signed"
-_FIRST = (STORED, ADOPTED)
-"""Events with which the journal learns of a version; adopted: older than the journal."""
+EVENTS = STORED, CHANGED, SIGNED = "stored", "changed", "signed"
 
 _START = "0" * 64
 """Head of an empty journal."""
@@ -104,10 +102,10 @@ class Journal:
         return self.tables.get(name, {})
 
     def state(self, name: str, version: int) -> VersionState:
-        """The state of a version; `UNKNOWN` where the journal does not know it."""
+        """The state of a version; `OUTSIDE` where the journal does not know it."""
         history = self.of(name).get(version)
         if not history:
-            return UNKNOWN
+            return OUTSIDE
         last = [entry for entry in history if entry.event != SIGNED][-1]
         return VersionState(
             last.state,
@@ -116,7 +114,7 @@ class Journal:
             last.reason,
             last.verdict,
             last.evidence,
-            stored_at=history[0].at if history[0].event == STORED else "",
+            stored_at=history[0].at,
             seen=frozenset(one.sha256 for entry in history for one in entry.evidence),
         )
 
@@ -232,10 +230,10 @@ def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str
         return "was changed: it does not agree with its hash"
     if entry.previous != previous or entry.number != number:
         return "does not follow the line before: a line was changed, lost or put in"
-    if entry.event not in (*_FIRST, CHANGED, SIGNED) or entry.state not in STATES:
+    if entry.event not in EVENTS or entry.state not in STATES:
         return f"{entry.event} {entry.state}: no such event"
-    if before is None or entry.event in _FIRST:
-        fits = before is None and entry.event in _FIRST
+    if before is None or entry.event == STORED:
+        fits = before is None and entry.event == STORED
     elif (entry.digest, entry.record) != (before.digest, before.record):
         return f"{entry.id} is another table than the one that was stored"
     else:

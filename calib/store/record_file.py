@@ -65,7 +65,7 @@ class RecordFile(Section):
     parents: tuple[_Parent, ...]
     files: dict[str, str]
     record: Record  # type: ignore[valid-type]
-    states: Literal["journal.jsonl"] | None = None
+    states: Literal["journal.jsonl"]
 
 
 class _LogOutcome(Section):

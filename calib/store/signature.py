@@ -21,7 +21,7 @@ from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import DamagedTable, SignatureRefused
 from calib.base.write import write_whole
 from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
-from calib.store.journal import SIGNED, enter, read_journal, write_journal
+from calib.store.journal import SIGNED, enter
 from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
 from calib.store.seen import SeenJournals, recall
 from calib.store.snapshot import Snapshot, StoreEntry
@@ -108,8 +108,6 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
         _check_anchors(now, public)
         state, head = stored.state.word, now.journal.head
         statement = Statement(stored.name, stored.version, state, stored.digest, head)
-        if read_journal(store.folder) != now.journal:
-            write_journal(store.folder, now.journal)  # with the versions older than it
         path = _path(stored, public)
         before = path.read_bytes() if path.exists() else None
         write_whole(path, key.sign(_record(stored), statement.line))

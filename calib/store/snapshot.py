@@ -19,7 +19,7 @@ from calib.store.folders import (
     versions_in,
 )
 from calib.store.journal import JOURNAL, Journal
-from calib.store.state import OUTSIDE, WITHDRAWN, VersionState
+from calib.store.state import WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
 from calib.table.compare import inputs, same
 from calib.table.invariants import violations
@@ -53,21 +53,30 @@ class StoreEntry:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The versions below ``folder`` and their ``journal``, which is empty for an older store."""
+    """The versions below ``folder`` and their ``journal``."""
 
     folder: Path
     journal: Journal
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the tables, in order. Raises TableNotFound where there is no store."""
+        """Names of the tables, in order. Raises TableNotFound where there is no store.
+
+        And DamagedTable where there are versions, but no journal.
+        """
         if not self.folder.is_dir():
             raise TableNotFound(
                 "no table store here",
                 where=self.folder,
                 do="`brake-cal fit` makes one, --store names another",
             )
-        return tuple(sorted(self.journal.tables) or names_in(self.folder))
+        if not self.journal.entries and names_in(self.folder):
+            raise DamagedTable(
+                "missing, and versions are there whose state it knew",
+                where=self.folder / JOURNAL,
+                do="restore journal and head from a copy",
+            )
+        return tuple(sorted(self.journal.tables))
 
     def known(self, name: str) -> str:
         """Return ``name`` if the store has a table of that name. Raises TableNotFound."""
@@ -84,7 +93,7 @@ class Snapshot:
 
     def versions(self, name: str) -> Sequence[int]:
         """Numbers of the versions of a table, rising."""
-        return tuple(self.journal.of(name)) if self.journal.entries else self.with_strays(name)
+        return tuple(self.journal.of(name))
 
     def with_strays(self, name: str) -> Sequence[int]:
         """Numbers of the versions that should be there, and of the folders that should not."""
@@ -137,7 +146,11 @@ class Snapshot:
             )
         stored = read_version(path, id_)
         if version not in self.journal.of(name):
-            return self._unknown(stored)
+            raise DamagedTable(
+                "not in the journal: it was copied here, or the journal was set back",
+                where=id_,
+                do="restore journal and head from a copy, or move the version out of the store",
+            )
         first = self.journal.of(name)[version][0]
         if (first.digest, first.record) != (stored.digest, stored.record):
             raise DamagedTable(
@@ -185,21 +198,9 @@ class Snapshot:
         others = (self.entry(stored.name, v).stored for v in refused if v != stored.version)
         return tuple(other for other in others if other and other.ramps & stored.ramps)
 
-    def _unknown(self, stored: Stored) -> Stored:
-        """A version that the journal does not know: an older one, where there is no journal."""
-        if not self.journal.entries and not stored.journaled:
-            return stored
-        raise DamagedTable(
-            "not in the journal: it was copied here, or the journal was set back"
-            if self.journal.entries
-            else f"{JOURNAL} is missing, which knew this version and its state",
-            where=stored.id,
-            do="restore journal and head from a copy, or move the version out of the store",
-        )
-
     def _at(self, path: Path) -> Stored:
         """The version in a directory, with its state if that is its place in this store."""
         stored = read_version(path)
         if placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve():
             return self.load(stored.name, stored.version)
-        return replace(stored, state=OUTSIDE) if stored.journaled else stored
+        return stored

@@ -53,7 +53,7 @@ class VersionState:
     """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
 
     ``stored_at``: when it was stored; ``seen``: SHA-256 of every file that a state of it ever
-    rested on; ``known`` False outside of its store. What no journal knows is "".
+    rested on; ``known`` False outside of its store.
     """
 
     word: str = DRAFT
@@ -88,11 +88,8 @@ class VersionState:
         return f"{self.why} ({source})" if source else self.why
 
 
-UNKNOWN = VersionState()
-"""State of a version that is older than the journal: a draft."""
-
 OUTSIDE = VersionState(reason="outside of its store, whose journal knows its state", known=False)
-"""State of a version that was copied out of its store."""
+"""State of a version that no journal knows: it was copied out of its store."""
 
 
 def is_new(version: str, now: VersionState, decision: StateDecision | None) -> bool:

@@ -25,10 +25,8 @@ from calib.store.folders import (
     place,
     placed_in,
     unplaced,
-    versions_in,
 )
 from calib.store.journal import (
-    ADOPTED,
     CHANGED,
     HEAD,
     JOURNAL,
@@ -85,8 +83,7 @@ class Store:
     def foreseen(self, table: Table, decision: StateDecision) -> Stored:
         """What `save` will return if no other writer adds a version before. Raises as `save`."""
         _require_storable(table)
-        with self._reading() as found:
-            now = _with_older(found)
+        with self._reading() as now:
             known = now.identical(table)
             version = now.next_number(table.name)
         if known and not is_new(known.id, known.state, decision):
@@ -125,11 +122,11 @@ class Store:
         return self._find(reference, released=True)
 
     def journal(self, name: str | None = None) -> Journal:
-        """The journal, with the versions older than it. Raises TableNotFound, DamagedTable."""
+        """The journal. Raises DamagedTable; TableNotFound for a ``name`` that the store lacks."""
         with self._reading() as now:
             if name is not None:
                 now.known(name)
-            return _with_older(now).journal if now.names else now.journal
+            return now.journal
 
     def now(self) -> Snapshot:
         """The store as it is at this moment. Raises DamagedTable."""
@@ -183,7 +180,12 @@ class Store:
         try:
             write_version(table, version, work)
             stored = read_version(work, f"{table.name}@{version}")
-            journal = _first(STORED, stored, decision, now.journal)
+            of = {
+                "digest": stored.digest,
+                "record": stored.record,
+                "inputs": inputs(table.content()[0]),
+            }
+            journal = now.journal.added(table.name, version, STORED, decision, **of)
         except BaseException:
             discard()
             raise
@@ -207,7 +209,9 @@ class Store:
             with locked_folder(self.folder):
                 journal = read_journal(self.folder)
                 _tidy(self.folder, journal)
-                yield _with_older(Snapshot(self.folder, journal))
+                now = Snapshot(self.folder, journal)
+                _ = now.names  # refuses versions without a journal
+                yield now
         except OSError as error:
             raise StoreError(
                 f"cannot be written ({error.strerror})", where=self.folder, do="nothing was stored"
@@ -229,31 +233,6 @@ def _require_storable(table: Table) -> None:
             where=table.name,
             expected="a table that `brake-cal tables verify` passes",
         )
-
-
-def _first(event: str, stored: Stored, decision: StateDecision, journal: Journal) -> Journal:
-    """The journal with a version that is new to it."""
-    given = inputs(stored.table.content()[0])
-    of = {"digest": stored.digest, "record": stored.record, "inputs": given}
-    return journal.added(stored.name, stored.version, event, decision, **of)
-
-
-def _with_older(now: Snapshot) -> Snapshot:
-    """The store with the versions that are older than the journal, where it is still empty.
-
-    Raises DamagedTable where one of them is not older: then the journal is missing.
-    """
-    journal = now.journal
-    if journal.entries:
-        return now
-    for name in names_in(now.folder):
-        for version in versions_in(now.folder / name):
-            entry = now.entry(name, version)
-            if entry.stored is not None:
-                journal = _first(ADOPTED, entry.stored, StateDecision(), journal)
-            elif JOURNAL in entry.violations[0]:
-                now.load(name, version)
-    return Snapshot(now.folder, journal)
 
 
 def _tidy(folder: Path, journal: Journal) -> None:

@@ -8,8 +8,7 @@
 
 ``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
 the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed. ``states``
-names the journal that holds the state of the version; a version older than the journal has no such
-key.
+names the journal that holds the state of the version.
 """
 
 import hashlib
@@ -28,7 +27,7 @@ from calib.base.errors import DamagedTable, StoreError
 from calib.base.write import sync
 from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL
-from calib.store.state import UNKNOWN, VersionState
+from calib.store.state import OUTSIDE, VersionState
 from calib.table.maps import UNITS
 from calib.table.table import COLUMNS, CURVES, Array, Table
 
@@ -37,8 +36,7 @@ from calib.table.table import COLUMNS, CURVES, Array, Table
 class Stored:
     """A table with its address; ``digest`` is that of its content.
 
-    ``record`` SHA-256 of its record file; ``journaled`` whether that file names a journal;
-    ``existed`` whether `Store.save` found it there already.
+    ``record`` SHA-256 of its record file; ``existed`` whether `Store.save` found it there already.
     """
 
     table: Table
@@ -47,8 +45,7 @@ class Stored:
     digest: str
     path: Path
     record: str = ""
-    journaled: bool = False
-    state: VersionState = UNKNOWN
+    state: VersionState = VersionState()
     existed: bool = False
 
     def __repr__(self) -> str:
@@ -80,7 +77,7 @@ def write_version(table: Table, version: int, path: Path) -> None:
         data = curve_bytes(columns)
         digests[f"{name}.parquet"] = _sha256(data)
         _write(path / f"{name}.parquet", data)
-    _write(path / RECORD, _content(record, table.digest, version, digests, True))
+    _write(path / RECORD, _content(record, table.digest, version, digests))
     sync(path)
 
 
@@ -110,10 +107,9 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
         table = table_of(file.record, curves)
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, f"{RECORD}: not the record of these curves ({error!r})") from error
-    journaled = file.states is not None
-    if data != _content(record, file.digest, file.version, file.files, journaled):
+    if data != _content(record, file.digest, file.version, file.files):
         raise _damaged(path, f"{RECORD}: its keys or its spelling do not agree with the record")
-    stored = Stored(table, table.name, file.version, file.digest, path, _sha256(data), journaled)
+    stored = Stored(table, table.name, file.version, file.digest, path, _sha256(data), OUTSIDE)
     if promised not in (None, stored.id):
         raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
     return stored
@@ -152,9 +148,7 @@ def read_curve(data: bytes) -> dict[str, Array]:
     }
 
 
-def _content(
-    record: dict[str, Any], digest: str, version: int, files: dict[str, str], journaled: bool
-) -> bytes:
+def _content(record: dict[str, Any], digest: str, version: int, files: dict[str, str]) -> bytes:
     """The bytes of a record file, which has one spelling."""
     document = {
         "id": f"{record['name']}@{version}",
@@ -164,7 +158,7 @@ def _content(
                     for log in record["provenance"]["logs"]],
         "files": files,
         "record": record,
-        **({"states": JOURNAL} if journaled else {}),
+        "states": JOURNAL,
     }  # fmt: skip
     return (json.dumps(document, indent=2, sort_keys=True) + "\n").encode()
 

@@ -380,16 +380,3 @@ def test_the_order_of_the_journal_counts_not_the_clock(three, monkeypatch):
     assert (state.word, state.at[:4]) == ("rejected", "1999")
     assert three.load("sedan").version == 2
     assert all(verdict.sound for verdict in three.verify())
-
-
-def test_a_store_that_is_older_than_its_journal_is_read_as_before(tmp_path):
-    shutil.copytree(ROOT / "tests" / "store" / "older" / "tables", tmp_path / "tables")
-    store = Store(tmp_path / "tables")
-    assert store.load("sedan-2up").id == "sedan-2up@2"
-    assert {entry.state.word for entry in store.list()} == {"draft"}
-    assert all(verdict.sound for verdict in store.verify())
-    assert not (store.folder / "journal.jsonl").exists()
-    store.judge("sedan-2up@1", REJECT)
-    assert [e.event for e in store.journal().entries] == ["adopted"] * 2 + ["changed"]
-    assert store.load("sedan-2up@1").state.word == "rejected"
-    assert all(verdict.sound for verdict in store.verify())

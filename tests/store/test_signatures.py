@@ -3,14 +3,12 @@
 import shutil
 import subprocess
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import calib.store.journal
-import calib.store.signature
 from calib.base.errors import DamagedTable, SignatureRefused, StoreError
 from calib.store.folders import NAME
 from calib.store.signature import (
@@ -41,9 +39,6 @@ from tests.support.signing import (
     used,
 )
 from tests.support.tables import made_table
-
-ROOT = Path(__file__).parents[2]
-OLDER = ROOT / "tests" / "store" / "older" / "tables"
 
 
 @pytest.fixture
@@ -343,26 +338,6 @@ def test_a_stopped_signature_leaves_no_lie(store, seen, monkeypatch):
     assert step > 5
     sign(store, "wagon@1", ADA)
     assert not [*store.folder.glob("*/.v*"), *store.folder.glob(".journal*")]
-
-
-def test_a_store_that_is_older_than_its_journal_gets_one_before_its_first_signature(
-    tmp_path, seen, monkeypatch
-):
-    """Else a signer that is stopped leaves a signature over a journal that nobody has."""
-    shutil.copytree(OLDER, tmp_path / "older")
-    store = Store(tmp_path / "older")
-
-    def stopped(*_):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(calib.store.signature, "enter", stopped)
-        with pytest.raises(KeyboardInterrupt):
-            sign(store, "sedan-2up@1", ADA)
-    assert (store.folder / "journal.jsonl").is_file()
-    sign(store, "sedan-2up@1", ADA)
-    assert [e.event for e in store.journal().entries] == ["adopted"] * 2 + ["signed"]
-    assert used(store, "sedan-2up@1").statement.state == "draft"
 
 
 def test_a_path_is_signed_in_its_own_store_and_nowhere_else(store, tmp_path):
