@@ -367,7 +367,6 @@ class Dataset:
             "program": table.provenance.program,
             "vehicle": table.vehicle.name,
             **({"parents": parents} if parents else {}),
-            **({"set by hand": "; ".join(map(str, table.by_hand))} if table.by_hand else {}),
             **self._effects,
             "ends": _CLAMP,
             **{f"breakpoints {a.label}": a.placed for a in self.axes},

@@ -23,7 +23,6 @@ def compared_document(found: Difference, first: Stored, second: Stored) -> dict[
         "verdict": found.verdict,
         "identical": found.identical,
         **vars(found),
-        "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
     }
 
 
@@ -64,11 +63,6 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
         notes=[
             *(f"{curve}: no common axis, or only in one of both" for curve in found.apart),
             *([f"also different: {', '.join(rest)}; --json prints them"] if rest else []),
-            *(
-                f"{stored.id}: {cell}"
-                for stored in (first, second)
-                for cell in stored.table.by_hand
-            ),
         ],
     )
 

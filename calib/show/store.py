@@ -85,7 +85,6 @@ def _made_of(stored: Stored) -> Facts:
             (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
             for one in mean_figures(table)
         ),
-        *(("by hand", str(one)) for one in table.by_hand),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((of.effect.replace("_", " "), str(of)) for of in effect_figures(table)),
         ("pad scale", _interval(table.calibration.pad_scale)),

@@ -27,7 +27,7 @@ from calib.show.style import (
 )
 from calib.table.budget import ramp_pads
 from calib.table.maps import PadMap, Reader
-from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 _Ramps = tuple[MeasuredRamp, ...]
 
@@ -35,7 +35,6 @@ _FLAGS = {
     MEASURED: ("in the table", "-", 1.6),
     INTERPOLATED: ("interpolated", DASHED, 1.1),
     EXTRAPOLATED: ("extrapolated", DOTTED, 1.1),
-    BY_HAND: ("set by hand", "-", 3.0),
 }
 """Word, line style and width of each flag of a cell."""
 
@@ -73,7 +72,7 @@ def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
 
 def _note(table: Table, ramps: bool) -> str:
     origin = table.provenance
-    cars = origin.parents if table.spread or table.by_hand else ()
+    cars = origin.parents if table.spread else ()
     of = ", ".join([p.id for p in cars] or [log.name for log in origin.logs])
     note = f"Digest {table.digest[:16]}, made of {of} with {table.provenance.program}. "
     note += "Bands are 95 %. Grey: beyond the usable range."

@@ -55,7 +55,7 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     the mean is known, is in its `FleetScatter`.
 
     Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
-    twice, different vehicles, means or tables corrected by hand, a range of eta far too short.
+    twice, different vehicles, means, a range of eta far too short.
     StoreError names one made before the maps.
     """
     for parent in parents:
@@ -173,8 +173,6 @@ def _each(parents: Sequence[Stored]) -> Iterator[str]:
             yield f"{parent.id} is {parent.state.words}; leave it out"
         if parent.table.spread is not None:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
-        if parent.table.by_hand:
-            yield f"{parent.id} was corrected by hand and is no measurement; merge its parent"
         if parent.table.fleet:
             yield (
                 f"{parent.id} rests on other cars by its prior, which would count twice; fit it "

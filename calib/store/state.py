@@ -88,6 +88,9 @@ class VersionState:
         return f"{self.why} ({source})" if source else self.why
 
 
+UNJUDGED = VersionState()
+"""State of a version of which nothing was said yet."""
+
 OUTSIDE = VersionState(reason="outside of its store, whose journal knows its state", known=False)
 """State of a version that no journal knows: it was copied out of its store."""
 

@@ -27,7 +27,7 @@ from calib.base.errors import DamagedTable, StoreError
 from calib.base.write import sync
 from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL
-from calib.store.state import OUTSIDE, VersionState
+from calib.store.state import OUTSIDE, UNJUDGED, VersionState
 from calib.table.maps import UNITS
 from calib.table.table import COLUMNS, CURVES, Array, Table
 
@@ -45,7 +45,7 @@ class Stored:
     digest: str
     path: Path
     record: str = ""
-    state: VersionState = VersionState()
+    state: VersionState = UNJUDGED
     existed: bool = False
 
     def __repr__(self) -> str:

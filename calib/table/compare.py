@@ -262,7 +262,7 @@ def inputs(record: dict[str, Any]) -> str:
     """
     origin = record["provenance"]
     logs = [{**log, "fingerprint": "fingerprint" in log} for log in origin["logs"]]
-    given = {name: record.get(name) for name in ("name", "vehicle", "by_hand")}
+    given = {name: record.get(name) for name in ("name", "vehicle")}
     given["provenance"] = {**origin, "logs": logs}
     return hashlib.sha256(canonical_json(given)).hexdigest()
 

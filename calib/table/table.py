@@ -32,12 +32,12 @@ Array = NDArray[np.float64]
 
 _OPTIONAL = {
     *("own_effects", "empirical", "notes", "fingerprint", "warnings", "budget", "spread"),
-    *("by_hand", "scatter", "identity", "parents", "pad_friction_tolerance"),
+    *("scatter", "identity", "parents", "pad_friction_tolerance"),
 }
-"""Keys that a record does not have where there is nothing to say; older tables had none of them."""
+"""Keys that a record does not have where there is nothing to say."""
 
-MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND = 0.0, 1.0, 2.0, 3.0
-"""Flags of a cell: with enough blocks, between such cells, beyond them, set by a person."""
+MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
+"""Flags of a cell: with enough blocks, between such cells, beyond them."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class PaperCurves:
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """Rows that rest on measurements or were set by hand, (n,); eta of 1, the first, is one."""
+        """Rows that rest on measurements, (n,); eta of 1, the first, is one."""
         return np.asarray((self.flag != EXTRAPOLATED) | (np.arange(self.flag.size) == 0))
 
     @property
@@ -234,21 +234,6 @@ class Provenance:
 
 
 @dataclass(frozen=True)
-class SetByHand:
-    """What a person set in a table of a former program: a pad, or a curve in the row of an eta."""
-
-    key: str
-    old: float
-    new: float
-    reason: str
-    by: str = ""
-
-    def __str__(self) -> str:
-        by = f", by {self.by}" if self.by else ""
-        return f"{self.key} set by hand to {self.new:.6g} from {self.old:.6g}{by}: {self.reason}"
-
-
-@dataclass(frozen=True)
 class TableBudget:
     """What the pads and the tyre of a table rest on, by part, see `calib.table.budget`.
 
@@ -324,7 +309,6 @@ class Table:
     warnings: tuple[PlausibilityWarning, ...] = ()
     budget: TableBudget | None = None
     spread: FleetScatter | None = None
-    by_hand: tuple[SetByHand, ...] = ()
     map: PadMap | None = None
     level_map: LevelMap | None = None
     draws: Draws | None = None
@@ -362,8 +346,7 @@ class Table:
     @property
     def fleet(self) -> tuple[TableReference, ...]:
         """The cars of its model that the prior of a fit rests on."""
-        merged = self.spread is not None or self.by_hand
-        return () if merged else self.provenance.parents
+        return () if self.spread is not None else self.provenance.parents
 
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:

@@ -18,7 +18,6 @@ from calib.store.store import Store
 from calib.table.budget import budget_of
 from calib.table.invariants import violations
 from calib.table.pad_levels import pad_levels
-from calib.table.table import SetByHand
 from tests.support.cars_of_a_line import car_table, cars, version
 from tests.support.reference_car import WET, noisy, stop
 from tests.support.tables import VEHICLE, from_content
@@ -195,7 +194,6 @@ def shortened():
         of_origin(identity={"serial": "S1"}),
         of_vehicle(mass=1750.0),
         of_vehicle(front=replace(FRONT, piston_area=3e-3)),
-        of_second(by_hand=(SetByHand("pad_friction_f", 0.38, 0.39, "bench"),)),
         of_second(VersionState("rejected", reason="front pads wet")),
         of_second(VersionState("withdrawn")),
         of_second(OUTSIDE),

@@ -28,9 +28,8 @@ def test_content_and_back_is_the_same_table(table):
 
 
 def test_keys_that_say_nothing_are_no_part_of_a_record(table):
-    """Tables that were stored before these keys came keep their digests."""
     record, _ = table.content()
-    new = {"own_effects", "empirical", "warnings", "budget", "spread", "by_hand"}
+    new = {"own_effects", "empirical", "warnings", "budget", "spread"}
     assert not new & set(record)
     assert not {"identity", "parents"} & set(record["provenance"])
     assert "motor_odds" not in record["vehicle"]
