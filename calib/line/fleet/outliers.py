@@ -1,30 +1,27 @@
 """Cars that stand apart in a fleet, with a limited share of false ones over the whole fleet.
 
-Each metric gives each car a p-value, from what the bulk of the cars says of its scale and, with the
-other metrics, of its tails: see `calib.line.fleet.shapes`.
-
+    distance       |x - median| over the median absolute deviation (MAD) of a metric
+    p of a metric  two-sided, of a normal or a Student distribution: tails by what the bulk says
     p of a car     the least p of its metrics, times the number of metrics that say new things
     named cars     by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
-    edges          how far a car must be, in one metric, to be named for it alone
 
-Metrics that follow each other count as one: that number is the effective one of Galwey (Genetic
-Epidemiology 33, 2009). Where half of the cars or more have one value, such as a prior's, the other
-cars are judged among themselves. Assumed are good cars with tails about as long as those of a t
-distribution with 4 degrees of freedom, or shorter: `tests/studies/results/fleet_alarms.md`.
+The outermost tenth of the cars counts only as "beyond", so outliers do not lengthen the tails by
+which they are judged. Metrics that follow each other count as one: that number is the effective one
+of Galwey (Genetic Epidemiology 33, 2009). Where half of the cars or more have one value, such as a
+prior's, the other cars are judged about it among themselves. Tails are taken as symmetric: a metric
+as skewed as exp(0.5 z) names a good car in a tenth of the fleets of 60, a quarter of those of 300
+(`tests/line/fleet/test_outliers.py`).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.line.fleet.shapes import QUARTILE, TAIL_PRIOR, Bulk
 
 SHARE = 0.03
-"""Expected share of false ones among the named cars, and of normal fleets that name a good one.
-Fleets with long tails name one more often: with 0.05 more than 8 % of them do."""
+"""Expected share of false ones among the named cars, and of normal fleets that name a good one."""
 
 _REASON = 0.01
 """p over its metrics at which a further metric of a named car is told as a reason, too."""
@@ -36,18 +33,18 @@ FEWEST = 8
 """Fewest cars for a scale that can name outliers."""
 
 _OUTSIDE = 0.1
-"""Share of the cars, the outermost, that must prove that they belong to the bulk."""
+"""Share of the cars, the outermost, that say nothing of the tails but how many they are."""
 
-_ALONE = 0.03
-"""Weight of the prior against what the other metrics say of the tails of this one."""
+_FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
+"""Degrees of freedom of Student's distribution; the first is the normal one."""
+_MAD = np.array([0.67449, 0.70639, 0.74070, 0.78501])
+"""MAD of each of them: its quantile 75 %."""
+_PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
+"""Weight of each of them before any car is seen: of 60 cars with 4 degrees of freedom at most 8 %
+of the fleets name a good one (`tests/line/fleet/test_outliers.py`)."""
 
-_SPIKE = 0.05
-"""Width of the narrowest half of the cars, over that of 5 to 95 %, below which it is one value."""
-
-_REACH = 1000.0
-"""Scales from the median up to which the edges of a metric are sought."""
-
-_MAD = 1.4826
+_FARTHEST = 1000.0
+"""MADs from the median up to which the edges of a metric are sought."""
 
 
 @dataclass(frozen=True)
@@ -81,27 +78,39 @@ class _Judged:
     p: Array
 
 
+@dataclass(frozen=True)
+class _Scaled:
+    """A metric in MADs: ``distance`` (k,) of its judged cars ``rows`` from ``centre``."""
+
+    rows: Index
+    centre: float
+    mad: float
+    distance: Array
+
+
 def judge(values: Array, least: Sequence[float] | None = None) -> _Judged:
     """Judge ``values`` (m, n) of m metrics of n cars, NaN if a car does not have one.
 
     ``least`` (m,): differences that matter, in the unit of each metric; none without it.
     """
     m, n = values.shape
-    started = [_start(x, at) for x, at in zip(values, least or [0.0] * m, strict=True)]
-    known = [i for i, metric in enumerate(started) if metric is not None]
-    together = effective(values[known])
-    metrics, priors = _grown([x for x in started if x is not None], together, _share(n) / n)
+    scaled = [_scaled(x, at) for x, at in zip(values, least or [0.0] * m, strict=True)]
+    judged = {i: metric for i, metric in enumerate(scaled) if metric is not None}
+    together = effective(values[[*judged]])
+    weights = _tails([metric.distance for metric in judged.values()], together)
     p = np.full((m, n), np.nan)
-    for i, metric, prior in zip(known, metrics, priors, strict=True):
-        p[i, metric.rows] = metric.bulk.two_sided(prior, metric.distance)
+    for i, metric in judged.items():
+        p[i, metric.rows] = _two_sided(metric.distance, weights)
     car = np.full(n, np.nan)
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
-    cars = named(car, _share(n))
+    share = SHARE * min(1.0, n / _MANY)
+    cars = named(car, share)
     limit = max(_REASON, float(car[cars].max())) if cars.any() else 0.0
     # what the rule asks of the last car that it names, or of the first one
-    edge = _share(n) * max(int(cars.sum()), 1) / max(int(some.sum()), 1) / max(together, 1.0)
-    edges = {i: m.edges(prior, edge) for i, m, prior in zip(known, metrics, priors, strict=True)}
+    last = share * max(int(cars.sum()), 1) / max(int(some.sum()), 1) / max(together, 1.0)
+    reach = _reach(weights, last)
+    edges = {i: (x.centre - reach * x.mad, x.centre + reach * x.mad) for i, x in judged.items()}
     spreads = tuple(_spread(values[i], p[i], edges.get(i)) for i in range(m))
     return _Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car)
 
@@ -118,10 +127,6 @@ def named(p: Array, share: float = SHARE) -> Mask:
     out = np.zeros(p.shape, dtype=np.bool_)
     out[known] = false_discovery_control(p[known]) <= share
     return out
-
-
-def _share(n: int) -> float:
-    return SHARE * min(1.0, n / _MANY)
 
 
 def effective(values: Array) -> float:
@@ -145,122 +150,49 @@ def effective(values: Array) -> float:
     return float(np.sum(np.sqrt(strength)) ** 2 / np.sum(strength))
 
 
-@dataclass(frozen=True)
-class _Metric:
-    """A metric while it is judged.
-
-    ``distance`` of its judged cars from ``centre``; ``inside``: those in the bulk.
-    """
-
-    rows: Index
-    centre: float
-    distance: Array
-    scale: float
-    inside: Mask
-
-    @cached_property
-    def bulk(self) -> Bulk:
-        x = self.distance[self.inside]
-        out = self.distance[~self.inside]
-        low, high = float(x.min()), float(x.max())
-        return Bulk(np.sort(x), self.scale, low, high, int(np.sum(out < 0)), int(np.sum(out > 0)))
-
-    def grown(self, prior: Array, limit: float) -> "_Metric":
-        """With the likelier half of the cars outside in the bulk, if they belong to it.
-
-        So the farthest car is judged by all others.
-        """
-        out = np.flatnonzero(~self.inside)
-        p = self.bulk.two_sided(prior, self.distance[out])
-        likelier = np.argsort(-p, kind="stable")[: (out.size + 1) // 2]
-        belongs = out[likelier[p[likelier] >= limit]]
-        if not belongs.size:
-            return self
-        inside = self.inside.copy()
-        inside[belongs] = True
-        return replace(self, inside=inside)
-
-    def edges(self, prior: Array, limit: float) -> tuple[float, float]:
-        """Values at which p is ``limit`` for a car that is not in the bulk.
-
-        Infinite past `_REACH` scales.
-        """
-        far = self.scale * np.geomspace(0.3, _REACH, 600)
-        below = replace(self.bulk, below=max(self.bulk.below, 1))
-        above = replace(self.bulk, above=max(self.bulk.above, 1))
-        ends = []
-        for side, bulk in ((-1.0, below), (1.0, above)):
-            rare = np.flatnonzero(bulk.two_sided(prior, side * far) <= limit)
-            ends.append(self.centre + side * float(far[rare[0]]) if rare.size else side * np.inf)
-        return ends[0], ends[1]
-
-
-def _grown(
-    metrics: list[_Metric], together: float, share: float
-) -> tuple[list[_Metric], list[Array]]:
-    """The metrics with all cars in the bulk that belong to it, and the priors of their tails."""
-    while True:
-        priors = _priors([metric.bulk.evidence for metric in metrics], together)
-        limit = share / max(together, 1.0)
-        grown = [m.grown(prior, limit) for m, prior in zip(metrics, priors, strict=True)]
-        if all(a is b for a, b in zip(grown, metrics, strict=True)):
-            return metrics, priors
-        metrics = grown
-
-
-def _start(values: Array, least: float) -> _Metric | None:
-    """The metric with its outermost cars outside; None if it cannot be judged."""
+def _scaled(values: Array, least: float) -> _Scaled | None:
+    """The metric in MADs, at least ``least`` each; None for too few cars, or without scatter."""
     rows = np.flatnonzero(np.isfinite(values))
-    centre = 0.0
-    for _ in range(2):
-        x = values[rows]
-        if rows.size < FEWEST:
+    if rows.size < FEWEST:
+        return None
+    centre = float(np.median(values[rows]))
+    away, alike = np.abs(values[rows] - centre), max(least, 1e-12 * abs(centre))
+    if np.median(away) <= alike:  # half of the cars or more are alike: judge the others
+        others = away > alike
+        if int(others.sum()) >= FEWEST:
+            rows, away = rows[others], away[others]
+        elif least <= 0.0:
             return None
-        low, high = _narrowest_half(x)
-        five, ninety = np.quantile(x, [0.05, 0.95])
-        if high - low > max(_SPIKE * (ninety - five), least):
-            break
-        if ninety - five <= least:  # all cars alike: none is far unless it matters
-            break
-        # one value of half of the cars: the others are judged about it
-        centre = 0.5 * (low + high)
-        rows = rows[np.abs(values[rows] - centre) > max(0.5 * (high - low), least)]
-    else:
-        return None
-    spiked = rows.size < np.isfinite(values).sum()
-    centre = centre if spiked else float(np.median(values[rows]))
-    x = values[rows] - centre
-    quarter = np.quantile(np.abs(x) if spiked else x, [0.25, 0.5, 0.75])
-    half = quarter[1] if spiked else 0.5 * (quarter[2] - quarter[0])
-    scale = max(float(half) / QUARTILE, least, 1e-12 * abs(float(np.median(values[rows]))))
-    if scale <= 1e-12 * abs(float(np.median(values[rows]))):
-        return None
-    outside = max(1, int(np.ceil(_OUTSIDE * x.size)))
-    up, down = max(quarter[2], scale / 2), max(-quarter[0], scale / 2)
-    far = np.where(x > 0, x / up, -x / (up if spiked else down))
-    inside = np.ones(x.size, dtype=np.bool_)
-    inside[np.argsort(far, kind="stable")[-outside:]] = False
-    return _Metric(rows, centre, x, scale, inside)
+    mad = max(float(np.median(away)), least)
+    return _Scaled(rows, centre, mad, away / mad)
 
 
-def _narrowest_half(x: Array) -> tuple[float, float]:
-    """Ends of the narrowest interval that holds half of ``x``."""
-    ordered = np.sort(x)
-    k = (x.size + 1) // 2
-    width = ordered[k - 1 :] - ordered[: x.size - k + 1]
-    i = int(np.argmin(width))
-    return float(ordered[i]), float(ordered[i + k - 1])
+def _tails(distances: list[Array], together: float) -> Array:
+    """Weight (4,) of each of `_FREEDOM`: that of the prior, and how well it fits every bulk."""
+    from scipy.special import softmax
+    from scipy.stats import t
+
+    fits = np.zeros(_FREEDOM.size)
+    for x in map(np.sort, distances):
+        outside = max(1, int(np.ceil(_OUTSIDE * x.size)))
+        inside, end = x[:-outside, None] * _MAD, x[-outside - 1] * _MAD
+        fits += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_MAD), axis=0)
+        fits += outside * t.logsf(end, _FREEDOM)
+    return np.asarray(softmax(np.log(_PRIOR) + fits * together / max(len(distances), 1)))
 
 
-def _priors(evidences: list[Array], together: float) -> list[Array]:
-    """Weight of each h for each metric: that of the prior, and what the other metrics say."""
-    every = np.sum(evidences, axis=0)
-    out = []
-    for own in evidences:
-        others = (every - own) * together / len(evidences) + np.log(TAIL_PRIOR)
-        said = np.exp(others - others.max())
-        out.append(_ALONE * TAIL_PRIOR + (1.0 - _ALONE) * said / said.sum())
-    return out
+def _two_sided(distance: Array, weights: Array) -> Array:
+    """Two-sided p of a ``distance`` (k,) in MADs, over all tails by their ``weights`` (4,)."""
+    from scipy.special import stdtr
+
+    return np.asarray(2.0 * stdtr(_FREEDOM, -distance[:, None] * _MAD) @ weights)
+
+
+def _reach(weights: Array, limit: float) -> float:
+    """Distance in MADs at which p is ``limit``; infinite past `_FARTHEST`."""
+    far = np.geomspace(0.3, _FARTHEST, 600)
+    rare = np.flatnonzero(_two_sided(far, weights) <= limit)
+    return float(far[rare[0]]) if rare.size else np.inf
 
 
 def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> MetricSpread:
@@ -270,7 +202,7 @@ def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> Metri
     if known.size == 0:
         return MetricSpread(0, np.nan, np.nan, p, p, (np.nan,) * 4, None)
     median = float(np.median(known))
-    scale = _MAD * float(np.median(np.abs(known - median)))
+    scale = float(np.median(np.abs(known - median))) / _MAD[0]
     z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
     quantiles = tuple(map(float, np.quantile(known, [0.05, 0.25, 0.75, 0.95])))
-    return MetricSpread(known.size, median, scale, z, p, quantiles, edges)
+    return MetricSpread(known.size, median, float(scale), z, p, quantiles, edges)

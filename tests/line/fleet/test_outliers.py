@@ -1,13 +1,12 @@
-"""Cars that stand apart: the rule of naming, good fleets, and what a bulk says of its tails."""
+"""Cars that stand apart: the rule of naming, good fleets, cars that are off."""
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.stats import binom, norm
+from scipy.stats import binom, norm, t
 
 from calib.line.fleet.outliers import SHARE, effective, judge, named
-from calib.line.fleet.shapes import SKEW, TAIL, TAIL_PRIOR, Bulk
 from calib.line.fleet.summary import drifting
 
 
@@ -137,23 +136,10 @@ def test_gaps_few_cars_and_figures_without_scale():
         assert cars_named(values) == []
 
 
-def bulk(x, scale=1.0):
-    return Bulk(np.sort(x), scale, float(x.min()), float(x.max()), 0, 0)
-
-
-def normal(n, sigma=1.0):
-    """Quantiles of a normal metric: a sample without chance."""
-    return sigma * norm.ppf((np.arange(n) + 0.5) / n)
-
-
-def test_a_large_normal_metric_gives_the_normal_p():
-    one = bulk(normal(2000, 0.02), 0.02)
-    p = one.two_sided(TAIL_PRIOR, 0.02 * np.array([-3.0, 0.0, 2.0, 4.0]))
-    assert p == pytest.approx(2.0 * norm.sf([3.0, 0.0, 2.0, 4.0]), rel=0.1)
-
-
-def test_the_shape_of_a_lognormal_metric_is_found():
-    x = np.exp(0.5 * normal(2000)) - 1.0  # g = 0.5
-    at = np.unravel_index(np.argmax(bulk(x, 0.5).log_likelihood), (SKEW.size, TAIL.size, 9))
-    assert SKEW[at[0]] == 0.5
-    assert TAIL[at[1]] == 0.0
+def test_the_tails_of_a_large_bulk_are_found():
+    at = (np.arange(2000) + 0.5) / 2000
+    for freedom in (1e6, 4.0):
+        x = np.r_[t.ppf(at, freedom), np.nan]
+        x[-1] = t.isf(5e-5, freedom)
+        assert spread(x).p[-1] == pytest.approx(1e-4, rel=0.2)
+        assert spread(x).z[-1] == pytest.approx(norm.isf(5e-5), rel=0.02)
