@@ -3,16 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from cli import options
 from cli.command import Answer, command
-from cli.console import misuse, progress, say, this_run
+from cli.console import progress, say, this_run
 from cli.logs import read_all
-from cli.options import KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
+from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
 from cli.outputs import live
 
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
-    from calib.car.vehicle import Vehicle
     from calib.model.roller_bench import RollerBench
     from calib.show.origin import PageOrigin
     from calib.store.version import Stored
@@ -26,34 +24,22 @@ READ_TYRES = "calib.car.tyre_file:read_tyres"
 Tyres = Annotated["tuple[TyreFile, ...]", option(TYRE, "T.tir", typed=list[Path], make=READ_TYRES)]
 FLEET = "Believe, to half, that tyres and loads are those of the released cars of this model."
 
-FITTED = "Vehicle file; else that of the settings, or of the table of --again."
-Fitted = Annotated[
-    "Vehicle | None",
-    options.vehicle(FITTED, setting="vehicle", when=lambda asked: not asked.params.get("again")),
-]
-
 
 @command(
     "brake-cal fit sample_logs/sedan/ramp_wet_asphalt.csv sample_logs/sedan/coast.csv "
     "--vehicle sample_logs/sedan/vehicle.toml",
-    "brake-cal fit --again sedan-2up@1 sample_logs",
     report=True,
 )
 def fit(
     logs: list[Path] = logs_by_name("Ramps, also with one axle only, and coast logs."),
     *,
-    vehicle: Fitted,
+    vehicle: Car,
     model: KnownModel,
     effect: OwnEffects,
     mass: Mass,
     bench: Bench,
     tyre: Tyres,
     fleet_prior: bool = option(FLEET),
-    again: str | None = option(
-        "Make this table again, with its vehicle, from its logs in the files and folders LOG.",
-        "TABLE",
-        autocompletion=options.table_names,
-    ),
     store: Tables,
     channel_map: Map,
 ) -> Answer:
@@ -61,12 +47,8 @@ def fit(
 
     From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
     file or of --model are removed from the logs first. The table goes into the store as a new
-    version; the same logs give the same version again. A table of an older program, which can no
-    longer be validated, is made anew by --again, with the cars of its --fleet-prior; give --mass,
-    --bench or --tyre again, if it had them.
+    version; the same logs give the same version again.
     """
-    from dataclasses import replace
-
     from calib.base.plain import counted
     from calib.car.mass import mass_used
     from calib.car.model import with_model
@@ -75,27 +57,17 @@ def fit(
     from calib.fitting.fit import fit as fit_table
     from calib.show.fit import document, facts, report
     from calib.show.html import page_of
-    from calib.store.fleet import fleet_again, released_cars
-    from calib.store.logs_again import logs_again
+    from calib.store.fleet import released_cars
 
-    before = store.load(again) if again else None
-    if before:
-        logs, vehicle = logs_again(before, logs), vehicle or before.table.vehicle
-    elif vehicle is None:
-        raise misuse(f"missing; {options.NO_VEHICLE}", "--vehicle")
     car = with_own(vehicle, effect)
     say(f"fitting {car.name} from {counted(len(logs), 'log')}")
     car = with_model(car, read_model(model, car)) if model else car
     with progress() as step:
         runs = read_all(logs, channel_map, step, more=1)
         step(f"fitting {car.name}", len(logs), len(logs) + 1)
-        cars = fleet_again(store, before) if before else {}
-        if fleet_prior:
-            cars = released_cars(store, car, [run.digest for run in runs])
+        known = [run.digest for run in runs]
+        cars = released_cars(store, car, known) if fleet_prior else {}
         table = fit_table(car, runs, mass, bench, tyre, cars)
-    if before:
-        of_car = before.table.provenance.identity
-        table = replace(table, provenance=replace(table.provenance, identity=of_car))
     stored, used = store.save(table), mass_used(car, mass)
     tell_kin(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}

@@ -1,4 +1,4 @@
-"""A group of commands: its help by subject, and what there was once."""
+"""A group of commands: its help by subject."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,41 +10,6 @@ HEADINGS = (
     *("Help", "Look", "Decide", "Hand out", "Commands"),
 )
 """Headings of the help, in their order."""
-
-PAGES = {
-    "validation": ("accuracy", "warnings"),
-    "logs": ("bad_input", "formats", "log_format"),
-    "vehicle_file": ("own_effect",),
-    "method": ("glossary",),
-    "tables": ("a2l", "signatures", "store"),
-    "line": ("fleet", "qualify", "settings"),
-    "reference": ("commands", "json", "python"),
-}
-"""Pages of the manual, each with the former ones that are a part of it now."""
-
-GONE = {
-    "tables derive": "fit LOG...",
-    "tables import": "tables compare FILE",
-    "tables find": "tables list --serial S, or --vin V",
-    "tables key": "tables sign --key SECRET --new-key PUBLIC",
-    "map suggest": "map LOG",
-    "limits init": "limits",
-    "fleet report": "fleet RESULTS.parquet",
-    "fleet index": "fleet DIR",
-    "watch --index": "fleet DIR",
-    "log view": "log LOG",
-    "log cut": "log LOG --out FILE --from TIME --until TIME",
-    "log convert": "log LOG --out FILE",
-    "log --to": "log LOG --out FILE, once for each log, with --until TIME to cut",
-    "log --keep-names": "log LOG --out FILE without --map",
-    "simulate --deceleration": "simulate --pressure P; 'vehicle show' has the pressure per g",
-    "vehicle init --from": "vehicle init FILE",
-    "repeatability --folders": "repeatability --plan PLAN.csv",
-    "repeatability --road": "repeatability LOG... --plan PLAN.csv",
-    "manual --html": "manual PAGE",
-    **{f"manual {old}": f"manual {new}" for new in PAGES for old in PAGES[new]},
-}
-"""Commands, arguments and options that there were once, and what to use instead."""
 
 
 class Group(TyperGroup):
@@ -71,12 +36,6 @@ class Group(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command that was typed; one that stands in a group below is named with its group."""
         typed = args[0]
-        path = " ".join([*ctx.command_path.split()[1:], typed])
-        after = " ".join(args[1:]).replace("=", " ").split()
-        options = [word for word in after if word.startswith("-")]
-        for words in (path, *(f"{path} {word}" for word in (*after[:1], *options))):
-            if instead := GONE.get(words):
-                ctx.fail(f"{words!r} is gone. Use 'brake-cal {instead}'.")
         if typed not in self.commands:
             groups = {k: x for k, x in self.commands.items() if isinstance(x, Group)}
             within = [f"'{k} {typed}'" for k, group in groups.items() if typed in group.commands]

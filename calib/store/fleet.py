@@ -40,11 +40,6 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
     return kept
 
 
-def fleet_again(store: Store, stored: Stored) -> dict[str, Table]:
-    """The cars that the prior of ``stored`` rests on. Raises StoreError for one that changed."""
-    return {one.id: one.table for one in _loaded(store.now(), stored, stored.table.fleet)}
-
-
 def _loaded(now: Snapshot, stored: Stored, cars: Iterable[TableReference]) -> Iterator[Stored]:
     for one in cars:
         parent = now.load(*now.numbered(one.id))

@@ -17,7 +17,7 @@ def require_maps(table: Table, where: object = None) -> None:
         f"was made by {made_of.program} and has no maps, which estimates rest on",
         where=table.name if where is None else where,
         expected="a table with maps",
-        do="fit again, with `brake-cal fit --again TABLE LOG...`, from",
+        do="fit again, with `brake-cal fit`, from",
         lines=tuple(
             f"{name}, SHA-256 {digest}"
             for name, digest in [(one.name, one.digest) for one in made_of.logs] + parents

@@ -12,7 +12,7 @@ from calib import __version__
 from calib.base.errors import BrakeCalError, InputError, StoreError
 from calib.base.record import ErrorFile, json_schema
 from calib.store.store import Store
-from cli.group import GONE, HEADINGS, PAGES, first_sentence
+from cli.group import HEADINGS, first_sentence
 from cli.main import app
 
 GROUP = typer.main.get_command(app)
@@ -39,8 +39,9 @@ NEEDED = {
 """Files that are not there, by the argument."""
 
 
-def test_there_are_no_more_than_36():
+def test_there_are_no_more_than_36(brake_cal):
     assert len(COMMANDS) <= 36
+    assert brake_cal("--version").out == f"brake-cal {__version__}\n"
 
 
 @pytest.mark.smoke
@@ -90,22 +91,6 @@ def test_a_file_that_is_missing_ends_with_3_and_leaves_nothing(
     assert ran.code == 3, ran.err
     assert json.loads(ran.out).get("error", ran.code == 3)
     assert {p.name for p in tmp_path.iterdir()} <= {"out.csv"}  # a station tells its index
-
-
-@pytest.mark.parametrize("words", GONE)
-def test_what_is_gone_is_answered_with_what_to_use(brake_cal, words):
-    ran = brake_cal(*words.split())
-    assert (ran.code, "is gone. Use 'brake-cal" in " ".join(ran.err.split())) == (2, True)
-    new = GONE[words].split()
-    assert {(new[0],), (*new[:2],)} & {*COMMANDS}
-
-
-def test_gone_options_and_pages(brake_cal):
-    from calib.help.page import contents
-
-    assert brake_cal("manual", "--html=site").code == 2
-    assert set(PAGES) <= {*contents()}
-    assert brake_cal("--version").out == f"brake-cal {__version__}\n"
 
 
 @pytest.mark.parametrize(

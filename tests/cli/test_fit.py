@@ -201,40 +201,8 @@ def test_a_report_holds_the_inputs_and_is_refused_in_their_place(brake_cal, tmp_
     assert (ran.code, foreign.read_text()) == (2, "<!DOCTYPE html>")
 
 
-def test_a_table_is_made_again_from_logs_that_are_still_there(brake_cal, log, store, tmp_path):
-    assert brake_cal("fit", log, "--vehicle", VEHICLE, "--store", store).code == 0
-    made = Store(store).load("sedan-2up@1").table
-    identity = {"serial": "S1"}
-    older = replace(
-        made,
-        map=None,
-        level_map=None,
-        draws=None,
-        provenance=replace(made.provenance, identity=identity),
-    )
-    assert Store(store).save(older).id == "sedan-2up@2"
-    assert brake_cal("validate", "sedan-2up@2", log, "--store", store).code == 4
-    again = ("fit", "--again", "sedan-2up@2", "--store", store)
-    ran = brake_cal(*again, tmp_path / "none")
-    assert ran.code == 3
-    assert made.provenance.logs[0].digest in ran.err
-    folder = tmp_path / "archive" / "of_2024"
-    folder.mkdir(parents=True)
-    (folder / "renamed.csv").write_bytes(log.read_bytes())
-    (folder / "another.csv").write_text("a log of another car")
-    assert brake_cal(*again, folder.parent).code == 0
-    found = Store(store).load("sedan-2up@3").table
-    assert found.provenance.identity == identity
-    assert found.provenance.logs[0].digest == made.provenance.logs[0].digest
-    assert found.level_map is not None
-
-
-def test_without_a_table_to_make_again_it_needs_a_vehicle(brake_cal, log, store):
-    assert brake_cal("fit", log, "--store", store).code == 2
-
-
 def test_released_cars_and_a_tyre_file_are_parents(brake_cal, log, store, tmp_path):
-    """A second car of the model rests on the first; it is made again from the same, and no mean."""
+    """A second car of the model rests on the first; no mean is made of both."""
     first = ("fit", log, "--vehicle", VEHICLE, "--store", store)
     second, file = tmp_path / "second.csv", tmp_path / "second.toml"
     write_csv(noisy(ramp(with_pads(REAL, 0.38, 0.36)), 5), second)
@@ -254,8 +222,6 @@ def test_released_cars_and_a_tyre_file_are_parents(brake_cal, log, store, tmp_pa
     assert [(x.id, x.digest) for x in rests.provenance.parents] == [(parent.id, parent.digest)]
     assert plain.provenance.parents == ()
     assert plain.digest != rests.digest
-    again = brake_cal("fit", "--again", "second@2", second, "--store", store, "--json")
-    assert json.loads(again.out)["table"] == "second@2"
     assert (
         brake_cal("tables", "merge", "sedan-2up", "second@2", "--name", "g", "--store", store).code
         == 2

@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 
 from calib.base.errors import RevisionError, StoreError
-from calib.store.fleet import fleet_again, released_cars
+from calib.store.fleet import released_cars
 from calib.store.merge import merge
-from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.table.table import LogReference, TableReference
 from tests.support.cars_of_a_line import car_table
@@ -68,16 +67,8 @@ def test_a_store_without_such_cars(store):
         released_cars(store, NEW, ())
 
 
-def test_the_same_cars_again_or_none(store):
+def test_no_mean_is_made_of_a_car_and_one_that_rests_on_it(store):
     first = store.save(car(1), RELEASE)
     rests = store.save(car(2, parents=(TableReference(first.id, first.digest),)))
-    store.judge(first.id, StateDecision("withdrawn", "pads recalled"))
-    assert {id_: table.digest for id_, table in fleet_again(store, rests).items()} == {
-        first.id: first.digest
-    }
-    other = store.save(car(3, parents=(TableReference(first.id, "0" * 64),)))
-    with pytest.raises(StoreError):
-        fleet_again(store, other)
-    assert fleet_again(store, first) == {}
     with pytest.raises(RevisionError):
         merge([first, rests], "golden")
