@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.car.beliefs import CAR, LOG, SENSOR
 from calib.car.braking import BITE, MOVING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
 from calib.run.noise import WALK, SensorNoise
@@ -48,29 +49,29 @@ class Constants:
     least_share: float = 0.02  # of a level, or of the pressure that acts: below there is none [1]
     least_level: float = 0.05  # of any pads: soaked ones [1]
     most_level: float = 3.0  # the best of racing pads, with a tenth of error [1]
-    level_sigma: float = 0.4  # of a level before any braking [1]
+    level_sigma: float = CAR.pad_level.sigma  # of a level before any braking [1]
     level_walk: float = 0.01  # [1/sqrt(s)]
     fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
     fade_walk: float = 0.02
     jump: float = 3.0  # beyond it an error of prediction is a step of the level [sigma]
     level_rough: float = 0.007  # of a block, relative: road and body
-    lag: float = 0.03  # time constant of the brakes [s], and its sigma
-    lag_sigma: float = 0.04
+    lag: float = CAR.brake_lag.mean  # time constant of the brakes [s], and its sigma
+    lag_sigma: float = CAR.brake_lag.sigma
     lag_rough: float = 0.2  # of the force that is still to come: no brake lags by first order alone
     least_lag: float = 0.004
     apart: float = 0.02  # of the clocks of a_x and speeds [s]
-    zero: float = 0.01  # sigma of a zero before any rolling [1]
-    offset: float = 0.03  # sigma of bias and slope together before any rolling [1]
+    zero: float = CAR.zero.sigma  # of a zero before any rolling [1]
+    offset: float = SENSOR.a_x_offset.sigma  # of bias and slope before any rolling [1]
     bias_walk: float = 1e-4  # of a_x as it warms up [1/sqrt(s)]
     grade_walk: float = 0.001  # of bias and slope [1/sqrt(s)]
-    scale: float = 0.009  # a_x reads too much while braking, scale and pitch; and its sigma
-    scale_sigma: float = 0.01
+    scale: float = LOG.a_x_scale_step.mean  # a_x reads too much while braking, and its sigma
+    scale_sigma: float = LOG.a_x_scale_step.sigma
     ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
     unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
     narrower: float = 0.2  # by which a reading takes all of the place of what was known [1]
     slip_rough: float = 0.04  # of the slip of a block, relative
-    log_slip: float = -3.2  # ln(slip/z) before any braking, 0.04, and its sigma [1]
-    log_slip_sigma: float = 0.7
+    log_slip: float = CAR.log_slip.mean  # ln(slip/z) before any braking, 0.04, and its sigma [1]
+    log_slip_sigma: float = CAR.log_slip.sigma
     slip_walk: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
     slip_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
     slowest: float = 0.3  # speed of the rims that counts, at least [m/s]

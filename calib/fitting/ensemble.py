@@ -9,23 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.base.plain import rows
 from calib.car.balance import braked_tyres, turning_shares
 from calib.car.bias import front_share
 from calib.car.forces import axle_loads, speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
-from calib.model.settings import SETTINGS
 from calib.table.maps import WIDE, Draws
 from calib.table.table import Calibration
-
-ROWS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
-PRIORS = {
-    name: (float(row["mean"]), float(row["sigma"] or SETTINGS.pad_scatter))
-    for name, row in ROWS.items()
-}
-"""Mean and sigma of each prior by name. The file has their sources, the share of the field's
-variance by which cars of one ``model`` are apart, and the sigma of what a ``tyre_file`` says."""
 
 DEPART_AT = np.linspace(0.05, 0.95, 10)
 """Decelerations at which the departure of a tyre from its form is kept [1]."""

@@ -12,6 +12,7 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.base.program import PROGRAM
 from calib.base.warning import Measured, judged
+from calib.car.beliefs import CAR, LOG
 from calib.car.bias import front_biased_up_to
 from calib.car.braking import BITE
 from calib.car.mass import mass_used, weighed
@@ -30,7 +31,6 @@ from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun, prepare
 from calib.model.roller_bench import RollerBench
 from calib.model.sensors import put_right
-from calib.model.settings import SETTINGS
 from calib.model.sort_logs import Prepared, sort_logs
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.run import wrong_speed
@@ -183,8 +183,8 @@ def _provenance(
         settings={
             "block": BLOCK,
             "bite_pressure": BITE,
-            "pads_repeat": SETTINGS.pads_repeat,
-            "pad_scatter": SETTINGS.pad_scatter,
+            "pads_repeat": LOG.pads_repeat.sigma,
+            "pad_scatter": CAR.log_pad_ratio.sigma,
         },
         program=PROGRAM,
         parents=tuple(TableReference(id_, table.digest) for id_, table in fleet.items()),

@@ -18,10 +18,11 @@ from functools import cache
 import numpy as np
 
 from calib.base.arrays import Array, Index
+from calib.car.beliefs import CAR, Belief
 from calib.car.tyre_file import TyreFile
 from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, PRIORS, ROWS, Ensemble, ensemble_of, spread_evenly
+from calib.fitting.ensemble import DEPART_AT, Ensemble, ensemble_of, spread_evenly
 from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 
@@ -33,20 +34,21 @@ NAMES = (*["form"] * len(FORMS), *NONLINEAR, "compliance", "log_tyre_ratio", "ra
 OWN = len(FORMS) + len(NONLINEAR)
 """Number of coordinates that are drawn; the others are linear and integrated out."""
 
-COMPLIANCE, _SIGMA = PRIORS["compliance"]
-_LESS = 0.5 * PRIORS["log_tyre_ratio"][1] * COMPLIANCE
-LINEAR = np.array([COMPLIANCE, COMPLIANCE, PRIORS["radius_load"][0]])
+COMPLIANCE, _SIGMA, *_ = CAR.compliance
+_LESS = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE
+LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
 TO_LINEAR = np.array(
-    [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, PRIORS["radius_load"][1]]]
+    [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
 )
 """Compliances and fall of the radii are LINEAR + TO_LINEAR @ (the last three coordinates)."""
 
-CENTRE, WIDTH = np.array([PRIORS[name] for name in NONLINEAR]).T
+_BELIEFS: list[Belief] = [getattr(CAR, name) for name in NAMES]
+CENTRE, WIDTH = np.array([one[:2] for one in _BELIEFS[len(FORMS) : OWN]]).T
 RATIO = NONLINEAR.index("log_pad_ratio")
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
-_CARS_APART = np.array([float(ROWS[name]["model"]) for name in NAMES])
-_OF_FILE = np.array([float(ROWS[n]["tyre_file"] or PRIORS[n][1]) / PRIORS[n][1] for n in NAMES])
+_CARS_APART = np.array([one.model for one in _BELIEFS])
+_OF_FILE = np.array([one.tyre_file / one.sigma for one in _BELIEFS])
 _TOLD = 0.5  # share of the field's variance above which ramps are taken to tell nothing
 _COUNT = 200  # independent draws that the kept ones are worth
 

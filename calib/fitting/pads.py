@@ -13,18 +13,17 @@ from collections.abc import Mapping
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.car.beliefs import CAR, LOG
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import PRIORS
 from calib.model.parameters import AT
 from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.roller_bench import RollerBench
-from calib.model.settings import SETTINGS
 from calib.run.resistance import Resistance
 from calib.table.budget import Variances, axle_parts
 from calib.table.table import Calibration, TableBudget, Value
 
-UNSAID = Value(*PRIORS["log_pad_ratio"])
+UNSAID = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
 """ln of the pads' ratio over that of the file where the user said nothing."""
 
 _LEAST = 1e-3  # level that no pads have; what comes out below it counts as this [1]
@@ -66,7 +65,7 @@ def levels_of(
             rolled = b.length * max(run.rolling.size, 1)
             noise = np.hypot(noise, z.sum() / square * run.noise.z / np.sqrt(rolled))
         resistance = known.sigma_z(vehicle, b.speed[run.braked]) @ z / square
-        too_much, scale = PRIORS["a_x_scale"]
+        too_much, scale, *_ = LOG.a_x_scale
         if run.slip is not None:
             too_much, scale = 0.0, 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
         level = (1.0 - too_much) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
@@ -89,7 +88,7 @@ def ratio_by_levels(
         return before
     share = {"f": 1.0, "r": 0.0, None: front_share(vehicle, before.value)}
     levels, sigmas = levels_of(vehicle, runs, known, before.value)
-    weight = 1.0 / (SETTINGS.pads_repeat**2 + np.sum(sigmas**2, axis=1))
+    weight = 1.0 / (LOG.pads_repeat.sigma**2 + np.sum(sigmas**2, axis=1))
     shares = np.array([share[run.only] for run in runs])
     # the common level is not known beforehand: their weighted mean
     off, apart = (x - np.average(x, weights=weight) for x in (np.log(levels), shares))

@@ -14,9 +14,10 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import G
+from calib.car.beliefs import CAR, LOG
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, PRIORS, Ensemble, unit_slips
+from calib.fitting.ensemble import DEPART_AT, Ensemble, unit_slips
 from calib.model.ramp import RampRun
 
 _GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of them
@@ -27,6 +28,7 @@ _FINEST = 5e-4  # eta - 1 or slip below which an error of the form is no smaller
 _ROUGH = 0.02  # share of the variance of that error that is not alike from point to point
 
 _KINDS = ("eta", "slip")  # of rows, in their order
+_ERROR = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}
 _ALONE: dict[str | None, float] = {"f": np.inf, "r": -np.inf}  # ln of the odds of its pressure
 
 
@@ -46,17 +48,16 @@ def _carried_on(
     offset = np.mean(b.z[lead]) + slope / G
     lost = np.cumsum(np.where(time > 0.0, G * (b.z - offset) * b.length, 0.0))
     t, gone, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
-    v = u * (1.0 + PRIORS["compliance"][0] * z)
+    v = u * (1.0 + CAR.compliance.mean * z)
     wheel, rolled = noise.omega * R, lead.size * b.length
     sooner = np.minimum.outer(t, t)
     walk = (_GRADE * sooner) ** 2 * (np.maximum.outer(t, t) / 2.0 - sooner / 6.0)
     off = G**2 * (noise.z**2 * sooner + walk) + np.diag(wheel**2 / length)
     slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
-    scale, sigma = PRIORS["a_x_scale"]
-    return (v_0 - (1.0 - scale) * gone - u) / v, {
+    return (v_0 - (1.0 - LOG.a_x_scale.mean) * gone - u) / v, {
         "noise": np.linalg.cholesky(off / np.outer(v, v)),
         "zeros": np.stack([-G * t * slope_sigma / v, 2.0 * wheel / np.sqrt(rolled) / v], axis=1),
-        "accelerometer": (-gone * sigma / v)[:, None],
+        "accelerometer": (-gone * LOG.a_x_scale.sigma / v)[:, None],
     }
 
 
@@ -135,7 +136,7 @@ class Regression:
         """Covariance of the error of the form, over the deceleration."""
         each = [(r, of, x) for r in self.ramps for of, x in zip(_KINDS, r.rows, strict=True)]
         kind = np.concatenate([np.full(x.size, f"{of} {r.only}") for r, of, x in each])
-        off = [PRIORS[f"form_error_{of}"][0] * np.maximum(np.abs(x), _FINEST) for _, of, x in each]
+        off = [_ERROR[of] * np.maximum(np.abs(x), _FINEST) for _, of, x in each]
         size = np.concatenate(off)
         self.places = np.concatenate([r.z[1:] for r, _, _ in each])
         self.departs = {of: size * (kind == f"{of} None") for of in _KINDS}
@@ -152,7 +153,7 @@ class Regression:
             rolls &= unit.rolls.all(axis=1)
             by, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
             load, eta = unit.load[..., 1:], r.rows[0]
-            eta = eta * (1.0 - PRIORS["compliance"][0] * unit.slip[0][:, 1:])
+            eta = eta * (1.0 - CAR.compliance.mean * unit.slip[0][:, 1:])
             rows.append([by[0], -by[1], grown[1] - grown[0], eta])
             slip = np.broadcast_to(r.rows[1], eta.shape)
             rows.append([*load * by, -np.sum(load * grown, axis=0), slip])
@@ -190,11 +191,11 @@ class Regression:
         root = np.linalg.cholesky(np.eye(clock.shape[1]) - clock.T @ clock)
         late = left @ clock + rng.standard_normal((len(left), clock.shape[1])) @ root.T
         return {"v_late": _CLOCK * np.sum(late, axis=1) / max(clock.shape[1], 1)} | {
-            f"depart_{of}": PRIORS[f"form_error_{of}"][0] * (left @ self.white * size) @ near
+            f"depart_{of}": _ERROR[of] * (left @ self.white * size) @ near
             for of, size in self.departs.items()
         }
 
 
 def _near(x: Array, y: Array) -> Array:
     """How alike a tyre departs from its form at two decelerations, (n, k)."""
-    return np.asarray(np.exp(-0.5 * ((x[:, None] - y) / PRIORS["form_length"][0]) ** 2))
+    return np.asarray(np.exp(-0.5 * ((x[:, None] - y) / CAR.form_length.mean) ** 2))

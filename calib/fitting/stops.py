@@ -1,19 +1,15 @@
-"""What a stop may bring, drawn onto an ensemble: one list, `stops.csv`.
-
-The rows of one name are cases that exclude each other, with their shares.
-"""
+"""What a stop may bring, drawn onto an ensemble: the stops of `calib.car.beliefs`."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.plain import rows
+from calib.car.beliefs import STOP
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
 
-_LIST = rows("stops.csv", "calib.fitting")
 SCENARIOS = 16384
 
 
@@ -44,15 +40,6 @@ class Scenarios:
         return np.asarray(np.log(np.maximum(1.0 - self.offset / z, 0.05)) + self.mass)
 
 
-def _drawn(name: str, u: Array, x: Array) -> tuple[Array, Array]:
-    """Draws of a name from uniform ``u`` and normal ``x``, and the number of the case of each."""
-    cases = [row for row in _LIST if row["name"] == name]
-    ends = np.cumsum([float(row["share"]) for row in cases])
-    case = np.minimum(np.searchsorted(ends, u * ends[-1]), len(cases) - 1)
-    mean, sigma = (np.array([float(row[of]) for row in cases]) for of in ("mean", "sigma"))
-    return mean[case] + sigma[case] * x, case
-
-
 def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     """``count`` stops of the cars of an ensemble, by a fixed sequence.
 
@@ -63,22 +50,22 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     u = spread_evenly(count, 11)
     x = ndtri(u)
     of = e.take(np.arange(count) % e.size)
-    log_peak, road = _drawn("log_peak", u[:, 2], x[:, 3])
-    stiff, _ = _drawn("log_stiffness", u[:, 2], x[:, 4])
-    other = road > 0  # which has a peak of its own, whatever that of the ramp
+    log_peak = STOP.log_peak.drawn(u[:, 2], x[:, 3])
+    stiff = STOP.log_stiffness.drawn(u[:, 2], x[:, 4])
+    other = STOP.log_peak.is_case("other road", u[:, 2])  # it has a peak of its own
     log_peak -= other * np.log(of.peak)
     stiff += 0.25 * other * (log_peak + np.log(of.peak / 0.9))
-    of_axles = np.stack([_drawn("log_tyre", u[:, 0], x[:, k])[0] for k in (5, 6)])
-    load, case = _drawn("log_mass", u[:, 7], x[:, 8])
-    known = car.mass_tolerance
+    of_axles = np.stack([STOP.log_tyre.drawn(u[:, 0], x[:, k]) for k in (5, 6)])
+    load, known = STOP.log_mass.drawn(u[:, 7], x[:, 8]), car.mass_tolerance
+    stated = STOP.log_mass.is_case("as stated", u[:, 7])
     return Scenarios(
         of=of,
-        change=_drawn("log_pad_ratio", u[:, 0], x[:, 1])[0],
+        change=STOP.log_pad_ratio.drawn(u[:, 0], x[:, 1]),
         peak=np.exp(log_peak),
         stiff=stiff + of_axles,
-        scale=_drawn("a_x_scale", u[:, 7], x[:, 9])[0],
-        offset=_drawn("a_x_offset", u[:, 8], x[:, 10])[0],
-        mass=np.where((case == 0) | (known <= WEIGHED), known * x[:, 8], load),
+        scale=STOP.a_x_scale.drawn(u[:, 7], x[:, 9]),
+        offset=STOP.a_x_offset.drawn(u[:, 8], x[:, 10]),
+        mass=np.where(stated | (known <= WEIGHED), known * x[:, 8], load),
     )
 
 

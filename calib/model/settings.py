@@ -12,12 +12,6 @@ class FitSettings:
     tyre_tolerance: float = 0.02
     """How equal tyres that are taken as equal are (standard deviation of the logarithm): what
     cannot be told from that is given back as equal."""
-    pad_scatter: float = 0.07
-    """How exactly they have it in truth, for the interval: pads of one grade scatter by 10 %, two
-    standard deviations of each axle."""
-    pads_repeat: float = 0.015
-    """How alike the pads are on the ramps of one fit (standard deviation): friction changes by
-    about 0.05 % per kelvin, and discs are 30 K warmer or colder from one ramp to the next."""
     min_speed: float = 5.0
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0

@@ -28,13 +28,11 @@ from calib.base.arrays import Array, Index, Mask
 from calib.base.mixtures import Mixture, weigh_hypotheses
 from calib.base.names import G
 from calib.base.noise import second_differences
+from calib.car.beliefs import SENSOR
 from calib.car.braking import BITE
 from calib.run.blocks import Blocks
 from calib.run.filters import centred_mean
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
-
-_SCALE = 0.02
-"""Sigma of c [1]: data sheets of car accelerometers give 1 to 3 % over life and temperature."""
 
 _THERE, _STILL = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002])
 """Sigma of bias, grade and drag [g] where each is there, and where it is said not to be. A mounting
@@ -121,7 +119,7 @@ def accelerometer(
     at = np.array([(b.end.size - 1) // _STEP * _STEP])
     read = _Reading(b, unexplained, sigma, density_z, density_v)
     speeds, evidence = _evidence(read, b.z, at)
-    weighed = _mixture(evidence, _CASES, _SCALE)
+    weighed = _mixture(evidence, _CASES, SENSOR.a_x_scale.sigma)
     c, bias, _, drag = weighed.mean.T
     wanders = weighed.weights[:, 1::2].sum(axis=1)
     lags = [s.lag_of(weighed) for s in speeds]
@@ -276,7 +274,7 @@ def _other_scale(read: _Reading, last: Index) -> float:
     slow = centred_mean(read.b.z, max(1, round(_SECOND / read.b.length)))
     _, evidence = _evidence(read, slow, last)
     other = _mixture(evidence, _CASES[::2], _OTHER_SCALE)
-    sensor = _mixture(evidence, _CASES, _SCALE)
+    sensor = _mixture(evidence, _CASES, SENSOR.a_x_scale.sigma)
     likelier = other.evidence + np.log(_ODDS_OTHER) > sensor.evidence
     return float(other.mean[0, 0]) if likelier[0] else 0.0
 

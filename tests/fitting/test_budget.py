@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.beliefs import LOG
 from calib.car.effects.effects import Effects
-from calib.fitting.ensemble import PRIORS
 from calib.fitting.fit import fit
 from calib.fitting.pads import level_of
 from calib.run.accelerometer import Accelerometer
@@ -77,7 +77,7 @@ def test_a_wrong_scale_of_the_accelerometer_moves_the_pads_by_its_part(clean, ta
 
     What is read on the lead-in is scaled too, and half believed to be a resistance.
     """
-    off = PRIORS["a_x_scale"][1]
+    off = LOG.a_x_scale.sigma
     log = noisy(clean, 1)
     scaled = replace(log, channels={**log.channels, "a_x": (1.0 + off) * log["a_x"]})
     wrong = fit(UNWEIGHED, [without(scaled, "v")])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.car.tyre_forms import FORMS
-from calib.fitting.ensemble import PRIORS, draws_of, ensemble_of, spread_evenly, unit_slips
+from calib.fitting.ensemble import draws_of, ensemble_of, spread_evenly, unit_slips
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 from tests.support.tables import VEHICLE, made_draws, made_table
@@ -111,11 +111,6 @@ def test_points_are_in_the_open_cube_and_more_even_than_random_ones(dimension):
     assert np.max(off) < 1.2
     correlation = np.corrcoef(points.T) if dimension > 1 else np.eye(1)
     assert np.max(np.abs(correlation - np.eye(dimension))) < 0.1
-
-
-def test_priors_name_their_sources():
-    assert all(sigma >= 0.0 for _, sigma in PRIORS.values())
-    assert {"compliance", "load_exponent", "peak", "form_error_eta"} <= set(PRIORS)
 
 
 def test_the_draws_of_an_ensemble_give_it_back():

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.car.beliefs import LOG
 from calib.car.effects.effects import Effects
 from calib.fitting.pads import levels_of, ratio_by_levels
-from calib.model.settings import SETTINGS
 from calib.run.resistance import Resistance
 from calib.table.table import Value
 from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, prepared, ramp, rolled
@@ -56,7 +56,7 @@ def test_a_ramp_with_one_axle_tells_it_as_well_as_pads_repeat(runs, axle):
     """Two levels that hang on the ratio by 1 - share or share, each known to how pads repeat."""
     lever = {"f": 1.0 - SHARE, "r": SHARE}[axle]
     found = ratio_by_levels(CAR, [runs["n"], runs[axle]], SURE, Value(0.0, 0.5))
-    by_levels = math.sqrt(2.0) * SETTINGS.pads_repeat / lever
+    by_levels = math.sqrt(2.0) * LOG.pads_repeat.sigma / lever
     expected = 1.0 / math.hypot(1.0 / by_levels, 1.0 / 0.5)
     assert found.sigma == pytest.approx(expected, rel=0.15)
     assert abs(found.value) < 2.0 * found.sigma

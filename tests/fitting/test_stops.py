@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.plain import rows
+from calib.car.beliefs import STOP
 from calib.car.mass import WEIGHED
 from calib.fitting.ensemble import DEPART_AT
 from calib.fitting.stops import scenarios, seen
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 
-LIST = rows("stops.csv", "calib.fitting")
 COUNT = 8192
 
 
@@ -22,9 +21,8 @@ TYRES = {"peak": 0.95, "compliance_r": 0.05, "radius_load": 0.002}
 
 def cases(name):
     """Shares, means and sigmas of the cases of a name."""
-    of = [row for row in LIST if row["name"] == name]
-    share, mean, sigma = (np.array([float(r[k]) for r in of]) for k in ("share", "mean", "sigma"))
-    return share / share.sum(), mean, sigma
+    of = getattr(STOP, name)
+    return of.share / of.share.sum(), of.mean, of.sigma
 
 
 def moments(name):
@@ -42,13 +40,6 @@ def loose():
 @pytest.fixture(scope="module")
 def drawn():
     return scenarios(replace(CAR, mass_tolerance=WEIGHED), one_car(**TYRES), COUNT)
-
-
-@pytest.mark.parametrize("name", sorted({row["name"] for row in LIST}))
-def test_shares_of_a_name_add_up(name):
-    share = [float(row["share"]) for row in LIST if row["name"] == name]
-    assert sum(share) == pytest.approx(1.0)
-    assert all(row["source"] for row in LIST)
 
 
 @pytest.mark.parametrize(

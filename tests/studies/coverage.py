@@ -5,7 +5,7 @@
 
 Simulation-based calibration (Talts et al. 2018, arXiv:1804.06788): where cars and stops are drawn
 from the very priors that the program has, the rank of the truth in what it answers is uniform. Cars
-are drawn from `priors.csv`, stops from `stops.csv`, and go through `tests.studies.plant_r`, whose
+and stops are drawn from `beliefs.csv`, and go through `tests.studies.plant_r`, whose
 tyres are other curves: one form a car. Half of the files say that the car was weighed. A compliance
 is drawn within the range of its source; of a ramp or a stop beyond the peak all is drawn anew, as
 the maps leave it out. Deceleration and level of the pads are on no list: 0.08 to 0.6 g, 0.6 to 1.1.
@@ -33,22 +33,18 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from calib.base.arrays import Array
 from calib.base.errors import BrakeCalError
 from calib.base.intervals import Z95
-from calib.base.plain import rows
+from calib.car.beliefs import CAR, LOG, STOP, Belief
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.model.settings import SETTINGS
 from tests.studies import plant_r
 from tests.studies.brakings import BeyondPeakError, Braking, Demand, brakings, held
 from tests.studies.plant_r import Car, G
 from tests.studies.scored_stop import QUANTITIES, Truth, answer, estimators
 from tests.studies.study import arguments, carried_out
 from tests.support.reference_car import without
-
-PRIORS = {row["name"]: row for row in rows("priors.csv", "calib.fitting")}
-STOPS = rows("stops.csv", "calib.fitting")
 
 COMPLIANCE = (1 / 70, 1 / 14)
 """Range of the source of the prior, slip per force over load [1]."""
@@ -79,19 +75,18 @@ class Driven:
     groups: dict[str, str]
 
 
-def normal(rng: np.random.Generator, name: str) -> float:
+def normal(rng: np.random.Generator, of: Belief) -> float:
     """A draw of a prior."""
-    return float(rng.normal(float(PRIORS[name]["mean"]), float(PRIORS[name]["sigma"])))
+    return float(rng.normal(of.mean, of.sigma))
 
 
 def brought(rng: np.random.Generator, name: str, cause: str = "") -> tuple[float, str]:
     """A draw of what a stop brings, and its cause; ``cause`` where it is already known."""
-    cases = [row for row in STOPS if row["name"] == name]
-    shares = np.array([float(row["share"]) for row in cases])
-    row = cases[int(rng.choice(len(cases), p=shares / shares.sum()))]
+    of = getattr(STOP, name)
+    case = int(rng.choice(len(of.cases), p=of.share / of.share.sum()))
     if cause:
-        row = next(one for one in cases if one["cause"] == cause)
-    return float(rng.normal(float(row["mean"]), float(row["sigma"]))), str(row["cause"])
+        case = of.cases.index(cause)
+    return float(rng.normal(of.mean[case], of.sigma[case])), of.cases[case]
 
 
 def drawn(rng: np.random.Generator, place: float) -> Car:
@@ -102,23 +97,23 @@ def drawn(rng: np.random.Generator, place: float) -> Car:
     file = replace(base.vehicle, mass_tolerance=WEIGHED if weighed else Vehicle.mass_tolerance)
     compliance = 0.0
     while not COMPLIANCE[0] < compliance < COMPLIANCE[1]:
-        compliance = normal(rng, "compliance")
-    level, apart = rng.normal(0.0, 0.1), SETTINGS.pad_scatter * float(ndtri(place))
+        compliance = normal(rng, CAR.compliance)
+    level, apart = rng.normal(0.0, 0.1), CAR.log_pad_ratio.sigma * float(ndtri(place))
     front, rear = file.front.pad_friction, file.rear.pad_friction
     return replace(
         base,
         vehicle=file,
         stiffness=1.0 / compliance,
-        peak=float(np.exp(normal(rng, "peak"))),
-        load_exponent=normal(rng, "load_exponent"),
-        peak_exponent=normal(rng, "peak_load_exponent"),
+        peak=float(np.exp(normal(rng, CAR.peak))),
+        load_exponent=normal(rng, CAR.load_exponent),
+        peak_exponent=normal(rng, CAR.peak_load_exponent),
         pads=(front * np.exp(level + 0.5 * apart), rear * np.exp(level - 0.5 * apart)),
-        tyre_ratio=float(np.exp(normal(rng, "log_tyre_ratio"))),
-        radius_load=normal(rng, "radius_load"),
+        tyre_ratio=float(np.exp(normal(rng, CAR.log_tyre_ratio))),
+        radius_load=normal(rng, CAR.radius_load),
         mass=file.mass * float(np.exp(rng.normal(0.0, file.mass_tolerance))),
-        cg_to_front_axle=file.cg_to_front_axle * float(np.exp(normal(rng, "cg_to_front_axle"))),
-        cg_height=file.cg_height * float(np.exp(normal(rng, "cg_height"))),
-        a_x_scale=1.0 / (1.0 - normal(rng, "a_x_scale")),
+        cg_to_front_axle=file.cg_to_front_axle * float(np.exp(normal(rng, CAR.cg_to_front_axle))),
+        cg_height=file.cg_height * float(np.exp(normal(rng, CAR.cg_height))),
+        a_x_scale=1.0 / (1.0 - normal(rng, LOG.a_x_scale)),
         pitch=0.0,
     )
 

@@ -1,0 +1,79 @@
+"""Every belief is one row with its source, and somebody reads it: what nobody reads is refused."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import calib
+from calib.base.plain import rows
+from calib.car import beliefs
+from calib.car.beliefs import Belief, Car, Log, Sensor, Stop, beliefs_of
+
+TABLE = rows("beliefs.csv", "calib.car")
+GROUPS = {"car": Car, "sensor": Sensor, "log": Log, "stop": Stop}
+
+
+def test_each_row_says_where_it_is_from():
+    assert {row["group"] for row in TABLE} == set(GROUPS)
+    assert all(row["source"] for row in TABLE)
+    for values in (getattr(beliefs, group.upper()) for group in GROUPS):
+        for of in values:
+            assert np.all(np.asarray(of.sigma) >= 0.0)
+            assert isinstance(of, Belief) or np.sum(of.share) == pytest.approx(1.0)
+
+
+def read_by(tree: ast.Module, group: str) -> set[str]:
+    """Names that a module takes from a group, as an attribute or by ``getattr``."""
+    found, by_text = set(), False
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) == group:
+            found.add(node.attr)
+        by_text |= isinstance(node, ast.Call) and ast.unparse(node).startswith(f"getattr({group},")
+    texts = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant)}
+    return found | (texts if by_text else set())
+
+
+def test_every_field_is_read():
+    texts = [file.read_text() for file in Path(calib.__file__).parent.rglob("*.py")]
+    trees = [ast.parse(text) for text in texts if "from calib.car.beliefs import" in text]
+    for group, of in GROUPS.items():
+        assert {*of._fields} <= set().union(*(read_by(tree, group.upper()) for tree in trees))
+
+
+def of(**changed: str) -> dict[str, str]:
+    """The row of the pads' ratio, but for what is changed."""
+    return next(r for r in TABLE if r["quantity"] == "log_pad_ratio") | changed
+
+
+@pytest.mark.parametrize(
+    ("word", "table"),
+    [
+        ("log_colour", [*TABLE, of(quantity="log_colour")]),  # nobody reads it
+        ("log_pad_ratio", [*TABLE, of()]),  # twice
+        ("peak", [row for row in TABLE if row["quantity"] != "peak"]),
+        ("log_pad_ratio", [*TABLE, of(group="log", unit="dB")]),  # two units
+        ("worn", [*TABLE, of(case="worn")]),  # of a quantity that has no cases
+        ("wide", [row | {"sigma": "wide"} for row in TABLE]),
+    ],
+    ids=["unread", "twice", "missing", "two units", "a case", "no number"],
+)
+def test_what_cannot_be_read_in_one_way_is_refused(word, table):
+    with pytest.raises(ValueError, match=word):
+        beliefs_of(Car, table)
+
+
+def test_a_further_case_of_a_stop_is_drawn_as_often_as_it_says():
+    worn = of(group="stop", quantity="log_tyre", case="worn", share="0.25", mean="3", sigma="0.1")
+    tyre = beliefs_of(Stop, [*TABLE, worn]).log_tyre
+    u = (np.arange(1000) + 0.5) / 1000
+    assert np.mean(tyre.is_case("worn", u)) == pytest.approx(0.2)
+    assert np.mean(tyre.drawn(u, np.zeros(1000))) == pytest.approx(0.2 * 3.0)
+    with pytest.raises(ValueError, match="not in"):
+        tyre.is_case("new", u)
+
+
+def test_a_row_of_a_stop_without_a_case_is_refused():
+    with pytest.raises(ValueError, match="log_tyre"):
+        beliefs_of(Stop, [*TABLE, of(group="stop", quantity="log_tyre", case="")])
