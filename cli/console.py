@@ -48,6 +48,13 @@ class CommandRun:
         """The file of an option, if one was given."""
         return next(iter(self.inputs.get(name, ())), None)
 
+    def told(self, name: str) -> str:
+        """Name and digest of the file of an option; "" if none was given."""
+        from calib.base.digest import file_digest
+
+        file = self.file(name)
+        return f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else ""
+
 
 _RUN: ContextVar[CommandRun] = ContextVar("run")
 

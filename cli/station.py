@@ -16,7 +16,9 @@ from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
-    from calib.line.station.station import Identity
+    from calib.line.station.identity import Identity
+
+IDENTIFIER = "calib.line.station.identity:identifier"
 
 
 @command(
@@ -44,10 +46,12 @@ def station(
         "Release a car with warnings, and say why.", "REASON", make=words
     ),
     by: options.By,
-    serial: str | None = option("Serial number.", "S"),
-    vin: str | None = option("Vehicle identification.", "V"),
-    name: str | None = option("Name of the station.", "NAME", "--station", setting="station"),
-    rxswin: str | None = option("Software identification, UN R156.", "R"),
+    serial: str | None = option("Serial number.", "S", make=IDENTIFIER),
+    vin: str | None = option("Vehicle identification.", "V", make=IDENTIFIER),
+    name: str | None = option(
+        "Name of the station.", "NAME", "--station", setting="station", make=IDENTIFIER
+    ),
+    rxswin: str | None = option("Software identification, UN R156.", "R", make=IDENTIFIER),
     mass: options.Mass,
     export: list[str] = option(
         "Export as `tables export`; repeatable.",
@@ -67,64 +71,51 @@ def station(
     with warnings that nobody accepts. Only a released table is exported. With a log that cannot be
     used it ends with 3, stores nothing, and writes refused.json alone.
     """
-    from calib.base.digest import file_digest
     from calib.base.plain import counted
     from calib.base.publish import workshop
-    from calib.car.effects.combined import not_sensed
-    from calib.car.vehicle import require_same_car
-    from calib.line.station.files import FIXED, REFUSED, export_name, publish_run
+    from calib.line.station.files import outputs_of, publish_run, why_not_exported
     from calib.line.station.golden import golden_table
-    from calib.line.station.station import Identity, StationOutcome, table_of, validated
-    from calib.run.gates import refuse_copies
+    from calib.line.station.identity import Identity
+    from calib.line.station.station import judged_car
     from calib.show.station_page import facts, store_and_write
 
-    ramps = [ramp, *more]
-    identity = Identity(serial, vin, name, rxswin)
-    if flaw := identity.flaw():
-        raise misuse(flaw[1], f"--{flaw[0]}")
-    if signed.public and export:
-        say("no exports: what is stored now is not signed; sign it, then `brake-cal tables export`")
-        export = []
-    stems = stems_of(holdouts, "HOLDOUT")
+    identity, ramps = Identity(serial, vin, name, rxswin), [ramp, *more]
+    stems, forms = stems_of(holdouts, "HOLDOUT"), [] if signed.public else export
     if "table" in stems:
         raise misuse("a hold-out named table takes the export's place; rename it")
-    results = [f"{stem}.parquet" for stem in stems]
-    check_folder(out, [*FIXED, REFUSED, *map(export_name, export), *results])
+    check_folder(out, outputs_of(stems, forms))
     with _telling_refusals(out, identity, [*ramps, *coast, *holdouts]):
-        reference = golden_table(store, golden) if golden else None
+        file = this_run().file("vehicle")
+        reference = golden_table(store, golden, vehicle, file) if golden else None
         if golden and reference:
-            if not reference.state.released:
-                say(f"{reference.id} is {reference.state.words}")
             signed.check(golden, reference)
-            require_same_car(reference.table.vehicle, vehicle, this_run().file("vehicle"))
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:
-            ramp_logs = [read(path, channel_map) for path in ramps]
-            coast_logs = [read(path, channel_map) for path in coast]
-            table = table_of(vehicle, ramp_logs, coast_logs, identity, mass)
-            step()
-            stops, judged = [read(path, channel_map) for path in holdouts], []
-            refuse_copies([*ramp_logs, *coast_logs], stops)
-            for log in stops:
-                judged.append(validated(table, log, limits, mass))
-                step()
-        file = this_run().file("limits")
-        found = StationOutcome(
-            *(table, ramp_logs, coast_logs, stops, tuple(judged), limits, identity),
-            golden=reference,
-            accepted=accept_warnings or "",
-            by=by or "",
-            limits_file=f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else "",
-        )
+            fitted, coasts, stops = (
+                [read(path, channel_map) for path in part] for part in (ramps, coast, holdouts)
+            )
+            found = judged_car(
+                vehicle,
+                fitted,
+                coasts,
+                stops,
+                limits,
+                identity,
+                mass=mass,
+                done=step,
+                golden=reference,
+                accepted=accept_warnings or "",
+                by=by or "",
+                limits_file=this_run().told("limits"),
+            )
         with writing(out), workshop(out) as work:
-            stored, document = store_and_write(found, store, export, date or "", work)
+            stored, document = store_and_write(found, store, forms, date or "", work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
     tell_kin(store, stored)
-    if export and not stored.state.released:
-        say("no exports: only a released table may reach an ECU")
-    elif export and (beyond := not_sensed(stored.table.vehicle.effects)):
-        say(f"no exports: an ECU cannot sense {', '.join(beyond)}; see `brake-cal tables export`")
+    unsigned = "what is stored now is not signed; sign it, then `brake-cal tables export`"
+    if export and (why := why_not_exported(stored) or unsigned * bool(signed.public)):
+        say(f"no exports: {why}")
     return Answer(document, facts(found, stored).written(out), FAILED * (not found.passed))
 
 

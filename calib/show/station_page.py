@@ -9,7 +9,6 @@ from typing import Any
 
 from calib.base.names import AXLE_NAMES
 from calib.base.write import write_whole
-from calib.car.effects.combined import not_sensed
 from calib.estimation.limits import FAILED, WARNING
 from calib.estimation.results import SUMMARY, fill
 from calib.estimation.results import to_dict as validation_dict
@@ -22,8 +21,10 @@ from calib.line.station.files import (
     junit_xml,
     to_dict,
     to_text,
+    why_not_exported,
 )
-from calib.line.station.station import TITLES, StationOutcome
+from calib.line.station.identity import TITLES
+from calib.line.station.station import StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of
@@ -165,14 +166,12 @@ def write_all(
 ) -> dict[str, Any]:
     """Write everything into ``work`` and return the document of `station.json`.
 
-    Only a released table is exported, so that no other reaches an ECU, and none whose known effects
-    an ECU cannot sense. ``date`` is that of a cdfx
-    and of the report.
-    Raises OSError, ExchangeError.
+    What `why_not_exported` holds back is not exported. ``date`` is that of a cdfx and of the
+    report. Raises OSError, ExchangeError.
     """
     results = list(found.results)
     fill(results, validation_dict(stored, results), work)
-    if stored.state.released and not not_sensed(stored.table.vehicle.effects):
+    if not why_not_exported(stored):
         quality = read_quality(work / SUMMARY, stored)
         for form in dict.fromkeys(forms):
             export(stored, work / export_name(form), form, quality=quality, date=date)

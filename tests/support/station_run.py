@@ -5,8 +5,9 @@ from functools import cache
 from pathlib import Path
 
 from calib.car.vehicle_file import read_vehicle
+from calib.line.station.identity import Identity
 from calib.line.station.limits_file import LIMITS
-from calib.line.station.station import Identity, StationOutcome, table_of, validated
+from calib.line.station.station import StationOutcome, judged_car
 from calib.logs.read import read_log
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
@@ -22,10 +23,8 @@ def failed_car() -> StationOutcome:
     stops = [read_log(SEDAN / f"{n}.csv") for n in ("dry_asphalt_stop", "basalt_wet_pads")]
     stops[0] = replace(stops[0], name=MARKUP, notes=(f"channel {MARKUP} was not taken",))
     identity = Identity(serial=MARKUP, vin="WVWZZZ1JZXW000001")
-    table = table_of(car, [ramp], [coast], identity)
     limits = tuple(
         replace(one, high=0.9) if one.figure in ("pad_scale", "pad_ratio") else one
         for one in LIMITS
     )
-    results = tuple(validated(table, log, limits) for log in stops)
-    return StationOutcome(table, [ramp], [coast], stops, results, limits, identity)
+    return judged_car(car, [ramp], [coast], stops, limits, identity)

@@ -23,10 +23,12 @@ from calib.base.program import PROGRAM
 from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
+from calib.car.effects.combined import not_sensed
 from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
-from calib.line.station.station import Identity, StationCheck, StationOutcome
+from calib.line.station.identity import Identity
+from calib.line.station.station import StationCheck, StationOutcome
 from calib.store.version import Stored
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
@@ -42,6 +44,19 @@ def export_name(form: str) -> str:
 
 EXPORTS = frozenset(map(export_name, ENDINGS))
 """Every file that can be an export of a run."""
+
+
+def outputs_of(stops: Sequence[str], forms: Sequence[str]) -> list[str]:
+    """Every file that a run may write, with hold-outs named ``stops`` and exports ``forms``."""
+    return [*FIXED, REFUSED, *map(export_name, forms), *(f"{stop}.parquet" for stop in stops)]
+
+
+def why_not_exported(stored: Stored) -> str:
+    """Why the station hands this table to no ECU; "" if it does."""
+    if not stored.state.released:
+        return "only a released table may reach an ECU"
+    beyond = ", ".join(not_sensed(stored.table.vehicle.effects))
+    return f"an ECU cannot sense {beyond}; see `brake-cal tables export`" if beyond else ""
 
 
 def publish_run(work: Path, out: Path) -> list[Path]:

@@ -20,6 +20,7 @@ from calib.base.arrays import Array
 from calib.base.errors import StoreError
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
+from calib.car.vehicle import Vehicle, require_same_car
 from calib.store.mean import (
     COMPLIANCE,
     RATIO,
@@ -38,10 +39,10 @@ _OVERLAP = 0.5
 """Share of the golden table's range of eta that must be common for a distance to mean anything."""
 
 
-def golden_table(store: Store, reference: str) -> Stored:
-    """The table by which others are measured: released, or a draft that is named by its version.
+def golden_table(store: Store, reference: str, vehicle: Vehicle, where: object = None) -> Stored:
+    """Return the table by which a ``vehicle`` is measured: released, or a draft named by version.
 
-    Raises StoreError for another one, and for one without maps.
+    Raises StoreError for another one, VehicleError for one of another car.
     """
     found = store.released(reference)
     if not (found.state.usable and found.state.known):
@@ -51,6 +52,7 @@ def golden_table(store: Store, reference: str) -> Stored:
             expected="a released version",
         )
     require_maps(found.table, found.id)
+    require_same_car(found.table.vehicle, vehicle, where)
     return found
 
 

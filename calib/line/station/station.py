@@ -4,9 +4,10 @@ ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or 
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -19,59 +20,21 @@ from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgemen
 from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.estimation.validate import NONE, Validation, proof_of, validate_one
 from calib.fitting.fit import fit
+from calib.line.station.identity import NOBODY, Identity
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
 from calib.run.check import check
+from calib.run.gates import refuse_copies
 from calib.run.limits import LIMITS
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.store.version import Stored
 from calib.table.table import Table
 
-_LONGEST = 64
-"""Largest number of characters of an identifier."""
-
 _LEVEL = 0.06
 """Change of the brakes from the ramp to the stops [1] from which it is named: pads with one load
 and one temperature repeat to 2 %, and the estimate of a stop errs by 2 %."""
-
-
-@dataclass(frozen=True)
-class Identity:
-    """Identifiers of a run at the line, each None where none was given.
-
-    ``serial`` of the car or brake control unit; ``vin``; ``station`` where it ran; ``rxswin`` the
-    software identification of UN R156.
-    """
-
-    serial: str | None = None
-    vin: str | None = None
-    station: str | None = None
-    rxswin: str | None = None
-
-    def given(self) -> dict[str, str]:
-        """The identifiers that were given, by name.
-
-        >>> Identity(vin="WVWZZZ1JZXW000001").given()
-        {'vin': 'WVWZZZ1JZXW000001'}
-        """
-        return {name: value for name, value in asdict(self).items() if value is not None}
-
-    def flaw(self) -> tuple[str, str] | None:
-        """Name of the first identifier that is not valid, and why; None if all are valid."""
-        for name, value in self.given().items():
-            if not value.strip():
-                return name, "is empty"
-            if len(value) > _LONGEST:
-                return name, f"has {len(value)} characters, at most {_LONGEST} are taken"
-            if not value.isprintable():
-                return name, "holds characters that cannot be printed"
-        return None
-
-
-TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
-"""Names of the identifiers in a report."""
 
 
 @dataclass(frozen=True)
@@ -220,19 +183,43 @@ class StationOutcome:
         return {word: len(self.with_verdict(word)) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
 
 
-def table_of(
+def judged_car(
     vehicle: Vehicle,
     ramps: Sequence[Log],
     coasts: Sequence[Log],
-    identity: Identity,
+    stops: Sequence[Log],
+    limits: Sequence[Limit],
+    identity: Identity = NOBODY,
+    *,
     mass: float | None = None,
-) -> Table:
-    """Fit the table of the car; its provenance holds the ``identity`` of the car.
+    done: Callable[[], None] = lambda: None,
+    **told: Any,
+) -> StationOutcome:
+    """Fit the table of a car, validate it on its stops, and judge both by the limits.
 
-    ``mass`` [kg] of the car in these logs, if it is not that of ``vehicle``.
-    Raises LogError for a ramp without braking and for a coast with braking.
+    Parameters
+    ----------
+    ramps, coasts : logs for the fit; the provenance of the table holds the ``identity``.
+    stops : hold-outs of the same car.
+    mass : of the car in these logs [kg], if it is not that of ``vehicle``.
+    done : called after the fit and after each stop.
+    told : further fields of `StationOutcome`.
+
+    Raises LogError for a ramp without braking, a coast with braking, a stop that was fitted.
     """
-    table = fit(vehicle, [*ramps, *coasts], mass)
+    refuse_copies([*ramps, *coasts], stops)
+    fitted = fit(vehicle, [*ramps, *coasts], mass)
+    _require_roles(fitted, ramps, coasts)
+    table = replace(fitted, provenance=replace(fitted.provenance, identity=identity.given()))
+    done()
+    of_stops, results = tuple(x for x in limits if x.figure in OF_STOPS), []
+    for log in stops:
+        results.append(validate_one(table, log, None, of_stops, mass=mass))
+        done()
+    return StationOutcome(table, ramps, coasts, stops, tuple(results), limits, identity, **told)
+
+
+def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) -> None:
     roles = {log.digest: log.role for log in table.provenance.logs}
     for role, logs in (("ramp", ramps), ("coast", coasts)):
         for log in logs:
@@ -242,15 +229,6 @@ def table_of(
                     where=log.source,
                     do="the ramp comes first, further ones with --ramp, coasts with --coast",
                 )
-    return replace(table, provenance=replace(table.provenance, identity=identity.given()))
-
-
-def validated(
-    table: Table, log: Log, limits: Sequence[Limit], mass: float | None = None
-) -> Validation:
-    """Validate one hold-out, of a car of a stated ``mass`` [kg] or that of the table."""
-    of_stops = tuple(limit for limit in limits if limit.figure in OF_STOPS)
-    return validate_one(table, log, None, of_stops, mass=mass)
 
 
 def log_warnings(vehicle: Vehicle, log: Log) -> Iterator[PlausibilityWarning]:

@@ -11,8 +11,9 @@ from calib.car.vehicle_file import read_vehicle
 from calib.estimation.estimator import estimate
 from calib.estimation.limits import Limit
 from calib.line.station.files import to_dict
+from calib.line.station.identity import NOBODY
 from calib.line.station.limits_file import LIMITS
-from calib.line.station.station import Identity, StationOutcome, table_of, validated
+from calib.line.station.station import StationOutcome, judged_car
 from calib.logs.read import read_log
 from calib.store.merge import merge
 from calib.store.version import Stored
@@ -25,9 +26,7 @@ GOOD = ("dry_asphalt_stop", "transition_dry_to_basalt")
 def run(vehicle):
     ramp, coast = (read_log(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast"))
     stops = [read_log(SEDAN / f"{n}.csv") for n in GOOD]
-    table = table_of(vehicle, [ramp], [coast], Identity())
-    results = tuple(validated(table, log, LIMITS) for log in stops)
-    return StationOutcome(table, [ramp], [coast], stops, results, LIMITS, Identity())
+    return judged_car(vehicle, [ramp], [coast], stops, LIMITS)
 
 
 def stored(table):
@@ -37,7 +36,7 @@ def stored(table):
 def verdicts(table, limits, golden=None):
     """Of the table alone, without its logs."""
     reference = stored(golden) if golden else None
-    found = StationOutcome(table, [], [], [], (), limits, Identity(), reference)
+    found = StationOutcome(table, [], [], [], (), limits, NOBODY, reference)
     return found, {c.figure: c.verdict for c in found.checks}
 
 
