@@ -64,11 +64,8 @@ def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
 
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:
-    """Refuse a file where a folder will be written, an input or a folder in the place of a file.
-
-    What a killed run left in the folder is settled.
-    """
-    from calib.base.publish import refuse_obstacles, settle
+    """Refuse a file where a folder will be written, an input or a folder in the place of a file."""
+    from calib.base.publish import refuse_obstacles
 
     if out is None:
         return
@@ -78,7 +75,6 @@ def check_folder(out: Path | None, names: Iterable[str]) -> None:
     _refuse_parent(out, OUT)
     _refuse_inputs([out / name for name in names], OUT)
     try:
-        settle(out)
         refuse_obstacles(out, names)
     except OSError as error:
         raise _unwritable(Path(error.filename or out), error, OUT) from error

@@ -5,7 +5,6 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -16,7 +15,8 @@ def write_whole(path: Path, content: bytes) -> None:
     cannot be written.
     """
     new = path.with_name(f".{path.name}.new")
-    with locked(new) as file:
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+    with os.fdopen(_lock(new, flags), "r+b") as file:
         try:
             file.truncate()
             file.write(content)
@@ -30,27 +30,15 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 @contextmanager
-def locked(path: Path, wait: bool = True) -> Iterator[BinaryIO]:
-    """Open the file ``path``, made if missing, for one process at a time.
-
-    The kernel releases the lock when the process ends, however it ends. The holder may rename or
-    delete the file; the next one then makes a new file. Raises BlockingIOError if another process
-    has it and ``wait`` is false, OSError if it cannot be opened.
-    """
-    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
-    with os.fdopen(_lock(path, flags, wait), "r+b") as file:
-        yield file
-
-
-@contextmanager
-def locked_folder(folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder, which is made if it is not there; waits for its holder.
+def locked_folder(folder: Path, wait: bool = True) -> Iterator[None]:
+    """Hold the lock of a folder, which is made if it is not there.
 
     A folder that stays empty and was made here is removed. The lock holds between processes of one
-    computer, and between computers where the file system passes `flock` on. Raises OSError.
+    computer, and between computers where the file system passes `flock` on. Raises BlockingIOError
+    if another process has it and ``wait`` is false, OSError.
     """
     made = not folder.exists()
-    handle = _lock(folder, os.O_RDONLY)
+    handle = _lock(folder, os.O_RDONLY, wait)
     try:
         yield
     finally:

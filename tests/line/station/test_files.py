@@ -45,7 +45,7 @@ def test_a_listing_cannot_lead_out_of_the_folder(tmp_path, listed):
 
 @pytest.mark.parametrize("verdict", [None, "{"])
 def test_an_export_goes_where_no_verdict_lists_it(tmp_path, verdict):
-    """As a version without intents left it: killed between the old verdict and the new one."""
+    """As a run leaves it that is killed between the old verdict and the new one."""
     out = tmp_path / "car"
     out.mkdir()
     for name in EXPORTS:
