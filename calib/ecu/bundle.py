@@ -26,7 +26,7 @@ from calib.ecu import car_source
 from calib.estimation.channels import A_X, ANSWERS, CHANNELS, FL, limits, samples_of
 from calib.estimation.online import answered
 from calib.exports.addresses import find_addresses
-from calib.exports.dataset import build
+from calib.exports.build import build
 from calib.exports.write import FORMATS, as_comment
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate

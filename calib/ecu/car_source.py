@@ -30,7 +30,8 @@ from calib.estimation.known import known_effects
 from calib.estimation.online import answered
 from calib.estimation.reasons import Reason
 from calib.estimation.step import started
-from calib.exports.dataset import MOST_AXES, Axis, Grid, maps_of
+from calib.exports.build import maps_of
+from calib.exports.dataset import MOST_AXES, Axis, Grid
 from calib.run.blocks import BLOCK, samples_of_block
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise

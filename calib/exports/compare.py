@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
-from calib.exports.dataset import Content, Numbers, build, prefix
+from calib.exports.build import build
+from calib.exports.dataset import Content
+from calib.exports.labels import prefix
 from calib.exports.read import CDF, Returned
 from calib.exports.write import FORMATS
 from calib.store.folders import names_in
@@ -140,23 +142,19 @@ def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
     for name in sorted(found.scalars.keys() & whole.scalars.keys()):
         yield Pair(name, found.scalars[name], whole.scalars[name])
     axes, theirs = (
-        one.axes | {f"{name}, axis": x for name, (x, _) in one.curves.items()}
+        one.axes | {f"{n}, axis": x[0] for n, (x, _) in one.grids.items() if len(x) == 1}
         for one in (found, whole)
     )
     for name in sorted(axes.keys() & theirs.keys()):
         near = _nearest(axes[name], theirs[name])
         yield from (Pair(name, x, row) for x, row in zip(axes[name], near, strict=True))
-    for name in sorted(found.curves.keys() & whole.curves.keys()):
-        x, y = found.curves[name]
-        table = dict(zip(*whole.curves[name], strict=True))
-        for at, value, row in zip(x, y, _nearest(x, [*table]), strict=True):
-            yield Pair(f"{name} at {at!r}", value, table[row])
-    for name in sorted(found.maps.keys() & whole.maps.keys()):
-        (over, values), (whole_over, cells) = found.maps[name], whole.maps[name]
+    for name in sorted(found.grids.keys() & whole.grids.keys()):
+        (over, values), (whole_over, cells) = found.grids[name], whole.grids[name]
         held = dict(zip(product(*whole_over), cells, strict=True))
         rows = product(*(_nearest(x, row) for x, row in zip(over, whole_over, strict=True)))
         for place, value, cell in zip(product(*over), values, rows, strict=True):
-            yield Pair(f"{name} at {place}", value, held[cell])
+            at = place if len(place) > 1 else place[0]
+            yield Pair(f"{name} at {at!r}", value, held[cell])
 
 
 def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
@@ -175,9 +173,8 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
     theirs = _labels(whole)
     gaps = [f"{name}: only in the file" for name in ours - theirs]
     gaps += [f"{name}: only in the table" for name in theirs - ours]
-    ours_over, theirs_over = _over(found.content), _over(whole)
-    for name in ours_over.keys() & theirs_over.keys():
-        for x, rows in zip(ours_over[name], theirs_over[name], strict=True):
+    for name in found.content.grids.keys() & whole.grids.keys():
+        for x, rows in zip(found.content.grids[name][0], whole.grids[name][0], strict=True):
             row = _nearest(x, rows)
             if (row[0], row[-1]) != (rows[0], rows[-1]):
                 gaps.append(f"{name}: does not reach both ends of the table")
@@ -186,11 +183,5 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
     return sorted(gaps)
 
 
-def _over(content: Content) -> dict[str, tuple[Numbers, ...]]:
-    """The axes of every curve and map."""
-    curves = {name: (x,) for name, (x, _) in content.curves.items()}
-    return {**curves, **{name: axes for name, (axes, _) in content.maps.items()}}
-
-
 def _labels(content: Content) -> set[str]:
-    return {*content.axes, *content.curves, *content.maps, *content.scalars}
+    return {*content.axes, *content.grids, *content.scalars}

@@ -12,7 +12,8 @@ from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
 from calib.car.effects.combined import not_sensed
 from calib.exports.addresses import find_addresses
-from calib.exports.dataset import Axis, Dataset, build
+from calib.exports.build import build
+from calib.exports.dataset import Axis, Dataset, Grid
 from calib.exports.write import FORMATS
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
@@ -62,7 +63,7 @@ class Exported:
         """Each object of a fixed point: its step, and the errors of rounding and of reading."""
         return [
             {"label": one.label, "step": one.fixed.step, "error": one.fixed.error}
-            | {"read_error": getattr(one, "fixed_misfit", None)}
+            | {"read_error": one.fixed_misfit if isinstance(one, Grid) else None}
             for one in self.data.objects
             if one.fixed is not None
         ]

@@ -65,7 +65,7 @@ def _returned(
     path: Path, form: str, facts: dict[str, str], units: dict[str, str], content: Content
 ) -> Returned:
     firsts = [name.removesuffix(VERSION) for name in content.scalars if name.endswith(VERSION)]
-    firsts = [first for first in firsts if f"{first}_D" in content.curves]
+    firsts = [first for first in firsts if f"{first}_D" in content.grids]
     if len(firsts) != 1:
         raise ExchangeError(
             f"{form} with the labels of {len(firsts)} tables, such as NAME{VERSION} and NAME_D",
@@ -132,13 +132,12 @@ def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Co
         if axes.get(over := b.over.get(array, "")) != b.numbers[array]:
             what = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
             raise _bad(path, what, f"the axis it repeats, as {_AXIS}")
-    fields: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {
-        b.name: ((b.numbers[_Z], b.numbers[_X]), b.numbers[_Y]) for b in maps
+    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {
+        b.name: (tuple(b.numbers[at] for at in (_Z, _X) if at in b.numbers), b.numbers[_Y])
+        for b in (*curves, *maps)
     }
-    pairs = {b.name: (b.numbers[_X], b.numbers[_Y]) for b in curves}
-    return facts, units, Content(
-        axes, pairs, {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}, fields
-    )  # fmt: skip
+    scalars = {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}
+    return facts, units, Content(axes, scalars, grids)
 
 
 def _words(part: str) -> list[list[str]]:
@@ -230,10 +229,8 @@ def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], 
         if len(y) != math.prod(map(len, over)):
             what = f"{len(y)} values over axes of {' by '.join(str(len(x)) for x in over)}"
             raise ExchangeError(what, where=f"{path}: {name}")
-    curves = {n: (grids[n][0][0], y) for n, y in values["CURVE"].items()}
-    maps = {n: found for n, found in grids.items() if n not in curves}
     scalars = {n: v[0] for n, v in values["VALUE"].items()}
-    return facts, units, Content(axes, curves, scalars, maps)
+    return facts, units, Content(axes, scalars, grids)
 
 
 def _root(path: Path, text: bytes) -> ET.Element:

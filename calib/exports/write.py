@@ -21,6 +21,7 @@ import io
 import json
 import math
 import re
+import string
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -31,9 +32,12 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import ExchangeError
 from calib.base.templates import templates
-from calib.exports.dataset import MOST_AXES, UNIT, Axis, Curve, Dataset, Grid, Object, Scalar, label
+from calib.exports.build import UNIT
+from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Object, Scalar
+from calib.exports.labels import label
 
 _FUNCTION = "brake_torque"
 """Name of the function that the objects belong to."""
@@ -81,8 +85,8 @@ def _write_json(data: Dataset) -> bytes:
         "axes": [of(axis, *named, "values", "shared", "origin", "rows", "misfit")
                  for axis in data.axes],
         "curves": [
-            {"label": c.label, "axis": c.axis.label}
-            | of(c, *named[1:], "values", "lower", "upper", "count", "flag")
+            {"label": c.label, "axis": c.axis.label} | of(c, *named[1:], "values")
+            | _bounds(c) | of(c, "count", "flag")
             for c in data.curves
         ],
         **({"maps": [_map(m) for m in data.grids if not m.is_bound]} if data.grids else {}),
@@ -96,9 +100,13 @@ def _write_json(data: Dataset) -> bytes:
 def _map(one: Grid) -> dict[str, Any]:
     """A map with its bounds, nested as its axes are."""
     found = {"label": one.label, "axes": [axis.label for axis in one.axes]}
-    bounds = dict(zip(("lower", "upper"), one.bounds or (), strict=False))
-    values = {name: x.reshape(one.shape) for name, x in ({"values": one.values} | bounds).items()}
-    return {**found, "meaning": one.meaning, "unit": one.unit, **values}
+    values = {"values": one.values} | _bounds(one)
+    nested = {name: x.reshape(one.shape) for name, x in values.items()}
+    return {**found, "meaning": one.meaning, "unit": one.unit, **nested}
+
+
+def _bounds(one: Grid) -> dict[str, Array]:
+    return dict(zip(("lower", "upper"), one.bounds or (), strict=False))
 
 
 def _plain(value: Any) -> Any:
@@ -108,13 +116,9 @@ def _plain(value: Any) -> Any:
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
     """Cells of the columns; the bounds of a map stand beside its medians."""
     none = (None,) * len(MORE_AXES) if data.grids else ()
-    for c in data.curves:
-        arrays = (c.axis.values, c.values, c.lower, c.upper, c.count, c.flag)
-        for x, value, *rest in np.column_stack(arrays).tolist():
-            yield (c.label, c.axis.label, x, value, c.unit, *rest, c.meaning, *none)
-    for one in data.grids:
+    for one in (*data.curves, *data.grids):
         if not one.is_bound:
-            yield from _cells(one)
+            yield from (row[: len(COLUMNS) + len(none)] for row in _cells(one))
     for s in data.scalars:
         band = (None, None) if s.sigma is None else s.band.tolist()
         yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning, *none)
@@ -122,11 +126,13 @@ def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
 
 def _cells(one: Grid) -> Iterator[tuple[str | float | None, ...]]:
     places = product(*([(axis.label, x) for x in axis.numbers] for axis in one.axes))
-    low, high = (x.tolist() for x in one.bounds or np.full((2, one.values.size), None))
-    for place, value, *band in zip(places, one.numbers, low, high, strict=True):
+    none = np.full(one.values.size, None)
+    columns = (one.values, *(one.bounds or (none, none)), one.count, one.flag)
+    numbers = zip(*((none if x is None else x).tolist() for x in columns), strict=True)
+    for place, (value, *rest) in zip(places, numbers, strict=True):
         (axis, x), *more = place
         over = [cell for pair in more for cell in pair] + [None] * (2 * (MOST_AXES - len(place)))
-        yield (one.label, axis, x, value, one.unit, *band, None, None, one.meaning, *over)
+        yield (one.label, axis, x, value, one.unit, *rest, one.meaning, *over)
 
 
 def _columns(data: Dataset) -> tuple[str, ...]:
@@ -168,9 +174,9 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
         "limits": _limits,
         "type_limits": _type_limits,
         "display_format": _display_format,
-        "constants": _constants,
-        "nested": _nested,
-        "over": _over,
+        "c_type": partial(_c_type, single=data.single),
+        "c_numbers": partial(_c_numbers, single=data.single),
+        "c_string": _c_string,
         "type": partial(_type, single=data.single),
     }
     made.filters |= filters
@@ -222,16 +228,6 @@ def as_comment(text: str) -> str:
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
 
 
-def _over(one: Object) -> tuple[Axis, ...]:
-    """The axes of a curve or map, the slowest first."""
-    return one.axes if isinstance(one, Curve | Grid) else ()
-
-
-def _nested(one: Grid) -> Any:
-    """The values of a map, nested as its axes are."""
-    return one.values.reshape(one.shape).tolist()
-
-
 def _type(one: Object, single: bool) -> str:
     """Data type of A2L."""
     floating = "FLOAT32_IEEE" if single else "FLOAT64_IEEE"
@@ -242,7 +238,7 @@ def _made(one: Object) -> str:
     """How an object came about, for its history in CDF."""
     if isinstance(one, Scalar):
         return "fitted" + ("" if one.sigma is None else f"; one standard deviation {one.sigma!r}")
-    axes = (one,) if isinstance(one, Axis) else _over(one)
+    axes = (one,) if isinstance(one, Axis) else one.over
     return "; ".join(("fitted", one.span, *(axis.placed for axis in axes)))
 
 
@@ -271,64 +267,27 @@ def _display_format(one: Object) -> str:
     return f"%{len(str(int(largest))) + decimals + 2}.{decimals}"
 
 
-@dataclass(frozen=True)
-class _Constant:
-    """A constant of the C header, as it is declared; ``array`` if it has several values.
-
-    ``shape`` of an array of several dimensions.
-    """
-
-    declared: str
-    values: list[str]
-    remarks: tuple[str, ...] = ()
-    array: bool = False
-    shape: tuple[int, ...] = ()
-
-    @property
-    def nested(self) -> Any:
-        """The values, nested as the array is."""
-        return np.array(self.values, dtype=object).reshape(self.shape).tolist()
+def _c_type(one: Object, single: bool) -> str:
+    """Type of a constant of the C header."""
+    floating = "float" if single else "double"
+    return floating if one.fixed is None else f"int{one.fixed.bits}_t"
 
 
-def _constants(data: Dataset) -> Iterator[_Constant]:
-    for name, text in (("id", data.id), ("digest", data.stored.digest)):
-        held = text.encode()
-        escaped = "".join(map(_escaped, held))
-        declared = f"char {data.prefix}_{name}[{len(held) + 1}]"
-        yield _Constant(declared, [f'"{escaped}"'], (name,))
-    floating, behind = ("float", "F") if data.single else ("double", "")
-    for one in data.objects:
-        says, size = f"{one.meaning} [{one.unit}]", ""
-        shape: tuple[int, ...] = ()
-        if isinstance(one, Axis):
-            says, size = f"{says}, strictly increasing", f"[{one.label.upper()}_SIZE]"
-        elif isinstance(one, Curve):
-            says += f" over {one.axis.label}, clamped at its ends"
-            size = f"[{one.axis.label.upper()}_SIZE]"
-            if one.fixed_misfit is not None:
-                says += f"; read over the rounded axis at most {one.fixed_misfit:.3g} off"
-        elif isinstance(one, Grid):
-            says += f" over {' and '.join(axis.label for axis in one.axes)}, clamped at their ends"
-            size = "".join(f"[{axis.label.upper()}_SIZE]" for axis in one.axes)
-            shape = one.shape if len(one.axes) > 1 else ()
-        fixed, name = one.fixed, one.label + size
-        if fixed is None:
-            numbers = one.values.astype(np.float32 if data.single else np.float64)
-            values = [f"{x!s}{behind}" for x in numbers]
-            yield _Constant(f"{floating} {name}", values, (says,), bool(size), shape)
-            continue
-        how = f"origin {fixed.origin!r}, step 2^{-fixed.shift}"
-        how += f", rounding error at most {fixed.error:.3g}"
-        raw = [f"{v}{'L' * (fixed.bits == 32)}" for v in fixed.raw.tolist()]
-        yield _Constant(f"int{fixed.bits}_t {name}", raw, (says, how), bool(size), shape)
-        for part, value in (("origin", fixed.origin), ("step", fixed.step)):
-            yield _Constant(f"double {label(one.label, part)}", [repr(value)])
+def _c_numbers(one: Object, single: bool) -> Any:
+    """The numbers of a constant as C has them, those of a map nested as its axes are."""
+    if one.fixed is None:
+        numbers = one.values.astype(np.float32 if single else np.float64)
+        texts = [f"{x!s}{'F' * single}" for x in numbers]
+    else:
+        texts = [f"{v}{'L' * (one.fixed.bits == 32)}" for v in one.fixed.raw.tolist()]
+    shape = one.shape if isinstance(one, Grid) else (-1,)
+    return np.array(texts, dtype=object).reshape(shape).tolist()
 
 
-def _escaped(byte: int) -> str:
-    """A byte within a string constant: octal of three digits where it is not plain."""
-    plain = byte < 128 and (chr(byte).isalnum() or chr(byte) in "@-_. ")
-    return chr(byte) if plain else f"\\{byte:03o}"
+def _c_string(text: str) -> str:
+    """A string constant: octal of three digits for each byte that is not plain."""
+    plain = string.ascii_letters + string.digits + "@-_. "
+    return "".join(c if c in plain else f"\\{b:03o}" for b in text.encode() for c in [chr(b)])
 
 
 def _write_inca_csv(data: Dataset) -> bytes:

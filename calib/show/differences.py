@@ -77,12 +77,13 @@ def _short(written: str | None) -> str:
 
 def returned_document(found: Returned, stored: Stored | None, told: FromFile) -> dict[str, Any]:
     """The JSON document of a file of a calibration tool."""
+    grids = found.content.grids
     return {
         "format": found.format,
         "facts": found.facts,
         "axes": found.content.axes,
-        "curves": {n: {"x": x, "y": y} for n, (x, y) in found.content.curves.items()},
-        "maps": {n: {"axes": x, "y": y} for n, (x, y) in found.content.maps.items()},
+        "curves": {n: {"x": x[0], "y": y} for n, (x, y) in grids.items() if len(x) == 1},
+        "maps": {n: {"axes": x, "y": y} for n, (x, y) in grids.items() if len(x) > 1},
         "scalars": found.content.scalars,
         "units": found.units,
         "in_store": stored is not None,
@@ -95,8 +96,7 @@ def returned_document(found: Returned, stored: Stored | None, told: FromFile) ->
 def returned(found: Returned, stored: Stored | None, told: FromFile) -> Facts:
     """What a file of a calibration tool holds, and whether it agrees with the table it names."""
     content, units = found.content, found.units
-    over = {**content.curves, **content.maps}
-    arrays = {**content.axes, **{name: y for name, (_, y) in over.items()}}
+    arrays = {**content.axes, **{name: y for name, (_, y) in content.grids.items()}}
     cells = [
         (name, str(len(y)), f"{min(y):.6g}", f"{max(y):.6g}", units[name])
         for name, y in arrays.items()

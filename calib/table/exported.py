@@ -182,11 +182,8 @@ def as_exported(table: Table, how: Precision) -> Table:
     Raises ExchangeError as `Precision`.
     """
     p, d, g = table.paper, table.difference, table.tyre
-    f = np.array([p.f1, p.f2])
-    together = np.array_equal(p.eta, d.eta)
-    first = how.rows("eta", p.eta, np.concatenate((f, d.D[None])) if together else f)
-    second = first if together else how.rows("eta_D", d.eta, d.D[None])
-    third = how.rows("slip", g.slip, g.force[None])
+    rows = how.rows("eta", p.eta, np.array([p.f1, p.f2, d.D]))
+    of_tyre = how.rows("slip", g.slip, g.force[None])
     maps = {}
     for name in MAPS:
         if (held := getattr(table, name)) is not None:
@@ -195,9 +192,9 @@ def as_exported(table: Table, how: Precision) -> Table:
             maps[name] = held.of([axis.read for axis in made.axes.values()], **columns)
     return replace(
         table,
-        paper=_curve(p, first, how, "eta", 1.0, "f1", "f2"),
-        difference=_curve(d, second, how, "eta", 1.0, "D"),
-        tyre=_curve(g, third, how, "slip", 0.0, "force"),
+        paper=_curve(p, rows, how, "eta", 1.0, "f1", "f2"),
+        difference=_curve(d, rows, how, "eta", 1.0, "D"),
+        tyre=_curve(g, of_tyre, how, "slip", 0.0, "force"),
         **maps,
     )
 

@@ -71,6 +71,8 @@ def _axes(table: Table) -> Iterator[str]:
     for name, axis in (("difference.eta", d.eta), ("paper.eta", p.eta), ("tyre.slip", g.slip)):
         if not np.all(np.diff(axis) > 0.0):
             yield f"{name}: does not increase from row to row"
+    if not np.array_equal(d.eta, p.eta):
+        yield "paper.eta: not that of difference"
     for name, part in _maps(table):
         if not part.whole:
             yield f"{name}: its rows are not every combination of {', '.join(part.AXES)} once"

@@ -15,7 +15,8 @@ import pytest
 
 from calib.base.errors import ExchangeError
 from calib.exports.addresses import find_addresses
-from calib.exports.dataset import Addresses, build
+from calib.exports.build import build
+from calib.exports.dataset import Addresses
 from calib.exports.write import FORMATS
 from tests.support.a2l import decoded, objects, read_a2l
 from tests.support.programs import linked, memory_of, needs_gcc

@@ -11,7 +11,7 @@ import pytest
 from calib.base.bounded import PROGRAM
 from calib.base.errors import ProgramError
 from calib.exports.addresses import find_addresses
-from calib.exports.dataset import build
+from calib.exports.build import build
 from calib.exports.write import FORMATS
 from tests.support.a2l import decoded, read_a2l
 from tests.support.programs import linked, made_elf, needs_gcc

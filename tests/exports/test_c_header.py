@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.exports.dataset import build
+from calib.exports.build import build
 from calib.exports.write import FORMATS
 from tests.support.tables import made_table
 

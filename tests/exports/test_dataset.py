@@ -13,7 +13,8 @@ from calib.base.errors import ExchangeError
 from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
 from calib.estimation.baselines import by_curves
-from calib.exports.dataset import LONGEST, LONGEST_PREFIX, build, label, prefix
+from calib.exports.build import build
+from calib.exports.labels import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.exports.write import printable
 from calib.store.evidence import Quality
 from calib.store.store import Store

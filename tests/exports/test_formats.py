@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 import pytest
 from lxml import etree
 
-from calib.exports.dataset import build
+from calib.exports.build import build
 from calib.exports.write import FORMATS, TEXTS
 from calib.store.evidence import UNPROVED, Quality
 
@@ -213,13 +213,9 @@ def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, 
     assert (units["sedan_f1"], units["sedan_mass"]) == ("-", "kg")
 
 
-def test_an_axis_of_its_own_for_D_where_the_rows_differ(stored, tmp_path):
-    d = stored.table.difference
-    half = replace(d, **{k: v[::2] for k, v in vars(d).items()})
-    other = replace(stored, table=replace(stored.table, difference=half))
-    seen = dcm_reader(FORMATS["dcm"].write(build(other)), tmp_path)
-    assert seen["axes"]["sedan_D"] == "sedan_eta_D"
-    assert bits(seen["curves"]["sedan_D"]) == bits((half.eta, half.D))
+def test_a_dcm_names_the_axis_of_each_curve_and_its_function(stored, tmp_path):
+    seen = dcm_reader(FORMATS["dcm"].write(build(stored)), tmp_path)
+    assert seen["axes"]["sedan_D"] == seen["axes"]["sedan_f1"] == "sedan_eta"
     assert seen["functions"] == [["sedan_brake_torque", "1", "sedan@1"]]
 
 

@@ -20,8 +20,8 @@ from lxml import etree
 
 from calib.base.errors import ExchangeError
 from calib.exports.addresses import find_addresses
+from calib.exports.build import build
 from calib.exports.compare import Difference, difference
-from calib.exports.dataset import build
 from calib.exports.export import export
 from calib.exports.read import read_back
 from calib.exports.write import COLUMNS, FORMATS, TEXTS
@@ -266,7 +266,7 @@ def test_it_comes_back_and_agrees(mapped, tmp_path, form, points):
     assert found.content == data.content()
     assert found.unchanged is True
     assert difference(found, mapped) == Difference([])
-    over, values = found.content.maps["sedan_log_slip"]
+    over, values = found.content.grids["sedan_log_slip"]
     assert len(values) == len(over[0]) * len(over[1]) == (9 if points else 20)
     for (z, x), value in zip(product(*over), values, strict=True):
         assert value == pytest.approx(z - 3.0 - x, abs=1e-12)

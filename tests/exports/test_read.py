@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ExchangeError
+from calib.exports.build import build
 from calib.exports.compare import Difference, difference, parent
-from calib.exports.dataset import build
 from calib.exports.read import read_back
 from calib.exports.write import FORMATS
 from calib.store.store import Store

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ExchangeError
-from calib.exports.dataset import build
+from calib.exports.build import build
 from calib.table.breakpoints import place_weighted
 from calib.table.exported import Precision, as_exported, written_map
 from calib.table.maps import PadMap

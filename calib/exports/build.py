@@ -1,0 +1,210 @@
+"""The data set of a table: on all rows or on the best selection of them, in double or rounded."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from calib.base.names import AXLE_NAMES
+from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Scalar
+from calib.exports.labels import label, prefix
+from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
+from calib.store.figures import effect_figures
+from calib.store.version import Stored
+from calib.table.breakpoints import misfit
+from calib.table.exported import Precision, WrittenMap, written_map
+from calib.table.maps import MAPS
+from calib.table.table import Table
+
+UNIT = "1"
+"""Unit of every axis and curve: speed ratios, slips and normalised forces."""
+
+SHORT = {
+    ("aerodynamic_drag", "drag_area"): "drag_area",
+    ("rolling_resistance", "coefficient"): "rolling_coeff",
+}
+"""Short words for the effects that nearly every table has; other names are in full, and cut."""
+
+
+def build(
+    stored: Stored,
+    points: int | None = None,
+    quality: Quality = UNPROVED,
+    bits: int | None = None,
+    date: str = "",
+    *,
+    single: bool = False,
+    most_axes: int = MOST_AXES,
+    first: str | None = None,
+) -> Dataset:
+    """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
+
+    ``most_axes`` of a map that the format can hold: one of more is written in slices; ``first``
+    part of every label, of the table's name if not given. Raises ExchangeError for more points than
+    rows, a width that C does not have, and a rounded axis that does not increase.
+    """
+    table, how = stored.table, Precision(points, bits, single)
+    first = prefix(stored.name if first is None else first)
+    curves = [*_curves_of(table, first, how)]
+    maps = [*maps_of(table, first, how, most_axes)]
+    return Dataset(
+        stored=stored,
+        prefix=first,
+        axes=(*(axis for axis, _ in curves), *(axis for axes, _ in maps for axis in axes)),
+        curves=tuple(curve for _, of in curves for curve in of),
+        grids=tuple(grid for _, of in maps for grid in of),
+        scalars=tuple(_scalars(table, stored.version, first, how)),
+        quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
+        bits=bits,
+        single=single,
+        date=date,
+    )
+
+
+_ETA = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
+_G = "normalised force over slip, common tyre curve"
+
+
+def _curves_of(table: Table, first: str, how: Precision) -> Iterator[tuple[Axis, list[Grid]]]:
+    """Each axis and its curves, on the rows that are kept."""
+    p, d, g = table.paper, table.difference, table.tyre
+    over_eta = {
+        "f1": ("f1 = F_f - z", p.f1, p.f1_lower, p.f1_upper, p.count, p.flag),
+        "f2": ("f2 = F_r - z", p.f2, p.f2_lower, p.f2_upper, p.count, p.flag),
+        "D": ("D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag),
+    }
+    over_slip = {"g": (_G, g.force, g.lower, g.upper, g.count, g.flag)}
+    for name, meaning, x, shared, origin, over in (
+        ("eta", _ETA, p.eta, True, 1.0, over_eta),
+        ("slip", "slip of the wheel", g.slip, False, 0.0, over_slip),
+    ):
+        name = label(first, name)
+        y = np.array([values for _, values, *_ in over.values()])
+        kept = how.rows(name, x, y)
+        error, written = misfit(x, y, x[kept], y[:, kept]), how.axis(name, x[kept], origin)
+        axis = Axis(name, meaning, UNIT, *written, shared, origin, len(x), error)
+        curves = []
+        for column, (means, *columns) in over.items():
+            values, low, high, count, flag = (each[kept] for each in columns)
+            named = label(first, column), means, UNIT, *how.numbers(values)
+            curves.append(Grid(*named, (axis,), column, (low, high), count, flag))
+        yield axis, curves
+
+
+_AXES = {
+    "z": "z, brake force that the deceleration demands over M g, zeroed while rolling",
+    "shift": "(eta - 1)/z",
+    "slip": "ln(slip/z) less log_slip, over log_slip_sigma",
+}
+_COLUMNS = {
+    "ratio": "ln of the pads' ratio, front over rear, over that of mu_n_f and mu_n_r",
+    "change": "ln of the pads' ratio over that of the ramp",
+    "level": "ln of the brake force over that which z demands",
+    "log_slip": "mean of ln(slip/z)",
+    "log_slip_sigma": "standard deviation of ln(slip/z)",
+    "share": "share of the stops with this z that show such a shift",
+    "prior": "share of the ratio that is prior",
+}
+_BOUNDS = ("_lower", "_upper")
+
+_FLAT = {"log_slip", "log_slip_sigma", "share"}
+"""Columns that are the same along the last axis, and are written without it."""
+
+
+def _name(part: str, name: str) -> str:
+    """An axis or a column of a map in its label.
+
+    >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
+    ('slip_apart', 'z_level', 'ratio_0_lower')
+    """
+    if part == "level_map":
+        of, _, end = name.partition("_")
+        return {"z": "z_level", "level": name}.get(of, f"{of}_0_{end}".rstrip("_"))
+    return "slip_apart" if name == "slip" else name
+
+
+def maps_of(
+    table: Table, first: str, how: Precision, most_axes: int
+) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
+    """Axes and columns of each map; those with more axes than a format holds in slices."""
+    for part in MAPS:
+        if (held := getattr(table, part)) is None:
+            continue
+        made = written_map(held, how, label(first, part))
+        axes = tuple(
+            Axis(
+                label(first, _name(part, name)), _AXES[name], UNIT, *written,
+                shared=True, origin=0.0, rows=rows, misfit=made.misfit[name],
+            )
+            for (name, written), rows in zip(made.axes.items(), held.shape, strict=True)
+        )  # fmt: skip
+        whole = [_grid(label(first, _name(part, x)), x, axes, made) for x in made.columns]
+        slices = [_slices(one) if len(one.axes) > most_axes else [one] for one in whole]
+        yield axes, [one for some in slices for one in some]
+
+
+def _grid(name: str, column: str, axes: tuple[Axis, ...], made: WrittenMap) -> Grid:
+    end = next((end for end in _BOUNDS if column.endswith(end)), "")
+    of = _COLUMNS[column.removesuffix(end)]
+    meaning = f"{end[1:]} 95 % bound of {of}" if end else of
+    ends = [made.columns[column + e].values for e in _BOUNDS if column + e in made.columns]
+    bounds = (ends[0], ends[1]) if ends else None
+    whole = Grid(name, meaning, UNIT, *made.columns[column], axes, column, bounds)
+    return _cut(whole, 0) if column in _FLAT else whole
+
+
+def _cut(one: Grid, at: int) -> Grid:
+    """A map at one value of its last axis, without that axis."""
+    part, bounds = slice(at, None, one.shape[-1]), one.bounds
+    return replace(
+        one,
+        values=one.values[part],
+        fixed=one.fixed and replace(one.fixed, raw=one.fixed.raw[part]),
+        axes=one.axes[:-1],
+        bounds=bounds and (bounds[0][part], bounds[1][part]),
+    )
+
+
+def _slices(one: Grid) -> list[Grid]:
+    """A map at each value of its last axis: NAME_s1 at the first, and so on."""
+    return [
+        replace(
+            _cut(one, i), label=label(one.label, f"s{i + 1}"),
+            meaning=f"{one.meaning}, at {one.axis.label} {x!r}",
+        )
+        for i, x in enumerate(one.axis.numbers)
+    ]  # fmt: skip
+
+
+def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator[Scalar]:
+    car, pads, tyre = table.vehicle, table.calibration, table.posterior
+    mapped = table.map is not None
+    wide = how.wide if mapped else how
+
+    def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
+        written = wide.numbers(np.array([float(value)]))
+        return Scalar(label(first, name), what, unit, *written, sigma)
+
+    yield scalar("version", "version of the table", "1", version)
+    yield scalar("mass", "M_v, vehicle mass", "kg", car.mass)
+    yield scalar("l_f", "l_f, centre of gravity to front axle", "m", car.cg_to_front_axle)
+    yield scalar("l_r", "l_r, centre of gravity to rear axle", "m", car.cg_to_rear_axle)
+    yield scalar("h", "h, height of the centre of gravity", "m", car.cg_height)
+    yield scalar("l_w", "l_w, track width", "m", car.track_width)
+    for a, axle in (("f", car.front), ("r", car.rear)):
+        gain = f"C of (3): torque of one wheel over mu P, {a}"
+        yield scalar(f"R_{a}", f"R, rolling radius, {a}", "m", axle.rolling_radius)
+        yield scalar(f"J_{a}", f"J_w, inertia of one wheel, {a}", "kg*m^2", axle.wheel_inertia)
+        yield scalar(f"C_{a}", gain, "m^3", axle.torque_gain)
+    for a, mu in (("f", pads.pad_friction_f), ("r", pads.pad_friction_r)):
+        what = f"{AXLE_NAMES[a]} pad friction of the calibration"
+        yield scalar(f"mu_{a}", what, "1", mu.value, mu.sigma)
+    for a, axle in (("f", car.front), ("r", car.rear)) if mapped else ():
+        what = f"{AXLE_NAMES[a]} pad friction of the vehicle file"
+        yield scalar(f"mu_n_{a}", what, "1", axle.pad_friction)
+    for name in tyre.names:
+        yield scalar(name, f"{name} of the tyre", "1", tyre.value(name), tyre.sigma(name))
+    for of in effect_figures(table):
+        short = SHORT.get((of.effect, of.name), f"{of.effect}_{of.name}")
+        value, what = of.value, f"{of.name} of {of.effect}"
+        yield scalar(short, what, of.unit, value.value, value.sigma)
