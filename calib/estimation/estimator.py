@@ -27,12 +27,13 @@ from calib.estimation.online import online
 from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
-from calib.run.axle_signals import Signals, eta_of, signals
-from calib.run.blocks import Blocks, blocks, samples_of_block
+from calib.run.axle_signals import Signals, eta_of
+from calib.run.blocks import Blocks, samples_of_block
 from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
-from calib.run.known_effects import CorrectedRun, remove_known_effects
-from calib.run.noise import SensorNoise, lead_in_noise, worst_noise
+from calib.run.known_effects import CorrectedRun
+from calib.run.noise import SensorNoise, worst_noise
+from calib.run.run import Run
 from calib.table.generation import require_maps
 from calib.table.table import Table
 
@@ -61,18 +62,18 @@ class Estimate:
     """The estimator's answer on one log, at its rate, and what it started from.
 
     ``table`` with the car as it is driven, ``car`` the same with the nominal pads and all known
-    effects; ``ran`` the log, known effects taken out, with what they did to the pad friction, which
-    is given without them; ``read`` its signals with their balance of ``forces``, ``blocks`` their
-    means, those of its filled gaps among them; ``noise`` of the sensors; ``best`` what the step
+    effects; ``run`` the log with its gaps filled; ``ran`` its own samples, known effects taken out,
+    with what they did to the pad friction, which is given without them; ``read`` their signals with
+    their balance of ``forces``; ``noise`` of the sensors; ``best`` what the step
     makes of all channels, ``ecu`` without a speed; ``unfit`` why no sample counts, if so.
     """
 
     table: Table
     car: Vehicle
+    run: Run
     ran: CorrectedRun
     read: Signals
     forces: BrakeBalance
-    blocks: Blocks
     noise: SensorNoise
     best: Readout
     ecu: Readout
@@ -84,6 +85,11 @@ class Estimate:
             for axle, x in (("front", self.best.pads_f), ("rear", self.best.pads_r)):
                 text += f"; {axle} pads {x.value[i]:.3f} ({x.lower[i]:.3f} to {x.upper[i]:.3f})"
         return text
+
+    @property
+    def blocks(self) -> Blocks:
+        """Means of the signals over 50 ms, those of its filled gaps among them."""
+        return self.run.blocks
 
     @property
     def time(self) -> Array:
@@ -196,40 +202,53 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
+    return estimate_run(table, run_of(table, log, vehicle, mass), vehicle, exported)
+
+
+def run_of(
+    table: Table, log: Log, vehicle: Vehicle | None = None, mass: float | None = None
+) -> Run:
+    """A log of a table's car, of which all known effects are taken out; as of `estimate`."""
+    known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
+    return Run(log, weighed(replace(table.vehicle, effects=known), mass))
+
+
+def estimate_run(
+    table: Table, run: Run, vehicle: Vehicle | None = None, exported: Table | None = None
+) -> Estimate:
+    """Run the estimator on what `run_of` gives; as of `estimate`."""
     require_maps(table)
+    log, car = run.log, run.vehicle
+    assert car is not None
     if log.time.size < max(2, samples_of_block(log.sample_time)):
         raise LogError("the log is shorter than a block of 50 ms", where=log.source)
-    known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
-    car = weighed(replace(table.vehicle, effects=known), mass)
-    whole, rows = _filled(log)
-    ran, sensors = remove_known_effects(car, whole), replace(car, effects=sensed(car.effects))
-    read = signals(ran.log, ran.vehicle)
-    means = blocks(read)
-    used = replace(table, vehicle=ran.vehicle)
+    whole, rows = _filled(run)
+    used = replace(table, vehicle=whole.car)
     nominal = nominal_car(used, vehicle)
-    disturbed = np.full(read.time.size, int(Reason.FAULT))
-    disturbed[rows] = disturbances(used, ran.log, read)[rows]
-    noise = worst_noise([SensorNoise(**table.noise), lead_in_noise(ran.log, read)])
-    best = read_out(used, noise, read, means, disturbed).at(rows)
-    ran, read, ecu = ran.at(rows), read.at(rows), online(exported or table, sensors, log)
+    disturbed = np.full(whole.log.time.size, int(Reason.FAULT))
+    disturbed[rows] = disturbances(used, whole.corrected.log, whole.signals)[rows]
+    noise = worst_noise([SensorNoise(**table.noise), whole.lead_in_noise])
+    best = read_out(used, noise, whole.signals, whole.blocks, disturbed).at(rows)
+    ran, read = whole.corrected.at(rows), whole.signals.at(rows)
+    ecu = online(exported or table, replace(car, effects=sensed(car.effects)), log)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
+        run=whole,
         ran=ran,
         read=read,
         forces=brake_balance(nominal, known_effects(used), read),
-        blocks=means,
         noise=noise,
         best=best,
         ecu=ecu.with_pads(1.0 / ran.factor_f, 1.0 / ran.factor_r),
     )
 
 
-def _filled(log: Log) -> tuple[Log, Index]:
-    """A log with samples in its gaps, in a straight line (m,), and the places of its own (n,)."""
-    rows = rows_of(log)
+def _filled(run: Run) -> tuple[Run, Index]:
+    """A run with samples in its gaps, in a straight line (m,), and the places of its own (n,)."""
+    rows = rows_of(run.log)
     if rows.size > rows[-1]:
-        return log, rows
+        return run, rows
     every = np.arange(rows[-1] + 1)
-    channels = {name: np.interp(every, rows, x) for name, x in log.channels.items()}
-    return replace(log, channels=channels), rows
+    channels = {name: np.interp(every, rows, x) for name, x in run.log.channels.items()}
+    return replace(run, log=replace(run.log, channels=channels)), rows

@@ -10,19 +10,16 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.names import AXLES, G
-from calib.car.forces import deceleration
+from calib.base.names import G
 from calib.car.vehicle import Vehicle
 from calib.estimation import channels as at
 from calib.estimation.constants import Constants
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
-from calib.run.axle_signals import Signals, axle_pressure
-from calib.run.blocks import blocks
 from calib.run.filters import block_mean
-from calib.run.known_effects import remove_known_effects
 from calib.run.noise import SensorNoise
+from calib.run.run import Run
 from calib.table.table import Table
 
 READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
@@ -39,20 +36,15 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     x, good = _held(at.samples_of(log), step, radius)
     time = step * np.arange(len(x), dtype=np.float64)
     held = {"time": time, **dict(zip(at.CHANNELS, x.T, strict=True))}
-    ran = remove_known_effects(car, replace(log, channels=held))
-    p_f, p_r = (axle_pressure(ran.log, axle) for axle in AXLES)
-    omega_f, omega_r = (0.5 * (ran.log[f"omega_{a}l"] + ran.log[f"omega_{a}r"]) for a in AXLES)
-    z, speed = deceleration(ran.log["a_x"]), car.rear.rolling_radius * omega_r
-    (drive_f, drive_r), never = x[:, at.DRIVE].T, np.zeros_like(good)
-    s = Signals(time, p_f, p_r, drive_f, drive_r, z, omega_f, omega_r, None, speed, never, step)
-    b = blocks(s)
+    run = Run(replace(log, channels=held), car, causal=True)
+    b, ran = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
     unsure = fault | np.append(False, fault[:-1])  # of a reading that is held no spin is known
     spin_f = np.where(unsure, -G * b.z / radius, b.spin_f)
     spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
     b, used = replace(b, spin_f=spin_f, spin_r=spin_r), replace(table, vehicle=ran.vehicle)
-    why = np.where(good, disturbances(used, ran.log, s), Reason.FAULT)
-    told = read_out(used, SensorNoise(**table.noise), s, b, why, x[:, at.DRIVEN] > 0.5)
+    why = np.where(good, disturbances(used, ran.log, run.signals), Reason.FAULT)
+    told = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, at.DRIVEN] > 0.5)
     reason = np.where(good, told.step.reason, Reason.FAULT)
     told = told.with_pads(ran.factor_f, ran.factor_r)
     return replace(told, step=told.step._replace(reason=reason)).at(rows)

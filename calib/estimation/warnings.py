@@ -8,8 +8,6 @@ from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning, judged
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
-from calib.logs.log import Log
-from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import of_changes
 from calib.plausibility.run import run_warnings
 from calib.run.brake_response import brake_response
@@ -18,17 +16,17 @@ from calib.table.budget import budget_of
 from calib.table.pad_levels import pad_levels
 
 
-def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
+def warnings_of(e: Estimate) -> tuple[PlausibilityWarning, ...]:
     """Warnings on one log, from what its whole run says."""
     known = known_resistance(e.table)
-    sensor = judge_accelerometer(e.car, known, e.blocks, e.noise)
-    of_run = run_warnings(log, e.read, e.car, sensor, brake_response(e.read, e.forces))
+    response = brake_response(e.read, e.forces)
+    of_run = run_warnings(e.run, e.car, e.run.accelerometer(known, e.noise), response)
     if not e.valid.any():
         return of_run
     i = int(np.flatnonzero(e.valid)[-1])
     middle, low, high = e.best.step.change[:, i].tolist()
     apart = middle, (high - low) / (2.0 * Z95)
-    return (*of_run, *judged(log.name, of_changes(_together(e, known, i), apart)))
+    return (*of_run, *judged(e.run.log.name, of_changes(_together(e, known, i), apart)))
 
 
 def _together(e: Estimate, known: Resistance, i: int) -> tuple[float, float]:

@@ -30,15 +30,14 @@ from calib.logs.log import Log
 from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun, prepare
 from calib.model.roller_bench import RollerBench
-from calib.model.sensors import put_right
-from calib.model.sort_logs import Prepared, sort_logs
+from calib.model.sort_logs import sort_runs
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.run import wrong_speed
 from calib.run.blocks import BLOCK
-from calib.run.known_effects import remove_known_effects
 from calib.run.noise import worst_noise
 from calib.run.resistance import RESISTANCE, Resistance
 from calib.run.resistance import identify as identify_resistance
+from calib.run.run import Run
 from calib.run.same_run import fingerprint_of
 from calib.table.invariants import require_finite
 from calib.table.table import LogReference, Provenance, Table, TableReference, TyrePosterior, Value
@@ -88,17 +87,15 @@ def fit(
 
     0.4 is what the simulation had [1].
     """
-    read = {(log.name, log.digest): log for log in logs}
     driven, used = weighed(vehicle, mass), mass_used(vehicle, mass)
     said, told = stated_pad_ratio(driven, bench), known_before(driven, tyre, fleet or {})
-    corrected = [remove_known_effects(driven, log) for log in logs]
-    car = corrected[0].vehicle if corrected else driven
-    ramps, coasts = sort_logs(car, [run.log for run in corrected])
+    ramps, coasts = sort_runs([Run(log, driven) for log in logs])
+    car = ramps[0].car
     runs, known = _ready(car, ramps, coasts)
-    warnings = tuple(warnings_of(vehicle, car, ramps, coasts, known))
+    warnings = tuple(warnings_of(vehicle, ramps, coasts, known))
     if (wrong := wrong_speed(warnings)) is not None:
         raise wrong
-    where = ", ".join(log.source for log, _, _ in ramps)
+    where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
     before = ratio_by_levels(car, runs, known, said)
     ensemble, figures, valve = explained(car, runs, before, told, refused)
@@ -136,7 +133,7 @@ def fit(
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, runs, of, min((ratio.sigma / before.sigma) ** 2, 1.0)) | figures,
         remarks=tuple(remarks(driven, used, runs, held)),
-        provenance=_provenance({"ramp": ramps, "coast": coasts}, read, bench, tyre, fleet or {}),
+        provenance=_provenance({"ramp": ramps, "coast": coasts}, bench, tyre, fleet or {}),
         warnings=(
             *judged(vehicle.name, [Measured(one.code, p) for one, p in held]),
             *judged(car.name, of_calibration(car, pads, of_tyre, said)),
@@ -153,27 +150,28 @@ def fit(
 
 
 def _ready(
-    car: Vehicle, ramps: list[Prepared], coasts: list[Prepared]
+    car: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run]
 ) -> tuple[list[RampRun], Resistance]:
-    """The ramps ready to fit, accelerometers put right, and the resistance by all runs."""
-    right = [put_right(car, run) for run in (*ramps, *coasts)]
-    known = identify_resistance(car, [(b, noise.z) for (_, b, noise), _ in right])
-    runs = [
-        without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
-        for (log, b, noise), sensor in right[: len(ramps)]
-    ]
-    return runs, known
+    """The ramps ready to fit, accelerometers put right, and the resistance by all runs.
+
+    Accelerometers are judged before the resistance is known: by usual values with their spread.
+    """
+    usual = identify_resistance(car, ())
+    judged_by = [(run, run.accelerometer(usual)) for run in (*ramps, *coasts)]
+    felt = ((run.felt(sensor), run.noise.z) for run, sensor in judged_by)
+    known = identify_resistance(car, felt)
+    ready = (prepare(run, known.effects, sensor) for run, sensor in judged_by[: len(ramps)])
+    return [without_disturbances(car, run) for run in ready], known
 
 
 def _provenance(
-    roles: Mapping[str, list[Prepared]],
-    read: Mapping[tuple[str, str], Log],
+    roles: Mapping[str, Sequence[Run]],
     bench: RollerBench | None,
     tyres: Sequence[TyreFile],
     fleet: Mapping[str, Table],
 ) -> Provenance:
-    """The logs, by role and as ``read``, the tables, settings and program that a table rests on."""
-    logs_read = ((read[log.name, log.digest], role) for role in roles for log, _, _ in roles[role])
+    """The logs, by role and as read, the tables, settings and program that a table rests on."""
+    logs_read = ((run.log, role) for role in roles for run in roles[role])
     return Provenance(
         logs=(
             *(LogReference(x.name, x.digest, r, x.notes, fingerprint_of(x)) for x, r in logs_read),

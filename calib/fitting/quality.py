@@ -24,15 +24,12 @@ from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
-from calib.model.sensors import judge_accelerometer
 from calib.model.settings import SETTINGS
-from calib.model.sort_logs import Prepared
 from calib.plausibility.run import of_bend, run_warnings
-from calib.run.axle_signals import signals
-from calib.run.brake_response import brake_balance, brake_response
 from calib.run.filters import runs as runs_of
 from calib.run.resistance import ROLLING, Resistance
 from calib.run.resistance import identify as identify_resistance
+from calib.run.run import Run
 from calib.table.table import Value
 
 _SOME = 64  # draws whose median is taken: it is known far better than a block
@@ -174,23 +171,21 @@ def remarks(
 
 
 def warnings_of(
-    filed: Vehicle, car: Vehicle, ramps: list[Prepared], coasts: list[Prepared], known: Resistance
+    filed: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], known: Resistance
 ) -> Iterator[PlausibilityWarning]:
     """Warnings which need no fit: it says itself what it thinks of the pads.
 
-    ``car`` as its effects leave it of the ``filed`` one; ``ramps``, ``coasts`` with the blocks as
-    read; ``known`` the resistance that was identified, doubted where the file does not give it. A
-    ramp is compared with that of the coasts alone, and with their course, where there are any.
+    ``filed`` the vehicle as its file has it; ``known`` the resistance that was identified, doubted
+    where the file does not give it. A ramp is compared with that of the coasts alone, and with
+    their course, where there are any.
     """
     yield from (w for w in plausible(filed) if not w.code.startswith("pad_friction"))
+    car = ramps[0].car
     if ROLLING[0] not in car.effects:
         yield from judged(car.name, [Measured("rolling_resistance", known.mean[1])])
-    straight, coasted = [log for log, _, _ in coasts], [(b, noise.z) for _, b, noise in coasts]
-    rolling = identify_resistance(car, coasted) if coasts else known
-    runs = [(run, rolling, straight) for run in ramps] + [(run, known, []) for run in coasts]
-    for (log, b, noise), resistance, others in runs:
-        s = signals(log, car)
-        sensor = judge_accelerometer(car, resistance, b, noise)
-        response = brake_response(s, brake_balance(car, known.effects, s))
-        yield from run_warnings(log, s, car, sensor, response)
-        yield from judged(log.name, of_bend(log, s, car.track_width, others))
+    rolling = identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts)) if coasts else known
+    runs = [(run, rolling, coasts) for run in ramps] + [(run, known, ()) for run in coasts]
+    for run, resistance, straight in runs:
+        sensor = run.accelerometer(resistance)
+        yield from run_warnings(run, car, sensor, run.response(known.effects))
+        yield from judged(run.log.name, of_bend(run, straight))

@@ -23,9 +23,10 @@ from calib.car.vehicle import Vehicle
 from calib.model.parameters import RampParameters, tyres_of
 from calib.model.settings import SETTINGS
 from calib.run.accelerometer import Accelerometer
-from calib.run.blocks import Axle, Blocks, block_balance, braked_alone
+from calib.run.blocks import Axle, Blocks, block_balance
 from calib.run.filters import since
 from calib.run.noise import SensorNoise, aged
+from calib.run.run import Run
 
 Array = NDArray[np.float64]
 
@@ -87,29 +88,25 @@ class RampRun:
         return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
 
 
-def prepare(
-    vehicle: Vehicle,
-    name: str,
-    b: Blocks,
-    noise: SensorNoise,
-    effects: Effects,
-    accelerometer: Accelerometer | None = None,
-) -> RampRun:
-    """Loads, resistances and the demanded brake force of each block.
+def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = None) -> RampRun:
+    """Loads, resistances and the demanded brake force of each block of a ramp.
+
+    ``effects`` known of body and wheels; z is put right by the ``accelerometer``, if given.
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
     one between the lead-in and the bite, or after a release: nobody knows whether the pads touch;
     nor one so long before the bite that its radii are forgotten (`calib.run.noise`); nor one in
     which the pressure changes fast, as when the pedal is let go.
     """
+    vehicle, b, noise = run.car, run.felt(accelerometer), run.noise
     forces = block_balance(vehicle, effects, b)
     stands = np.minimum(forces.load_f, forces.load_r) > 0.0
     # the last blocks of a stop hold the jerk at standstill
     use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & stands
     use &= b.lead_in | (np.maximum(b.p_f, b.p_r) > BITE)
     load_f = np.where(stands, forces.load_f, np.nan)
-    run = RampRun(
-        name=name,
+    ramp = RampRun(
+        name=run.log.name,
         blocks=b,
         noise=noise,
         load_f=load_f,
@@ -120,12 +117,12 @@ def prepare(
         slip=None if b.v is None else mean_slip(vehicle, load_f, b.omega_f, b.omega_r, b.v),
         use=np.asarray(use),
         accelerometer=accelerometer,
-        only=braked_alone(b.p_f, b.p_r),
+        only=run.only,
     )
-    known = np.isfinite(aged(b.end, b.lead_in, _eta_density(run)))
-    if run.slip is not None:
-        known |= np.isfinite(aged(b.end, b.lead_in, _slip_density(run)))
-    return replace(run, use=run.use & known & (b.lead_in | _steady(vehicle, run)))
+    known = np.isfinite(aged(b.end, b.lead_in, _eta_density(ramp)))
+    if ramp.slip is not None:
+        known |= np.isfinite(aged(b.end, b.lead_in, _slip_density(ramp)))
+    return replace(ramp, use=ramp.use & known & (b.lead_in | _steady(vehicle, ramp)))
 
 
 def _steady(vehicle: Vehicle, run: RampRun) -> NDArray[np.bool_]:

@@ -1,53 +1,45 @@
-"""Ramps and coast logs among the logs of a fit, and which of them will do."""
+"""Ramps and coasts among the runs of a fit, and which of them will do."""
+
+from collections.abc import Sequence
 
 from calib.base.errors import LogError
-from calib.car.vehicle import Vehicle
-from calib.logs.log import Log
-from calib.run.axle_signals import signals
-from calib.run.blocks import Blocks, blocks, braked_alone
-from calib.run.check import problems_for
-from calib.run.driving_record import brake_events, driving_record
 from calib.run.gates import refuse_copies, require_right_slip, require_same_wheels
-from calib.run.noise import SensorNoise, sensor_noise
+from calib.run.rules import problems
+from calib.run.run import Run
 
-Prepared = tuple[Log, Blocks, SensorNoise]
 
-
-def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[Prepared]]:
-    """Ramps and coast logs, each with blocks and noise, in the order of their digests.
+def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run]]:
+    """Ramps and coasts, in the order of the digests of their logs.
 
     The order of the command line must not change a bit of the table. Raises LogError for a log
     that will not do, that is not of this vehicle, or that is there twice.
     """
-    refuse_copies(logs)
-    ramps: list[Prepared] = []
-    coasts: list[Prepared] = []
-    for log in sorted(logs, key=lambda item: item.digest):
-        s = signals(log, vehicle)
-        coasting = not brake_events(driving_record(log))
-        problems = problems_for(log, "coast" if coasting else "fit")
-        if problems:
+    refuse_copies([run.log for run in runs])
+    ramps: list[Run] = []
+    coasts: list[Run] = []
+    for run in sorted(runs, key=lambda item: item.log.digest):
+        coasting = not run.events
+        if reasons := problems(run, "coast" if coasting else "fit"):
             raise LogError(
                 f"this {'coast' if coasting else 'run'} will not do for a fit: "
-                + "; ".join(problems),
-                where=log.source,
+                + "; ".join(reasons),
+                where=run.log.source,
                 do="see `brake-cal check`",
             )
-        require_same_wheels(vehicle, log, s)
-        b = blocks(s)
+        require_same_wheels(run)
         if not coasting:
-            require_right_slip(vehicle, log, b)
-        (coasts if coasting else ramps).append((log, b, sensor_noise(log, b)))
+            require_right_slip(run)
+        (coasts if coasting else ramps).append(run)
     if not ramps:
         raise LogError(
             "none of the logs holds a braking",
-            where=", ".join(log.source for log in logs),
+            where=", ".join(run.log.source for run in runs),
             expected="at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s",
         )
-    if all(braked_alone(b.p_f, b.p_r) for _, b, _ in ramps):
+    if all(run.only for run in ramps):
         raise LogError(
             "on every ramp one axle brakes alone, so there is no curve over eta",
-            where=", ".join(log.source for log, _, _ in ramps),
+            where=", ".join(run.log.source for run in ramps),
             expected="at least one ramp with both axles; ramps with one axle serve in addition",
         )
     return ramps, coasts

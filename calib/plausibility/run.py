@@ -19,14 +19,14 @@ from calib.car.balance import brake_forces
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
-from calib.logs.log import Log
 from calib.run.accelerometer import Accelerometer
-from calib.run.axle_signals import Signals, held_time, rolling_radii, wheels_held
-from calib.run.blocks import blocks
+from calib.run.axle_signals import held_time
+from calib.run.blocks import Blocks
 from calib.run.brake_response import BrakeResponse
 from calib.run.copies import twice
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import lateral, sides
+from calib.run.run import Run
 from calib.run.warnings import impossible_samples
 
 _COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
@@ -56,24 +56,25 @@ NO_SPEED = ("v_of_wheels", "v_scale")  # codes of a v that says nothing of the c
 
 
 def run_warnings(
-    log: Log, s: Signals, vehicle: Vehicle, sensor: Accelerometer, response: BrakeResponse | None
+    run: Run, vehicle: Vehicle, sensor: Accelerometer, response: BrakeResponse | None
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings on a run.
 
-    ``s`` its signals as read, known effects taken out; ``vehicle`` with the pads that are expected;
-    ``sensor`` the accelerometer as judged over the run; ``response`` of its brakes to the pressure.
+    ``vehicle`` with the pads that are expected; ``sensor`` the accelerometer as judged over the
+    run; ``response`` of its brakes to the pressure.
     """
     brakes = of_brakes(response, vehicle.motor_odds) if response else ()
-    measured = *of_channels(log, s), *of_wheels(log, vehicle, s), *of_accelerometer(sensor), *brakes
-    return (*impossible_samples(log), *judged(log.name, measured))
+    measured = *of_channels(run), *of_wheels(run, vehicle), *of_accelerometer(sensor), *brakes
+    return (*impossible_samples(run.log), *judged(run.log.name, measured))
 
 
-def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
+def of_channels(run: Run) -> Iterator[Measured]:
     """One signal twice, values that are held or late, pressures at rest or on one side."""
+    log, s = run.log, run.signals
     for one, other, same in twice(log, [name for name in _COMPARED if name in log]):
         yield Measured("same_signal", same, words={"one": one, "other": other})
     yield Measured("v_held", held_time(log))
-    yield Measured("wheels_held", wheels_held(log))
+    yield Measured("wheels_held", run.wheels_held)
     if s.delay.late:
         used = "v was put in time" if s.delay.sharp else "v is not used"
         yield Measured("v_late", s.delay.value, words={"used": used})
@@ -88,24 +89,22 @@ def of_channels(log: Log, s: Signals) -> Iterator[Measured]:
             yield Measured("pressure_sides", apart, words=words)
 
 
-def of_wheels(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Measured]:
+def of_wheels(run: Run, vehicle: Vehicle) -> Iterator[Measured]:
     """Wheels of another size, slip that v does not show, pulses that a wheel loses."""
-    radii = rolling_radii(s)
-    if radii is not None:
+    if (radii := run.rolling_radii) is not None:
         yield relative("rolling_radius_f", radii[0], vehicle.front.rolling_radius)
         yield relative("rolling_radius_r", radii[1], vehicle.rear.rolling_radius)
-        yield from _slip_of_v(vehicle, s, radii)
-    yield from _lost_pulses(log, s)
+        yield from _slip_of_v(vehicle, run.blocks, radii)
+    yield from _lost_pulses(run)
 
 
-def _slip_of_v(vehicle: Vehicle, s: Signals, radii: tuple[float, float]) -> Iterator[Measured]:
+def _slip_of_v(vehicle: Vehicle, b: Blocks, radii: tuple[float, float]) -> Iterator[Measured]:
     """Slip of an axle while it brakes, by v, over the least that any tyre has [1] (rms).
 
     Of v from one axle that slip is zero, of v from all wheels the mean of both: the least of the
     three. An axle that is not braked for long says nothing.
     """
-    b, found = blocks(s), []
-    loads = axle_loads(vehicle, b.z)
+    loads, found = axle_loads(vehicle, b.z), []
     told = (b.speed > MOVING) & (b.drive_f == 0.0) & (b.drive_r == 0.0)
     told &= np.minimum(*loads) > 0.0  # else a glitch of a_x
     rims = np.stack([radii[0] * b.omega_f, radii[1] * b.omega_r])[:, told]
@@ -122,7 +121,7 @@ def _slip_of_v(vehicle: Vehicle, s: Signals, radii: tuple[float, float]) -> Iter
         yield Measured("v_of_wheels", share, words={"source": f"the {source} wheels"})
 
 
-def _lost_pulses(log: Log, s: Signals) -> Iterator[Measured]:
+def _lost_pulses(run: Run) -> Iterator[Measured]:
     """Share of the unbraked samples in which one wheel alone is far below its usual course [1].
 
     A pulse that is lost lowers one reading by a tooth of 48 or so. Bumps lift and lower a wheel
@@ -131,11 +130,12 @@ def _lost_pulses(log: Log, s: Signals) -> Iterator[Measured]:
     """
     from scipy.ndimage import median_filter
 
+    s = run.signals
     rolling = (s.lead_in | (np.maximum(s.p_f, s.p_r) < BITE)) & (s.speed > MOVING)
     if np.count_nonzero(rolling) * s.sample_time < _TIME:
         return
     for name in (f"omega_{wheel}" for wheel in WHEELS):
-        omega = log[name][rolling]
+        omega = run.log[name][rolling]
         away = omega - median_filter(omega, _SPAN)
         usual = float(np.median(np.abs(away))) / QUARTILE
         far = _SIGMA * max(usual, 1e-3 * float(np.mean(omega)))
@@ -143,19 +143,18 @@ def _lost_pulses(log: Log, s: Signals) -> Iterator[Measured]:
         yield Measured("lost_pulses", max(lost, 0.0), words={"wheel": name})
 
 
-def of_bend(
-    ramp: Log, s: Signals, track_width: float, straight: Sequence[Log]
-) -> Iterator[Measured]:
+def of_bend(ramp: Run, straight: Sequence[Run]) -> Iterator[Measured]:
     """Mean lateral acceleration of a ramp [m/s^2] by runs of the same car that are ``straight``.
 
-    ``s`` signals of the ramp; ``track_width`` [m]. Without such runs a bend and wheels of unlike
-    radius look the same.
+    Without such runs a bend and wheels of unlike radius look the same.
     """
+    s, logs = ramp.signals, [run.corrected.log for run in straight]
     told = (s.speed > MOVING) & (s.z < _UPRIGHT)
     if straight and told.any():
         fast = 2.0 * MOVING / NOMINAL_RADIUS
-        equal = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in straight]
-        turned = lateral(ramp, s, track_width, float(np.mean(np.concatenate(equal))))
+        equal = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in logs]
+        zero = float(np.mean(np.concatenate(equal)))
+        turned = lateral(ramp.corrected.log, s, ramp.car.track_width, zero)
         yield Measured("bend", float(np.mean(turned[told])))
 
 

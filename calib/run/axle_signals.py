@@ -23,7 +23,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
 from calib.base.intervals import QUARTILE
-from calib.base.names import WHEELS
+from calib.base.names import AXLES, WHEELS
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import deceleration
 from calib.car.lag import integral
@@ -88,7 +88,41 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     rolling = _lead_in(log.time, np.maximum(p_f, p_r), z, speed, step)
     rolling &= _undisturbed(eta_of(omega_f, omega_r), rolling, step)
     return Signals(
-        log.time, p_f, p_r, drive_f, drive_r, z, omega_f, omega_r, v, speed, rolling, step, delay
+        time=log.time,
+        p_f=p_f,
+        p_r=p_r,
+        drive_f=drive_f,
+        drive_r=drive_r,
+        z=z,
+        omega_f=omega_f,
+        omega_r=omega_r,
+        v=v,
+        speed=speed,
+        lead_in=rolling,
+        sample_time=step,
+        delay=delay,
+    )
+
+
+def causal_signals(log: Log, vehicle: Vehicle) -> Signals:
+    """Axle signals as an ECU has them: wheel speeds as read, no v, no lead-in.
+
+    Nothing in them depends on a later sample.
+    """
+    omega_f, omega_r = (0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES)
+    return Signals(
+        time=log.time,
+        p_f=axle_pressure(log, "f"),
+        p_r=axle_pressure(log, "r"),
+        drive_f=log["T_drive_f"],
+        drive_r=log["T_drive_r"],
+        z=deceleration(log["a_x"]),
+        omega_f=omega_f,
+        omega_r=omega_r,
+        v=None,
+        speed=vehicle.rear.rolling_radius * omega_r,
+        lead_in=np.zeros(log.time.size, bool),
+        sample_time=log.sample_time,
     )
 
 

@@ -4,7 +4,7 @@ A run in which one axle alone brakes is seen from the pressures of its axles, no
 share of such an axle is known, so its eta and slip give its tyres' stiffness without the pads.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -49,6 +49,10 @@ class Blocks:
     def last_complete(self, time: Array) -> Index:
         """Index of the last block that is complete at each ``time`` [s]; the first one before."""
         return np.maximum(np.searchsorted(self.end, time, side="right") - 1, 0)
+
+    def with_z(self, z: Array) -> "Blocks":
+        """The same with another deceleration [1] (k,)."""
+        return replace(self, z=z)
 
     @property
     def eta(self) -> Array:

@@ -10,10 +10,10 @@ from calib.car.bias import front_biased_up_to
 from calib.car.braking import BITE
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.run.axle_signals import Signals, rolling_radii
 from calib.run.blocks import Blocks, braked_alone
 from calib.run.driving_record import SETTLE
 from calib.run.limits import LIMITS
+from calib.run.run import Run
 from calib.run.same_run import same_run
 from calib.run.wheels import what_to_check
 
@@ -46,21 +46,20 @@ def refuse_copy(log: Log, fitted: Sequence[Log], held: Sequence[Log] | None = No
     raise LogError(f"the same run as {first.source}, {told}", where=log.source, do=do)
 
 
-def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
-    """Raise LogError if the wheels do not roll with the radii of the vehicle.
+def require_same_wheels(run: Run) -> None:
+    """Raise LogError if the wheels do not roll with the radii of the car.
 
     Without ``v`` nothing is checked. A log of another car with the same wheels is not detected.
     """
-    radii = rolling_radii(s)
-    if radii is None:
+    if run.rolling_radii is None:
         return
-    axles = (("front", vehicle.front), ("rear", vehicle.rear))
-    for (side, axle), radius in zip(axles, radii, strict=True):
+    axles = (("front", run.car.front), ("rear", run.car.rear))
+    for (side, axle), radius in zip(axles, run.rolling_radii, strict=True):
         if abs(radius / axle.rolling_radius - 1.0) > LIMITS.radius_tolerance:
             raise LogError(
                 f"the {side} wheels roll with a radius of {radius:.3f} m",
-                where=log.source,
-                expected=f"{axle.rolling_radius:.3f} m as {vehicle.name} has",
+                where=run.log.source,
+                expected=f"{axle.rolling_radius:.3f} m as {run.car.name} has",
                 do="this log is of another vehicle, its wheel speeds or v have another unit, or "
                 "rolling_radius in the vehicle file is not a radius [m]",
             )
@@ -101,17 +100,17 @@ def wrong_slip(vehicle: Vehicle, b: Blocks) -> float | None:
     return rise if (-rise if alone == "r" else rise) < -4.0 * error else None
 
 
-def require_right_slip(vehicle: Vehicle, log: Log, b: Blocks) -> None:
+def require_right_slip(run: Run) -> None:
     """Raise LogError for a run on which eta goes the wrong way, see `wrong_slip`."""
-    rise = wrong_slip(vehicle, b)
+    rise = wrong_slip(run.car, run.blocks)
     if rise is None:
         return
-    alone = braked_alone(b.p_f, b.p_r)
+    alone = run.only
     way, more, less = ("fall", "rear", "front") if alone == "r" else ("rise", "front", "rear")
-    why = f"only the {more} brakes have pressure" if alone else f"{vehicle.name} is front-biased"
+    why = f"only the {more} brakes have pressure" if alone else f"{run.car.name} is front-biased"
     raise LogError(
         f"the {more} wheels slip less than the {less} while braking: eta {100 * rise:+.2f} %",
-        where=log.source,
+        where=run.log.source,
         expected=f"a {way}: {why}",
         do=what_to_check(less)
         + ("; leave out wheel pressures that are not measured" if alone else ""),

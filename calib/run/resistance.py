@@ -10,6 +10,7 @@ speeds separates them. Wrong when the engine drives or brakes, on a slope the ac
 see, or in wind.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +67,7 @@ class Resistance:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
+def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistance:
     """Drag and rolling resistance from the unbraked blocks of ``runs``.
 
     Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file are kept,

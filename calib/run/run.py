@@ -19,7 +19,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.accelerometer import Accelerometer, accelerometer
-from calib.run.axle_signals import Signals, rolling_radii, signals, wheels_held
+from calib.run.axle_signals import Signals, causal_signals, rolling_radii, signals, wheels_held
 from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone, braked_alone_in
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
 from calib.run.copies import made_of_wheels
@@ -50,10 +50,14 @@ from calib.run.wheels import (
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A ``log`` as read, of a ``vehicle`` with the known effects that are taken out of it."""
+    """A ``log`` as read, of a ``vehicle`` with the known effects that are taken out of it.
+
+    Signals of a ``causal`` one are those that an ECU has, in which nothing knows what comes later.
+    """
 
     log: Log
     vehicle: Vehicle | None = None
+    causal: bool = False
 
     def __repr__(self) -> str:
         return f"Run of {self.log!r}"
@@ -195,7 +199,8 @@ class Run:
     @cached_property
     def signals(self) -> Signals:
         """Signals of the axles at the rate of the log."""
-        return signals(self.corrected.log, self.car)
+        read = causal_signals if self.causal else signals
+        return read(self.corrected.log, self.car)
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -230,6 +235,11 @@ class Run:
         b, of = self.blocks, noise or self.noise
         unexplained = block_balance(self.car, known.effects, b).demanded / self.car.weight
         return accelerometer(b, unexplained, known.sigma_z(self.car, b.speed), of.z, of.v)
+
+    def felt(self, sensor: Accelerometer | None) -> Blocks:
+        """Blocks with the z that the tyres feel, by the accelerometer; as read without one."""
+        b = self.blocks
+        return b if sensor is None else b.with_z(sensor.corrected(b.z))
 
     def balance(self, effects: Effects) -> BrakeBalance:
         """Forces of the run with nominal pads and the ``effects`` known of body and wheels."""

@@ -25,12 +25,9 @@ from calib.model.ramp import (
     predict,
     prepare,
 )
-from calib.model.sensors import put_right
 from calib.model.settings import SETTINGS
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.known_effects import remove_known_effects
-from calib.run.noise import sensor_noise
+from calib.run.resistance import identify as identify_resistance
+from calib.run.run import Run
 from calib.show.panel import Line, Panel
 from calib.show.style import BODY, FRONT, MEAN, REAR, Array, Mask, Stroke
 from calib.table.table import Table
@@ -73,13 +70,11 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
     The forces are smooth, the noise is in eta and slip. Raises LogError as `signals` does.
     """
-    ran = remove_known_effects(table.vehicle, log)
-    vehicle = ran.vehicle
-    read = blocks(signals(ran.log, vehicle))
-    noise = sensor_noise(ran.log, read)
-    (_, b, _), sensor = put_right(vehicle, (ran.log, read, noise))
-    effects = table.effects.with_(vehicle.effects)
-    run = prepare(vehicle, log.name, b, noise, effects, sensor)
+    read = Run(log, table.vehicle)
+    vehicle = read.car
+    sensor = read.accelerometer(identify_resistance(vehicle, ()))
+    run = prepare(read, table.effects.with_(vehicle.effects), sensor)
+    b = run.blocks
     parameters = parameters_of(table.posterior)
     F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)
     eta_model, _ = predict(vehicle, run, parameters)
@@ -95,7 +90,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     return MeasuredRamp(
         name=log.name,
         time=b.end,
-        z=read.z,
+        z=read.blocks.z,
         F_f=F_f,
         F_r=F_r,
         z_free=z_free,

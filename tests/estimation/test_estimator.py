@@ -16,7 +16,6 @@ from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
-from calib.model.sensors import judge_accelerometer
 from calib.run.blocks import BLOCK
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
@@ -148,7 +147,7 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
 def test_a_wrong_accelerometer_is_put_right_with_v(fitted, wet, scale, bias):
     """5 % of a_x or 0.3 m/s^2 not taken out would move the pads by 5 % and by 10 %."""
     e = estimate(fitted, with_channels(wet, a_x=scale * wet["a_x"] + bias))
-    sensor = judge_accelerometer(e.car, known_resistance(e.table), e.blocks, e.noise)
+    sensor = e.run.accelerometer(known_resistance(e.table), e.noise)
     assert sensor.scale == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
     assert G * sensor.bias == pytest.approx(-bias, abs=0.05)
     assert min(held(e, 0.31, 0.27)) > 0.9

@@ -80,6 +80,7 @@ def made_estimate(
     values = {
         "table": mapped_table(),
         "car": CAR,
+        "run": SimpleNamespace(blocks=means),
         "ran": SimpleNamespace(factor_f=1.0, factor_r=1.0, log=BLIND),
         "read": Signals(
             time=TIME, p_f=pressure * flat, p_r=pressure * flat, drive_f=0.0 * flat,
@@ -92,10 +93,14 @@ def made_estimate(
         ),
         "best": best,
         "ecu": readout(mu_f, mu_r, pressure=pressure),
-        "blocks": means,
         "noise": SensorNoise(4e-4, 1e-4, 3e-4, 1e-3),
     }  # fmt: skip
     return Estimate(**(values | changed))
+
+
+def with_blocks(estimate, **changed):
+    """The estimate with other means."""
+    return replace(estimate, run=SimpleNamespace(blocks=replace(estimate.blocks, **changed)))
 
 
 def truth_log(mu_f=0.40, mu_r=0.36, *, pressure=20e5, pads=True):
@@ -211,7 +216,7 @@ def test_true_torque_is_the_mean_of_the_sides():
 def test_innovation_is_that_of_what_was_measured_after_the_lead_in():
     told = 0.8 * np.random.default_rng(3).standard_normal(40)
     e = made_estimate(innovation=np.concatenate([np.full(50, 9.0), told, np.full(10, np.nan)]))
-    figures = scored(replace(e, blocks=replace(e.blocks, lead_in=np.arange(100) < 50)), BLIND)
+    figures = scored(with_blocks(e, lead_in=np.arange(100) < 50), BLIND)
     assert figures["innovation_rms"] == pytest.approx(np.sqrt(np.mean(told**2)))
     assert figures["innovation_colour"] == pytest.approx(np.mean(told[1:] * told[:-1]))
 
@@ -229,7 +234,7 @@ def test_a_truth_of_nought_is_no_proof():
 
 
 def with_speed(e):
-    return replace(e, blocks=replace(e.blocks, v=20.0 * np.ones(100)))
+    return with_blocks(e, v=20.0 * np.ones(100))
 
 
 def test_the_ecu_is_scored_over_its_own_valid_samples():

@@ -15,8 +15,8 @@ from tests.support.reference_car import CAR, REAL, misread, noisy, stop, with_pa
 from tests.support.tables import stored_as
 
 
-def codes(log, estimate):
-    return [warning.code for warning in warnings_of(log, estimate)]
+def codes(estimate):
+    return [warning.code for warning in warnings_of(estimate)]
 
 
 # On the plant
@@ -29,7 +29,7 @@ def clean():
 
 def test_a_clean_stop_is_not_warned_about(fitted, clean):
     log = noisy(clean, 0)
-    assert codes(log, estimate(fitted, log)) == []
+    assert codes(estimate(fitted, log)) == []
 
 
 @pytest.mark.parametrize(
@@ -42,14 +42,14 @@ def test_a_clean_stop_is_not_warned_about(fitted, clean):
 )
 def test_a_wrong_a_x_is_named_and_measured(fitted, clean, scale, offset, code, within):
     log = misread(noisy(clean, 0), scale, offset)
-    found = warnings_of(log, estimate(fitted, log))
+    found = warnings_of(estimate(fitted, log))
     (warning,) = [one for one in found if one.code == code]
     assert warning.measured == pytest.approx(scale - 1.0 + offset, abs=within)
 
 
 def test_pads_wet_on_one_axle_are_named(fitted):
     log = noisy(stop(with_pads(REAL, 0.22, 0.38)), 3)
-    found = warnings_of(log, estimate(fitted, log))
+    found = warnings_of(estimate(fitted, log))
     (warning,) = [one for one in found if one.code == "pads_changed_apart"]
     assert warning.measured == pytest.approx(0.22 / 0.38 - 1.0, rel=0.3)
 
@@ -57,10 +57,10 @@ def test_pads_wet_on_one_axle_are_named(fitted):
 def test_a_load_that_nobody_stated_is_named_and_measured(fitted):
     """The same pads under 1.12 times the mass seem weaker by 1/1.12; with --mass they do not."""
     log = noisy(stop(replace(REAL, mass_scale=1.12)), 0)
-    (warning,) = warnings_of(log, estimate(fitted, log))
+    (warning,) = warnings_of(estimate(fitted, log))
     assert warning.code == "level_changed"
     assert warning.measured == pytest.approx(1.0 / 1.12 - 1.0, abs=0.02)
-    assert codes(log, estimate(fitted, log, mass=1.12 * CAR.mass)) == []
+    assert codes(estimate(fitted, log, mass=1.12 * CAR.mass)) == []
 
 
 def with_passengers(mass):
@@ -77,7 +77,7 @@ def test_passengers_in_the_stops_only_are_named_first(fitted, pressure, logged):
     """Most of their weight is on the rear axle: its pads seem to have lost more."""
     log = noisy(stop(with_passengers(225.0), pressure), 7)
     log = log if logged == "with v" else without(log, "v")
-    found = warnings_of(log, estimate(fitted, log))
+    found = warnings_of(estimate(fitted, log))
     assert "level_changed" in [one.code for one in found]
     for one in found:
         assert "load" in one.causes[0]

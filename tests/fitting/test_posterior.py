@@ -10,9 +10,7 @@ from calib.car.effects.effects import Effects
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.posterior import parts_of, posterior
 from calib.model.ramp import prepare
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import sensor_noise
+from calib.run.run import Run
 from calib.table.table import Value
 from tests.studies import plant_r
 from tests.studies.brakings import BeyondPeakError
@@ -92,9 +90,7 @@ def test_ratio_of_cars_of_the_second_plant_is_inside():
         true = np.log(truth["true_mu_pad_f"] / truth["true_mu_pad_r"])[-1]
         filed = np.log(car.front.pad_friction / car.rear.pad_friction)
         for hidden in ((), ("v",)):
-            log = without(one.ramp, *hidden)
-            b = blocks(signals(log, car))
-            of = prepare(car, log.name, b, sensor_noise(log, b), resistance)
+            of = prepare(Run(without(one.ramp, *hidden), car), resistance)
             low, high = interval(filed + posterior(car, [of], USUAL, draws=1024).log_pad_ratio)
             inside.append(low < true < high)
     assert len(inside) >= 8

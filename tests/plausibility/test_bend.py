@@ -7,7 +7,7 @@ import pytest
 from calib.base.names import G
 from calib.base.warning import judged
 from calib.plausibility.run import of_bend
-from calib.run.axle_signals import signals
+from calib.run.run import Run
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 
@@ -22,7 +22,7 @@ COAST = unlike(as_log(drive(REAL, lambda t: 0.0, 32.0, duration=6.0), "coast"))
 
 
 def found(log, straight=(COAST,)):
-    return list(judged(log.name, of_bend(log, signals(log, CAR), CAR.track_width, straight)))
+    return list(judged(log.name, of_bend(Run(log, CAR), [Run(one, CAR) for one in straight])))
 
 
 @pytest.mark.parametrize("radius", [400.0, -250.0])

@@ -8,8 +8,8 @@ import pytest
 from calib.base.names import WHEELS
 from calib.base.warning import judged
 from calib.plausibility.run import of_brakes, of_channels
-from calib.run.axle_signals import signals
 from calib.run.brake_response import BrakeResponse, ForceStep
+from calib.run.run import Run
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 ODDS = 0.1
@@ -85,7 +85,7 @@ def test_the_side_of_the_delay_decides_who_is_late():
 def test_the_zero_of_the_pressure_is_measured(zero):
     log = noisy(stop(REAL), 1)
     log.channels["p_mc"] = log["p_mc"] + zero
-    (warning,) = judged("log", of_channels(log, signals(log, CAR)))
+    (warning,) = judged("log", of_channels(Run(log, CAR)))
     assert warning.code == "pressure_zero"
     assert warning.measured == pytest.approx(zero / 1e5, abs=0.1)
 
@@ -97,6 +97,6 @@ def test_wheel_pressures_of_an_axle_are_alike(scale, zero, codes):
     log = noisy(stop(REAL), 1)
     own = {"rl": scale * log["p_mc"] + zero, "rr": log["p_mc"]}
     log.channels.update({f"p_{wheel}": own.get(wheel, 0.7 * log["p_mc"]) for wheel in WHEELS})
-    found = judged("log", of_channels(log, signals(log, CAR)))
+    found = judged("log", of_channels(Run(log, CAR)))
     assert [one.code for one in found if one.code != "pressure_zero"] == codes
     assert all(one.measured == pytest.approx(scale - 1.0, abs=0.02) for one in found if codes)

@@ -7,8 +7,8 @@ import pytest
 
 from calib.base.warning import judged
 from calib.plausibility.run import of_channels, of_wheels
-from calib.run.axle_signals import signals
 from calib.run.copies import made_of_wheels
+from calib.run.run import Run
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 
@@ -18,8 +18,8 @@ def clean():
 
 
 def found(log):
-    s = signals(log, CAR)
-    measured = (*of_channels(log, s), *of_wheels(log, CAR, s))
+    run = Run(log, CAR)
+    measured = (*of_channels(run), *of_wheels(run, CAR))
     return [(one.code, one.causes[0]) for one in judged(log.name, measured)]
 
 
@@ -69,7 +69,7 @@ def test_a_speed_that_is_held_is_named_and_not_used(clean, every, held):
     stale = log["v"][np.arange(log.time.size) // every * every]
     run = changed(log, v=stale)
     assert ("v_held" in [code for code, _ in found(run)]) == held
-    assert (signals(run, CAR).v is None) == held
+    assert (Run(run, CAR).signals.v is None) == held
 
 
 def held(log, hertz, *channels):
@@ -89,13 +89,13 @@ WHEEL_SPEEDS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
 @pytest.mark.parametrize(("hertz", "code"), [(20.0, ["wheels_held"]), (50.0, [])])
 def test_wheel_speeds_that_are_held_are_no_copies(clean, hertz, code):
     log = held(noisy(clean, 3), hertz, *WHEEL_SPEEDS)
-    assert [one.code for one in judged("log", of_channels(log, signals(log, CAR)))] == code
+    assert [one.code for one in judged("log", of_channels(Run(log, CAR)))] == code
     assert not made_of_wheels(held(log, hertz, "v"))
 
 
 def test_how_long_wheel_speeds_are_held_is_measured(clean):
     log = held(noisy(clean, 3), 20.0, *WHEEL_SPEEDS)
-    (one,) = judged("log", of_channels(log, signals(log, CAR)))
+    (one,) = judged("log", of_channels(Run(log, CAR)))
     assert one.measured == pytest.approx(0.05, rel=0.1)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from calib.base.warning import judged
 from calib.plausibility.run import of_wheels, wrong_speed
-from calib.run.axle_signals import signals
+from calib.run.run import Run
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 
@@ -19,7 +19,7 @@ def clean():
 def warnings(log):
     return [
         one
-        for one in judged("log", of_wheels(log, CAR, signals(log, CAR)))
+        for one in judged("log", of_wheels(Run(log, CAR), CAR))
         if not one.code.startswith("rolling_radius")
     ]
 

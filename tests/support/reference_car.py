@@ -13,9 +13,7 @@ from calib.estimation.estimator import Estimate
 from calib.logs.log import Log
 from calib.model.ramp import RampRun, prepare
 from calib.model.sensor_noise import add_noise
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import sensor_noise
+from calib.run.run import Run
 from tests.support.plant import WHEELS, Plant, as_log, drive, magic
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
@@ -123,8 +121,7 @@ def cut(log: Log, first: float, last: float = math.inf) -> Log:
 
 def prepared(log: Log, car: Vehicle = CAR, effects: Effects | None = None) -> RampRun:
     """The log as a fit reads it."""
-    b = blocks(signals(log, car))
-    return prepare(car, log.name, b, sensor_noise(log, b), effects or Effects())
+    return prepare(Run(log, car), effects or Effects())
 
 
 def misread(log: Log, scale: float = 1.0, offset: float = 0.0) -> Log:

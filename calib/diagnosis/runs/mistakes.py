@@ -7,7 +7,6 @@ hold-out that is a copy, and a pressure that is not that of its run.
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import compress
 from statistics import median
 
 import numpy as np
@@ -17,15 +16,10 @@ from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.runs.axles import SWAPPED
 from calib.logs.log import Log
-from calib.model.sensors import judge_accelerometer
 from calib.plausibility.pads import LOADED
 from calib.plausibility.run import NO_SPEED, run_warnings
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.brake_response import BrakeResponse, brake_balance, brake_response
+from calib.run.brake_response import BrakeResponse
 from calib.run.gates import refuse_copies, require_same_wheels
-from calib.run.known_effects import remove_known_effects
-from calib.run.noise import sensor_noise
 from calib.run.resistance import identify as identify_resistance
 from calib.run.rules import problems
 from calib.run.run import Run
@@ -65,17 +59,17 @@ def checked(
     logs = [*calibration, *holdout]
     _require_enough(calibration, holdout)
     refuse_copies(calibration, holdout)
-    seen = [Run(log) for log in logs]
-    for log, observed in zip(logs, seen, strict=True):
-        if reasons := problems(observed, "search"):
+    runs = [Run(log, vehicle) for log in logs]
+    for run in runs:
+        if reasons := problems(run, "search"):
             raise LogError(
                 "this run will not do for a diagnosis: " + "; ".join(reasons),
-                where=log.source,
+                where=run.log.source,
                 do="see `brake-cal check`",
             )
-        require_same_wheels(vehicle, log, signals(log, vehicle))
+        require_same_wheels(run)
     sources = {log.name: log.source for log in logs}
-    warnings = tuple(_warnings_of(vehicle, logs, seen))
+    warnings = tuple(_warnings_of(runs))
     for one in warnings:
         stronger = one.code == LEVEL and abs(math.log1p(one.measured)) > math.log(_STRONGER)
         if stronger or one.code in REFUSED:
@@ -111,26 +105,19 @@ def _require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
         )
 
 
-def _warnings_of(
-    vehicle: Vehicle, logs: Sequence[Log], seen: Sequence[Run]
-) -> Iterator[PlausibilityWarning]:
+def _warnings_of(runs: Sequence[Run]) -> Iterator[PlausibilityWarning]:
     """Of logs without the effects that the vehicle file knows.
 
     Drag and rolling resistance are those of the logs without braking.
     """
-    runs = [remove_known_effects(vehicle, log) for log in logs]
-    car = runs[0].vehicle
-    read = [signals(run.log, car) for run in runs]
-    parts = [(b := blocks(s), sensor_noise(run.log, b)) for s, run in zip(read, runs, strict=True)]
-    rolling = compress(parts, (not one.events for one in seen))
-    known = identify_resistance(car, [(b, noise.z) for b, noise in rolling])
-    responses = [brake_response(s, brake_balance(car, known.effects, s)) for s in read]
-    for i, response in enumerate(responses):
-        sensor = judge_accelerometer(car, known, *parts[i])
-        yield from run_warnings(runs[i].log, read[i], car, sensor, response)
+    coasts = (run for run in runs if not run.events)
+    known = identify_resistance(runs[0].car, ((run.blocks, run.noise.z) for run in coasts))
+    responses = [run.response(known.effects) for run in runs]
+    for i, (run, response) in enumerate(zip(runs, responses, strict=True)):
+        yield from run_warnings(run, run.car, run.accelerometer(known), response)
         for rule in (swapped_axles, locked_wheels, saturated):
-            yield from rule(logs[i].name, seen[i])
-        yield from _level(logs[i].name, response, [*responses[:i], *responses[i + 1 :]])
+            yield from rule(run.log.name, run)
+        yield from _level(run.log.name, response, [*responses[:i], *responses[i + 1 :]])
 
 
 def _level(

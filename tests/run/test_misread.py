@@ -5,10 +5,8 @@ import pytest
 
 from calib.base.names import G
 from calib.fitting.fit import fit
-from calib.model.sensors import put_right
-from calib.run.axle_signals import signals
-from calib.run.blocks import blocks
-from calib.run.noise import sensor_noise
+from calib.run.resistance import identify
+from calib.run.run import Run
 from tests.support.reference_car import CAR, REAL, misread, noisy, ramp, without
 
 
@@ -19,11 +17,9 @@ def clean():
 
 def departure(clean, log):
     """Corrected less true z [1] of the braked blocks."""
-    b = blocks(signals(log, CAR))
-    noise = sensor_noise(log, b)
-    (_, corrected, _), _ = put_right(CAR, (log, b, noise))
-    true = blocks(signals(clean, CAR)).z
-    return (corrected.z - true)[true > 0.2], true[true > 0.2]
+    run, true = Run(log, CAR), Run(clean, CAR).blocks.z
+    felt = run.felt(run.accelerometer(identify(CAR, ())))
+    return (felt.z - true)[true > 0.2], true[true > 0.2]
 
 
 @pytest.mark.parametrize("scale", [0.95, 1.0, 1.05])
