@@ -31,6 +31,9 @@ NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_L
 NAMES = (*["form"] * len(FORMS), *NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
 """The coordinates in their order: forms, what else enters slips nonlinearly, and linearly."""
 
+OF = {name: [i for i, one in enumerate(NAMES) if one == name] for name in NAMES}
+"""Places of the coordinates of a name."""
+
 OWN = len(FORMS) + len(NONLINEAR)
 """Number of coordinates that are drawn; the others are linear and integrated out."""
 
@@ -44,7 +47,6 @@ TO_LINEAR = np.array(
 
 _BELIEFS: list[Belief] = [getattr(CAR, name) for name in NAMES]
 CENTRE, WIDTH = np.array([one[:2] for one in _BELIEFS[len(FORMS) : OWN]]).T
-RATIO = NONLINEAR.index("log_pad_ratio")
 _SPARSE = 0.6  # concentration of the forms' weights: two or three make up most of a tyre
 _OTHER, _APART = 0.1, 4.3  # cars with pads of another grade or a fault; 0.3 in ln of the ratio
 _CARS_APART = np.array([one.model for one in _BELIEFS])
@@ -91,7 +93,7 @@ def part_of(x: Array, known: Sequence[Known]) -> Index:
 
 def log_more(stated: Value, log_ratio: Array) -> Array:
     """ln of the density of pads' ratios by what is ``stated``, over that of the field's prior."""
-    r = log_ratio / WIDTH[RATIO]
+    r = log_ratio / CAR.log_pad_ratio.sigma
     field = (1.0 - _OTHER) * np.exp(-0.5 * r**2)
     field += _OTHER / _APART * np.exp(-0.5 * (r / _APART) ** 2)
     return np.asarray(-0.5 * ((log_ratio - stated.value) / stated.sigma) ** 2 - np.log(field))
@@ -119,7 +121,8 @@ def _amounts() -> tuple[Array, Array]:
 def _cars(y: Array) -> Ensemble:
     """Cars of coordinates (n, OWN), of unit compliances."""
     columns = y[:, len(FORMS) :].copy()
-    columns[:, RATIO] = np.interp(columns[:, RATIO], *_tails())
+    ratio = NONLINEAR.index("log_pad_ratio")
+    columns[:, ratio] = np.interp(columns[:, ratio], *_tails())
     values = dict(zip(NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
     values |= {name: np.exp(values[name]) for name in _LOGS}
     values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
@@ -162,16 +165,16 @@ def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:
         falling, (stiffness, peak) = np.polyfit(np.log(4.0 * loads / car.weight), told, 1)
         fall = tyre.radius_load(loads[1])
         if fall is None:
-            fall, sigma[-1] = LINEAR[2], 1.0
+            fall, sigma[OF["radius_load"]] = CAR.radius_load.mean, 1.0
         rows.append([*-falling, peak, np.exp(-stiffness), fall])
         slips.append(np.interp(use, *tyre.curve(loads[1])))
     *nonlinear, compliance, fall = np.mean(rows, axis=0)
-    forms = len(FORMS)
-    mean[forms : forms + 3] = (nonlinear - CENTRE[:3]) / WIDTH[:3]
+    for name, x in zip(("load_exponent", "peak_load_exponent", "peak"), nonlinear, strict=True):
+        mean[OF[name]] = (x - getattr(CAR, name).mean) / getattr(CAR, name).sigma
     mean[OWN:] = np.linalg.solve(TO_LINEAR, [rows[0][3], rows[1][3], fall] - LINEAR)
-    sigma[OWN : OWN + 2] *= compliance / COMPLIANCE
-    covariance = np.diag(sigma**2)
-    mean[:forms], covariance[:forms, :forms] = _form(use, np.mean(slips, axis=0))
+    sigma[OF["compliance"] + OF["log_tyre_ratio"]] *= compliance / COMPLIANCE
+    covariance, form = np.diag(sigma**2), OF["form"]
+    mean[form], covariance[np.ix_(form, form)] = _form(use, np.mean(slips, axis=0))
     return Known(" and ".join(t.name for t in tyres), "tyre_file", mean, covariance)
 
 
@@ -181,7 +184,7 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
 
     x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
     off = np.mean((weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
-    weight = np.exp(-0.5 * (off - off.min()) / _OF_FILE[0] ** 2)
+    weight = np.exp(-0.5 * (off - off.min()) / (CAR.form.tyre_file / CAR.form.sigma) ** 2)
     return np.average(x, axis=0, weights=weight), np.cov(x.T, aweights=weight, ddof=0)
 
 

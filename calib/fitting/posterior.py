@@ -15,18 +15,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.tyre_forms import FORMS
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, spread_evenly
-from calib.fitting.known import COMPLIANCE, OWN, RATIO, Known, drawn, log_more, part_of
+from calib.fitting.known import COMPLIANCE, OF, OWN, Known, drawn, log_more, part_of
 from calib.fitting.pads import UNSAID
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
 _DRAWS = 2048  # of an ensemble: its 2.5 % quantile is known to a tenth of a sigma
-_PADS = len(FORMS) + RATIO
-_CAUSES = {"tyres": [*range(_PADS), 11, 12], "unlike_pads": [_PADS], "load_geometry": [9, 10, 13]}
+_TYRES = ("form", "load_exponent", "peak_load_exponent", "peak", "compliance", "log_tyre_ratio")
+_CAUSES = {
+    "tyres": _TYRES,
+    "unlike_pads": ("log_pad_ratio",),
+    "load_geometry": ("cg_to_front_axle", "cg_height", "radius_load"),
+}
 """Coordinates of the prior by part of a budget."""
 
 _LOSS = 0.5  # share of the draws that count after a step
@@ -104,10 +107,12 @@ def posterior(
     left = regression.left(e) @ regression.white.T
     before = np.hstack([x[:, :OWN], found])
     if ratio != UNSAID:
-        before[:, _PADS] = (e.log_pad_ratio - ratio.value) / ratio.sigma
+        unlike = (e.log_pad_ratio - ratio.value) / ratio.sigma
+        before[:, OF["log_pad_ratio"]] = unlike[:, None]
     pulls = {part: left @ (regression.white @ x) for part, x in regression.errors.items()}
-    for part, columns in _CAUSES.items():
-        pulls[part] = np.hstack([pulls.get(part, before[:, :0]), before[:, columns]])
+    for part, names in _CAUSES.items():
+        own = [before[:, OF[name]] for name in names]
+        pulls[part] = np.hstack([pulls.get(part, before[:, :0]), *own])
     field, *others = np.bincount(part_of(x, known), minlength=len(known) + 1)
     counts = len(known) * np.array(others, dtype=np.float64)
     return Posterior(

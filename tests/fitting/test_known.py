@@ -88,7 +88,9 @@ def test_a_stated_ratio_takes_the_place_of_the_prior_of_the_field(stated):
 def test_a_stated_ratio_multiplies_what_is_known(run):
     """By normal densities 0.83 of what says the same, with a fifth of the sigma of the field."""
     for mean, low, high in ((0.6, 0.75, 0.9), (-3.0, 0.0, 0.01)):
-        known = replace(FIELD, mean=np.eye(SIZE)[module.RATIO + 5] * mean, covariance=SHARP)
+        known = replace(
+            FIELD, mean=np.eye(SIZE)[module.OF["log_pad_ratio"][0]] * mean, covariance=SHARP
+        )
         e = posterior(CAR, [run], Value(0.04, 0.01), known=(known,))
         assert np.mean(e.log_pad_ratio) == pytest.approx(0.04, abs=0.004)
         assert low < e.held[0] < high
