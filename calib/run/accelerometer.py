@@ -20,11 +20,10 @@ A bias that changes within the log looks like a grade that does, and is taken fo
 
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.arrays import Array, Index, Mask
+from calib.base.arrays import Array, Mask
 from calib.base.mixtures import Mixture, weigh_hypotheses
 from calib.base.names import G
 from calib.base.noise import second_differences
@@ -93,98 +92,94 @@ class Accelerometer:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-class _Reading(NamedTuple):
-    """What is judged; as `accelerometer` takes it."""
-
-    b: Blocks
-    unexplained: Array
-    sigma: Array
-    density_z: float
-    density_v: float
-
-
-def accelerometer(
-    b: Blocks,
-    unexplained: Array,
-    sigma: Array,
-    density_z: float,
-    density_v: float,
-) -> Accelerometer:
-    """Judge the accelerometer of a log.
-
-    ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
-    ``sigma`` of that resistance, common to the log [1], (k,); ``density_z`` [s^0.5], ``density_v``
-    [m/s s^0.5] noise.
-    """
-    at = np.array([(b.end.size - 1) // _STEP * _STEP])
-    read = _Reading(b, unexplained, sigma, density_z, density_v)
-    speeds, evidence = _evidence(read, b.z, at)
-    weighed = _mixture(evidence, _CASES, SENSOR.a_x_scale.sigma)
-    c, bias, _, drag = weighed.mean.T
-    wanders = weighed.weights[:, 1::2].sum(axis=1)
-    lags = [s.lag_of(weighed) for s in speeds]
-    lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
-    variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
-    braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
-    other = _other_scale(read, at) if braked and b.v is not None else 0.0
-    covariance = weighed.covariance[0]
-    return Accelerometer(
-        scale=float(c[0]),
-        bias=float(bias[0]),
-        variance_scale=float(covariance[0, 0]),
-        variance_bias=float(covariance[1, 1]),
-        covariance=float(covariance[0, 1]),
-        drag=float(drag[0]),
-        lag=float(lag[0]),
-        variance_lag=float(variance_lag[0]),
-        wanders=float(wanders[0]),
-        other_scale=other,
-        disagrees=_disagreement(b, float(c[0]), int(at[0])),
-    )
-
-
-_Evidence = tuple[Array, Array, Array]
-"""Of a steady grade and of one that walks: precision (m, 2, 3, 3), vector (m, 2, 3) of (c, e, d),
-logarithm of the likelihood where they are zero (m, 2)."""
-
-
-def _evidence(read: _Reading, smooth: Array, at: Index) -> tuple[list["_AgainstSpeed"], _Evidence]:
-    """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
-    compared = _compared(read.b, smooth)
-    speeds = [_against_speed(read, compared, at, walk) for walk in (EVEN, CHANGING)]
-    d, variance_d = _on_lead_in(read, at)
-    precision, vector, likelihood = (
-        np.stack([getattr(s, name) for s in speeds], 1)
-        for name in ("precision", "vector", "likelihood")
-    )
-    precision[..., 2, 2] += 1.0 / variance_d[:, None]
-    vector[..., 2] += (d / variance_d)[:, None]
-    return speeds, (precision, vector, likelihood)
-
-
 @dataclass(frozen=True)
 class _AgainstSpeed:
     """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
 
-    ``precision`` (m, 3, 3), ``vector`` (m, 3); ``likelihood`` (m,) its logarithm where c, e and d
-    are zero, up to a constant; of the lag ``own`` precision [1/s^2], ``side`` [1/s] and ``along``
-    (c, e), (m, 2), how the lag moves with them [1/s].
+    e = bias + grade, d = bias + drag. ``precision`` (3, 3), ``vector`` (3,); ``likelihood`` its
+    logarithm where c, e and d are zero, up to a constant; of the lag ``own`` precision [1/s^2],
+    ``side`` [1/s] and ``along`` (c, e), (2,), how the lag moves with them [1/s].
     """
 
     precision: Array
     vector: Array
-    likelihood: Array
-    own: Array
-    side: Array
+    likelihood: float
+    own: float
+    side: float
     along: Array
 
-    def lag_of(self, weighed: Mixture) -> tuple[Array, Array]:
-        """Time by which a_x comes after v [s], and its variance, (m,)."""
-        moved = weighed.mean @ _SENSED.T[:, :2]
+    def lag_of(self, weighed: Mixture) -> tuple[float, float]:
+        """Time by which a_x comes after v [s], and its variance."""
+        moved = _SENSED[:2] @ weighed.mean
         covariance = _SENSED[:2] @ weighed.covariance @ _SENSED[:2].T
-        lag = (self.side - np.sum(self.along * moved, axis=1)) / self.own
-        spread = np.einsum("mi,mij,mj->m", self.along, covariance, self.along)
+        spread = float(self.along @ covariance @ self.along)
+        lag = (self.side - float(self.along @ moved)) / self.own
         return -lag, 1.0 / self.own + spread / self.own**2
+
+
+@dataclass(frozen=True)
+class SpeedEvidence:
+    """What v says of the accelerometer of a run, whatever resistance the car is taken to have.
+
+    ``last`` blocks are judged; ``density_z`` noise [s^0.5]. ``even`` and ``changing``: on a steady
+    grade and on one that walks; ``slow`` both again by means of z over `_SECOND`, None where the
+    run cannot tell the scale of no sensor.
+    """
+
+    blocks: Blocks
+    last: int
+    density_z: float
+    even: _AgainstSpeed
+    changing: _AgainstSpeed
+    slow: tuple[_AgainstSpeed, _AgainstSpeed] | None
+
+
+def speed_evidence(b: Blocks, density_z: float, density_v: float) -> SpeedEvidence:
+    """Compare a_x with v, ``density_z`` [s^0.5] and ``density_v`` [m/s s^0.5] their noise."""
+    last = (b.end.size - 1) // _STEP * _STEP
+
+    def of(smooth: Array) -> tuple[_AgainstSpeed, _AgainstSpeed]:
+        compared = _compared(b, smooth)
+        even, changing = (
+            _against_speed(b.length, compared, last, walk, (density_z, density_v))
+            for walk in (EVEN, CHANGING)
+        )
+        return even, changing
+
+    braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
+    slow = None
+    if braked and b.v is not None:
+        slow = of(centred_mean(b.z, max(1, round(_SECOND / b.length))))
+    return SpeedEvidence(b, last, density_z, *of(b.z), slow)
+
+
+def accelerometer(told: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
+    """Judge the accelerometer of a log by what v has ``told`` and by its lead-in.
+
+    ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
+    ``sigma`` of that resistance, common to the log [1], (k,).
+    """
+    rolling = _on_lead_in(told, unexplained, sigma)
+    speeds = told.even, told.changing
+    weighed = _mixture(speeds, rolling, _CASES, SENSOR.a_x_scale.sigma)
+    c, bias, _, drag = weighed.mean.tolist()
+    wanders = float(weighed.weights[1::2].sum())
+    (lag, variance), (other_lag, other_variance) = (x.lag_of(weighed) for x in speeds)
+    return Accelerometer(
+        scale=c,
+        bias=bias,
+        variance_scale=float(weighed.covariance[0, 0]),
+        variance_bias=float(weighed.covariance[1, 1]),
+        covariance=float(weighed.covariance[0, 1]),
+        drag=drag,
+        lag=(1.0 - wanders) * lag + wanders * other_lag,
+        variance_lag=(1.0 - wanders) * variance
+        + wanders * other_variance
+        + (1.0 - wanders) * wanders * (other_lag - lag) ** 2,
+        wanders=wanders,
+        other_scale=_other_scale(told, rolling),
+        disagrees=_disagreement(told.blocks, c, told.last),
+    )
 
 
 def _usable(b: Blocks) -> Mask:
@@ -211,85 +206,93 @@ def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
 
 
 def _against_speed(
-    read: _Reading, compared: tuple[Array, Mask] | None, at: Index, wander: float
+    h: float,
+    compared: tuple[Array, Mask] | None,
+    last: int,
+    wander: float,
+    densities: tuple[float, float],
 ) -> _AgainstSpeed:
-    """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
+    """Information about (c, e, d) and the lag from v against the integral of z, up to the ``last``.
 
     The noise of v is white and that of the integral a random walk, and the grade walks by
     ``wander`` [g/s^0.5]: second differences are then a moving average of order two, which a filter
-    makes white. e is that at the start.
+    makes white. e is that at the start. ``h`` length of a block [s]; ``densities`` of z and v.
     """
-    precision, vector = np.zeros((at.size, 3, 3)), np.zeros((at.size, 3))
+    precision, vector = np.zeros((3, 3)), np.zeros(3)
     if compared is None:
-        none = np.zeros(at.size)
-        along = np.zeros((at.size, 2))
-        return _AgainstSpeed(precision, vector, none, none + _LAG**-2.0, none, along)
+        return _AgainstSpeed(precision, vector, 0.0, _LAG**-2.0, 0.0, np.zeros(2))
     from scipy.signal import lfilter
 
-    h = read.b.length
-    white, walk = read.density_v**2 / h, (G * read.density_z) ** 2 * h
+    white, walk = densities[1] ** 2 / h, (G * densities[0]) ** 2 * h
     columns, usable = compared
     average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
     start = np.zeros_like(columns[:1])
     start[0, :2] = -1.0, 1.0  # the noise of the first v, which all others are compared with
-    y, *known = lfilter([1.0], average, np.concatenate([columns, start])) / sigma
-    X = np.stack(known)
-    pair, side = _so_far(X[:, None] * X)[..., at], _so_far(X * y)[..., at]
-    likelihood = -_so_far(0.5 * y**2 + usable * np.log(sigma))[at]
+    rows = lfilter([1.0], average, np.concatenate([columns, start]))[:, :last] / sigma
+    y, X = rows[0], rows[1:]
+    pair, side = X @ X.T, X @ y
+    likelihood = -0.5 * float(y @ y) - float(np.count_nonzero(usable[:last]) * np.log(sigma))
     # the shares of the start and of the lag are taken out with their priors
-    for last, variance in ((3, white), (2, _LAG**2)):
-        own, along, right = pair[last, last] + 1.0 / variance, pair[:last, last], side[last]
-        likelihood += 0.5 * (right**2 / own - np.log(own))
-        pair = pair[:last, :last] - along[:, None] * along[None, :] / own
-        side = side[:last] - along * right / own
-    precision[:, :2, :2], vector[:, :2] = np.moveaxis(pair, -1, 0), side.T
-    return _AgainstSpeed(precision, vector, likelihood, own, right, along.T)
+    for place, variance in ((3, white), (2, _LAG**2)):
+        own, along, right = pair[place, place] + 1.0 / variance, pair[:place, place], side[place]
+        likelihood += float(0.5 * (right**2 / own - np.log(own)))
+        pair = pair[:place, :place] - np.outer(along, along) / own
+        side = side[:place] - along * right / own
+    precision[:2, :2], vector[:2] = pair, side
+    return _AgainstSpeed(precision, vector, likelihood, float(own), float(right), along)
 
 
-def _so_far(x: Array) -> Array:
-    """Sums of a step-to-step quantity (..., k - 1) up to each block: none for the first."""
-    return np.insert(np.cumsum(x, axis=-1), 0, 0.0, axis=-1)
+def _on_lead_in(told: SpeedEvidence, unexplained: Array, sigma: Array) -> tuple[float, float]:
+    """Mean of ``unexplained`` over the lead-in, and its variance [1]; inf without any."""
+    b = told.blocks
+    free = (b.lead_in & (b.speed > 3.0))[: told.last + 1]
+    count = np.count_nonzero(free)
+    if not count:
+        return 0.0, np.inf
+    mean, common = (float(np.mean(x[: told.last + 1][free])) for x in (unexplained, sigma))
+    return mean, told.density_z**2 / (count * b.length) + common**2
 
 
-def _on_lead_in(read: _Reading, at: Index) -> tuple[Array, Array]:
-    """Mean of ``unexplained`` over the lead-in so far, and its variance [1]; inf without any."""
-    b = read.b
-    free = b.lead_in & (b.speed > 3.0)
-    count = np.cumsum(free)
-    some = np.maximum(count, 1)
-    mean, common = (
-        np.cumsum(np.where(free, x, 0.0)) / some for x in (read.unexplained, read.sigma)
-    )
-    variance = read.density_z**2 / (some * b.length) + common**2
-    return mean[at], np.where(count > 0, variance, np.inf)[at]
-
-
-def _other_scale(read: _Reading, last: Index) -> float:
+def _other_scale(told: SpeedEvidence, rolling: tuple[float, float]) -> float:
     """The scale over all of the run where it is likelier that of no sensor, else 0.
 
     Without a grade that walks, which explains what such a scale does. It takes no part in what is
     corrected: a run with such a scale is not used. By means of z over `_SECOND`: the noise of a_x
     is in the integral and in what a scale makes of it alike, and looks like a scale of 1.
     """
-    slow = centred_mean(read.b.z, max(1, round(_SECOND / read.b.length)))
-    _, evidence = _evidence(read, slow, last)
-    other = _mixture(evidence, _CASES[::2], _OTHER_SCALE)
-    sensor = _mixture(evidence, _CASES, SENSOR.a_x_scale.sigma)
+    if told.slow is None:
+        return 0.0
+    other = _mixture(told.slow, rolling, _CASES[::2], _OTHER_SCALE)
+    sensor = _mixture(told.slow, rolling, _CASES, SENSOR.a_x_scale.sigma)
     likelier = other.evidence + np.log(_ODDS_OTHER) > sensor.evidence
-    return float(other.mean[0, 0]) if likelier[0] else 0.0
+    return float(other.mean[0]) if likelier else 0.0
 
 
-def _mixture(evidence: _Evidence, there: Mask, scale: float) -> Mixture:
-    """Mixture over the cases of (c, bias, grade, drag), ``there`` (k, 4) as in `_CASES`."""
-    spread = np.where(there[:, :3], _THERE, _STILL)
+def _mixture(
+    speeds: tuple[_AgainstSpeed, _AgainstSpeed],
+    rolling: tuple[float, float],
+    there: Mask,
+    scale: float,
+) -> Mixture:
+    """Mixture over the cases of (c, bias, grade, drag), ``there`` (k, 4) as in `_CASES`.
+
+    ``rolling`` mean and variance of d by the lead-in.
+    """
+    precision, vector, likelihood = (
+        np.array([getattr(x, name) for x in speeds])
+        for name in ("precision", "vector", "likelihood")
+    )
+    precision[:, 2, 2] += 1.0 / rolling[1]
+    vector[:, 2] += rolling[0] / rolling[1]
     walks = there[:, 3].astype(int)
-    precision, vector, likelihood = evidence
     return weigh_hypotheses(
-        (_SENSED.T @ precision @ _SENSED)[:, walks],
-        (vector @ _SENSED)[:, walks],
-        np.column_stack([np.full(len(there), scale), spread]),
+        (_SENSED.T @ precision @ _SENSED)[walks],
+        (vector @ _SENSED)[walks],
+        np.column_stack(
+            [np.full(len(there), scale), np.where(there[:, :3], _THERE, _STILL)],
+        ),
         np.where(there, _ODDS, 1.0 - _ODDS).prod(axis=1),
-        likelihood[:, walks],
+        likelihood[walks],
     )
 
 

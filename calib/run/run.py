@@ -18,7 +18,7 @@ from calib.base.names import CHANNELS
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.run.accelerometer import Accelerometer, accelerometer
+from calib.run.accelerometer import Accelerometer, SpeedEvidence, accelerometer, speed_evidence
 from calib.run.axle_signals import Signals, causal_signals, rolling_radii, signals, wheels_held
 from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone, braked_alone_in
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
@@ -227,14 +227,20 @@ class Run:
         """The axle that brakes alone by the pressures of the blocks; None for both."""
         return braked_alone(self.blocks.p_f, self.blocks.p_r)
 
+    @cached_property
+    def speed_evidence(self) -> SpeedEvidence:
+        """What v says of the accelerometer."""
+        return speed_evidence(self.blocks, self.noise.z, self.noise.v)
+
     def accelerometer(self, known: Resistance, noise: SensorNoise | None = None) -> Accelerometer:
         """Scale and offset of the accelerometer with a ``known`` resistance.
 
         ``noise`` of the sensors if it is not that of the run.
         """
-        b, of = self.blocks, noise or self.noise
+        b = self.blocks
+        told = speed_evidence(b, noise.z, noise.v) if noise else self.speed_evidence
         unexplained = block_balance(self.car, known.effects, b).demanded / self.car.weight
-        return accelerometer(b, unexplained, known.sigma_z(self.car, b.speed), of.z, of.v)
+        return accelerometer(told, unexplained, known.sigma_z(self.car, b.speed))
 
     def felt(self, sensor: Accelerometer | None) -> Blocks:
         """Blocks with the z that the tyres feel, by the accelerometer; as read without one."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.base.names import G
-from calib.run.accelerometer import accelerometer
+from calib.run.accelerometer import accelerometer, speed_evidence
 from calib.run.blocks import Blocks
 
 STEP, COUNT, LEAD = 0.05, 160, 30
@@ -52,7 +52,8 @@ def run(seed=0, *, scale=0.0, bias=0.0, grade=0.0, drag=0.0, lag=0.0, noisy=True
 
 
 def judged(b):
-    return accelerometer(b, b.z - RESIST, np.full(COUNT, 1e-3), DENSITY_Z, DENSITY_V)
+    told = speed_evidence(b, DENSITY_Z, DENSITY_V)
+    return accelerometer(told, b.z - RESIST, np.full(COUNT, 1e-3))
 
 
 def test_a_good_sensor_is_left_alone():
