@@ -1,6 +1,6 @@
 """The cars of a model in a store that a new one is known by: tables for `calib.fit`."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection
 
 from calib.base.errors import StoreError
 from calib.car.vehicle import Vehicle
@@ -8,7 +8,7 @@ from calib.store.merge import differ
 from calib.store.snapshot import Snapshot
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.table import Table, TableReference
+from calib.table.table import Table
 
 
 def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict[str, Table]:
@@ -40,23 +40,13 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
     return kept
 
 
-def _loaded(now: Snapshot, stored: Stored, cars: Iterable[TableReference]) -> Iterator[Stored]:
-    for one in cars:
-        parent = now.load(*now.numbered(one.id))
-        if parent.digest != one.digest:
-            raise StoreError(
-                f"{one.id} has the digest {parent.digest[:12]}",
-                where=stored.id,
-                expected=f"{one.digest[:12]}, on which it rests",
-                do="name with --store the store that it was made in",
-            )
-        yield parent
-
-
 def _cars(now: Snapshot, stored: Stored) -> list[Stored]:
+    """The cars of a mean, or the version itself: a mean without its cars here is one more car."""
     if stored.table.spread is None:
         return [stored]
+    parents = stored.table.provenance.parents
     try:
-        return list(_loaded(now, stored, stored.table.provenance.parents))
-    except StoreError:  # handed on without them: its draws are those of one more car
+        cars = [now.load(*now.numbered(one.id)) for one in parents]
+    except StoreError:
         return [stored]
+    return cars if [one.digest for one in cars] == [one.digest for one in parents] else [stored]

@@ -11,18 +11,46 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Annotated
+
+from pydantic import Field
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import SignatureRefused
+from calib.base.record import FileSchema, Section, validated
 from calib.base.write import locked_folder, write_whole
 from calib.store.journal import Journal
 
-if TYPE_CHECKING:
-    from calib.store.record_file import Sight
-
 _FILE = Path("brake-cal") / "seen.json"
 _UNSEEN = "an older copy of the store will not be noticed"
+
+
+_Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class Sight(Section):
+    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
+
+    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
+    folder of the store.
+    """
+
+    key: str
+    store: _Hash
+    place: str
+    head: _Hash
+    lines: Annotated[int, Field(ge=1)]
+
+    @property
+    def of(self) -> tuple[str, str, str]:
+        """What it is a sight of; of these only the newest is kept."""
+        return self.key, self.store, self.place
+
+
+class SeenFile(FileSchema):
+    """What a user has seen of stores."""
+
+    seen: tuple[Sight, ...]
 
 
 @dataclass(frozen=True)
@@ -30,7 +58,7 @@ class SeenJournals:
     """All that was seen, in the file ``path``; ``note`` says why it cannot be used, else ""."""
 
     path: Path | None
-    sights: "tuple[Sight, ...]" = ()
+    sights: tuple[Sight, ...] = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
@@ -53,8 +81,6 @@ class SeenJournals:
 
         Raises SignatureRefused when the file is damaged.
         """
-        from calib.store.record_file import Sight
-
         if self.path is None or self.note or not journal.entries:
             return self.note
         first, lines = journal.entries[0].hash, len(journal.entries)
@@ -78,9 +104,6 @@ def recall() -> SeenJournals:
 
     Raises SignatureRefused when the file is damaged.
     """
-    from calib.base.record import validated
-    from calib.store.record_file import SeenFile
-
     try:
         state = os.environ.get("XDG_STATE_HOME", "")
         base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
@@ -95,7 +118,7 @@ def recall() -> SeenJournals:
     return SeenJournals(path, validated(data, SeenFile, path, SignatureRefused).seen)
 
 
-def _flaw(seen: "Sight", folder: Path, journal: Journal) -> str:
+def _flaw(seen: Sight, folder: Path, journal: Journal) -> str:
     """Why a journal in ``folder`` is none that may follow what was seen, or ""."""
     lines = journal.entries
     if not lines or lines[0].hash != seen.store:

@@ -17,7 +17,6 @@ from calib.base.errors import StoreError
 from calib.base.write import locked_folder, sync
 from calib.store.folders import (
     NEW,
-    SIGNATURE,
     checked_name,
     folder_of,
     names_in,
@@ -28,8 +27,6 @@ from calib.store.folders import (
 )
 from calib.store.journal import (
     CHANGED,
-    HEAD,
-    JOURNAL,
     STORED,
     Journal,
     enter,
@@ -244,6 +241,3 @@ def _tidy(folder: Path, journal: Journal) -> None:
             os.rename(path, home / name)
         else:
             shutil.rmtree(path)
-    for begun in (f".{JOURNAL}.*", f".{HEAD}.*", f"*/.v*{SIGNATURE}.*"):
-        for path in folder.glob(begun):
-            path.unlink()

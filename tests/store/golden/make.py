@@ -43,7 +43,6 @@ def main() -> None:
     for key, answer in (("open", ""), ("small", typed), ("sensitive", typed)):
         signing = ("-S", "-s", f"{key}.key", "-m", "data.bin", "-t", COMMENT)
         minisign(*signing, "-x", f"{key}.minisig", typed=answer)
-    minisign("-S", "-l", "-s", "open.key", "-m", "data.bin", "-x", "legacy.minisig")
 
 
 if __name__ == "__main__":
