@@ -11,7 +11,7 @@ from cli.outputs import PAGES, live, write_file
 
 if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
-    from calib.run.driving_record import RunEvent
+    from calib.run.events import RunEvent
 
 
 @command(
@@ -40,7 +40,7 @@ def log(
     """
     from calib.logs.whole import channels_log, cut, inventory
     from calib.logs.write import WRITERS
-    from calib.run.driving_record import run_events
+    from calib.run.events import run_events
     from calib.show.facts import Facts
     from calib.show.log import document, facts, written
 

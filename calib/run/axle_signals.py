@@ -27,7 +27,6 @@ from calib.base.names import AXLES, WHEELS
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import deceleration
 from calib.car.lag import integral
-from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.driving_record import NOMINAL_RADIUS, SETTLE, rolls
 from calib.run.filters import centred_mean, trailing_mean
@@ -70,14 +69,17 @@ def eta_of(omega_f: Array, omega_r: Array) -> Array:
     return np.divide(omega_r, omega_f, out=np.ones_like(omega_f), where=omega_f > 0.0)
 
 
-def signals(log: Log, vehicle: Vehicle) -> Signals:
-    """Axle signals of a log. Raises LogError if the car hardly moves."""
+def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
+    """Axle signals of a log, ``radius`` of its rear wheels [m].
+
+    Raises LogError if the car hardly moves.
+    """
     step = log.sample_time
     omega_f, omega_r = (_axle_speed(log, axle) for axle in "fr")
     p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
     drive_f, drive_r = (log.channels.get(f"T_drive_{a}", np.zeros_like(log.time)) for a in "fr")
     v, delay = _reference_speed(log)
-    speed = vehicle.rear.rolling_radius * omega_r if v is None else v
+    speed = radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
         raise LogError(
             f"the car hardly moves: at most {np.max(speed):.1f} m/s",
@@ -104,7 +106,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     )
 
 
-def causal_signals(log: Log, vehicle: Vehicle) -> Signals:
+def causal_signals(log: Log, radius: float) -> Signals:
     """Axle signals as an ECU has them: wheel speeds as read, no v, no lead-in.
 
     Nothing in them depends on a later sample.
@@ -120,7 +122,7 @@ def causal_signals(log: Log, vehicle: Vehicle) -> Signals:
         omega_f=omega_f,
         omega_r=omega_r,
         v=None,
-        speed=vehicle.rear.rolling_radius * omega_r,
+        speed=radius * omega_r,
         lead_in=np.zeros(log.time.size, bool),
         sample_time=log.sample_time,
     )

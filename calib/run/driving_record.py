@@ -4,11 +4,8 @@ Used to judge a log before a fit, so no vehicle file is needed. Inputs are the b
 four wheel speeds, ``a_x``, and the reference speed if it is logged.
 
     p_mc   ___/~~~~\_____/~~\__
-           |  |    |     |  |
-           |  +-event   +-event
-           +-lead-in
-
-The events are the lead-in, the bites, the brakings, and standstill.
+              |    |     |  |
+              +-event   +-event
 """
 
 from dataclasses import dataclass
@@ -47,7 +44,7 @@ class DrivingRecord:
 
     ``wheel`` mean of the four wheel speeds; ``speed`` reference speed, or the wheels' at a nominal
     radius; ``z`` deceleration by ``a_x``, ``wheel_z`` by the wheels at a nominal radius [1];
-    ``pressure`` or None; ``braked`` and ``lead_in`` masks.
+    ``pressure`` or None; ``braked``, and ``before`` the first braking, masks.
     """
 
     time: Array
@@ -58,7 +55,7 @@ class DrivingRecord:
     wheel_z: Array
     pressure: Array | None
     braked: Mask
-    lead_in: Mask
+    before: Mask
 
     @cached_property
     def moving(self) -> Mask:
@@ -67,9 +64,9 @@ class DrivingRecord:
 
     @cached_property
     def unbraked(self) -> Mask:
-        """Mask (n,): the steady lead-in; all steady unbraked motion if it is too short."""
+        """Mask (n,): steady motion before the first braking; all of it if that is too short."""
         steady = ~self.braked & self.moving & rolls(self.z)
-        first = self.lead_in & steady
+        first = self.before & steady
         return first if first.sum() * self.step >= 0.5 else steady
 
 
@@ -107,10 +104,10 @@ def driving_record(log: Log) -> DrivingRecord:
     pressure = centred_mean(log["p_mc"], width) if "p_mc" in log else None
     active = pressure > BITE if pressure is not None else (z > BITE_Z) & (speed > 0.5)
     braked = _joined(np.asarray(active), step)
-    before = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
-    lead_in = np.arange(time.size) < before
+    first = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
+    before = np.arange(time.size) < first
     wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
-    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, lead_in)
+    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, before)
 
 
 def _joined(active: Mask, step: float) -> Mask:
@@ -176,43 +173,6 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
             part_z = z[first * n + begin : first * n + end + 1]
             best = max(best, (float((end - begin) * driving.step), float(np.ptp(part_z))))
     return best
-
-
-LEAD_IN, BITES, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
-
-
-@dataclass(frozen=True)
-class RunEvent:
-    """A lead-in, bite, braking or standstill, from ``start`` to ``end`` [s]; a bite is a moment."""
-
-    kind: str
-    start: float
-    end: float
-
-
-def run_events(log: Log) -> tuple[RunEvent, ...]:
-    """The events in order of time; none without ``a_x`` and the four wheel speeds.
-
-    The lead-in is the longest steady, unbraked rolling before the first braking. Brakings are those
-    of `check`: by the pressure, or by the deceleration where there is none.
-    """
-    if any(name not in log for name in ("a_x", *(f"omega_{w}" for w in WHEELS))):
-        return ()
-    driving = driving_record(log)
-    rolling = runs(driving.lead_in & driving.moving & rolls(driving.z))
-    rolling.sort(key=lambda run: log.time[run[0]] - log.time[run[1] - 1])
-    spans = {
-        LEAD_IN: rolling[:1],
-        BITES: [(start, start + 1) for start, _ in runs(driving.braked)],
-        BRAKING: runs(driving.braked),
-        STANDSTILL: runs(standing(log)),
-    }
-    events = [
-        RunEvent(kind, float(log.time[start]), float(log.time[end - 1]))
-        for kind, each in spans.items()
-        for start, end in each
-    ]
-    return tuple(sorted(events, key=lambda event: event.start))
 
 
 def standing(log: Log) -> Mask:

@@ -10,11 +10,14 @@
 Without a vehicle the first line can be asked for; so far as channels are missing it says nothing.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
-from calib.base.arrays import Array
+import numpy as np
+
+from calib.base.arrays import Array, Mask
 from calib.base.names import CHANNELS
+from calib.car.braking import BITE, MOVING
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
@@ -28,7 +31,6 @@ from calib.run.driving_record import (
     DrivingRecord,
     brake_events,
     driving_record,
-    rolls,
     standing,
 )
 from calib.run.known_effects import CorrectedRun, remove_known_effects
@@ -103,20 +105,30 @@ class Run:
         """Applications of the brake, by pressure, or by deceleration where there is none."""
         return brake_events(self.driving) if self.moves else ()
 
+    @cached_property
+    def rolling(self) -> Mask:
+        """The lead-in (n,): steady rolling before the first braking, in which eta is zeroed.
+
+        Where no pressure is logged, the deceleration shows the braking.
+        """
+        if not self.moves or self.speed < MOVING:
+            return np.zeros(self.log.time.size, bool)
+        if "p_mc" in self.log:
+            return self.signals.lead_in
+        seen = {"p_mc": np.where(self.driving.braked, 2.0 * BITE, 0.0)}
+        return signals(replace(self.log, channels=self.log.channels | seen)).lead_in
+
     @property
     def lead_in(self) -> float:
-        """Unbraked, steady and moving time before the first event [s]."""
-        if not self.moves:
-            return 0.0
-        rolling = self.driving.lead_in & self.driving.moving & rolls(self.driving.z)
-        return float(rolling.sum() * self.driving.step)
+        """Length of the lead-in [s]."""
+        return float(self.rolling.sum() * self.log.sample_time)
 
     @property
     def lead_in_driven(self) -> bool:
         """Whether the car was accelerated before the first event."""
         if not self.moves:
             return False
-        rolling = self.driving.lead_in & self.driving.moving
+        rolling = self.driving.before & self.driving.moving
         return bool((self.driving.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum())
 
     @property
@@ -188,7 +200,7 @@ class Run:
     @cached_property
     def corrected(self) -> CorrectedRun:
         """The run as the car without its known effects would have given it."""
-        assert self.vehicle is not None, "a view of a car needs a vehicle"
+        assert self.vehicle is not None, "this view needs a vehicle"
         return remove_known_effects(self.vehicle, self.log)
 
     @property
@@ -198,9 +210,12 @@ class Run:
 
     @cached_property
     def signals(self) -> Signals:
-        """Signals of the axles at the rate of the log."""
+        """Signals of the axles at the rate of the log; as read where no vehicle is known."""
+        if self.vehicle is None:
+            return signals(self.log)
+        radius = self.car.rear.rolling_radius
         read = causal_signals if self.causal else signals
-        return read(self.corrected.log, self.car)
+        return read(self.corrected.log, radius)
 
     @cached_property
     def blocks(self) -> Blocks:

@@ -13,7 +13,7 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.limits import DEFAULTS, Limit
 from calib.estimation.validate import validate_one
 from calib.logs.log import Log
-from calib.run.driving_record import run_events
+from calib.run.events import run_events
 from calib.show import compare, log, stop, table
 from calib.show.facts import Facts, Picture
 from calib.show.ramp import measure

@@ -1,6 +1,6 @@
 """A log without table or vehicle: what is in it, and all its columns in one picture.
 
-Events are marked as `calib.run.driving_record` finds them. Columns of one kind and unit share a
+Events are marked as `calib.run.events` finds them. Columns of one kind and unit share a
 panel; four wheel speeds, which are one line to the eye, are on the page as slip.
 """
 
@@ -16,14 +16,8 @@ from calib.base.units import from_si
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.logs.whole import TIME, Inventory, WholeColumn, WholeLog, channels_log
-from calib.run.driving_record import (
-    BITES,
-    BRAKING,
-    LEAD_IN,
-    NOMINAL_RADIUS,
-    STANDSTILL,
-    RunEvent,
-)
+from calib.run.driving_record import NOMINAL_RADIUS
+from calib.run.events import BITES, BRAKING, LEAD_IN, STANDSTILL, RunEvent
 from calib.show.facts import Facts, Picture, Table
 from calib.show.panel import Line, Mark, Panel
 from calib.show.sheet import Sheet, rows_of

@@ -76,7 +76,7 @@ def test_mean_gain_is_the_mean_weighted_by_force(ideal):
 
 def run_of(log, known=None, s=None, eta=None, car=CAR):
     """A run as the methods need it."""
-    s = s or signals(log, car)
+    s = s or signals(log, car.rear.rolling_radius)
     return SimpleNamespace(
         table=made_table(),
         car=replace(car, effects=known or Effects()),

@@ -253,7 +253,7 @@ def test_a_rear_biased_car_is_refused_for_what_it_is():
     odd = replace(CAR, rear=replace(CAR.rear, piston_area=2.5 * CAR.rear.piston_area))
     assert front_biased_up_to(odd) == 0.0
     log = noisy(ramp(replace(IDEAL, vehicle=odd), slope=2.5e5), 0)
-    b = blocks(signals(log, odd))
+    b = blocks(signals(log, odd.rear.rolling_radius))
     rise, error = eta_rise(b, b.z > 0.1)
     assert rise < -4.0 * error
     assert "swapped" in refused(log)
@@ -313,7 +313,7 @@ def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
 
 
 def test_rise_of_eta_does_not_follow_a_wheel_that_locks_at_times(clean):
-    b = blocks(signals(clean, CAR))
+    b = blocks(signals(clean, CAR.rear.rolling_radius))
     use = (b.z > 0.1) & (b.z < 0.4)
     rise, _ = eta_rise(b, use)
     locking = np.where(use & (np.arange(b.end.size) % 4 == 0), 0.7, 1.0)

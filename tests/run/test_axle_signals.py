@@ -17,7 +17,7 @@ RUN = made_run()
 
 
 def test_axle_means_and_signs():
-    s = signals(RUN, VEHICLE)
+    s = signals(RUN, VEHICLE.rear.rolling_radius)
     assert np.array_equal(s.omega_f, 0.5 * (RUN["omega_fl"] + RUN["omega_fr"]))
     assert np.array_equal(s.omega_r, 0.5 * (RUN["omega_rl"] + RUN["omega_rr"]))
     assert s.z == pytest.approx(-RUN["a_x"] / 9.80665)
@@ -29,30 +29,30 @@ def test_axle_means_and_signs():
 def test_wheel_pressures_count_where_an_axle_has_both():
     p = RUN["p_mc"]
     both = changed(RUN, p_fl=0.9 * p, p_fr=0.8 * p, p_rl=0.5 * p, p_rr=0.6 * p)
-    s = signals(both, VEHICLE)
+    s = signals(both, VEHICLE.rear.rolling_radius)
     assert s.p_f == pytest.approx(0.85 * p)
     assert s.p_r == pytest.approx(0.55 * p)
-    front = signals(changed(both, p_rl=None, p_rr=None), VEHICLE)
+    front = signals(changed(both, p_rl=None, p_rr=None), VEHICLE.rear.rolling_radius)
     assert front.p_f == pytest.approx(0.85 * p)
     assert np.array_equal(front.p_r, p)
-    left = signals(changed(both, p_fr=None, p_rr=None), VEHICLE)
+    left = signals(changed(both, p_fr=None, p_rr=None), VEHICLE.rear.rolling_radius)
     assert np.array_equal(left.p_f, p)
 
 
 def test_speed_without_v_is_that_of_the_rear_wheels():
-    s = signals(changed(RUN, v=None), VEHICLE)
+    s = signals(changed(RUN, v=None), VEHICLE.rear.rolling_radius)
     assert s.v is None
     assert s.speed == pytest.approx(0.322 * s.omega_r)
 
 
 def test_a_car_that_stands_is_refused():
     with pytest.raises(LogError, match=r"hardly moves: at most 2\.\d m/s"):
-        signals(made_run(lambda t: 0.0 * t, speed=2.0), VEHICLE)
+        signals(made_run(lambda t: 0.0 * t, speed=2.0), VEHICLE.rear.rolling_radius)
 
 
 @pytest.mark.parametrize(("rate", "start"), [(40.0, 0.8), (1000.0, 3.0)])
 def test_lead_in_ends_just_before_the_brake(start, rate):
-    s = signals(made_run(stop(start), rate=rate), VEHICLE)
+    s = signals(made_run(stop(start), rate=rate), VEHICLE.rear.rolling_radius)
     last = s.time[s.lead_in][-1]
     assert start - 0.2 < last <= start
     assert np.all(s.lead_in[s.time <= last])
@@ -62,18 +62,18 @@ def test_lead_in_ends_just_before_the_brake(start, rate):
 def test_lead_in_ends_where_a_slow_pedal_begins_to_rise(slope, zero):
     """At 2 bar/s it takes 0.75 s to the pressure that counts as braking."""
     run = made_run(lambda t: slope * np.maximum(t - 2.0, 0.0))
-    s = signals(changed(run, p_mc=run["p_mc"] + zero), VEHICLE)
+    s = signals(changed(run, p_mc=run["p_mc"] + zero), VEHICLE.rear.rolling_radius)
     assert 1.7 < s.time[s.lead_in][-1] <= 2.0
 
 
 def test_a_driven_or_slow_car_gives_no_zero():
     t = RUN.time
     driven = changed(RUN, a_x=np.where(t < 0.5, 3.0, RUN["a_x"]))
-    s = signals(driven, VEHICLE)
+    s = signals(driven, VEHICLE.rear.rolling_radius)
     assert not np.any(s.lead_in[t < 0.5])
     assert np.any(s.lead_in)
     slow = changed(RUN, v=np.where(t < 0.5, 2.0, RUN["v"]))
-    assert not np.any(signals(slow, VEHICLE).lead_in[t < 0.5])
+    assert not np.any(signals(slow, VEHICLE.rear.rolling_radius).lead_in[t < 0.5])
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
@@ -83,8 +83,11 @@ def test_a_clutch_that_engages_in_the_lead_in_moves_no_zero_of_eta(sign):
     t = run.time
     engaged = (t > 0.8) & (t < 1.0)
     slip = np.where(engaged, 1.0 + sign * 3e-3, 1.0)
-    s = signals(changed(run, **{w: run[w] * slip for w in ("omega_fl", "omega_fr")}), VEHICLE)
-    before = signals(run, VEHICLE)
+    s = signals(
+        changed(run, **{w: run[w] * slip for w in ("omega_fl", "omega_fr")}),
+        VEHICLE.rear.rolling_radius,
+    )
+    before = signals(run, VEHICLE.rear.rolling_radius)
     assert not np.any(s.lead_in[engaged])
     assert s.lead_in.sum() > 0.7 * before.lead_in.sum()
     eta, clean = (np.mean((x.omega_r / x.omega_f)[x.lead_in]) for x in (s, before))
@@ -92,7 +95,7 @@ def test_a_clutch_that_engages_in_the_lead_in_moves_no_zero_of_eta(sign):
 
 
 def test_a_lead_in_of_noise_is_kept():
-    s = signals(made_run(stop(start=3.0), noise=1.0), VEHICLE)
+    s = signals(made_run(stop(start=3.0), noise=1.0), VEHICLE.rear.rolling_radius)
     rolling = (s.time > 0.3) & (s.time < 2.5)
     assert np.mean(s.lead_in[rolling]) > 0.98
 
@@ -104,7 +107,7 @@ def test_a_car_under_power_is_no_lead_in(felt):
     power = run.time < 2.55
     driving = {w: np.where(power, 1.003, 1.0) * run[w] for w in ("omega_fl", "omega_fr")}
     driven = changed(run, a_x=np.where(power, run["a_x"] - felt, run["a_x"]), **driving)
-    rolling = signals(driven, VEHICLE).lead_in
+    rolling = signals(driven, VEHICLE.rear.rolling_radius).lead_in
     assert not np.any(rolling[run.time < 2.5])
     assert np.count_nonzero(rolling) * run.sample_time > 0.2
 
@@ -145,7 +148,7 @@ def test_a_good_ring_is_left_alone(seed, bite):
 def test_wheels_of_the_plant_are_left_alone():
     log = noisy(plant_stop(REAL), 3)
     expected = 0.5 * (log["omega_fl"] + log["omega_fr"])
-    np.testing.assert_array_equal(signals(log, CAR).omega_f, expected)
+    np.testing.assert_array_equal(signals(log, CAR.rear.rolling_radius).omega_f, expected)
 
 
 @pytest.mark.parametrize("seconds", [0.05, 1.0])

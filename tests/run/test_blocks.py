@@ -19,7 +19,7 @@ RUN = made_run()
 @pytest.mark.parametrize(("rate", "samples"), [(40.0, 2), (200.0, 10), (1000.0, 50)])
 def test_block_means_are_numpys(rate, samples):
     log = made_run(rate=rate, duration=8.0 + 0.03)
-    s = signals(log, VEHICLE)
+    s = signals(log, VEHICLE.rear.rolling_radius)
     b = blocks(s)
     assert (b.samples, b.length) == (samples, pytest.approx(0.05))
     assert b.end.size == log.time.size // samples
@@ -42,7 +42,9 @@ def test_a_block_knows_nothing_of_the_future(cut, seed):
         for name, x in RUN.channels.items()
         if name != "time"
     }
-    before, after = (blocks(signals(log, VEHICLE)) for log in (RUN, changed(RUN, **other)))
+    before, after = (
+        blocks(signals(log, VEHICLE.rear.rolling_radius)) for log in (RUN, changed(RUN, **other))
+    )
     assume(after.v is not None)  # v is used or not by the whole run
     known = cut // before.samples
     for name in ("end", "p_f", "z", "omega_f", "omega_r", "v", "speed", "spin_f", "spin_r"):

@@ -139,7 +139,7 @@ def test_each_way_to_spoil_a_run_is_named(way):
 
 
 WARNED = {
-    "lead_in": (made_run(ramp(start=0.7)), 0.85),
+    "lead_in": (made_run(ramp(start=0.7)), 0.7),
     "standing": (made_run(stop(), speed=20.0, duration=12.0, noise=0.0), None),
     "clock_gaps": (gap(), 0.4),
     "pressure_computed": (

@@ -6,15 +6,8 @@ import numpy as np
 import pytest
 
 from calib.base.names import G
-from calib.run.driving_record import (
-    BITES,
-    BRAKING,
-    LEAD_IN,
-    STANDSTILL,
-    brake_events,
-    driving_record,
-    run_events,
-)
+from calib.run.driving_record import brake_events, driving_record
+from calib.run.events import BITES, BRAKING, LEAD_IN, STANDSTILL, run_events
 from calib.run.wheels import rolling_radius
 from tests.support.made_runs import BAR_PER_G, changed, made_run, ramp, stop
 from tests.support.reference_car import IDEAL, without
@@ -49,9 +42,9 @@ def test_braking_counts_only_above_walking_pace():
 
 def test_lead_in_ends_before_the_brake_and_is_all_of_a_coast():
     driving = driving_record(made_run(stop(start=2.0)))
-    assert driving.time[driving.lead_in][-1] == pytest.approx(1.9, abs=0.06)
+    assert driving.time[driving.before][-1] == pytest.approx(1.9, abs=0.06)
     coast = driving_record(made_run(lambda t: 0.0 * t))
-    assert coast.lead_in.all()
+    assert coast.before.all()
     assert brake_events(coast) == ()
 
 

@@ -16,7 +16,7 @@ HEIGHT, WIDTH, TURNED, SLIP = 0.55, 1.5, 2.5, 0.015
 def in_a_bend(braked):
     """A log whose rear wheels turn as in a left bend of 2.5 m/s^2, by the slip of each wheel."""
     log = ramp(REAL)
-    s = signals(log, CAR)
+    s = signals(log, CAR.rear.rolling_radius)
     half = 0.5 * WIDTH * TURNED / np.maximum(s.speed, 1.0) ** 2
     more = 2.0 * TURNED * HEIGHT / (G * WIDTH)  # load of the outer wheel, over its own
     slips = [SLIP * braked / (1.0 + side * more) for side in (-1.0, 1.0)]

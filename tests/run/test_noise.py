@@ -60,7 +60,7 @@ def test_a_brake_that_bites_in_one_window_is_hardly_noise(bite):
 def test_noise_of_a_made_run_is_what_was_put_in():
     """Sd 0.02 rad/s a wheel, 0.05 m/s^2, 0.02 m/s, all white."""
     log = made_run(duration=40.0, speed=60.0, pressure=lambda t: np.minimum(0.7 * t, 9.0))
-    noise = sensor_noise(log, blocks(signals(log, VEHICLE)))
+    noise = sensor_noise(log, blocks(signals(log, VEHICLE.rear.rolling_radius)))
     assert noise.omega_white == pytest.approx(0.02 / np.sqrt(2.0), rel=0.05)
     # 40 s tell a density to 8 %
     assert noise.omega == pytest.approx(0.02 / np.sqrt(2.0) * np.sqrt(DT), rel=0.24)
@@ -70,22 +70,25 @@ def test_noise_of_a_made_run_is_what_was_put_in():
 
 def test_no_sensor_is_believed_to_be_without_noise():
     log = made_run(noise=0.0)
-    noise = sensor_noise(log, blocks(signals(log, VEHICLE)))
+    noise = sensor_noise(log, blocks(signals(log, VEHICLE.rear.rolling_radius)))
     assert noise.omega == NOISE_FLOOR["omega"]
     without = changed(made_run(), v=None)
-    assert sensor_noise(without, blocks(signals(without, VEHICLE))).v == NOISE_FLOOR["v"]
+    assert (
+        sensor_noise(without, blocks(signals(without, VEHICLE.rear.rolling_radius))).v
+        == NOISE_FLOOR["v"]
+    )
 
 
 def test_lead_in_noise_is_the_white_part_with_a_usual_colour_and_nothing_later():
     log = made_run(stop(start=4.0))
-    s = signals(log, VEHICLE)
+    s = signals(log, VEHICLE.rear.rolling_radius)
     noise = lead_in_noise(log, s)
     assert noise.omega_white == pytest.approx(0.02 / np.sqrt(2.0), rel=0.1)
     assert noise.omega == pytest.approx(1.5 * 0.02 / np.sqrt(2.0) * np.sqrt(DT), rel=0.1)
     assert noise.z == pytest.approx(2.0 * 0.05 / 9.80665 * np.sqrt(DT), rel=0.1)
     assert noise.v == pytest.approx(0.02 * np.sqrt(DT), rel=0.1)
     rough = changed(log, omega_fl=np.where(log.time > 4.0, 1.1, 1.0) * log["omega_fl"])
-    assert lead_in_noise(rough, signals(rough, VEHICLE)) == noise
+    assert lead_in_noise(rough, signals(rough, VEHICLE.rear.rolling_radius)) == noise
 
 
 STEP = 0.05

@@ -42,7 +42,7 @@ def seen(run, seed=0):
     sd = {"a_x": 0.05, "v": 0.02, **dict.fromkeys([k for k in run if k.startswith("omega")], 0.02)}
     noisy = {k: x + sd.get(k, 0.0) * rng.normal(size=x.size) for k, x in run.items()}
     log = as_log(noisy)
-    b = blocks(signals(log, CAR))
+    b = blocks(signals(log, CAR.rear.rolling_radius))
     return b, sensor_noise(log, b).z
 
 

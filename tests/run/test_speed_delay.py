@@ -38,7 +38,7 @@ def test_a_late_speed_is_put_in_time(name, delay):
     found = delay_of(late(log, delay))
     assert found.late
     assert found.value == pytest.approx(delay, abs=max(3.0 * found.sigma, 0.01))
-    s = signals(late(log, delay), CAR)
+    s = signals(late(log, delay), CAR.rear.rolling_radius)
     inner = (log.time > 0.5) & (log.time < log.time[-1] - 0.5)
     off = (s.v - log["v"])[inner]
     assert np.sqrt(np.mean(off**2)) < 0.15  # late by 0.2 s it is 0.7 m/s
@@ -68,4 +68,4 @@ def test_what_is_not_sharp_is_not_used():
     assert found.late
     assert not found.sharp
     assert abs(found.value - 0.2) < 2.0 * found.sigma
-    assert signals(slow, CAR).v is None
+    assert signals(slow, CAR.rear.rolling_radius).v is None

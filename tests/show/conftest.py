@@ -8,7 +8,7 @@ from calib.estimation.validate import validate_one
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.run.driving_record import run_events
+from calib.run.events import run_events
 from calib.show import compare, log, stop, table
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet

@@ -7,7 +7,7 @@ import pytest
 
 from calib.logs.log import Log
 from calib.logs.whole import WholeColumn, WholeLog
-from calib.run.driving_record import BITES, BRAKING, LEAD_IN, RunEvent
+from calib.run.events import BITES, BRAKING, LEAD_IN, RunEvent
 from calib.show import log
 from calib.show.log import MOST, sheet
 from tests.support.plot_lines import line, panel

@@ -140,7 +140,7 @@ def metrics_of(table: Table, log: Log, reference: float = _REFERENCE) -> dict[st
             expected=f"at most {100.0 * (paper.eta[-1] - 1.0):.2f} %, where eta turns",
             do="give another --eta",
         )
-    s = signals(log, table.vehicle)
+    s = signals(log, table.vehicle.rear.rolling_radius)
     D = table.difference
     pads = table.calibration
     return {
