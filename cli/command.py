@@ -21,7 +21,7 @@ import typer
 from cli.console import emit, emit_json, misuse, this_run, warn
 from cli.group import Group, first_sentence
 from cli.options import option
-from cli.outputs import check_file, write_file
+from cli.outputs import check_file, write_page
 
 if TYPE_CHECKING:
     from calib.show.facts import Facts
@@ -37,15 +37,27 @@ class Answer:
     Attributes
     ----------
     document : of --json, but for its "schema".
-    facts : for people; the warnings of `Facts` go to stderr, with --json too.
+    result : for people: a text, facts, or what `calib.show.kinds` tells as facts. Their warnings
+        go to stderr, with --json too.
     exit_code : 0 if it passed.
-    page : makes the page of --report.
+    out : the folder that was written, which the next step names.
+    live : whether the pictures on the page of --report may be live.
     """
 
     document: dict[str, Any]
-    facts: "Facts | str" = ""
+    result: object = ""
     exit_code: int = 0
-    page: Callable[[], str] | None = None
+    out: Path | None = None
+    live: bool = False
+
+    @property
+    def facts(self) -> "Facts | str":
+        """The result as it is told."""
+        if isinstance(self.result, str):
+            return self.result
+        from calib.show.kinds import facts_of
+
+        return facts_of(self.result).written(self.out)
 
 
 def _ask(context: typer.Context, asked: typer.CallbackParam, given: bool) -> None:
@@ -218,11 +230,12 @@ def _flag_of(name: str, info: Any) -> str:
 
 
 def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:
-    this_run().facts = answer.facts
-    warn(getattr(answer.facts, "warnings", ()))
-    if page is not None and answer.page is not None:
-        write_file(page, answer.page().encode(), "--report")
+    facts = this_run().facts = answer.facts
+    if not isinstance(facts, str):
+        warn(facts.warnings)
+        if page is not None:
+            write_page(page, facts, answer.live, "--report")
     if as_json:
         emit_json({"schema": 1, **answer.document})
-    elif answer.facts:
-        emit(answer.facts)
+    elif facts:
+        emit(facts)

@@ -57,9 +57,8 @@ def diagnose(
     from calib.car.own_effects.own_effect import with_own
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.written import files_of, text_of, to_dict, write_folder
-    from calib.show.diagnosis import facts
-    from calib.show.diagnosis_page import report
     from calib.show.html import page_of
+    from calib.show.kinds import facts_of
 
     files = files_of(stems_of(named([*logs, *holdout])[len(logs) :], "--holdout"))
     check_folder(out, [file.as_posix() for file in files])
@@ -74,11 +73,11 @@ def diagnose(
             with progress() as step:
                 found = find(car, runs[: len(logs)], runs[len(logs) :], step, mapped)
         with progress("drawing the report"):
-            page = page_of(report(found, car.name))
+            page = page_of(facts_of(found))
         with writing(out):
             write_folder(found, text_of(found), page, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
-    return Answer(to_dict(found), facts(found, car.name).written(out))
+    return Answer(to_dict(found), found, out=out)
 
 
 @contextmanager

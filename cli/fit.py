@@ -7,7 +7,6 @@ from cli.command import Answer, command
 from cli.console import progress, say, this_run
 from cli.logs import read_all
 from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
-from cli.outputs import live
 
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
@@ -55,8 +54,7 @@ def fit(
     from calib.car.model_file import read_model
     from calib.car.own_effects.own_effect import with_own
     from calib.fitting.fit import fit as fit_table
-    from calib.show.fit import document, facts, report
-    from calib.show.html import page_of
+    from calib.show.fit import Fitted, document
     from calib.store.fleet import released_cars
 
     car = with_own(vehicle, effect)
@@ -68,16 +66,13 @@ def fit(
         known = [run.digest for run in runs]
         cars = released_cars(store, car, known) if fleet_prior else {}
         table = fit_table(car, runs, mass, bench, tyre, cars)
-    stored, used = store.save(table), mass_used(car, mass)
+    stored = store.save(table)
     tell_kin(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
     of = origin("vehicle", "model", "bench", "tyre")
-    return Answer(
-        document(stored, used),
-        facts(stored, used),
-        page=lambda: page_of(report(stored, ramps, used, of), live=live()),
-    )
+    found = Fitted(stored, mass_used(car, mass), ramps, of)
+    return Answer(document(found), found, live=True)
 
 
 def tell_kin(store: Tables, stored: "Stored") -> None:

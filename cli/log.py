@@ -7,7 +7,7 @@ from cli.command import Answer, command
 from cli.console import misuse, say
 from cli.logs import read_whole
 from cli.options import Map, logs, option, require_known
-from cli.outputs import PAGES, live, write_file
+from cli.outputs import PAGES, write_file, write_page
 
 if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
@@ -78,15 +78,12 @@ def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
 def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
-    from calib.show.html import page_of
-    from calib.show.log import MOST, facts, panels_of, report, sheet
+    from calib.show.log import MOST, facts, panels_of, sheet
     from calib.show.sheet import render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:
         raise misuse(f"{count} panels; 1 to {MOST} can be drawn: choose columns", "--channel")
-    drawn = sheet(log, events)
-    if (ending := out.suffix.lower()) not in PAGES:
-        write_file(out, render(drawn.overview(), ending))
+    if (ending := out.suffix.lower()) in PAGES:
+        write_page(out, facts(log, columns, events))
     else:
-        told = report(facts(log, columns, events), drawn)
-        write_file(out, page_of(told, live=live()).encode())
+        write_file(out, render(sheet(log, events).overview(), ending))

@@ -4,7 +4,7 @@ import json as json_module
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Annotated, Any
@@ -232,8 +232,8 @@ def fleet(
     from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import summarise
-    from calib.show.fleet_page import facts, report
     from calib.show.html import page_of
+    from calib.show.kinds import facts_of
 
     if results.is_dir():
         if order or metric or out:
@@ -246,10 +246,10 @@ def fleet(
     if out is not None:
         title = printable(f"{results.absolute().parent.name}/{results.name}")
         with progress("drawing the report"):
-            page = page_of(report(found, title)).encode()
+            page = page_of(replace(facts_of(found), title=title)).encode()
         contents = (("report.html", page), ("fleet.json", json_text(document(found)).encode()))
         write_folder(out, contents, "fleet.json")
-    return Answer(document(found), facts(found))
+    return Answer(document(found), found)
 
 
 def _index(folder: Path) -> Answer:

@@ -109,13 +109,18 @@ def write_file(out: Path, content: bytes, option: str = OUT) -> None:
     say(f"wrote {out}")
 
 
-def live() -> bool:
-    """Whether the pictures of a page can be live; what to install for it is said."""
-    from calib.show.interactive import EXTRA, installed
+def write_page(out: Path, result: object, live: bool = True, option: str = OUT) -> None:
+    """Write a result as a page; pictures are ``live`` if they can, else it is said what to install.
 
-    if not installed():
+    A `calib.show.kinds` result or its facts.
+    """
+    from calib.show.html import page_of
+    from calib.show.interactive import EXTRA, installed
+    from calib.show.kinds import facts_of
+
+    if live and not installed():
         say(f"the pictures stand still; to zoom in them: pip install 'brake-cal[{EXTRA}]'")
-    return installed()
+    write_file(out, page_of(facts_of(result), live=live and installed()).encode(), option)
 
 
 def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:

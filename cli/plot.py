@@ -8,7 +8,7 @@ from cli.command import Answer, command
 from cli.console import misuse, progress, say
 from cli.logs import is_stdin, read
 from cli.options import argument, option, require_known, table_names
-from cli.outputs import PAGES, live, write_file, writing
+from cli.outputs import PAGES, write_page, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,7 +52,6 @@ def plot(
     from dataclasses import replace
 
     from calib.show.choose import facts
-    from calib.show.html import page_of
 
     given = _read(what, store, vehicle, channel_map)
     stops = bool(given.tables and given.logs)
@@ -62,7 +61,7 @@ def plot(
     drawn = _chosen(given, figure)
     if out is not None and out.suffix.lower() in PAGES:
         files = [out]
-        write_file(out, page_of(facts(drawn, figure), live=live()).encode())
+        write_page(out, facts(drawn, figure))
     else:
         files = _draw(drawn, out, figure)
     for sheet in drawn:

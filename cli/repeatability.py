@@ -43,7 +43,7 @@ def repeatability(
     from calib.base.plain import counted
     from calib.line.gauge.plan import read_plan, readings
     from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict
-    from calib.show.repeatability import facts, sheet
+    from calib.show.repeatability import sheet
     from calib.show.sheet import render
 
     check_folder(out, (DOCUMENT, PICTURE))
@@ -60,4 +60,4 @@ def repeatability(
         written = json_text({"schema": 1, **document}).encode()
         picture = render(sheet(found).overview(), ".png")
         write_folder(out, [(DOCUMENT, written), (PICTURE, picture)], DOCUMENT)
-    return Answer(document, facts(found), FAILED * (not found.passed))
+    return Answer(document, found, FAILED * (not found.passed))

@@ -77,7 +77,7 @@ def station(
     from calib.line.station.golden import golden_table
     from calib.line.station.identity import Identity
     from calib.line.station.station import judged_car
-    from calib.show.station_page import facts, store_and_write
+    from calib.show.station_page import StationRun, store_and_write
 
     identity, ramps = Identity(serial, vin, name, rxswin), [ramp, *more]
     stems, forms = stems_of(holdouts, "HOLDOUT"), [] if signed.public else export
@@ -116,7 +116,7 @@ def station(
     unsigned = "what is stored now is not signed; sign it, then `brake-cal tables export`"
     if export and (why := why_not_exported(stored) or unsigned * bool(signed.public)):
         say(f"no exports: {why}")
-    return Answer(document, facts(found, stored).written(out), FAILED * (not found.passed))
+    return Answer(document, StationRun(found, stored), FAILED * (not found.passed), out)
 
 
 @contextmanager

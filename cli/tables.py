@@ -36,10 +36,10 @@ def list_(
 @command("brake-cal tables show sedan-2up")
 def show(table: options.Table, *, store: options.Tables) -> Answer:
     """Say whether a table may be used, and how good it is."""
-    from calib.show.store import shown, shown_document
+    from calib.show.store import shown_document
 
     stored = store.load(table)
-    return Answer(shown_document(stored), shown(stored))
+    return Answer(shown_document(stored), stored)
 
 
 @command("brake-cal tables log sedan-2up")

@@ -66,8 +66,7 @@ def validate(
     from calib.estimation.results import SUMMARY, to_dict, write_results
     from calib.estimation.validate import validate_one
     from calib.run.gates import refuse_copy
-    from calib.show.html import page_of
-    from calib.show.validation import facts, report
+    from calib.show.validation import Validated
     from calib.table.exported import Precision, as_exported
     from calib.table.generation import require_maps
 
@@ -116,12 +115,9 @@ def validate(
             paths = write_results(results, summary, out)
         for path in paths:
             say(f"wrote {path}")
-
-    def page() -> str:
-        return page_of(report(stored, results, origin("vehicle", "model", "limits"), how))
-
     failed = FAILED * (not all(result.passed for result in results))
-    return Answer(summary, facts(stored, results, how).written(out), failed, page)
+    judged = Validated(stored, results, how, origin("vehicle", "model", "limits"))
+    return Answer(summary, judged, failed, out)
 
 
 def _coded(table: "Table", how: "Precision") -> "Coded":

@@ -76,12 +76,12 @@ def show(
     from calib.car.facts_file import facts_document
     from calib.car.vehicle_file import read_vehicle
     from calib.show.sheet import render
-    from calib.show.vehicle import facts, sheet
+    from calib.show.vehicle import sheet
 
     car = read_vehicle(file)
     if plot is not None:
         write_file(plot, render(sheet(car).overview(), plot.suffix.lower()), "--plot")
-    return Answer(facts_document(car).model_dump(by_alias=True), facts(car))
+    return Answer(facts_document(car).model_dump(by_alias=True), car)
 
 
 app = group(

@@ -7,7 +7,8 @@ a log, a result             the log, the result
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import DEFAULTS, Limit
@@ -60,11 +61,13 @@ def facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
     """The sheets as facts of a page, each with the one ``figure`` or with all of its layout."""
     parts = [
         Facts(
-            sheet.title,
-            headline=sheet.result,
-            pictures=[Picture(sheet.note, sheet, [figure] if figure else sheet.laid_out)],
+            one.title,
+            headline=one.result,
+            pictures=[
+                Picture(one.note, partial(replace, one), [figure] if figure else one.laid_out)
+            ],
         )
-        for sheet in drawn
+        for one in drawn
     ]
     return parts[0] if len(parts) == 1 else Facts(f"{len(parts)} sheets", parts=parts)
 

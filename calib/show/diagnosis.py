@@ -52,8 +52,8 @@ _UNSEEN = "What these logs could not show, and the drive in which it shows most.
 INNOVATION = "mean squared innovation (1 = noise)"
 
 
-def facts(found: Diagnosis, title: str) -> Facts:
-    """A diagnosis of the car ``title``, with a part for each effect that is named."""
+def head(found: Diagnosis) -> Facts:
+    """The verdict on a car, with a part for each effect that is named."""
     gap, (word, verdict) = found.gap, KINDS[outcome(found)]
     after = f" to {gap.after:.1f}" if found.verdict != NO_GAP else ""
     closed = f", {100.0 * gap.closed:.1f} % closed" if found.verdict != NO_GAP else ""
@@ -74,7 +74,7 @@ def facts(found: Diagnosis, title: str) -> Facts:
         ("Noise", source if (source := found.noise.source) != "unbraked parts" else ""),
     )
     return Facts(
-        title,
+        found.model_before.vehicle.name,
         headline=_verdict_of(found),
         verdict=verdict,
         word=word,

@@ -16,10 +16,9 @@ from calib.base.names import WHEELS
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.proof.unexplained import Unexplained
 from calib.diagnosis.replays.gap import CHANNELS, UNITS
 from calib.diagnosis.undecided import Confusion
-from calib.show.diagnosis import INNOVATION, KINDS, facts, outcome
+from calib.show.diagnosis import INNOVATION, KINDS, head, outcome
 from calib.show.facts import Facts, Picture, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, with_unit
 from calib.show.panel import Line, Panel
@@ -47,17 +46,21 @@ _LETTERS = 30
 """Letters of a name that the smallest panel has room for."""
 
 
-def report(found: Diagnosis, title: str) -> Facts:
-    """The facts of a diagnosis of the car ``title``, with everything that they rest on."""
-    drawn, told = sheet(found, title), facts(found, title)
+def facts(found: Diagnosis) -> Facts:
+    """A diagnosis with everything that it rests on."""
+    told = head(found)
     parts = [
         *told.parts,
         *([_confusion(found.confusion)] if found.confusion else []),
-        *([_unexplained(found.unexplained, drawn)] if found.unexplained else []),
-        _gap(found, drawn),
-        Facts("What it rests on", tables=[_search(found), _base(found), *told.tables]),
+        *([_unexplained(found)] if found.unexplained else []),
+        _gap(found),
+        Facts("What it rests on", tables=[_search(found), _base(found)]),
     ]
-    return replace(told, tables=[], pictures=[Picture(_SPEED, drawn, ("speed",))], parts=parts)
+    return replace(told, pictures=[_picture(found, _SPEED, "speed")], parts=parts)
+
+
+def _picture(found: Diagnosis, caption: str, *names: str) -> Picture:
+    return Picture(caption, lambda: sheet(found), names)
 
 
 def _search(found: Diagnosis) -> Table:
@@ -95,19 +98,20 @@ def _confusion(found: Confusion) -> Facts:
     )
 
 
-def _unexplained(found: Unexplained, drawn: Sheet) -> Facts:
+def _unexplained(found: Diagnosis) -> Facts:
     """The empirical term, and other terms that explain a part of the gap."""
+    left = found.unexplained
     others = [
         (spaced(place), driver, f"{100.0 * share:.0f} %")
-        for place, driver, share in found.runners_up
+        for place, driver, share in (left.runners_up if left else ())
     ]
     shares = "Other places and drivers, by the share of the gap that they explain."
     table = Table(("place", "depends on", "explained"), others, shares)
-    picture = Picture("An empirical term: what it adds, by what it depends on.", drawn, ("term",))
+    picture = _picture(found, "An empirical term: what it adds, by what it depends on.", "term")
     return Facts("What no effect explains", tables=[table], pictures=[picture])
 
 
-def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
+def _gap(found: Diagnosis) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
     both, gap = _added(found), found.gap
     rows: list[tuple[str, ...]] = []
@@ -121,7 +125,7 @@ def _gap(found: Diagnosis, drawn: Sheet) -> Facts:
     return Facts(
         "The gap on the hold-outs" + ", before to after" * both,
         tables=[Table(("log", "all", *CHANNELS), rows, _GAP)],
-        pictures=[Picture(_LARGEST.format(name), drawn, ("acceleration", "split"))],
+        pictures=[_picture(found, _LARGEST.format(name), "acceleration", "split")],
     )
 
 
@@ -137,9 +141,9 @@ def _base(found: Diagnosis) -> Table:
     return Table(heads, rows, _BASE)
 
 
-def sheet(found: Diagnosis, name: str) -> Sheet:
-    """Return the sheet of a diagnosis; ``name`` is that of the vehicle."""
-    logs = range(len(found.measured))
+def sheet(found: Diagnosis) -> Sheet:
+    """Return the sheet of a diagnosis."""
+    logs, name = range(len(found.measured)), found.model_before.vehicle.name
     worst = _worst(found)
     weights, words = _split_of(found)
     panels = (

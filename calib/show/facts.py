@@ -1,7 +1,7 @@
 """A result as facts: each sentence is made once, for the terminal and for the page.
 
-    facts of a result -> Facts --calib.show.terminal-> lines and grids
-                               --calib.show.html-----> one file
+    a result --calib.show.kinds--> Facts --calib.show.terminal-> lines and grids
+                                         --calib.show.html-----> one file
 
 The head of an answer is the headline, what matters once, and the next step: a terminal prints no
 more without -v, and a page begins with it. What is for those who ask is in parts. Warnings go to
@@ -9,7 +9,7 @@ stderr, and pictures only to a page.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -56,10 +56,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A sheet, of which ``names`` are the panels that are shown (all without), or a PNG or SVG."""
+    """What makes a sheet, once a page needs it; ``names`` of the panels shown, all without."""
 
     caption: str
-    of: "Sheet | bytes"
+    make: "Callable[[], Sheet]"
     names: Sequence[str] = ()
 
 

@@ -1,7 +1,7 @@
 """Facts of a fit: may the table be used, what limits it, its curves, its inputs."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted
@@ -11,6 +11,7 @@ from calib.logs.log import Log
 from calib.show.facts import PASSED, WARNING, Facts, Picture, Table
 from calib.show.origin import PageOrigin, origin
 from calib.show.ramp import measure
+from calib.show.sheet import Sheet
 from calib.show.table import sheet
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures
@@ -21,9 +22,21 @@ from calib.table.budget import summary as budget_summary
 _CURVES = "The curves of the table with their 95 % bands, and the measured points."
 
 
-def facts(stored: Stored, mass: MassUsed) -> Facts:
-    """A version of a table that was fitted on a car of ``mass``."""
+@dataclass(frozen=True)
+class Fitted:
+    """A version of a table, fitted on a car of ``mass``; ``ramps`` are its logs with braking."""
+
+    stored: Stored
+    mass: MassUsed
+    ramps: Sequence[Log]
+    origin: PageOrigin
+
+
+def facts(found: Fitted) -> Facts:
+    """May the table be used, what limits it, what is it made of."""
+    stored, mass = found.stored, found.mass
     table, said, cal = stored.table, answer(stored), stored.table.calibration
+    logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
     budgets, count = budget_of(table).axles, len(table.warnings)
     advice = advice_lines(budgets)
     details = Facts(
@@ -47,17 +60,15 @@ def facts(stored: Stored, mass: MassUsed) -> Facts:
         notes=advice[:1],
         next=said.next,
         warnings=table.warnings,
-        parts=[details],
+        pictures=[Picture(_CURVES, lambda: _sheet(found))],
+        parts=[details, origin(found.origin, stored, logs)],
     )
 
 
-def report(stored: Stored, ramps: Sequence[Log], mass: MassUsed, given: PageOrigin) -> Facts:
-    """The facts with pictures and origin; ``ramps`` are the logs with braking of the fit."""
-    panels = sheet(stored.table, stored.id, tuple(measure(stored.table, log) for log in ramps))
-    logs = [(log.role, log.name, log.digest) for log in stored.table.provenance.logs]
-    told = facts(stored, mass)
-    parts = [*told.parts, origin(given, stored, logs)]
-    return replace(told, pictures=[Picture(_CURVES, panels)], parts=parts)
+def _sheet(found: Fitted) -> Sheet:
+    stored = found.stored
+    measured = tuple(measure(stored.table, log) for log in found.ramps)
+    return sheet(stored.table, stored.id, measured)
 
 
 def _estimated(stored: Stored) -> Table:
@@ -77,9 +88,9 @@ def _estimated(stored: Stored) -> Table:
     return Table(("", "value", "95 % interval", "unit"), rows)
 
 
-def document(stored: Stored, mass: MassUsed) -> dict[str, object]:
+def document(found: Fitted) -> dict[str, object]:
     """The JSON document of a fit."""
-    table = stored.table
+    stored, table = found.stored, found.stored.table
     return {
         "table": stored.id,
         "digest": stored.digest,
@@ -93,5 +104,5 @@ def document(stored: Stored, mass: MassUsed) -> dict[str, object]:
         "quality": table.quality,
         "remarks": table.remarks,
         "warnings": [to_dict(warning) for warning in table.warnings],
-        "mass": mass,
+        "mass": found.mass,
     }

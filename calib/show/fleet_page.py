@@ -1,7 +1,6 @@
 """Facts of a fleet, and its page."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -27,7 +26,7 @@ _MARKS = (
 )
 
 
-def facts(found: Summary, title: str = "") -> Facts:
+def facts(found: Summary) -> Facts:
     """A fleet, the logs that stand apart first."""
     looks = [look for look in found.looks if look.spread.count]
     apart = [(car.log, "; ".join(_reason(found, o) for o in car.reasons)) for car in found.apart]
@@ -40,7 +39,7 @@ def facts(found: Summary, title: str = "") -> Facts:
         for text, n in ns.items()
     ]
     return Facts(
-        title,
+        "Fleet",
         headline=headline(found),
         verdict=_kind(found),
         numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
@@ -66,27 +65,29 @@ def facts(found: Summary, title: str = "") -> Facts:
                     Table(("column", "value", "logs"), classes, "Other columns."),
                 ],
             ),
+            *_by_metric(found),
         ],
     )
 
 
-def report(found: Summary, title: str) -> Facts:
-    """The facts with a part for each metric: those first that drift or in which a log is apart."""
+def _by_metric(found: Summary) -> list[Facts]:
+    """The picture of each metric: of those first that drift or in which a log is apart."""
     filled = [look for look in found.looks if look.values.size]
     filled.sort(key=lambda look: (not look.drifts, not look.outlying.any()))
     told = [x for x in filled if x.drifts or x.outlying.any()]
     calm = [x for x in filled if not (x.drifts or x.outlying.any())]
-    quiet = f"Metrics where nothing stands apart and nothing drifts: {len(calm)}"
-    parts = [
+    return [
         Facts(
             "Metrics to look at",
             notes=_MARKS if told else (),
             parts=[_metric(found, look) for look in told],
         ),
-        Facts(quiet, parts=[_metric(found, look) for look in calm], folded=True),
+        Facts(
+            f"Metrics where nothing stands apart and nothing drifts: {len(calm)}",
+            parts=[_metric(found, look) for look in calm],
+            folded=True,
+        ),
     ]
-    head = facts(found, title)
-    return replace(head, parts=[*head.parts, *parts])
 
 
 def _named(failed: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
@@ -102,7 +103,7 @@ def _limits(keys: str) -> str:
 
 def _metric(found: Summary, look: Look) -> Facts:
     caption = f"{look.name}, log by log."
-    picture = Picture(caption, sheet(found, look))
+    picture = Picture(caption, lambda: sheet(found, look))
     return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
 

@@ -4,7 +4,6 @@ Only a live page has scripts, those of `calib.show.interactive`. It is printed a
 it is seen where scripts do not run.
 """
 
-import base64
 import json
 import re
 from collections.abc import Sequence
@@ -74,16 +73,15 @@ class _Pictures:
     def of(self, one: Picture) -> dict[str, Any]:
         """Each panel by itself, so that a narrow screen can show one below the other.
 
-        ``panels``: pairs of a drawing as SVG or PNG, and the place of the live one, or "". The
+        ``panels``: pairs of a drawing as SVG, and the place of the live one, or "". The
         ``slider`` has a name and a number of ``steps``, if there is one.
         """
-        if isinstance(one.of, bytes):
-            return {"panels": [(_inside(one.of), "")], "slider": "", "steps": 0}
-        names, slider = one.names or one.of.names, f"slider-{len(self.drawn)}"
-        panels = {name: _panel(one.of, name) for name in names}
+        sheet, slider = one.make(), f"slider-{len(self.drawn)}"
+        names = one.names or sheet.names
+        panels = {name: _panel(sheet, name) for name in names}
         if not self.live:
             return {"panels": [(still, "") for still in panels.values()], "slider": "", "steps": 0}
-        live = drawn(one.of, names, f"sheet-{len(self.drawn)}")
+        live = drawn(sheet, names, f"sheet-{len(self.drawn)}")
         self.drawn.append(live)
         return {
             "panels": [(still, live.places[name]) for name, still in panels.items()],
@@ -110,18 +108,13 @@ def _panel(sheet: Sheet, name: str) -> str:
     """A panel as SVG for a page: small, as a page has many."""
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
     drawn = render(figure, ".svg", text=True).decode().replace(*_FONT)
-    return _inside(_TAG.sub(_rounded, _UNSEEN.sub("", drawn)).encode())
+    image = _TAG.sub(_rounded, _UNSEEN.sub("", drawn)).encode()
+    return f"data:image/svg+xml,{quote(image, safe=_UNQUOTED)}"
 
 
 def _rounded(tag: re.Match[str]) -> str:
     """A tag whose places are exact to a tenth of a point."""
     return _PLACES.sub(lambda found: f"{float(found[0]):.1f}", tag[0])
-
-
-def _inside(image: bytes) -> str:
-    if image.startswith(b"\x89PNG"):
-        return f"data:image/png;base64,{base64.b64encode(image).decode()}"
-    return f"data:image/svg+xml,{quote(image, safe=_UNQUOTED)}"
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:

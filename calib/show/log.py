@@ -80,14 +80,9 @@ def facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent
             Table(heads, [_cells(column) for column in columns], "What is in each column."),
             Table(("event", "from", "for"), rows, "Events in order of time."),
         ],
+        pictures=[Picture(_RAW, lambda: sheet(log, events))],
         notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
     )
-
-
-def report(told: Facts, drawn: Sheet) -> Facts:
-    """The facts of a log below its picture."""
-    below = Facts("What is in it", tables=told.tables)
-    return replace(told, tables=[], pictures=[Picture(_RAW, drawn)], parts=[below])
 
 
 def _cells(column: Inventory) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ _DIGESTS = "Inputs, with the SHA-256 of their bytes."
 class PageOrigin:
     """``date`` as it stands on the page; ``files`` (role, name, SHA-256) that are no logs."""
 
-    date: str
+    date: str = ""
     files: tuple[tuple[str, str, str], ...] = ()
 
 

@@ -85,7 +85,8 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
     """The trends of all metrics with two values or more."""
     panels = [panel for key in TRENDS if (panel := _trend(runs, key)) is not None]
     told = f"Pads of the ramp, and the zero, of the last {_DRAWN} cars at most; grey: the limits."
-    return [Picture(told, Sheet("trend", "trend", tuple(panels)))] if panels else []
+    sheet = Sheet("trend", "trend", tuple(panels))
+    return [Picture(told, lambda: sheet)] if panels else []
 
 
 def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -45,12 +45,24 @@ _CURVES = "f1 and f2 of the ramp, and the map that an ECU looks up, with their 9
 _MISSED = "What fails the car, and what lets it pass with a warning."
 
 
-def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
+@dataclass(frozen=True)
+class StationRun:
+    """A car that was judged, its stored table, and the ``date`` that was stated, "" for none."""
+
+    found: StationOutcome
+    stored: Stored
+    date: str = ""
+
+
+def facts(run: StationRun) -> Facts:
     """The verdict on a car, what is not held and what to do, and all metrics, without a path.
 
-    ``date`` is the one that was stated for the run, "" for none: a clock would change the bytes.
+    Equal inputs give equal facts: a clock would change the bytes of the page.
     """
+    found, stored, date = run.found, run.stored, run.date
     identity = found.identity
+    curves = Picture(_CURVES, lambda: sheet(found.table, stored.id), ("f1-f2", "map"))
+    remarks = [*found.table.remarks, *map(str, found.caveats)]
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
     return Facts(
         title=f"Brake torque calibration of {identity.vin or identity.serial or stored.name}",
@@ -64,7 +76,15 @@ def facts(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
         notes=[f"{len(bad) - _SHOWN} more are not held (-v)"] * (len(bad) > _SHOWN),
         next=_next(found, stored),
         warnings=found.warnings,
-        parts=[_checks(found), _run(found, date)],
+        parts=[
+            _pads(found),
+            _checks(found),
+            _run(found, date),
+            Facts("The table", pictures=[curves]),
+            Facts("The stops", pictures=[pads_over_time(r) for r in found.results]),
+            Facts("Remarks", notes=remarks, folded=True),
+            origin(PageOrigin(date), stored, found.logs),
+        ],
     )
 
 
@@ -101,23 +121,6 @@ def _run(found: StationOutcome, date: str) -> Facts:
             ("Golden table", f"{found.golden.id}{mean}" if found.golden else "none given"),
         ],
     )
-
-
-def report(found: StationOutcome, stored: Stored, date: str = "") -> Facts:
-    """The facts with pads, curves, stops and origin; equal inputs give equal facts."""
-    curves = Picture(_CURVES, sheet(found.table, stored.id), ("f1-f2", "map"))
-    stops = [pads_over_time(r) for r in found.results]
-    remarks = [*found.table.remarks, *map(str, found.caveats)]
-    told = facts(found, stored, date)
-    parts = [
-        _pads(found),
-        *told.parts,
-        Facts("The table", pictures=[curves]),
-        Facts("The stops", pictures=stops),
-        Facts("Remarks", notes=remarks, folded=True),
-        origin(PageOrigin(date), stored, found.logs),
-    ]
-    return replace(told, parts=parts)
 
 
 def _pads(found: StationOutcome) -> Facts:
@@ -176,7 +179,7 @@ def write_all(
         for form in dict.fromkeys(forms):
             export(stored, work / export_name(form), form, quality=quality, date=date)
     write_whole(work / JUNIT, junit_xml(found, stored))
-    write_whole(work / REPORT, page_of(report(found, stored, date)).encode())
+    write_whole(work / REPORT, page_of(facts(StationRun(found, stored, date))).encode())
     document = to_dict(found, stored, sorted(p.name for p in work.iterdir() if p.name != DOCUMENT))
     write_whole(work / DOCUMENT, to_text(document).encode())
     return document

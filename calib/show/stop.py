@@ -120,11 +120,14 @@ def of_validation(
 
 def pads_over_time(result: Validation) -> Picture:
     """Pad friction of both axles of a stop, for a page."""
-    e = result.estimate
-    valid = _counts(e)
-    panel = _pads(e.columns(), valid, _over(e.time, valid), _other_pads(e, None))
-    caption = f"{result.log}: pad friction with its 95 % band; grey: no valid answer."
-    return Picture(caption, Sheet("stop", result.log, (panel,)))
+
+    def made() -> Sheet:
+        e = result.estimate
+        valid = _counts(e)
+        panel = _pads(e.columns(), valid, _over(e.time, valid), _other_pads(e, None))
+        return Sheet("stop", result.log, (panel,))
+
+    return Picture(f"{result.log}: pad friction with its 95 % band; grey: no valid answer.", made)
 
 
 def _sheet(kind: str, name: str, panels: list[Panel], note: str, told: Sequence[str]) -> Sheet:

@@ -23,12 +23,12 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
     ``details`` come first, so that the answer is last. A string is printed whole, to be copied
     from; all else is cut to lines at words.
     """
+    facts = _texts(facts)
     head = replace(facts, parts=()).filled
     for part in facts.parts if details or not head else ():
-        if part.filled:
-            yield from [Text(printable(part.title), style="bold")] * bool(part.title)
-            yield from drawn(part, details=details)
-            yield from [""] * (head or part is not facts.parts[-1])
+        yield from [Text(printable(part.title), style="bold")] * bool(part.title)
+        yield from drawn(part, details=details)
+        yield from [""] * (head or part is not facts.parts[-1])
     if told := facts.said:
         yield _Paragraph(told, f"bold {_STYLES[facts.verdict]}".strip())
         if quiet:
@@ -42,6 +42,12 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
     yield from map(_Paragraph, facts.notes)
     if facts.next:
         yield f"Next: {facts.next}"
+
+
+def _texts(facts: Facts) -> Facts:
+    """What a terminal can show: no pictures, and no part that has nothing else."""
+    parts = [part for part in map(_texts, facts.parts) if part.filled]
+    return replace(facts, pictures=(), warnings=(), parts=parts)
 
 
 class _Paragraph:

@@ -1,7 +1,7 @@
 """Facts of a validation: the verdict, the ECU beside the best estimate, what comes next."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, signed_percent
@@ -18,8 +18,7 @@ from calib.estimation.validate import (
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
 from calib.show.judged import broken, mean_of, pads, stop_by_stop, word
-from calib.show.origin import PageOrigin
-from calib.show.origin import origin as origin_of
+from calib.show.origin import PageOrigin, origin
 from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
@@ -33,12 +32,24 @@ _PROOFS = {
     NONE: "nothing: the logs hold neither torques nor v",
 }
 _SHOWN = 4
-"""Stops in the head of the answer, and limits that are broken; all are in the details."""
+"""Limits that are broken, in the head of the answer; all are in the details."""
 
 
-def facts(stored: Stored, results: Sequence[Validation], how: Precision | None = None) -> Facts:
-    """A table judged by logs, as exported (``how``) or in full; each warning is among them."""
+@dataclass(frozen=True)
+class Validated:
+    """A table judged by logs, as exported (``how``) or in full."""
+
+    stored: Stored
+    results: Sequence[Validation]
+    how: Precision | None = None
+    origin: PageOrigin | None = None
+
+
+def facts(judged: Validated) -> Facts:
+    """The verdict, stop by stop, with each warning."""
+    stored, results, how = judged.stored, judged.results, judged.how
     found = sorted(results, key=lambda result: result.passed)
+    logs, (limits, unknown) = [(r.role, r.log, r.digest) for r in results], stop_by_stop(results)
     warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
     failed, proof = not all(result.passed for result in found), proof_of(list(results))
     verdict = FAILED if failed else WARNING if warnings else PASSED
@@ -70,26 +81,13 @@ def facts(stored: Stored, results: Sequence[Validation], how: Precision | None =
         ],
         next=_next(stored, found),
         warnings=warnings,
-        parts=[details],
+        parts=[
+            details,
+            Facts("Limits, and other methods", tables=[limits, *_beside(results)], notes=unknown),
+            *map(_stop, results),
+            origin(judged.origin or PageOrigin(), stored, logs),
+        ],
     )
-
-
-def report(
-    stored: Stored,
-    results: Sequence[Validation],
-    origin: PageOrigin,
-    how: Precision | None = None,
-) -> Facts:
-    """The facts of all stops, each with its picture, and their origin."""
-    logs, told = [(r.role, r.log, r.digest) for r in results], facts(stored, results, how)
-    limits, unknown = stop_by_stop(results)
-    parts = [
-        *told.parts,
-        Facts("Limits, and other methods", tables=[limits, *_beside(results)], notes=unknown),
-        *map(_stop, results),
-        origin_of(origin, stored, logs),
-    ]
-    return replace(told, tables=[_by_stop(stored, results, len(results))], parts=parts)
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
@@ -125,10 +123,10 @@ def _next(stored: Stored, results: list[Validation]) -> str:
     return f"brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
 
 
-def _by_stop(stored: Stored, results: Sequence[Validation], most: int = _SHOWN) -> Table:
-    """What an ECU makes of each stop, of the first ``most``."""
-    rows, colours = [], []
-    for r in results[:most]:
+def _by_stop(stored: Stored, results: Sequence[Validation]) -> Table:
+    """What an ECU makes of each stop."""
+    rows = []
+    for r in results:
         change = _change(stored, r)
         rows.append(
             (
@@ -139,12 +137,8 @@ def _by_stop(stored: Stored, results: Sequence[Validation], most: int = _SHOWN) 
                 word(r),
             )
         )
-        colours.append(PASSED if r.passed else FAILED)
-    if more := len(results) - len(rows):
-        rows.append((f"{more} more (-v)", *[""] * 5))
-        colours.append("")
     heads = ("stop", "front pads", "rear pads", "since ramp", "valid", "verdict")
-    return Table(heads, rows, verdicts=colours)
+    return Table(heads, rows, verdicts=[PASSED if r.passed else FAILED for r in results])
 
 
 def _beside_best(stored: Stored, results: list[Validation]) -> Table:

@@ -13,8 +13,8 @@ from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided import Alike, Confusion, Pair, ShowingDrive, Size
 from calib.diagnosis.written import to_dict
-from calib.show.diagnosis import KINDS, facts, outcome
-from calib.show.diagnosis_page import report, sheet
+from calib.show.diagnosis import KINDS, outcome
+from calib.show.diagnosis_page import facts, sheet
 from calib.show.html import page_of
 from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
@@ -32,10 +32,7 @@ def tables(found):
         for inner in part.parts:
             yield from walk(inner)
 
-    return {
-        " ".join(table.caption.split()[:2]): list(table.rows)
-        for table in walk(report(found, MARKUP))
-    }
+    return {" ".join(table.caption.split()[:2]): list(table.rows) for table in walk(facts(found))}
 
 
 def within(found):
@@ -66,14 +63,14 @@ def worse(found):
 )
 def test_a_name_is_good_only_if_the_hold_outs_say_so(named, change, expected):
     found = change(named)
-    told = facts(found, "car")
+    told = facts(found)
     assert outcome(found) == expected
     assert (told.word, told.verdict) == KINDS[expected]
-    assert page_of(report(found, "car")).count("<section>") >= 2
+    assert page_of(facts(found)).count("<section>") >= 2
 
 
 def test_a_named_cause_has_its_numbers_and_its_card(named):
-    told = facts(named, MARKUP)
+    told = facts(named)
     gap = dict(told.rows)["gap"]
     assert [x for x in gap.replace(",", "").split() if x[0].isdigit()] == [
         "6.7",
@@ -81,7 +78,7 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
         "45.7",
         "1",
     ]
-    effect, _ = told.parts
+    effect, *_ = told.parts
     assert effect.title == "Aerodynamic drag"
     assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     gap = tables(named)
@@ -95,20 +92,20 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
 def test_warnings_of_the_logs_are_told(named):
     warning = PlausibilityWarning("pressure_zero", MARKUP, 0.8, (-0.5, 0.5), ("the zero",), "zero")
     warned = replace(named, warnings=(warning,))
-    assert facts(warned, "car").warnings == (warning,)
+    assert facts(warned).warnings == (warning,)
     assert to_dict(warned)["warnings"][0]["measured"] == 0.8
 
 
 def test_an_unknown_cause_is_described_by_its_term(named):
     found = unknown(named)
-    (line,) = next(one for one in sheet(found, "car").panels if one.name == "term").lines
+    (line,) = next(one for one in sheet(found).panels if one.name == "term").lines
     assert line.x == pytest.approx([0.0, 25.0])  # bar
     assert line.y == [0.0, -12.5]  # per cent
     assert tables(found)["Other places"] == [("body", "speed", "50 %")]
 
 
 def test_what_is_left_says_where_the_replays_show_it(named):
-    assert "10 to 20 bar and 36 to 72 km/h" in dict(facts(rest(named), "car").rows)["Left over"]
+    assert "10 to 20 bar and 36 to 72 km/h" in dict(facts(rest(named)).rows)["Left over"]
 
 
 def test_what_single_logs_have_of_their_own_has_a_column_each(named):
@@ -117,10 +114,10 @@ def test_what_single_logs_have_of_their_own_has_a_column_each(named):
     north |= {"front_pads": 0.01}  # as usual
     own = {"north": north, "south": none | {"slope": -0.012}}
     told = replace(named, own=own, sides={"f": 0.003, "r": 0.0001})
-    (states,) = (t for t in facts(told, "car").parts[-1].tables if t.heads[0] == "log")
+    (states,) = (t for p in facts(told).parts for t in p.tables if t.caption.startswith("States"))
     assert [head[-3:] for head in states.heads[1:]] == ["[%]", "[%]", "[K]"]
     assert states.rows == [("north", "-10.0", "+1.2", "+85.2"), ("south", "+0.0", "-1.2", "+0")]
-    taken = dict(facts(told, "car").rows)["Taken out"]
+    taken = dict(facts(told).rows)["Taken out"]
     assert "+0.30 %" in taken
     assert "rear" not in taken
     assert to_dict(told)["own_states"] == own
@@ -132,7 +129,7 @@ def test_a_parameter_in_seconds_is_told_in_seconds(named):
         name="hydraulic_delay",
         parameters={"delay": ParameterEstimate(0.03, "s", (0.0285, 0.0315))},
     )
-    part, _ = facts(replace(named, effects=(late,)), "car").parts
+    part, *_ = facts(replace(named, effects=(late,))).parts
     assert dict(part.rows)["Delay"] == "0.0300 s, 95 % 0.0285 to 0.0315"
 
 
@@ -144,7 +141,7 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
     squares = np.repeat(named.gap.squares, count, axis=1)
     gap = replace(named.gap, logs=tuple(log.name for log in logs), squares=squares)
     found = replace(named, effects=five, gap=gap, before=logs, after=logs, measured=logs)
-    drawn = sheet(found, "car")
+    drawn = sheet(found)
     for figure in (drawn.overview(), *(drawn.figure(name) for name in drawn.names)):
         figure.canvas.draw()
         whole = figure.get_window_extent()
@@ -157,13 +154,13 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
                 assert last <= box.x0
                 last = box.x1
             assert last <= whole.x1
-    known = page_of(report(found, "car"))
+    known = page_of(facts(found))
     assert all(log.name in known for log in logs)
 
 
 def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
     found = replace(unknown(named), withdrawn=(("rear_proportioning", "mass_error"),))
-    told = dict(facts(found, "car").rows)["Not named"]
+    told = dict(facts(found).rows)["Not named"]
     assert "rear proportioning" in told
     assert "mass error" in told
     assert to_dict(found)["withdrawn"] == [["rear_proportioning", "mass_error"]]
@@ -215,6 +212,6 @@ def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
 
 def test_without_a_gap_there_is_one_replay_and_no_cause(named):
     found = replace(named, verdict="no_gap", effects=())
-    gap = dict(facts(found, "car").rows)["gap"]
+    gap = dict(facts(found).rows)["gap"]
     assert "6.7" in gap
     assert "3.7" not in gap

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -6,7 +7,7 @@ from calib.line.fleet.document import document, headline
 from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.results import open_fleet
 from calib.line.fleet.summary import summarise
-from calib.show.fleet_page import facts, report
+from calib.show.fleet_page import facts
 from calib.show.html import page_of
 from cli.console import plain
 from tests.support.fleet_results import results
@@ -18,7 +19,7 @@ def found(tmp_path_factory):
 
 
 def test_the_page_has_a_part_with_pictures_for_each_metric(found):
-    told = report(found, "<i>a & b</i>")
+    told = replace(facts(found), title="<i>a & b</i>")
     metrics = [metric for part in told.parts for metric in part.parts]
     assert len(metrics) == 3
     text = page_of(told)

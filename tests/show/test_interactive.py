@@ -46,7 +46,7 @@ def sheet():
 @pytest.fixture(scope="module")
 def page(sheet, tmp_path_factory):
     path = tmp_path_factory.mktemp("live") / "page.html"
-    path.write_text(page_of(Facts("made", pictures=[Picture("made", sheet)]), live=True))
+    path.write_text(page_of(Facts("made", pictures=[Picture("made", lambda: sheet)]), live=True))
     return path
 
 
@@ -83,7 +83,7 @@ def test_the_slider_finds_each_line_at_its_deceleration(sheet):
 
 
 def test_a_live_page_is_printed_as_any_other(sheet):
-    facts = Facts("made", pictures=[Picture("made", sheet)])
+    facts = Facts("made", pictures=[Picture("made", lambda: sheet)])
     still, live = page_of(facts), page_of(facts, live=True)
     assert "<script" not in still
     assert still.count("<img") == live.count('<img class="still"') == 3

@@ -83,7 +83,7 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
 
 
 def test_a_page_has_the_pads_of_the_picture(stopped, drawn):
-    (pads,) = stop.pads_over_time(stopped).of.panels
+    (pads,) = stop.pads_over_time(stopped).make().panels
     of_page, of_picture = (line(one, REAR) for one in (pads, panel(drawn, "pads")))
     for a, b in zip(of_page, of_picture, strict=True):
         assert np.array_equal(a, b, equal_nan=True)

@@ -5,8 +5,7 @@ import pytest
 from calib.estimation.limits import Judgement
 from calib.estimation.validate import validate
 from calib.show.facts import FAILED, PASSED
-from calib.show.origin import PageOrigin
-from calib.show.validation import facts, report
+from calib.show.validation import Validated, facts
 from calib.table.exported import Precision
 from tests.estimation.test_validate import made
 from tests.support.reference_car import REAL, noisy, stop
@@ -24,7 +23,7 @@ TRUTH = {"true_pad_friction_f": 0.30, "true_pad_friction_r": 0.28, "true_pad_lev
 
 
 def told(*results, how=None):
-    return facts(stored_as("sedan@1"), results, how)
+    return facts(Validated(stored_as("sedan@1"), results, how))
 
 
 def test_the_ecu_stands_first_and_every_row_names_its_stop():
@@ -90,7 +89,7 @@ def test_what_the_curves_alone_cost_is_told_of_the_worst_stop():
 
 def test_every_method_is_on_the_page_of_stops(fitted):
     (found,) = validate(fitted, [noisy(stop(REAL), 2)])
-    tables = report(stored_as("sedan@1"), [found], PageOrigin("")).parts[1].tables
+    tables = told(found).parts[1].tables
     (row,) = tables[1].rows
     cells = dict(zip(tables[1].heads[1:], row[1:], strict=True))
     assert set(cells) == {name.replace("_", " ") for name in found.baselines}

@@ -74,7 +74,7 @@ def found_of(name: str) -> Diagnosis:
 
 def picture(found: Diagnosis) -> Image.Image:
     """The panel of a report in which the effect that was named shows most, in few colours."""
-    drawn = replace(sheet(found, found.model_before.vehicle.name), title="", note="")
+    drawn = replace(sheet(found), title="", note="")
     figure = drawn.figure(_PANELS.get(found.effects[0].where.channel, "split"))
     figure.set_size_inches(*_SIZE)
     return Image.open(BytesIO(render(figure, ".png"))).convert("RGB").quantize(_COLOURS)

@@ -53,7 +53,7 @@ def draw(demo: Path) -> None:
         for part in ("calibration", "holdout")
     )
     car = read_vehicle(case / "vehicle.toml")
-    drawn = sheet(diagnose(car, searched, held), car.name)
+    drawn = sheet(diagnose(car, searched, held))
     save({demo / "figures/diagnosis.png": [drawn.overview()]})
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from calib.show.html import page_of
-from calib.show.station_page import report
+from calib.show.station_page import StationRun, facts
 from tests.support.browser import ask, needs_browser, opened
 from tests.support.station_run import MARKUP
 
@@ -16,7 +16,7 @@ from tests.support.station_run import MARKUP
 @pytest.fixture(scope="module")
 def html(found, kept):
     car = replace(found.table.vehicle, name=f"car {MARKUP}")
-    return page_of(report(replace(found, table=replace(found.table, vehicle=car)), kept))
+    return page_of(facts(StationRun(replace(found, table=replace(found.table, vehicle=car)), kept)))
 
 
 @pytest.fixture(scope="module")
