@@ -147,8 +147,8 @@ def sheet(found: Diagnosis) -> Sheet:
     worst = _worst(found)
     weights, words = _split_of(found)
     panels = (
-        _errors("speed", "Speed", found, logs, {"v": 1.0}, "$v$ [m/s]"),
-        _errors("acceleration", "Acceleration", found, [worst], {"a_x": 1.0}, "$a_x$ [m/s$^2$]"),
+        _errors("speed", "Speed", found, logs, {"v": 1.0}, "v [m/s]"),
+        _errors("acceleration", "Acceleration", found, [worst], {"a_x": 1.0}, "a_x [m/s\u00b2]"),
         _errors("split", f"Wheel speeds, {words}", found, [worst], weights, "[rad/s]"),
         *([_term(found.unexplained.term)] if found.unexplained else []),
     )

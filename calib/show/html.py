@@ -9,7 +9,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from calib.base.plain import plain
@@ -70,24 +70,18 @@ class _Pictures:
     def __init__(self, live: bool) -> None:
         self.live, self.drawn = live, list[Drawn]()
 
-    def of(self, one: Picture) -> dict[str, Any]:
+    def of(self, one: Picture) -> list[tuple[str, str]]:
         """Each panel by itself, so that a narrow screen can show one below the other.
 
-        ``panels``: pairs of a drawing as SVG, and the place of the live one, or "". The
-        ``slider`` has a name and a number of ``steps``, if there is one.
+        Pairs of a drawing as SVG, and the place of the live one, or "".
         """
-        sheet, slider = one.make(), f"slider-{len(self.drawn)}"
+        sheet = one.make()
         names = one.names or sheet.names
-        panels = {name: _panel(sheet, name) for name in names}
-        if not self.live:
-            return {"panels": [(still, "") for still in panels.values()], "slider": "", "steps": 0}
-        live = drawn(sheet, names, f"sheet-{len(self.drawn)}")
-        self.drawn.append(live)
-        return {
-            "panels": [(still, live.places[name]) for name, still in panels.items()],
-            "slider": slider if live.steps else "",
-            "steps": len(live.steps),
-        }
+        places = dict.fromkeys(names, "")
+        if self.live:
+            self.drawn.append(drawn(sheet, names, f"sheet-{len(self.drawn)}"))
+            places = self.drawn[-1].places
+        return [(_panel(sheet, name), places[name]) for name in names]
 
     @property
     def source(self) -> str:
@@ -98,9 +92,8 @@ class _Pictures:
     def calls(self) -> list[str]:
         """What fills each live picture, as it may stand in HTML."""
         return [
-            f"live({one.data}, {json.dumps(one.roots)}, 'slider-{i}', {json.dumps(one.steps)}, "
-            f"{json.dumps(one.tracks)});".replace("<", "\\u003c")
-            for i, one in enumerate(self.drawn)
+            f"live({one.data}, {json.dumps(one.roots)});".replace("<", "\\u003c")
+            for one in self.drawn
         ]
 
 

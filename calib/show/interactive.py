@@ -3,8 +3,7 @@
     Sheet --drawn--> Drawn: a place for each panel, and what Bokeh fills it with
     source           Bokeh itself, which stands once in a page and fetches nothing
 
-Panels over one x axis share its ends, and an upright line at the cursor. Where lines know their
-deceleration, a slider marks it on each of them.
+Panels over one x axis share its ends, and an upright line at the cursor.
 """
 
 import json
@@ -29,8 +28,6 @@ _HEIGHT = 300
 """Height of a panel [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
-_STEP = 0.01
-"""Step of the slider [g]."""
 _MARKERS = {"o": "circle", ".": "circle", "^": "triangle", "v": "inverted_triangle",
             "D": "diamond", "s": "square", "x": "x", "+": "cross", "|": "dash"}  # fmt: skip
 _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
@@ -40,22 +37,19 @@ _LEGEND = {
     "background_fill_alpha": 0.0, "label_text_font_size": "11px", "glyph_width": 22,
     "glyph_height": 12, "label_height": 12, "spacing": 8, "padding": 0, "margin": 0,
 }  # fmt: skip
+_TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
 
 
 @dataclass(frozen=True)
 class Drawn:
     """``places`` of the panels by name, in which Bokeh puts the models of a document.
 
-    ``data`` is the document as JSON; ``roots`` its models and their places. ``steps`` (k,) of the
-    slider [g], none without it, with ``tracks``: of each line the model of its dot, and where it is
-    at each step, (2, k).
+    ``data`` is the document as JSON; ``roots`` its models and their places.
     """
 
     places: dict[str, str]
     data: str
     roots: dict[str, str]
-    steps: list[float]
-    tracks: list[tuple[str, list[list[float]]]]
 
 
 def installed() -> bool:
@@ -80,19 +74,25 @@ def drawn(sheet: Sheet, names: Sequence[str], prefix: str) -> Drawn:
     for name, place in places.items():
         document.add_root(figure := making.figure(panels[name]))
         roots[figure.id] = place
-    return Drawn(places, json.dumps(document.to_json(deferred=False)), roots, *making.steps())
+    return Drawn(places, json.dumps(document.to_json(deferred=False)), roots)
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """A line in a figure: its ``glyph``, columns and name, and what the cursor tells of it."""
+
+    glyph: Any
+    columns: list[str]
+    name: str
+    told: str
 
 
 class _Making:
-    """What the figures of a sheet share: sources by their x, axes by their names and ends.
-
-    ``tracks``: of each line with decelerations its dot, and the line, (3, n) with them.
-    """
+    """What the figures of a sheet share: sources by their x, axes by their names and ends."""
 
     def __init__(self) -> None:
         self.sources: dict[int, Any] = {}
         self.axes: dict[tuple[object, ...], tuple[Any, Any]] = {}
-        self.tracks: list[tuple[Any, Array]] = []
 
     def figure(self, panel: Panel) -> Any:
         """One panel with its legend, which is above the axes as on paper."""
@@ -103,9 +103,9 @@ class _Making:
         fig = figure(
             height=_HEIGHT,
             sizing_mode="stretch_width",
-            title=unformatted(panel.title),
-            x_axis_label=unformatted(panel.x),
-            y_axis_label=unformatted(panel.y),
+            title=_plain(panel.title),
+            x_axis_label=_plain(panel.x),
+            y_axis_label=_plain(panel.y),
             x_range=ends,
             y_range=_ends(panel.height),
             tools=[zoom, PanTool(), WheelZoomTool(), ResetTool(), cursor],
@@ -114,16 +114,14 @@ class _Making:
         fig.toolbar.logo, fig.toolbar.active_drag, fig.toolbar.autohide = None, zoom, True
         for mark in panel.marks:
             _mark(fig, mark)
-        shown = [self._line(fig, line) for line in panel.lines]
-        fig.add_tools(*_hover(panel, shown))
-        for text, *at in panel.texts:
-            look = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
-            fig.text(*([value] for value in at), [unformatted(text)], **look)
+        fig.add_tools(*_hover(panel, [self._line(fig, line) for line in panel.lines]))
+        for text, x, y in panel.texts:
+            fig.text([x], [y], [_plain(text)], **_TEXT)
         for axis in fig.axis:
             axis.update(minor_tick_line_color=None, axis_label_text_font_style="normal")
         if panel.xticks:
             fig.xaxis.ticker = list(range(len(panel.xticks)))
-            fig.xaxis.major_label_overrides = dict(enumerate(map(unformatted, panel.xticks)))
+            fig.xaxis.major_label_overrides = dict(enumerate(map(_plain, panel.xticks)))
         for legend in fig.legend:
             legend.update(**_LEGEND, ncols=panel.columns)
             fig.add_layout(legend, "above")
@@ -139,75 +137,41 @@ class _Making:
             self.axes[key] = _ends(panel.xlim), CrosshairTool(overlay=upright)
         return self.axes[key]
 
-    def _line(self, fig: Any, line: Line) -> "_Shown":
-        """Draw a line with its band, and its mean over what was measured."""
+    def _columns(self, line: Line, values: Sequence[Array]) -> tuple[Any, list[str]]:
+        """The source of a line, and the names of its ``values`` there."""
         from bokeh.models import ColumnDataSource
 
         at = envelope(line.shown, _PARTS)
         key = id(line.x) if at.size == len(line.x) else id(line)
         if key not in self.sources:
             self.sources[key] = ColumnDataSource({"x": np.asarray(line.x, float)[at]})
-        of = self.sources[key]
+        source, names = self.sources[key], []
+        for one in values:
+            names.append(f"y{len(source.data)}")
+            source.data[names[-1]] = one[at].astype(np.float32)
+        return source, names
 
-        def column(values: Array) -> str:
-            name = f"y{len(of.data)}"
-            of.data[name] = values[at].astype(np.float32)
-            return name
-
-        values, text = [np.asarray(line.y, float)], "{}"
-        if line.band is not None:
-            values += [np.asarray(end, float) for end in line.band]
-            text = "{} ({} to {})"
+    def _line(self, fig: Any, line: Line) -> _Shown:
+        """Draw a line with its band, or its mean over what was measured."""
+        values, told = [line.shown], "{}"
         if line.mean:
-            values.append(line.shown)
-            text = "{} (mean {})"
-        names = [column(one) for one in values]
-        look, xy = _look(line.look), {"x": "x", "source": of}
+            values, told = [np.asarray(line.y, float), line.shown], "{} (mean {})"
         if line.band is not None:
-            fig.varea(**xy, y1=names[1], y2=names[2], fill_color=look["color"], fill_alpha=BAND)
-        if line.mean:
+            low, high = (np.asarray(end, float) for end in line.band)
+            values, told = [low, high, line.shown], "{2} ({0} to {1})"
+        source, names = self._columns(line, values)
+        look, xy = _look(line.look), {"x": "x", "source": source}
+        if line.band is not None:
+            fig.varea(**xy, y1=names[0], y2=names[1], fill_color=look["color"], fill_alpha=BAND)
+        elif line.mean:
             fig.line(**xy, y=names[0], color=look["color"], line_alpha=RAW)
-        marker, style = line.look.get("marker"), line.look.get("linestyle", "-")
-        look |= {"y": names[-1] if line.mean else names[0]}
-        if line.label:
-            look["legend_label"] = unformatted(line.label)
-        glyph = None
-        if style:
-            glyph = (fig.step if "drawstyle" in line.look else fig.line)(**xy, **look)
-        if marker:
+        name, glyph = _plain(line.label), None
+        look |= {"y": names[-1]} | ({"legend_label": name} if name else {})
+        if line.look.get("linestyle", "-"):
+            glyph = fig.line(**xy, **look)
+        if "marker" in line.look:
             glyph = fig.scatter(**xy, **look | _marker(line.look))
-        if line.by is not None:
-            dot = ColumnDataSource({"x": [], "y": [], "text": []})
-            fig.scatter("x", "y", source=dot, size=9, color=look["color"], line_color="white")
-            fig.text("x", "y", "text", source=dot, text_font_size="11px", x_offset=8, y_offset=-5,
-                     background_fill_color="white", background_fill_alpha=0.85)  # fmt: skip
-            self.tracks.append((dot, np.array([line.by, line.x, line.shown], float)))
-        told = text.format(*(f"@{name}{{%.4g}}" for name in names))
-        return _Shown(glyph, names, unformatted(line.label), told)
-
-    def steps(self) -> tuple[list[float], list[tuple[str, list[list[float]]]]]:
-        """Steps and tracks of the slider, over all decelerations of any line."""
-        if not self.tracks:
-            return [], []
-        every = np.concatenate([line[0] for _, line in self.tracks])
-        first, last = np.nanmin(every), np.nanmax(every)
-        steps = np.arange(np.ceil(first / _STEP), np.floor(last / _STEP) + 1.0) * _STEP
-        tracks = []
-        for dot, line in self.tracks:
-            at, *xy = line[:, np.argsort(line[0])]
-            places = np.array([np.interp(steps, at, ends, np.nan, np.nan) for ends in xy])
-            tracks.append((dot.id, places.round(6).tolist()))
-        return steps.round(6).tolist(), tracks
-
-
-@dataclass(frozen=True)
-class _Shown:
-    """A line in a figure: its ``glyph``, columns and name, and as what the cursor tells it."""
-
-    glyph: Any
-    columns: list[str]
-    name: str
-    told: str
+        return _Shown(glyph, names, name, told.format(*(f"@{x}{{%.4g}}" for x in names)))
 
 
 def _hover(panel: Panel, shown: Sequence[_Shown]) -> list[Any]:
@@ -220,14 +184,12 @@ def _hover(panel: Panel, shown: Sequence[_Shown]) -> list[Any]:
     shared = Counter(id(one.glyph.data_source) for one in named).most_common(1)[0][0]
     told = [one for one in named if id(one.glyph.data_source) == shared]
     columns = ["x", *(column for one in told for column in one.columns)]
+    rows = [(one.name or _plain(panel.y), one.told) for one in told]
     return [
         HoverTool(
             renderers=[told[0].glyph],
             mode="vline",
-            tooltips=[
-                (unformatted(panel.x), "@x{%.6g}"),
-                *((one.name or unformatted(panel.y), one.told) for one in told),
-            ],
+            tooltips=[(_plain(panel.x), "@x{%.6g}"), *rows],
             formatters={f"@{name}": "printf" for name in columns},
             point_policy="follow_mouse",
         )
@@ -235,13 +197,12 @@ def _hover(panel: Panel, shown: Sequence[_Shown]) -> list[Any]:
 
 
 def _mark(fig: Any, mark: Mark) -> None:
-    look = mark.look
-    more = {"legend_label": unformatted(mark.label)} if mark.label else {}
+    more = {"legend_label": _plain(mark.label)} if mark.label else {}
     if mark.start == mark.end:
-        fig.vspan([mark.start], **_look(look), **more)
+        fig.vspan([mark.start], **_look(mark.look), **more)
     else:
-        color = look.get("facecolor", look.get("color"))
-        fig.vstrip([mark.start], [mark.end], fill_color=color, line_color=None, **more)
+        colour = mark.look["color"]
+        fig.vstrip([mark.start], [mark.end], fill_color=colour, line_color=None, **more)
 
 
 def _look(stroke: Stroke) -> dict[str, Any]:
@@ -273,23 +234,6 @@ def _ends(ends: tuple[float, float] | None) -> Any:
     return DataRange1d() if ends is None else Range1d(*map(float, ends))
 
 
-_SIGNS = {r"\eta": "η", r"\mu": "μ", r"\beta": "β", r"\omega": "ω", "_1": "₁", "_2": "₂",
-          "^2": "²", "{": "", "}": ""}  # fmt: skip
-_FORMULA = re.compile(r"(?<!\\)\$(.*?)(?<!\\)\$")
-
-
-def unformatted(text: str) -> str:
-    r"""A text of a sheet without formulas, those that a browser would look for among them.
-
-    >>> unformatted(r"slip, $\eta - 1$ [%]"), unformatted(r"$a_x$ [m/s$^2$]")
-    ('slip, η - 1 [%]', 'a_x [m/s²]')
-    """
-
-    def plain(found: re.Match[str]) -> str:
-        words = found[1]
-        for sign, letter in _SIGNS.items():
-            words = words.replace(sign, letter)
-        return words
-
-    told = _FORMULA.sub(plain, text).replace(r"\$", "$")
-    return re.sub(r"([$\\])", "\\1\u2060", told)  # no two signs that begin a formula are together
+def _plain(text: str) -> str:
+    """A text in which no two signs that begin a formula of MathJax are together."""
+    return re.sub(r"([$\\])", "\\1\u2060", text)

@@ -37,9 +37,9 @@ from calib.show.style import (
 _RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
 _NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
 _EVENTS: dict[str, Stroke] = {
-    LEAD_IN: {"facecolor": "#EBF6F1"},
-    BRAKING: {"facecolor": "#EFEFEF"},
-    STANDSTILL: {"facecolor": "#F8E6D8"},
+    LEAD_IN: {"color": "#EBF6F1"},
+    BRAKING: {"color": "#EFEFEF"},
+    STANDSTILL: {"color": "#F8E6D8"},
     BITES: {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))},
 }
 """Spans are pale behind lines of all colours."""

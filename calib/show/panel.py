@@ -29,8 +29,7 @@ PARTS = 2000
 class Line:
     """``y`` over ``x`` (n,), and the two ends of its ``band``.
 
-    Over measured values their mean over ``mean`` [s] is drawn, 0 for none. ``by`` (n,) is the
-    deceleration of each point [g]: a slider marks it on the line, where a page has one.
+    Over measured values their mean over ``mean`` [s] is drawn, 0 for none.
     """
 
     x: Array | Sequence[float]
@@ -39,7 +38,6 @@ class Line:
     label: str = ""
     band: tuple[Array, Array] | None = None
     mean: float = 0.0
-    by: Array | None = None
 
     @property
     def shown(self) -> Array:

@@ -84,6 +84,7 @@ _RC: dict[str, Any] = {
     "figure.constrained_layout.h_pad": 0.09,
     "figure.constrained_layout.w_pad": 0.07,
     "savefig.dpi": 160,
+    "text.parse_math": False,  # a name may hold dollars
     "pdf.fonttype": 42,  # text in a PDF can be searched and copied
     "svg.hashsalt": "brake-cal",  # the same ids in every file
 }
@@ -143,6 +144,6 @@ def envelope(y: Array, parts: int) -> Index:
 
 
 def as_text(name: str) -> str:
-    """A name as plain text: no formula, only what the font has, no underscore that hides it."""
+    """A name as plain text: only what the font has, no underscore that hides it."""
     plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in name)
-    return (" " * plain.startswith("_") + plain).replace("$", r"\$")
+    return " " * plain.startswith("_") + plain

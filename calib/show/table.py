@@ -86,20 +86,11 @@ def _note(table: Table, ramps: bool) -> str:
 
 
 def by_flag(
-    x: Array,
-    y: Array,
-    flag: Array,
-    stroke: Stroke,
-    label: str,
-    band: tuple[Array, Array],
-    z: Array | None = None,
+    x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
 ) -> list[Line]:
-    """A curve of a table (n,), each piece with the worse flag of its two ends.
-
-    ``z`` its decelerations [g].
-    """
+    """A curve of a table (n,), each piece with the worse flag of its two ends."""
     worse = np.maximum(flag[:-1], flag[1:])
-    lines = [Line(x, y, {**stroke, "linestyle": ""}, band=band, by=z)]
+    lines = [Line(x, y, {**stroke, "linestyle": ""}, band=band)]
     for value, (word, style, width) in _FLAGS.items():
         piece = worse == value
         if piece.any():
@@ -140,8 +131,8 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     p = table.paper
     x, both = 100.0 * (p.eta - 1.0), [one for one in ramps if one.both]
     f = [
-        *by_flag(x, p.f1, p.flag, FRONT, "f1, front,", (p.f1_lower, p.f1_upper), p.z),
-        *by_flag(x, p.f2, p.flag, REAR, "f2, rear,", (p.f2_lower, p.f2_upper), p.z),
+        *by_flag(x, p.f1, p.flag, FRONT, "f1, front,", (p.f1_lower, p.f1_upper)),
+        *by_flag(x, p.f2, p.flag, REAR, "f2, rear,", (p.f2_lower, p.f2_upper)),
     ]
     for i, ramp in enumerate(both):
         at = 100.0 * (ramp.eta - 1.0)

@@ -1,7 +1,6 @@
-"""A sheet in the browser: all samples, panels that zoom together, a slider, and no request."""
+"""A sheet in the browser: all samples, panels that zoom together, and no request."""
 
 import json
-import math
 
 import numpy as np
 import pytest
@@ -36,7 +35,7 @@ def sheet():
             over_time("a", Line(TIME, gap, FRONT, NAME, BAND), Line(TIME, WAVE, REAR, "rear")),
             over_time("b", Line(TIME, WAVE, FRONT, mean=0.1), marks=marks),
             Panel("c", "curve", "eta [%]", "D [1]", [
-                Line(2.0 * TIME, 3.0 * TIME, FRONT, "curve", by=TIME / 10.0),
+                Line(2.0 * TIME, 3.0 * TIME, FRONT, "curve"),
                 Line([1.0, 2.0], [1.0, 2.0], RINGS, "rings"),
             ], texts=[(NAME, 1.0, 1.0)]),
         ),
@@ -73,15 +72,6 @@ def every(value):
             yield from every(one)
 
 
-def test_the_slider_finds_each_line_at_its_deceleration(sheet):
-    made = drawn(sheet, ("c",), "x")
-    ((_, (x, y)),) = made.tracks
-    assert made.steps == pytest.approx(np.arange(51) / 100.0)
-    assert x == pytest.approx(20.0 * np.array(made.steps))
-    assert y == pytest.approx(30.0 * np.array(made.steps))
-    assert drawn(sheet, ("a",), "x").steps == []
-
-
 def test_a_live_page_is_printed_as_any_other(sheet):
     facts = Facts("made", pictures=[Picture("made", lambda: sheet)])
     still, live = page_of(facts), page_of(facts, live=True)
@@ -109,20 +99,3 @@ def test_panels_over_one_axis_zoom_together(browser, page):
     ends = ask(browser, "Bokeh.documents[0].roots().map(r => [r.x_range.start, r.x_range.end])")
     assert ends[0] == ends[1] == [2, 3]
     assert ends[2] != [2, 3]
-
-
-@needs_browser
-def test_the_slider_moves_a_dot(browser, page):
-    opened(browser, page)
-    browser.execute_script(
-        "const s = document.querySelector('.slider input');"
-        "s.value = 30; s.dispatchEvent(new Event('input'));"
-    )
-    assert ask(browser, "document.querySelector('.slider output').value") == "0.30 g"
-    dot = """[...Bokeh.documents[0]._all_models.values()]
-      .filter(m => m.type == 'ColumnDataSource').map(m => m.data)
-      .map(d => d instanceof Map ? Object.fromEntries(d) : d)
-      .filter(d => d.text && String(d.text[0]).includes(';')).map(d => [d.x[0], d.y[0]])"""
-    ((x, y),) = ask(browser, dot)
-    assert math.isclose(x, 6.0)
-    assert math.isclose(y, 9.0)
