@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @command(
     "brake-cal plot sedan-2up sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.pdf",
-    "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv --compare",
+    "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv",
 )
 def plot(
     what: list[str] = argument(
@@ -35,7 +35,6 @@ def plot(
     vehicle: options.OtherPads,
     figure: str | None = option("One panel of the page, not all; see above.", "NAME"),
     limits: options.StopLimits,
-    compare: bool = option("Draw other methods beside the estimate of a stop."),
     channel_map: options.Map,
 ) -> Answer:
     """Draw tables, logs and results.
@@ -46,18 +45,16 @@ def plot(
     page; without --out they are PNG files in this directory, named after their content.
 
     Panels for --figure, of a table: f1-f2, map, tyre, and forces of a ramp. Of two tables: pads,
-    map, f1-f2. Of a stop or a result: pads, axle-torques, normalised-forces, slip, and with
-    --compare methods-front, methods-rear. Of a log: slip, eta, and its channels: omega, p_mc, ...
+    map, f1-f2. Of a stop or a result: pads, axle-torques, normalised-forces, slip. Of a log: slip,
+    eta, and its channels: omega, p_mc, ...
     """
     from dataclasses import replace
 
     from calib.show.choose import facts
 
     given = _read(what, store, vehicle, channel_map)
-    stops = bool(given.tables and given.logs)
-    if compare and not stops:
-        raise misuse("only with a TABLE and a LOG", "--compare")
-    given = replace(given, limits=limits, compare=compare) if stops else given
+    if given.tables and given.logs:
+        given = replace(given, limits=limits)
     drawn = _chosen(given, figure)
     if out is not None and out.suffix.lower() in PAGES:
         files = [out]

@@ -18,7 +18,7 @@ import numpy as np
 from calib.base.names import G
 from calib.base.program import NAME, PROGRAM, VERSION
 from calib.car import forces
-from calib.car.vehicle_file import read_vehicle
+from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.estimation.validate import validate
@@ -42,6 +42,12 @@ def _log(path: str) -> Log:
     return read_log(sample_logs() / path)
 
 
+def _car(folder: str) -> Vehicle:
+    from calib.car.vehicle_file import read_vehicle
+
+    return read_vehicle(sample_logs() / folder / "vehicle.toml")
+
+
 class Work:
     """An empty folder to ``write`` in, and what several checks need: each is made once."""
 
@@ -51,14 +57,13 @@ class Work:
         self.diagnosis: Callable[[], Diagnosis] = cache(self._diagnosis)
 
     def _table(self, folder: str) -> Table:
-        car = read_vehicle(sample_logs() / folder / "vehicle.toml")
-        return fit(car, [_log(f"{folder}/{_RAMPS[folder]}")])
+        return fit(_car(folder), [_log(f"{folder}/{_RAMPS[folder]}")])
 
     def _diagnosis(self) -> Diagnosis:
         """The cause of two logs, enough to see it, and one hold-out."""
         searched = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
         held = [_log(f"{_HIDDEN}/holdout/stop_a.parquet")]
-        return diagnose(read_vehicle(sample_logs() / _HIDDEN / "vehicle.toml"), searched, held)
+        return diagnose(_car(_HIDDEN), searched, held)
 
 
 def _brake_torque(work: Work) -> float:

@@ -27,7 +27,7 @@ from calib.store.version import Stored
 class PlotInput:
     """The inputs of a drawing; ``vehicle`` gives nominal pads other than the table's.
 
-    A stop is judged by ``limits``; with ``compare`` other methods are drawn beside the estimate.
+    A stop is judged by ``limits``.
     """
 
     tables: tuple[Stored, ...] = ()
@@ -35,7 +35,6 @@ class PlotInput:
     results: tuple[StoredResult, ...] = ()
     vehicle: Vehicle | None = None
     limits: tuple[Limit, ...] = DEFAULTS
-    compare: bool = False
 
 
 def sheets(given: PlotInput) -> Iterator[Sheet]:
@@ -93,4 +92,4 @@ def _of_log(found: Log) -> Sheet:
 def _of_stop(stored: Stored, found: Log, given: PlotInput) -> Sheet:
     used, car = stored.table, given.vehicle
     result = validate_one(used, found, car, given.limits)
-    return stop.of_validation(used, stored.id, found, result, car, compare=given.compare)
+    return stop.of_validation(used, stored.id, found, result, car)

@@ -15,18 +15,15 @@ from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
 
-NO_GAP, NAMED, REST, _WORSE = "no_gap", "named", "rest", "worse"
-_AMBIGUOUS, _AMBIGUOUS_REST = "ambiguous", "ambiguous_rest"
-UNKNOWN, _WITHIN_NOISE = "unknown", "within_noise"
 KINDS = {
-    NO_GAP: ("No gap", PASSED),
-    NAMED: ("Named", PASSED),
-    REST: ("Named and something else", WARNING),
-    _WORSE: ("Named, and the hold-outs are no better", FAILED),
-    _AMBIGUOUS: ("Ambiguous", WARNING),
-    _AMBIGUOUS_REST: ("Ambiguous and something else", WARNING),
-    UNKNOWN: ("Unknown cause", FAILED),
-    _WITHIN_NOISE: ("Within the noise", PASSED),
+    "no_gap": ("No gap", PASSED),
+    "named": ("Named", PASSED),
+    "rest": ("Named and something else", WARNING),
+    "worse": ("Named, and the hold-outs are no better", FAILED),
+    "ambiguous": ("Ambiguous", WARNING),
+    "ambiguous_rest": ("Ambiguous and something else", WARNING),
+    "unknown": ("Unknown cause", FAILED),
+    "within_noise": ("Within the noise", PASSED),
 }
 """The outcomes, each in a few words and with its colour."""
 
@@ -55,8 +52,8 @@ INNOVATION = "mean squared innovation (1 = noise)"
 def head(found: Diagnosis) -> Facts:
     """The verdict on a car, with a part for each effect that is named."""
     gap, (word, verdict) = found.gap, KINDS[outcome(found)]
-    after = f" to {gap.after:.1f}" if found.verdict != NO_GAP else ""
-    closed = f", {100.0 * gap.closed:.1f} % closed" if found.verdict != NO_GAP else ""
+    after = f" to {gap.after:.1f}" if found.verdict != "no_gap" else ""
+    closed = f", {100.0 * gap.closed:.1f} % closed" if found.verdict != "no_gap" else ""
     on = counted(len(found.measured), "hold-out")
     size = f"{gap.before:.1f}{after} times the noise{closed}, on {on}"
     named = {effect.name for effect in found.effects}
@@ -91,9 +88,9 @@ def head(found: Diagnosis) -> Facts:
 def _next(found: Diagnosis) -> str:
     """What follows: the drive that tells causes apart, or the table with the model."""
     separate = [effect.separate_by for effect in found.effects if effect.separate_by]
-    if found.verdict == _AMBIGUOUS and separate:
+    if found.verdict == "ambiguous" and separate:
         return separate[0]
-    if found.verdict == NAMED:
+    if found.verdict == "named":
         return "brake-cal fit RAMP COAST --vehicle V.toml --model DIR/model.toml"
     return ""
 
@@ -112,35 +109,35 @@ def outcome(found: Diagnosis) -> str:
     "named" only if the gap of the hold-outs is smaller than before and nothing significant is left;
     "unknown" only if they have a gap.
     """
-    if found.verdict == UNKNOWN and found.gap.before < _WITHIN:
-        return _WITHIN_NOISE
-    if found.verdict not in (NAMED, _AMBIGUOUS):
+    if found.verdict == "unknown" and found.gap.before < _WITHIN:
+        return "within_noise"
+    if found.verdict not in ("named", "ambiguous"):
         return found.verdict
     if found.gap.closed <= 0.0:
-        return _WORSE
+        return "worse"
     left = found.unexplained is not None
-    if found.verdict == _AMBIGUOUS:
-        return _AMBIGUOUS_REST if left else _AMBIGUOUS
-    return REST if left else NAMED
+    if found.verdict == "ambiguous":
+        return "ambiguous_rest" if left else "ambiguous"
+    return "rest" if left else "named"
 
 
 def _verdict_of(found: Diagnosis) -> str:
     """The verdict in one sentence."""
     names, left = [effect.name for effect in found.effects], found.unexplained
-    if found.verdict == NO_GAP:
+    if found.verdict == "no_gap":
         return "These logs show nothing that is missing from the model."
-    if found.verdict in (NAMED, _AMBIGUOUS):
+    if found.verdict in ("named", "ambiguous"):
         more = ", and something else" if left is not None else ""
         of_file = [name for name in names if name in found.model_before.effects]
         missing = [name for name in names if name not in of_file]
         told = [f"Missing from the model: {listed(missing)}"] if missing else []
         told += [f"Of another size than in the file: {listed(of_file)}"] if of_file else []
-        if found.verdict == NAMED:
+        if found.verdict == "named":
             return f"{'. '.join(told)}{more}."
         others = {n for effect in found.effects for n in effect.indistinguishable_from}
         rivals = listed(sorted(others - set(names)), "or")
         return f"{'. '.join(told)}, or else {rivals}; these logs cannot tell which{more}."
-    if outcome(found) == _WITHIN_NOISE:
+    if outcome(found) == "within_noise":
         return (
             "The hold-outs show no gap. What is left from step to step is quick, and not in the "
             "catalogue: look at the sensors first, one that filters, such as a_x, or channels that "
@@ -194,7 +191,7 @@ def _withdrawn(found: Diagnosis) -> str:
     """What fits some logs, and is not the answer; empty if there is nothing."""
     worse = [listed(names) for names in found.withdrawn]
     told = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
-    if found.verdict == UNKNOWN and (last := found.steps[-1].names):
+    if found.verdict == "unknown" and (last := found.steps[-1].names):
         told.append(f"{listed(last)}: explains less than an empirical term alone")
     return "; ".join(told)
 

@@ -77,7 +77,7 @@ class Facts:
     tables, notes, warnings, pictures : in this order.
     next : what to do next, a command where there is one.
     parts : details with a title of their own, such as those of each stop: on a terminal with -v;
-        on a page ``folded`` ones are shown on demand.
+        ``folded`` ones are on a page alone, on demand.
     """
 
     title: str = ""

@@ -14,12 +14,16 @@ from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdic
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.panel import Line, Mark, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, DASHED, IDENTIFIED, LAW, NOMINAL, Stroke, as_text
+from calib.show.style import BODY, DASHED, WHEEL_STROKES, Stroke, as_text
 
-_MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _SHOWN = 5
 """Metrics in the head of the answer that break their limit; all are in the details."""
-_COLOURS = (*(s["color"] for s in (IDENTIFIED, LAW, BODY, NOMINAL)), "#E69F00", "#56B4E9")
+_HEADS = (
+    *("metric", "repeatability", "reproducibility", "cars"),
+    *("%GRR", "95 %", "ndc", "of tolerance", "verdict"),
+)
+_CAPTION = "Repeatability, reproducibility and cars: standard deviations [1]."
+_COLOURS, _MARKS = [stroke["color"] for stroke in WHEEL_STROKES.values()], "osD^vPX"
 _HEAT = {
     GaugeVerdict.GOOD: "#DDF1EA",
     GaugeVerdict.MARGINAL: "#FBF1CC",
@@ -27,6 +31,8 @@ _HEAT = {
     GaugeVerdict.ALIKE: "#E9E9E9",
     GaugeVerdict.NOT_JUDGED: "#FFFFFF",
 }
+_POINT: Stroke = {**BODY, "marker": "o", "linestyle": ""}
+_LIMIT: Stroke = {**BODY, "linestyle": DASHED, "linewidth": 0.9}
 _LETTERS = 15
 """Letters of a metric's name in a line below its column."""
 _NAMED = 12
@@ -43,29 +49,22 @@ def facts(found: GaugeStudy) -> Facts:
         told += [f"{verdict}: {', '.join(bad)}"] if bad else []
     if not judged:
         told = ["none of the metrics could be judged: their repeats do not scatter"]
-    heads = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc", "of tolerance")
     rows = [(one.name, *_cells(one), one.verdict) for one in found.results]
     worst = [(row[0], row[4], row[6], row[8]) for row in rows if row[8] in REFUSED]
-    caption = "Repeatability, reproducibility and cars: standard deviations [1]."
     negative = [
         f"{one.name}: variances that came out negative count as zero: {', '.join(names)}"
         for one in found.results
         if one.gauge and (names := one.gauge.negative)
     ]
     word = (PASSED if found.passed else FAILED) if judged else UNJUDGED
+    table, notes = Table(_HEADS, rows, _CAPTION), [*negative, *found.notes]
     return Facts(
         "Gauge study",
         headline="; ".join(told),
         verdict=word,
         word=WORDS.get(word, "Not judged"),
         tables=[Table(("metric", "%GRR", "ndc", "verdict"), worst[:_SHOWN])],
-        parts=[
-            Facts(
-                "All metrics",
-                tables=[Table(("metric", *heads, "verdict"), rows, caption)],
-                notes=[*negative, *found.notes],
-            )
-        ],
+        parts=[Facts("All metrics", tables=[table], notes=notes)],
     )
 
 
@@ -90,54 +89,40 @@ def sheet(found: GaugeStudy) -> Sheet:
     panels = (_verdicts(found), *(_panel(found, one) for one in (first, *bad)))
     told = facts(found)
     stations = f", {len(found.stations)} stations" if found.stations else ""
-    sentences = (
-        "Points are single ramps, a line is the mean of a car",
-        f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %",
-        *found.notes,
-    )
+    at = f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %"
+    notes = ["Points are single ramps, a line is the mean of a car", at, *found.notes]
     return Sheet(
         kind="repeatability",
         name="repeatability",
         panels=panels,
         heights=(0.9, *(0.7,) * (len(panels) - 1)),
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
-        note=". ".join(s[0].upper() + s[1:] for s in sentences) + ".",
+        note=". ".join(notes) + ".",
         result=f"{told.word}: {told.headline}",
     )
 
 
 def _verdicts(found: GaugeStudy) -> Panel:
     """%GRR of each metric with its 95 % interval, over its limit; nothing where cars are alike."""
-    point: Stroke = {**BODY, "marker": "o", "linestyle": ""}
-    limit: Stroke = {**BODY, "linestyle": DASHED, "linewidth": 0.9}
-    lines, marks = [], []
+    lines, marks, words = [], [], []
     for i, one in enumerate(found.results):
-        marks.append(Mark(i - 0.48, i + 0.48, {"color": _HEAT[one.verdict]}))
+        column = i - 0.48, i + 0.48
+        marks.append(Mark(*column, {"color": _HEAT[one.verdict]}))
+        texts = as_text(_name(one)), one.verdict
+        words.append("\n".join(textwrap.fill(text, _LETTERS) for text in texts))
         if one.gauge is None or not one.gauge.cars_differ:
             continue
         share = one.gauge.grr
         lines.append(Line([i, i], [100.0 * end for end in share.ci95], BODY))
-        lines.append(Line([i], [100.0 * share.value], point))
+        lines.append(Line([i], [100.0 * share.value], _POINT))
         lines += [
-            Line([i - 0.48, i + 0.48], [100.0 * judged.high] * 2, limit)
+            Line(column, [100.0 * judged.high] * 2, _LIMIT)
             for judged in one.judgements
             if judged.figure == "grr" and judged.high is not None
         ]
-    words = [
-        "\n".join(textwrap.fill(text, _LETTERS) for text in (as_text(_name(one)), one.verdict))
-        for one in found.results
-    ]
-    return Panel(
-        "verdicts",
-        "Share of the gauge in the scatter, 95 % interval, and its limit (dashed)",
-        "",
-        "%GRR [%]",
-        lines,
-        marks,
-        xlim=(-0.5, len(found.results) - 0.5),
-        ylim=(-5.0, 105.0),
-        xticks=words,
-    )
+    title = "Share of the gauge in the scatter, 95 % interval, and its limit (dashed)"
+    ends = (-0.5, len(found.results) - 0.5), (-5.0, 105.0)
+    return Panel("verdicts", title, "", "%GRR [%]", lines, marks, (), *ends, xticks=words)
 
 
 def _name(result: GaugeResult) -> str:
@@ -152,12 +137,12 @@ def _panel(found: GaugeStudy, result: GaugeResult) -> Panel:
     for k, station in enumerate(stations):
         here = np.array([r.station == station for r in found.readings])
         aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
-        mark: Stroke = {"marker": _MARKS[k % len(_MARKS)], "linestyle": "", "ms": 3.2, "alpha": 0.8}
-        look = {"color": _COLOURS[k % len(_COLOURS)], **mark}
+        colour, mark = _COLOURS[k % len(_COLOURS)], _MARKS[k % len(_MARKS)]
+        look: Stroke = {"color": colour, "marker": mark, "linestyle": "", "ms": 3.2, "alpha": 0.8}
         lines.append(Line(x[here] + aside, y[here], look, as_text(station)))
-    for i in range(len(cars)):
-        mean = float(np.mean(y[x == i]))
-        lines.append(Line([i - 0.35, i + 0.35], [mean, mean], BODY))
+    lines += [
+        Line([i - 0.35, i + 0.35], [float(np.mean(y[x == i]))] * 2, BODY) for i in range(len(cars))
+    ]
     return Panel(
         f"{result.name}-values",
         f"{as_text(_name(result))}: {result.verdict}",

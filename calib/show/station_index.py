@@ -24,14 +24,12 @@ from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Tab
 from calib.show.html import page_of
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import FRONT, NOMINAL, as_text
+from calib.show.style import FRONT, NOMINAL, Array, as_text
 
 _LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
-_DRAWN = 200
-"""Runs in a trend, the last of them."""
-_NUMBERED = 12
-"""Runs in a trend whose numbers have room below the axis."""
+_DRAWN, _NUMBERED = 200, 12
+"""Runs in a trend, the last of them; so many have room for their numbers below the axis."""
 _TITLE = 50
 """Letters of a title that have room above a panel."""
 _EVERY = 10
@@ -83,28 +81,35 @@ def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
 
 def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
     """The trends of all metrics with two values or more."""
-    panels = [panel for key in TRENDS if (panel := _trend(runs, key)) is not None]
+    panels = tuple(
+        _trend(runs, key, known) for key in TRENDS if len(known := _known(runs, key)) > 1
+    )
     told = f"Pads of the ramp, and the zero, of the last {_DRAWN} cars at most; grey: the limits."
-    sheet = Sheet("trend", "trend", tuple(panels))
-    return [Picture(told, lambda: sheet)] if panels else []
+    return [Picture(told, lambda: Sheet("trend", "trend", panels))] if panels else []
 
 
-def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
-    """A metric over the last runs; None with fewer than two values."""
-    trends = [run.trend or {} for run in reversed(runs[:_DRAWN])]
-    known = [value for one in trends if (value := one.get(key)) is not None]
-    if len(known) < 2:
-        return None
-    shown, x = plain(key), np.arange(float(len(known)))
+def _known(runs: Sequence[IndexedRun], key: str) -> Array:
+    """The values of a metric, the last run's at the end."""
+    values = [(run.trend or {}).get(key) for run in reversed(runs[:_DRAWN])]
+    return np.array([value for value in values if value is not None])
+
+
+def _trend(runs: Sequence[IndexedRun], key: str, known: Array) -> Panel:
+    """A metric over the last runs, with its limits."""
+    shown, x = plain(key), np.arange(1.0, known.size + 1.0)
     given = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
-    lines = [Line(x, shown.factor * np.array(known), {**FRONT, "marker": "."})]
-    ends = [x[0], x[-1]]
-    lines += [Line(ends, [shown.factor * end] * 2, NOMINAL) for end in given if end is not None]
-    title, unit = f"{shown.name}: {shown.value(known[-1])} {shown.unit}", shown.unit or "1"
-    words = [str(i + 1) for i in range(x.size)] if x.size <= _NUMBERED else ()
-    axis = "car, the last on the right"
+    ends = [shown.factor * end for end in given if end is not None]
+    title = f"{shown.name}: {shown.value(float(known[-1]))} {shown.unit}"
     return Panel(
-        key, textwrap.fill(as_text(title), _TITLE), axis, as_text(f"[{unit}]"), lines, xticks=words
+        key,
+        textwrap.fill(as_text(title), _TITLE),
+        "car, the last on the right",
+        as_text(f"[{shown.unit or '1'}]"),
+        [
+            Line(x, shown.factor * known, {**FRONT, "marker": "."}),
+            *(Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends),
+        ],
+        xticks=["", *map(str, range(1, x.size + 1))] if x.size <= _NUMBERED else (),
     )
 
 

@@ -1,7 +1,6 @@
 """A stop with the answer of its ECU, pads first, as in Figs. 13 to 16; with truth as in 9 to 11."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -11,7 +10,6 @@ from calib.base.names import AXLE_NAMES
 from calib.base.plain import plain, plus_minus
 from calib.car.forces import brake_torque
 from calib.car.vehicle import Vehicle
-from calib.estimation.baselines import METHODS
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import Truth, truth_of
 from calib.estimation.validate import Validation
@@ -25,12 +23,9 @@ from calib.show.sheet import Sheet
 from calib.show.style import (
     BODY,
     DASH_DOT,
-    DOTTED,
     ETA,
     FRONT,
     IDENTIFIED,
-    LAW,
-    LEVEL,
     MEAN,
     REAR,
     SHADE,
@@ -46,14 +41,6 @@ from calib.table.table import Table
 _STROKES = {"f": FRONT, "r": REAR}
 _BEFORE: Stroke = {"linestyle": DASH_DOT, "linewidth": 0.9}
 """Look of the pads of the ramp, or of a vehicle file, in the colour of the axle."""
-BASELINES: dict[str, tuple[str, Stroke]] = {
-    "mean_gain": ("one mean gain, [16]", LEVEL),
-    "gradient_paper": ("gradient law, curves", LAW),
-    "gradient_map": ("gradient law, map", {"color": "#E69F00", "linestyle": DOTTED}),
-}
-"""Methods that can be drawn beside the estimate: few, so that it stays visible."""
-_METHODS = ("methods-front", "methods-rear")
-"""Panels of the axles, side by side."""
 _PADS, _FORCE = "pad friction [1]", "force over load [1]"
 _GREY = "Grey: no valid answer"
 _ENDS = ("", "_lower", "_upper")
@@ -79,26 +66,17 @@ def of_result(result: StoredResult) -> Sheet:
 
 
 def of_validation(
-    table: Table,
-    name: str,
-    log: Log,
-    result: Validation,
-    vehicle: Vehicle | None = None,
-    *,
-    compare: bool = True,
+    table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
 ) -> Sheet:
     """The sheet of the ``result`` on ``log`` with the table ``name``.
 
-    Beside the estimate are the pads of the ramp, or those of ``vehicle``; with ``compare`` the
-    `BASELINES`, too.
+    Beside the estimate are the pads of the ramp, or those of ``vehicle``.
     """
     e, values = result.estimate, result.estimate.columns()
     valid = _counts(e)
     over = _over(e.time, valid)
-    first = _pads(values, valid, over, _other_pads(e, vehicle))
     panels = [
-        first,
-        *(_methods(e, first.lines[:2], over) if compare else ()),
+        _pads(values, valid, over, _other_pads(e, vehicle)),
         *_signals(values, valid, over, _other_torques(e, vehicle), _slips(e)),
     ]
     lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
@@ -131,19 +109,13 @@ def pads_over_time(result: Validation) -> Picture:
 
 
 def _sheet(kind: str, name: str, panels: list[Panel], note: str, told: Sequence[str]) -> Sheet:
-    """One panel a row, but methods side by side. Pads, which are the answer, have most room."""
-    names = [panel.name for panel in panels]
-    methods = tuple(name for name in names if name in _METHODS)
-    rows: list[tuple[str, ...]] = [(name,) * 2 for name in names if name not in _METHODS]
-    if methods:
-        rows.insert(1, methods)
+    """One panel a row. Pads, which are the answer, have most room."""
     text = "; ".join(told)
     return Sheet(
         kind=kind,
         name=name,
         panels=tuple(panels),
-        rows=tuple(rows),
-        heights=(1.2, *(0.85,) * (len(rows) - 1)),
+        heights=(1.2, *(0.85,) * (len(panels) - 1)),
         title=f"{kind.capitalize()} {name}",
         note=note,
         result=text[0].upper() + text[1:],
@@ -232,23 +204,6 @@ def _true(e: Estimate, of: Callable[[Truth], Iterable[Array]]) -> list[Line]:
     truth = truth_of(e)
     both = zip(of(truth) if truth else (), ("truth", ""), strict=False)
     return [Line(e.time, y, TRUTH, label) for y, label in both]
-
-
-def _methods(e: Estimate, estimates: _Lines, over: _Over) -> list[Panel]:
-    """The estimate of each axle among other methods, which set the axis of both."""
-    given = [(METHODS[key](e), label, look) for key, (label, look) in BASELINES.items()]
-    lines = [
-        [
-            *(Line(e.time, np.where(e.valid, y[i], np.nan), look, text) for y, text, look in given),
-            replace(estimate, band=None, label="estimate"),
-        ]
-        for i, estimate in enumerate(estimates)
-    ]
-    ends = reach(*(_tails(line.y) for axle in lines for line in axle))
-    return [
-        over(name, f"{axle.capitalize()} pads by method", y=_PADS, lines=of, ylim=ends)
-        for name, axle, of in zip(_METHODS, AXLE_NAMES.values(), lines, strict=True)
-    ]
 
 
 def _other_torques(e: Estimate, vehicle: Vehicle | None) -> list[Line]:

@@ -38,7 +38,6 @@ BODY: Stroke = {"color": "#222222", "linestyle": "-"}
 TRUTH: Stroke = {"color": "#000000", "linestyle": DOTTED, "linewidth": 1.7}
 NOMINAL: Stroke = {"color": "#7A7A7A", "linestyle": DASH_DOT}
 LAW: Stroke = {"color": "#CC79A7", "linestyle": LONG}
-LEVEL: Stroke = {"color": "#009E73", "linestyle": DASHED}
 IDENTIFIED: Stroke = {"color": "#009E73", "linestyle": "-"}
 WHEEL_STROKES: dict[str, Stroke] = {
     "fl": FRONT,

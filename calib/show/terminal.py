@@ -45,8 +45,9 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
 
 
 def _texts(facts: Facts) -> Facts:
-    """What a terminal can show: no pictures, and no part that has nothing else."""
-    parts = [part for part in map(_texts, facts.parts) if part.filled]
+    """What a terminal shows: no pictures, no part that has nothing else or is folded on a page."""
+    parts = [_texts(part) for part in facts.parts if not part.folded]
+    parts = [part for part in parts if part.filled]
     return replace(facts, pictures=(), warnings=(), parts=parts)
 
 

@@ -63,7 +63,6 @@ def facts(judged: Validated) -> Facts:
             ("vehicle", stored.table.vehicle.name),
             ("mass", str(found[0].mass)),
             *_limiting(found),
-            *_by_curves(found),
         ],
         notes=advice,
     )
@@ -202,20 +201,6 @@ def _limiting(results: list[Validation]) -> list[Row]:
 
 
 _AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v"}
-
-
-def _by_curves(results: list[Validation]) -> Iterator[Row]:
-    """What who uses the curves alone has to expect, of the stop where it is most."""
-    told = [r for r in results if "gradient_paper" in r.baselines]
-    if told:
-        worst = max(told, key=lambda r: max(r.baselines["gradient_paper"]))
-        law, ecu = (_percent(worst.baselines[name]) for name in ("gradient_paper", "ecu"))
-        against = _AGAINST[worst.compared_with]
-        yield (
-            "f1, f2 without the map",
-            f"{worst.log}: {law[0]} % front, {law[1]} % rear off {against} by the law (23)-(25); "
-            f"the ECU with the map {ecu[0]} %, {ecu[1]} %",
-        )
 
 
 def _beside(results: Sequence[Validation]) -> Iterator[Table]:

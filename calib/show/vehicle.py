@@ -25,6 +25,8 @@ from calib.show.style import BAR, BODY, FRONT, IDENTIFIED, NOMINAL, REAR, Array,
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
 _THIN: Stroke = {"color": NOMINAL["color"], "linewidth": 0.5, "alpha": 0.6}
+_DOTS: Stroke = {"color": IDENTIFIED["color"], "marker": "o", "linestyle": "", "ms": 3.2}
+_DIAMOND: Stroke = {"color": BODY["color"], "marker": "D", "mfc": "white", "linestyle": ""}
 _KNM = 1e3
 
 
@@ -109,12 +111,11 @@ def sheet(vehicle: Vehicle) -> Sheet:
         Line(z, used_r, REAR, "rear axle"),
         Line(z, z, NOMINAL, "ideal: both alike"),
     ]
-    betas = {"installed, nominal pads": (nominal_ratio(vehicle), IDENTIFIED)}
     return Sheet(
         kind="vehicle",
         name=vehicle.name,
         panels=(
-            brake_torques("Brake torque of the axles", vehicle, betas, 1.0),
+            _brake_torques(vehicle),
             Panel("friction", "Friction that the axles use", "deceleration [g]",
                   "friction used [1]", used, xlim=(0.0, 1.0), ylim=(0.0, 1.4)),
         ),
@@ -126,44 +127,39 @@ def sheet(vehicle: Vehicle) -> Sheet:
     )  # fmt: skip
 
 
-def brake_torques(
-    title: str, vehicle: Vehicle, betas: dict[str, tuple[float, Stroke]], top: float
-) -> Panel:
-    """Fig. 2: torques of the axles up to ``top`` [g]; each beta line with its T_br/T_bf [1].
+def _brake_torques(vehicle: Vehicle) -> Panel:
+    """Fig. 2: torques of the axles up to 1 g, the decelerations marked along the beta line.
 
-    The decelerations are marked along the first one. As in (9), the inertia of the wheels is
-    neglected.
+    As in (9), the inertia of the wheels is neglected.
     """
-    (ratio, stroke), *_ = betas.values()
-    end = 1.08 * beta_point(vehicle, ratio, top)[0] / _KNM
+    ratio = rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)
+    end = 1.08 * beta_point(vehicle, ratio, 1.0)[0] / _KNM
     front, rear = (torque / _KNM for torque in ideal(vehicle))
-    lines = [Line(front, rear, BODY, "I curve: equal friction")]
-    lines += [Line([0.0, end], [0.0, x * end], look, name) for name, (x, look) in betas.items()]
-    texts, radii = [], (vehicle.front.rolling_radius, vehicle.rear.rolling_radius)
+    lines = [
+        Line(front, rear, BODY, "I curve: equal friction"),
+        Line([0.0, end], [0.0, ratio * end], IDENTIFIED, "installed, nominal pads"),
+    ]
     for z in _DECELERATIONS:
-        whole_f, whole_r = (vehicle.weight * z * radius / _KNM for radius in radii)
-        lines.append(Line([whole_f, 0.0], [0.0, whole_r], _THIN))
-        at_f, at_r = (torque / _KNM for torque in beta_point(vehicle, ratio, z))
-        texts.append((f"{z:g} g", at_f, at_r))
-    dots: Stroke = {"color": stroke["color"], "marker": "o", "linestyle": "", "ms": 3.2}
-    lines.append(Line([at for _, at, _ in texts], [at for _, _, at in texts], dots))
-    biased = front_biased_up_to(vehicle)
-    if 0.0 < biased <= top:
-        at_f, at_r = (
-            torque / _KNM for torque in beta_point(vehicle, nominal_ratio(vehicle), biased)
+        whole_f, whole_r = (
+            vehicle.weight * z * axle.rolling_radius / _KNM
+            for axle in (vehicle.front, vehicle.rear)
         )
-        diamond: Stroke = {"color": BODY["color"], "marker": "D", "mfc": "white", "linestyle": ""}
-        lines.append(Line([at_f], [at_r], diamond, f"front locks first up to {biased:.2f} g"))
-    highest = max(float(rear.max()), *(slope * end for slope, _ in betas.values()))
+        lines.append(Line([whole_f, 0.0], [0.0, whole_r], _THIN))
+    points = np.array([beta_point(vehicle, ratio, z) for z in _DECELERATIONS]) / _KNM
+    lines.append(Line(points[:, 0], points[:, 1], _DOTS))
+    if 0.0 < (biased := front_biased_up_to(vehicle)) <= 1.0:
+        at_f, at_r = beta_point(vehicle, ratio, biased)
+        label = f"front locks first up to {biased:.2f} g"
+        lines.append(Line([at_f / _KNM], [at_r / _KNM], _DIAMOND, label))
     return Panel(
         "torque-distribution",
-        title,
+        "Brake torque of the axles",
         "front axle torque [kN m]",
         "rear axle torque [kN m]",
         lines,
-        texts=texts,
+        texts=[(f"{z:g} g", x, y) for z, (x, y) in zip(_DECELERATIONS, points, strict=True)],
         xlim=(0.0, end),
-        ylim=(0.0, 1.15 * highest),
+        ylim=(0.0, 1.15 * max(float(rear.max()), ratio * end)),
         columns=2,
     )
 
@@ -179,11 +175,6 @@ def rear_per_front(vehicle: Vehicle, friction_f: float, friction_r: float) -> fl
     """T_br/T_bf [1] of the axles at one pressure with these pad frictions, (2)."""
     rear = vehicle.rear.torque_gain * friction_r
     return rear / (vehicle.front.torque_gain * friction_f)
-
-
-def nominal_ratio(vehicle: Vehicle) -> float:
-    """T_br/T_bf [1] with the nominal pads."""
-    return rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)
 
 
 def beta_point(vehicle: Vehicle, ratio: float, z: float) -> tuple[float, float]:

@@ -118,7 +118,7 @@ def test_the_help_names_every_panel(plot, brake_cal):
     for given in (
         ("sedan-2up", RAMP),
         ("sedan@1", "sedan@2"),
-        ("sedan-2up", STOP, "--compare"),
+        ("sedan-2up", STOP),
         (STOP, "--figure", "eta"),
     ):
         (sheet,) = json.loads(plot(*given, "--json").out)["sheets"]
@@ -143,7 +143,6 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
         (("sedan@1", "sedan@2", STOP), 2),
         (("sedan@1", "sedan@2", "sedan@1"), 2),
         (("sedan@1", "--vehicle", WRONG), 2),
-        (("sedan@1", "--compare"), 2),
         (("sedan@1", "--out", f"{STOP}/a.png"), 2),
         (("nothing.csv",), 3),
         (("sedna",), 2),

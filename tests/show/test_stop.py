@@ -3,7 +3,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.estimation.baselines import METHODS
 from calib.estimation.results import write_result
 from calib.show import stop
 from calib.show.result import read_result
@@ -20,8 +19,6 @@ def drawn(sedan, transition, stopped):
 def test_pads_come_first(drawn):
     assert drawn.names == (
         "pads",
-        "methods-front",
-        "methods-rear",
         "axle-torques",
         "normalised-forces",
         "slip",
@@ -51,20 +48,6 @@ def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped)
     assert high > e.ecu.pads_r.upper[e.ecu.valid].max()
 
 
-def test_methods_are_beside_the_estimate_on_an_axis_of_their_own(drawn, stopped):
-    e = stopped.estimate
-    for i, name in enumerate(("methods-front", "methods-rear")):
-        one = panel(drawn, name)
-        for method, (label, _) in stop.BASELINES.items():
-            rival = line(one, label)[1]
-            assert np.array_equal(rival[e.ecu.valid], METHODS[method](e)[i][e.ecu.valid])
-            assert np.isnan(rival[~e.ecu.valid]).all()
-        best = (e.ecu.pads_f, e.ecu.pads_r)[i]
-        assert np.array_equal(line(one, "estimate")[1][e.ecu.valid], best.value[e.ecu.valid])
-        low, high = one.ylim
-        assert high - low < np.median((best.upper - best.lower)[e.ecu.valid])
-
-
 def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
     write_result(stopped.estimate, tmp_path / "stop.parquet")
     sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
@@ -92,7 +75,7 @@ def test_a_page_has_the_pads_of_the_picture(stopped, drawn):
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
     none = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
     sheet = stop.of_validation(sedan, "sedan@1", transition, none)
-    assert len(sheet.overview().axes) == 6
+    assert len(sheet.overview().axes) == 4
     assert np.isnan(line(panel(sheet, "pads"), REAR)[1]).all()
 
 

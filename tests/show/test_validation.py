@@ -76,17 +76,6 @@ def test_a_table_that_was_rounded_is_told(how):
     assert str(how) not in dict(told(made("a", **ECU)).rows).values()
 
 
-def test_what_the_curves_alone_cost_is_told_of_the_worst_stop():
-    methods = {"estimate": (0.01, 0.02), "ecu": (0.012, 0.034), "gradient_paper": (0.071, 0.283)}
-    better = {**methods, "gradient_paper": (0.011, 0.021)}
-    dry, tile = made("dry", **ECU), made("tile", **ECU)
-    vars(dry)["baselines"], vars(tile)["baselines"] = better, methods
-    rows = told(dry, tile).parts[0].rows
-    (row,) = [text for _, text in rows if "tile" in text]
-    assert all(x in row for x in ("7.1 %", "28.3 %", "1.2 %", "3.4 %"))
-    assert not [text for _, text in rows if "dry" in text]
-
-
 def test_every_method_is_on_the_page_of_stops(fitted):
     (found,) = validate(fitted, [noisy(stop(REAL), 2)])
     tables = told(found).parts[1].tables
