@@ -13,6 +13,8 @@ class BrakeCalError(Exception):
     """Root of every error that a user can cause and correct."""
 
     exit_code = 1
+    advice = ""
+    """The next step where an error of this kind names no other."""
 
     def __init__(
         self,
@@ -28,7 +30,11 @@ class BrakeCalError(Exception):
         ``what`` was wrong, with the value given; ``where``: file, channel or key; ``expected`` what
         would have been valid; ``do`` the next step; ``lines`` further mistakes, a line each.
         """
-        self.what, self.expected, self.do = one_line(what), one_line(expected), one_line(do)
+        self.what, self.expected, self.do = (
+            one_line(what),
+            one_line(expected),
+            one_line(do or self.advice),
+        )
         self.where = where
         head = self.what if where is None else f"{printable(str(where))}: {self.what}"
         parts = [head, f"expected {self.expected}" if expected else "", self.do]
@@ -149,7 +155,9 @@ class TableNotFound(StoreError):
 
 
 class DamagedTable(StoreError):
-    """The content of a table file does not match its digest."""
+    """A version or the journal of a store is not what was written."""
+
+    advice = "restore it from a copy of the store, or fit the car again"
 
 
 class SignatureRefused(StoreError):

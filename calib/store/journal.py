@@ -161,23 +161,12 @@ def read_journal(folder: Path) -> Journal:
     Raises DamagedTable that names the first line that is wrong, OSError.
     """
     # The head first: a writer may add a line between the two.
-    head = _bytes(folder / HEAD)
-    where = folder / JOURNAL
-    data = _bytes(where)
-    if data is None and head not in (None, Journal().head_line):
-        raise _damaged(f"missing, and {HEAD} is there", where)
-    if data and not data.endswith(b"\n"):
-        raise _damaged("torn: its last line has no end", where)
-    entries: list[Entry] = []
-    known: dict[str, Entry] = {}
-    for number, line in enumerate((data or b"").splitlines(), 1):
-        entry = _entry(line, number, where)
-        flaw = _flaw(entry, number, entries[-1].hash if entries else _START, known.get(entry.id))
-        if flaw:
-            raise _damaged(f"line {number}: {flaw}", where)
-        known[entry.id] = entry
-        entries.append(entry)
-    _check_head(entries, head, where)
+    head, data = _bytes(folder / HEAD), _bytes(folder / JOURNAL)
+    try:
+        entries = _entries(data or b"")
+        _check_head(entries, head)
+    except ValueError as error:
+        raise DamagedTable(str(error), where=folder / JOURNAL) from error
     return Journal(tuple(entries))
 
 
@@ -200,10 +189,6 @@ def enter(folder: Path, journal: Journal, undo: Callable[[], object]) -> None:
         raise
 
 
-def _damaged(what: str, where: Path) -> DamagedTable:
-    return DamagedTable(what, where=where, do="restore journal and head from a copy of the store")
-
-
 def _bytes(path: Path) -> bytes | None:
     try:
         return read_bounded(path, JOURNAL_FILE)
@@ -211,17 +196,32 @@ def _bytes(path: Path) -> bytes | None:
         return None
 
 
-def _entry(line: bytes, number: int, where: Path) -> Entry:
-    try:
-        document = json.loads(line)
-        evidence = tuple(Evidence(**one) for one in document["evidence"])
-        entry = Entry(**{**document, "evidence": evidence})
-        wrong = [name for name, kind in _KINDS.items() if type(document[name]) is not kind]
-        if wrong or canonical_json(document) != line:
-            raise ValueError(f"{', '.join(wrong) or 'its spelling'} not as written")
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise _damaged(f"line {number}: not an entry ({error})", where) from error
-    return entry
+def _entries(data: bytes) -> list[Entry]:
+    """The entries of the journal's file. Raises ValueError."""
+    if data and not data.endswith(b"\n"):
+        raise ValueError("torn: its last line has no end")
+    entries: list[Entry] = []
+    known: dict[str, Entry] = {}
+    for number, line in enumerate(data.splitlines(), 1):
+        try:
+            entry = _entry(line)
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+            raise ValueError(f"line {number}: not an entry ({error})") from error
+        flaw = _flaw(entry, number, entries[-1].hash if entries else _START, known.get(entry.id))
+        if flaw:
+            raise ValueError(f"line {number}: {flaw}")
+        known[entry.id] = entry
+        entries.append(entry)
+    return entries
+
+
+def _entry(line: bytes) -> Entry:
+    document = json.loads(line)
+    evidence = tuple(Evidence(**one) for one in document["evidence"])
+    wrong = [name for name, kind in _KINDS.items() if type(document[name]) is not kind]
+    if wrong or canonical_json(document) != line:
+        raise ValueError(f"{', '.join(wrong) or 'its spelling'} not as written")
+    return Entry(**{**document, "evidence": evidence})
 
 
 def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str:
@@ -243,18 +243,19 @@ def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str
     return "" if fits else f"{entry.id} was {was} before {entry.event} {entry.state}"
 
 
-def _check_head(entries: list[Entry], head: bytes | None, where: Path) -> None:
-    if head is None and entries:
-        raise _damaged(f"{HEAD} beside it is missing", where)
+def _check_head(entries: list[Entry], head: bytes | None) -> None:
+    """Raise ValueError unless the head is that of one of the last lines."""
     if head is None:
+        if entries:
+            raise ValueError(f"{HEAD} beside it is missing")
         return
     digest, _, count = head.decode(errors="replace").strip().partition(" ")
     number = int(count) if re.fullmatch(r"[0-9]{1,18}", count) else -1
     hashes = [_START, *(entry.hash for entry in entries)]
     if number >= len(hashes):
-        raise _damaged(f"has {len(entries)} lines, its head names {number}: lines are lost", where)
+        raise ValueError(f"has {len(entries)} lines, its head names {number}: lines are lost")
     if number < 0 or hashes[number] != digest:
-        raise _damaged(f"does not agree with {HEAD}", where)
+        raise ValueError(f"does not agree with {HEAD}")
 
 
 def _hash(entry: Entry) -> str:

@@ -13,7 +13,6 @@ import hashlib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -205,26 +204,22 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
 
     Raises SignatureRefused when there is none, or it is of another version, state or store.
     """
-    home, refused = stored.path.parent, None
-    for path, signature in _signatures(home, stored.version, public):
+    refused: SignatureRefused | None = None
+    for path, signature in _signatures(stored.path.parent, stored.version, public):
         try:
-            return _Signed(
-                stored, path, public.key_id, _checked(now, stored, public, path, signature)
-            )
+            said = _checked(now, stored, public, path, signature)
+            return _Signed(stored, path, public.key_id, said)
         except SignatureRefused as error:
             refused = refused or error
-    if refused:
-        raise refused
-    for path in signature_files(home, stored.version):
+    for path in () if refused else signature_files(stored.path.parent, stored.version):
         read_signature(path)  # one that cannot be read may be the one that is looked for
-    others = ", ".join(key_ids(stored))
-    raise SignatureRefused(
-        f"is signed by key {others}, not by key {public.key_id}"
-        if others
-        else f"has no signature of key {public.key_id}",
-        where=stored.id,
-        do=f"sign it with `brake-cal tables sign {stored.id} --key SECRET`",
-    )
+    others = f", but of {', '.join(key_ids(stored))}" * bool(key_ids(stored))
+    raise refused or _refused(stored, f"has no signature of key {public.key_id}{others}")
+
+
+def _refused(stored: Stored, what: str) -> SignatureRefused:
+    do = f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`"
+    return SignatureRefused(what, where=stored.id, do=do)
 
 
 def _checked(
@@ -243,18 +238,13 @@ def _checked(
     line = _line(now, said, path)
     history = now.journal.of(stored.name)[stored.version]
     then = [entry.state for entry in history if entry.number <= line]
-    since = [entry for entry in history if entry.number > line]
     if then[-1:] != [said.state]:
-        was = then[-1] if then else "not stored"
-        raise SignatureRefused(f"signed as {said.state}, it was {was} then", where=stored.id)
-    if any(entry.state != said.state for entry in since):
-        states = pairwise([said.state, *(entry.state for entry in since)])
-        new = " and ".join(state for before, state in states if state != before)
-        raise SignatureRefused(
-            f"signed as {said.state}, {new} since (by {since[-1].by}, {since[-1].at[:10]})",
-            where=stored.id,
-            do=f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`",
-        )
+        raise _refused(stored, f"signed as {said.state}, which it was not then")
+    changed = [e for e in history if e.number > line and e.state != said.state]
+    if changed:
+        last = changed[-1]
+        since = f"{last.state} since (by {last.by}, {last.at[:10]})"
+        raise _refused(stored, f"signed as {said.state}, {since}")
     return said
 
 
@@ -303,7 +293,7 @@ def _record(stored: Stored) -> bytes:
     """The bytes of the record file, which are those that were loaded."""
     data = read_bounded(stored.path / RECORD, TABLE)
     if hashlib.sha256(data).hexdigest() != stored.record:
-        raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id, do=_NEWEST)
+        raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id)
     return data
 
 

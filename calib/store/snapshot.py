@@ -74,7 +74,6 @@ class Snapshot:
             raise DamagedTable(
                 "missing, and versions are there whose state it knew",
                 where=self.folder / JOURNAL,
-                do="restore journal and head from a copy",
             )
         return tuple(sorted(self.journal.tables))
 
@@ -139,17 +138,13 @@ class Snapshot:
         id_ = f"{name}@{version}"
         path = place(self.folder / checked_name(name), version)
         if path is None:
-            raise DamagedTable(
-                "missing: it was stored, and its folder is not there",
-                where=id_,
-                do="restore it from a copy of the store, or fit the car again",
-            )
+            raise DamagedTable("missing: it was stored, and its folder is not there", where=id_)
         stored = read_version(path, id_)
         if version not in self.journal.of(name):
             raise DamagedTable(
                 "not in the journal: it was copied here, or the journal was set back",
                 where=id_,
-                do="restore journal and head from a copy, or move the version out of the store",
+                do="restore the journal from a copy, or move the version out of the store",
             )
         first = self.journal.of(name)[version][0]
         if (first.digest, first.record) != (stored.digest, stored.record):
@@ -157,7 +152,6 @@ class Snapshot:
                 "replaced or edited: it is not what was stored as this version",
                 where=id_,
                 expected=f"digest {first.digest[:12]}, it has {stored.digest[:12]}",
-                do="restore this version from a copy, or fit the table again",
             )
         return replace(stored, state=self.journal.state(name, version))
 

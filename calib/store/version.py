@@ -89,12 +89,15 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
 
+    def damaged(what: str) -> DamagedTable:
+        return DamagedTable(f"{RECORD}: {what}", where=path)
+
     data = _bytes(path / RECORD)
     try:
-        file = validated(data, RecordFile, None, DamagedTable)
+        file = validated(data, RecordFile, None, StoreError)
         record = json.loads(data)["record"]
-    except (DamagedTable, RecursionError) as error:
-        raise _damaged(path, f"{RECORD}: {error}") from error
+    except (StoreError, RecursionError) as error:
+        raise damaged(str(error)) from error
     try:
         held = {name: f"{name}.parquet" for name in COLUMNS}
         curves = {
@@ -103,15 +106,15 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
             if name in CURVES or at in file.files
         }
         if content_digest(record, curves) != file.digest:
-            raise _damaged(path, f"{RECORD}: the record or its digest was changed")
+            raise damaged("the record or its digest was changed")
         table = table_of(file.record, curves)
     except (KeyError, TypeError, ValueError) as error:
-        raise _damaged(path, f"{RECORD}: not the record of these curves ({error!r})") from error
+        raise damaged(f"not the record of these curves ({error!r})") from error
     if data != _content(record, file.digest, file.version, file.files):
-        raise _damaged(path, f"{RECORD}: its keys or its spelling do not agree with the record")
+        raise damaged("its keys or its spelling do not agree with the record")
     stored = Stored(table, table.name, file.version, file.digest, path, _sha256(data), OUTSIDE)
     if promised not in (None, stored.id):
-        raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
+        raise damaged(f"holds {stored.id} in the place of {promised}")
     return stored
 
 
@@ -167,7 +170,7 @@ def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:
     """Columns of one curve, after its bytes were compared with their digest."""
     data = _bytes(path)
     if _sha256(data) != digests[path.name]:
-        raise _damaged(path.parent, f"{path.name}: its bytes differ from their digest")
+        raise DamagedTable(f"{path.name}: its bytes differ from their digest", where=path.parent)
     return read_curve(data)
 
 
@@ -175,7 +178,7 @@ def _bytes(path: Path) -> bytes:
     try:
         return read_bounded(path, TABLE)
     except FileNotFoundError as error:
-        raise _damaged(path.parent, f"{path.name}: missing") from error
+        raise DamagedTable(f"{path.name}: missing", where=path.parent) from error
     except OSError as error:
         raise StoreError(f"cannot be read ({error.strerror})", where=path) from error
 
@@ -189,9 +192,3 @@ def _write(path: Path, data: bytes) -> None:
 
 def _sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
-
-
-def _damaged(path: Path, what: str) -> DamagedTable:
-    return DamagedTable(
-        what, where=path, do="restore this version from a copy, or fit the table again"
-    )
