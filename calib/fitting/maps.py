@@ -32,10 +32,11 @@ _GROUPS = 256  # of scenarios alike in what is asked, in which the weights are a
 
 def _quantiles(x: Array, weights: Array) -> Array:
     """`_QUANTILES` of ``x`` (n,) with ``weights`` (n, c), linear within a group, shape (c, 3)."""
-    count = x.size // _GROUPS * _GROUPS
-    order, first = np.argsort(x)[:count], np.arange(0, count, count // _GROUPS)
-    edges = np.append(x[order[first]], x[order[-1]])
-    below = np.cumsum(np.add.reduceat(weights[order], first, axis=0), axis=0)
+    size = x.size // _GROUPS
+    order = np.argsort(x)[: size * _GROUPS]
+    edges = np.append(x[order[::size]], x[order[-1]])
+    groups = weights.take(order, axis=0).reshape(_GROUPS, size, -1)
+    below = np.cumsum(np.ones(size) @ groups, axis=0)
     below = np.concatenate([np.zeros_like(below[:1]), below / below[-1]])
     return np.stack([np.interp(_QUANTILES, column, edges) for column in below.T])
 
@@ -87,16 +88,18 @@ def _cells(
     some = rolls[:, None].astype(float)
     least = _EMPTY / rolls.size * some
     error = np.sqrt((_FORM * shift) ** 2 + _FINEST**2 + (_PER_Z * z) ** 2)[:, None]
-    near = np.exp(-0.5 * ((shift[:, None] - axis * z) / error) ** 2) / error * some
+    near = _gauss((shift[:, None] - axis * z) / error) / error * some
     share = near.sum(axis=0) * np.gradient(axis)
     near += least * np.max(near)
     log_slip = np.log(np.maximum(slip, 1e-4) / z)
     middle, spread = _moments(near, log_slip[None])
     mean, sigma = middle[:, 0], np.maximum(np.sqrt(spread[:, 0, 0]), 0.02)
     apart = (log_slip[:, None] - mean) / sigma
-    both = near[..., None] * np.exp(-0.5 * ((apart[..., None] - _SLIP) / _NEAR) ** 2)
-    both += (least * np.max(near))[..., None]
-    weights = np.hstack([some, both.reshape(log_slip.size, -1)])
+    weights = np.empty((log_slip.size, 1 + axis.size * _SLIP.size))
+    weights[:, :1] = some
+    both = _gauss(apart[..., None] / _NEAR - _SLIP / _NEAR)
+    both *= near[..., None]
+    np.add(both.reshape(log_slip.size, -1), least * np.max(near), out=weights[:, 1:])
     flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
     cells = {name: np.repeat(x[:, None], _SLIP.size, axis=1) for name, x in flat.items()}
     # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
@@ -114,13 +117,24 @@ def _cells(
     return cells | {"prior": np.minimum(width / most, 1.0)}, before
 
 
+_LEAST = -60.0  # logarithm of a weight that nobody sees; products of smaller ones are slow
+
+
+def _gauss(x: Array) -> Array:
+    """``exp(-x^2/2)``, in the place of ``x``: the arrays are large."""
+    x *= x
+    x *= -0.5
+    return np.exp(np.maximum(x, _LEAST, out=x), out=x)
+
+
 def _moments(weight: Array, x: Array) -> tuple[Array, Array]:
     """Means (c, k) and covariances (c, k, k) of ``x`` (k, n) with weights (n, c)."""
-    share, centre = weight / weight.sum(axis=0), x.mean(axis=1)
-    apart = x - centre[:, None]
-    mean = (apart @ share).T
-    square = np.moveaxis(apart[:, None] * apart @ share, -1, 0)
-    covariance = square - mean[:, :, None] * mean[:, None, :]
+    centre = x.mean(axis=1)
+    apart, k = x - centre[:, None], len(x)
+    squares = (apart[:, None] * apart).reshape(k * k, -1)
+    sums = np.vstack([np.ones_like(apart[:1]), apart, squares]) @ weight
+    mean, square = (sums[1:] / sums[0]).T[:, :k], (sums[1:] / sums[0]).T[:, k:]
+    covariance = square.reshape(-1, k, k) - mean[:, :, None] * mean[:, None, :]
     return mean + centre, covariance + 1e-12 * np.eye(len(x))
 
 
