@@ -28,7 +28,7 @@ _UNSEEN = "an older copy of the store will not be noticed"
 _Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
-class Sight(Section):
+class _Sight(Section):
     """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
 
     ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
@@ -47,10 +47,10 @@ class Sight(Section):
         return self.key, self.store, self.place
 
 
-class SeenFile(FileSchema):
+class _SeenFile(FileSchema):
     """What a user has seen of stores."""
 
-    seen: tuple[Sight, ...]
+    seen: tuple[_Sight, ...]
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class SeenJournals:
     """All that was seen, in the file ``path``; ``note`` says why it cannot be used, else ""."""
 
     path: Path | None
-    sights: tuple[Sight, ...] = ()
+    sights: tuple[_Sight, ...] = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
@@ -85,7 +85,7 @@ class SeenJournals:
             return self.note
         first, lines = journal.entries[0].hash, len(journal.entries)
         place = str(folder.resolve())
-        new = Sight(key=key, store=first, place=place, head=journal.head, lines=lines)
+        new = _Sight(key=key, store=first, place=place, head=journal.head, lines=lines)
         try:
             with locked_folder(self.path.parent):
                 now = recall()
@@ -115,10 +115,10 @@ def recall() -> SeenJournals:
         return SeenJournals(None, note=f"this user has no home folder: {_UNSEEN}")
     except OSError as error:
         return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {_UNSEEN}")
-    return SeenJournals(path, validated(data, SeenFile, path, SignatureRefused).seen)
+    return SeenJournals(path, validated(data, _SeenFile, path, SignatureRefused).seen)
 
 
-def _flaw(seen: Sight, folder: Path, journal: Journal) -> str:
+def _flaw(seen: _Sight, folder: Path, journal: Journal) -> str:
     """Why a journal in ``folder`` is none that may follow what was seen, or ""."""
     lines = journal.entries
     if not lines or lines[0].hash != seen.store:

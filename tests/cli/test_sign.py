@@ -100,7 +100,8 @@ def test_verify_with_a_key(tables, signed, two, public, document):
     assert [row["signed"] for row in found["versions"]] == ["released", None, None]
     ran = tables("verify", "--key", EVE.public.text, "--json")
     assert ran.code == 4
-    assert f"is signed by key {ADA.public.key_id}, not by key {EVE.public.key_id}" in ran.out
+    assert ADA.public.key_id in ran.out
+    assert EVE.public.key_id in ran.out
     assert tables("verify", "--key", "no.pub").code == 3
 
 

@@ -107,22 +107,6 @@ def test_a_changed_line_is_refused_or_says_exactly_what_it_says(place, cut, put)
         assert line != LINE
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        *(("version=3", f"version={x}") for x in ("03", "0", "٣", "1000000")),
-        ("version=3 state=released", "state=released version=3"),
-        ("state=released", "state=golden"),
-        *(("sedan-2up", x) for x in ("../sedan", "sédan")),
-        ("digest=0123456789a", "digest=0123456789A"),
-        *(("f" * 64, "f" * 64 + end) for end in ("\n", " extra=1")),
-    ],
-)
-def test_a_near_miss_is_refused(old, new):
-    with pytest.raises(SignatureRefused):
-        parse_statement(LINE.replace(old, new, 1))
-
-
 # Made and checked by minisign
 
 
