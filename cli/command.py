@@ -79,7 +79,9 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on s
 Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")]
 
 
-def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any]], Any]:
+def command(
+    *examples: str, report: bool = False, cls: Any = None
+) -> Callable[[Callable[..., Any]], Any]:
     """Declare a command by its function, see above.
 
     Its parameters are arguments, keyword-only ones are options, of a dataclass each of its fields:
@@ -124,7 +126,7 @@ def command(*examples: str, report: bool = False) -> Callable[[Callable[..., Any
             parameters=every, return_annotation=None
         )
         run.__annotations__ = {p.name: p.annotation for p in every}
-        vars(run)["examples"] = examples
+        vars(run).update(examples=examples, cls=cls)
         return run
 
     return declare
@@ -134,28 +136,26 @@ def _added(name: str, hint: Any) -> Parameter:
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
 
 
-def add(app: typer.Typer, heading: str, *commands: Any, cls: Any = None) -> None:
-    """Add commands, or a group of them, to a group under a heading of its help."""
+def add(app: typer.Typer, heading: str, *commands: Any) -> None:
+    """Add commands to a group under a heading of its help."""
     for one in commands:
-        if isinstance(one, typer.Typer):
-            app.add_typer(one, rich_help_panel=heading)
-        else:
-            app.command(
-                one.__name__.rstrip("_"),
-                cls=cls,
-                short_help=first_sentence(one.__doc__),
-                epilog=example(*one.examples),
-                rich_help_panel=heading,
-            )(one)
+        app.command(
+            one.__name__.rstrip("_"),
+            cls=one.cls,
+            short_help=first_sentence(one.__doc__),
+            epilog=example(*one.examples),
+            rich_help_panel=heading,
+        )(one)
 
 
-def group(name: str, text: str, *examples: str, **more: Any) -> typer.Typer:
+def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -> typer.Typer:
     """Return a group without commands: its help and examples."""
     # Plain help: typer's boxes import rich, which takes half of the time that --help may take.
     made = typer.Typer(
         name=name,
-        cls=Group,
+        cls=cls,
         rich_markup_mode=None,
+        add_completion=cls is not Group,
         no_args_is_help=True,
         short_help=first_sentence(text),
         epilog=example(*examples),

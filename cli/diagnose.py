@@ -35,7 +35,8 @@ class Greedy(TyperCommand):
     "brake-cal diagnose sample_logs/hidden/case_0/calibration/coast.parquet "
     "sample_logs/hidden/case_0/calibration/ramp.parquet "
     "--holdout sample_logs/hidden/case_0/holdout/stop_a.parquet "
-    "--vehicle sample_logs/hidden/case_0/vehicle.toml --out found"
+    "--vehicle sample_logs/hidden/case_0/vehicle.toml --out found",
+    cls=Greedy,
 )
 def diagnose(
     logs: list[Path] = logs("Logs to search in."),

@@ -5,48 +5,89 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import typer
 
 from calib.base.errors import AnswerError, BrakeCalError
 from calib.base.program import PROGRAM
-from cli import tables, vehicles
-from cli.check import check
-from cli.command import Quiet, Verbose, add, group
+from cli.command import Quiet, Verbose, group
 from cli.console import begin, complain, emit_json, say, this_run
-from cli.demo import demo
-from cli.diagnose import Greedy, diagnose
-from cli.fit import fit
-from cli.log import log
-from cli.machine import doctor, qualify
-from cli.many import batch, fleet, watch
-from cli.maps import map_
-from cli.plot import plot
-from cli.reference import effects, manual, schema, settings
-from cli.repeatability import repeatability
-from cli.simulate import simulate
-from cli.station import limits, station
-from cli.validate import validate
+from cli.group import Row
+from cli.lazy import LazyGroup
 
 UsageError: Any = typer.BadParameter.__base__
 """What typer raises for a wrong command line; it exports only the one for a wrong value."""
+
+SUBJECTS = {
+    "One car": {
+        "check": "Say for what each log can be used",
+        "fit": "Make the look-up table of a car from ramped brakings",
+        "validate": "Run the estimator with a table on other logs, and judge what an ECU makes of "
+        "it",
+        "plot": "Draw tables, logs and results",
+    },
+    "Tables": {"tables": "Look at tables, release or reject them, hand them out"},
+    "The line": {
+        "station": "Fit, validate and judge one car at the end of the line",
+        "limits": "Write a file of all limits, ready to be edited",
+        "repeatability": "Judge the calibration as a gauge, from repeated ramps",
+        "batch": "Run one command on many logs, one row per log",
+        "watch": "Process each log that appears in a folder, until stopped",
+        "fleet": "Show what stands apart in a batch, or the last cars of a station",
+    },
+    "Where model and car disagree": {
+        "diagnose": "Name the effect that the model of a car lacks",
+        "simulate": "Drive a model of a car by the pressure of a log",
+        "effects": "List the effects that a model can have",
+    },
+    "Files and settings": {
+        "log": "Show, draw, cut or convert logs",
+        "map": "Propose a channel map for a log of foreign names",
+        "settings": "Show each setting, its value and where it comes from",
+        "schema": "Print the JSON Schema of a file or a document",
+        "vehicle": "Vehicle files: write one, judge one, see what follows",
+    },
+    "Help": {
+        "demo": "Try the program on the sample logs, in about fifteen seconds",
+        "manual": "Show the pages of the manual, or one of them",
+        "doctor": "Say whether the program can work on this machine",
+        "qualify": "Try the program on this machine against known truths",
+    },
+}
+"""Summary of every command by subject: the first sentence of its help, which imports it."""
+
+PLACES = {
+    "tables": "tables:app",
+    "limits": "station:limits",
+    **{name: f"many:{name}" for name in ("batch", "watch", "fleet")},
+    **{name: f"reference:{name}" for name in ("effects", "settings", "schema", "manual")},
+    "map": "maps:map_",
+    "vehicle": "vehicles:app",
+    **{name: f"machine:{name}" for name in ("doctor", "qualify")},
+}
+"""Where a command is, if not under its name in a file of its name."""
+
+
+class Commands(LazyGroup):
+    """The commands of the program."""
+
+    places: ClassVar = {
+        Row(subject, name, summary): f"cli.{PLACES.get(name, f'{name}:{name}')}"
+        for subject, names in SUBJECTS.items()
+        for name, summary in names.items()
+    }
+
 
 app = group(
     "brake-cal",
     "Calibrate and validate a brake-torque estimator from one ramped braking run.",
     "brake-cal demo",
     "brake-cal tables list",
+    cls=Commands,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-add(app, "One car", check, fit, validate, plot)
-add(app, "Tables", tables.app)
-add(app, "The line", station, limits, repeatability, batch, watch, fleet)
-add(app, "Where model and car disagree", diagnose, cls=Greedy)
-add(app, "Where model and car disagree", simulate, effects)
-add(app, "Files and settings", vehicles.app, log, map_, settings, schema)
-add(app, "Help", demo, manual, doctor, qualify)
 
 
 def _print_version(wanted: bool) -> None:
