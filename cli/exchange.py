@@ -10,9 +10,13 @@ from cli.outputs import EITHER, check_file, check_folder, refuse_foreign, writin
 from cli.sign import Signed
 
 if TYPE_CHECKING:
-    from calib.ecu.fmu import Content, Version
+    from calib.ecu.code import WrittenCode
+    from calib.exports.export import Exported
     from calib.store.version import Stored
-    from calib.table.exported import Precision
+
+EXPORT_OPTIONS = (
+    "--format, --points, --fixed-point, --float, --sample-time, --prefix, --elf, --without-effect"
+)
 
 
 @command(
@@ -49,109 +53,54 @@ def export(
     such as discs that fade, only --without-effect. Every file states the table's id, digest and
     state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
-    from dataclasses import replace
-
     from calib.base.errors import ExchangeError
-    from calib.exports.export import CODES, require_handed_out
+    from calib.ecu.code import FOLDER, write_code
+    from calib.exports.export import CODES
     from calib.exports.export import export as write
     from calib.store.evidence import UNPROVED, read_quality
+    from calib.table.exported import Precision
 
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
-    quality = read_quality(validation, stored) if validation else UNPROVED
-    if form and form.lower() in CODES:
-        from calib.ecu.car_source import require_time
-        from calib.table.exported import Precision
-
-        require_handed_out(stored, without_effect, unreleased=unreleased)
-        left = stored.table.vehicle.effects.without(*without_effect)
-        car = replace(stored.table.vehicle, effects=left)
-        stored = replace(stored, table=replace(stored.table, vehicle=car))
-        with at_option("--points, --fixed-point, --float", ExchangeError):
-            how = Precision(points, bits, single)
-        step = 0.01 if sample_time is None else sample_time
-        with at_option("--sample-time", ExchangeError):
-            require_time(step)
-        if form.lower() == "ecu":
-            return _code(stored, out, how, step, prefix, quality=quality, elf=elf)
-        if elf or prefix is not None or validation:
-            raise misuse("not for an FMU", "--elf, --prefix, --validation")
-        return _fmu(stored, out, how, step, form.lower())
-    if sample_time is not None:
-        raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
-    check_file(out)
-    digest = stored.digest.encode()
-    refuse_foreign(out, lambda data: digest in data)
-    asked: dict[str, Any] = {"points": points, "bits": bits, "single": single, "elf": elf}
-    asked |= {"prefix": prefix, "unreleased": unreleased, "without_effects": without_effect}
-    options = "--format, --points, --fixed-point, --float, --elf, --without-effect"
-    with at_option(options, ExchangeError), writing(out):
-        written = write(stored, out, form, quality=quality, **asked)
-    for axis in written.data.axes:
-        if axis.reduced:
-            say(f"{axis.label}: {axis.placed}")
-    for row in written.rounded:
-        if row["read_error"] is not None:
-            say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
-    for remark in written.remarks:
-        say(remark)
+    kind = (form or "").lower()
+    with at_option("--prefix", ExchangeError):
+        _check_out(out, stored, prefix, kind == FOLDER)
+    asked: dict[str, Any] = {
+        "prefix": prefix,
+        "elf": elf,
+        "quality": read_quality(validation, stored) if validation else UNPROVED,
+        "without_effects": without_effect,
+        "unreleased": unreleased,
+    }
+    written: WrittenCode | Exported
+    with at_option(EXPORT_OPTIONS, ExchangeError), writing(out):
+        how, step = Precision(points, bits, single), 0.01 if sample_time is None else sample_time
+        if kind in CODES:
+            written = write_code(stored, out, kind, how, step, **asked)
+        elif sample_time is not None:
+            raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
+        else:
+            asked |= {"points": points, "bits": bits, "single": single}
+            written = write(stored, out, form, **asked)
+    for note in written.notes:
+        say(note)
     return Answer(written.to_dict(), repr(written))
 
 
-def _code(
-    stored: "Stored", out: Path, how: "Precision", step: float, prefix: str | None, **more: Any
-) -> Answer:
-    """Write the estimator as C, with the numbers of a table, to a folder."""
-    from calib.base.errors import ExchangeError
-    from calib.ecu.bundle import OURS, names, require_prefix, write_bundle
-    from calib.ecu.car_source import PREFIX, axes_of, code_grids
+def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) -> None:
+    """Refuse a place that holds what is not an export of this version."""
+    from calib.ecu.bundle import OURS
+    from calib.ecu.code import files_of
 
-    first = PREFIX if prefix is None else prefix
-    with at_option("--prefix", ExchangeError):
-        require_prefix(first)
-    check_folder(out, names(first))
-    refuse_foreign(out / "README.md", lambda data: stored.digest.encode() in data)
-    for name in names(first):
+    digest = stored.digest.encode()
+    if not folder:
+        check_file(out)
+        refuse_foreign(out, lambda data: digest in data)
+        return
+    check_folder(out, files_of(prefix))
+    refuse_foreign(out / "README.md", lambda data: digest in data)
+    for name in files_of(prefix):
         refuse_foreign(out / name, lambda data: OURS in data)
-    with at_option("--points, --fixed-point, --float, --elf", ExchangeError), writing(out):
-        files = write_bundle(stored, out, how, step, first, **more)
-    for axis in axes_of(code_grids(stored.table, first, how)):
-        if axis.reduced:
-            say(f"{axis.label}: {axis.placed}")
-    return _coded(stored, out, "ecu", how, step, files)
-
-
-def _fmu(stored: "Stored", out: Path, how: "Precision", step: float, form: str) -> Answer:
-    """Write the same code, or the simulated car, as an FMU."""
-    from calib.ecu.fmu import write_fmu
-
-    check_file(out)
-    refuse_foreign(out, lambda data: stored.digest.encode() in data)
-    version: Version = 2 if form.endswith("2") else 3
-    content: Content = "car" if form.startswith("car") else "estimator"
-    with writing(out):
-        write_fmu(stored, out, how, step, version, content)
-    return _coded(stored, out, form, how, step, [out])
-
-
-def _coded(
-    stored: "Stored", out: Path, form: str, how: "Precision", step: float, files: list[Path]
-) -> Answer:
-    from calib.base.plain import counted
-    from calib.ecu.car_source import cell
-
-    document = {
-        "table": stored.id,
-        "digest": stored.digest,
-        "version": stored.version,
-        "format": form,
-        "out": out,
-        "files": [path.name for path in files],
-        "float": how.floating,
-        "cell": cell(how),
-        "sample_time": step,
-    }
-    return Answer(document, f"{out}: {stored.id} as {form}, {counted(len(files), 'file')}")
 
 
 @command("brake-cal tables compare sedan.dcm")

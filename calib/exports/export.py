@@ -59,6 +59,17 @@ class Exported:
         return self.data.addresses.remarks if FORMATS[self.form].addressed else ()
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the file should know: reduced axes, rounding, the ECU's memory."""
+        reduced = (f"{axis.label}: {axis.placed}" for axis in self.data.axes if axis.reduced)
+        read = (row for row in self.rounded if row["read_error"] is not None)
+        errors = (
+            f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}"
+            for row in read
+        )
+        return (*reduced, *errors, *self.remarks)
+
+    @property
     def rounded(self) -> list[dict[str, Any]]:
         """Each object of a fixed point: its step, and the errors of rounding and of reading."""
         return [
