@@ -1,7 +1,7 @@
 """One metric of a fleet in the order of the line.
 
-Logs are points, over their median, the range of 90 % and the limits beyond which one more is named;
-where the level changes, both levels, 3 sigma of a steady line and the alarms of the run rules. Logs
+Logs are points, over their median and the range of 90 %; where the level changes, both levels,
+3 sigma of a steady line and the alarms of the run rules. Logs
 that stand apart have their names; one that is beyond the axis is at its end.
 """
 
@@ -11,12 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from calib.base.plain import plain
-from calib.line.fleet.summary import Look, Summary, in_words
+from calib.line.fleet.summary import Look, Summary
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, DASHED, DOTTED, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text
+from calib.show.style import BODY, DASHED, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text
 
-_EDGE: Stroke = {"color": REAR["color"], "linestyle": DOTTED, "linewidth": 1.4}
 _APART: Stroke = {"color": REAR["color"], "marker": "D", "linestyle": "", "ms": 5.0, "zorder": 5}
 _DOT: Stroke = {"color": NOMINAL["color"], "marker": ".", "linestyle": "", "ms": 4.5}
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
@@ -28,9 +27,8 @@ _LINE = 32
 _NAMED, _LETTERS = 8, 9
 """Logs that are named: all of so few, else those that stand apart, the farthest first; and letters
 in a line of a name below the axis."""
-_TAIL, _WIDEST, _FEWEST = 6.0, 20.0, 10
-"""Range of the axis about the median, in scales, of so many values; it grows to the second one
-where the limits beyond which a log is named are wider."""
+_TAIL, _FEWEST = 6.0, 10
+"""Range of the axis about the median, in scales, of so many values."""
 
 
 def sheet(found: Summary, look: Look) -> Sheet:
@@ -48,7 +46,6 @@ def _in_order(found: Summary, look: Look) -> Panel:
     lines = [
         Line(x, y, {**_DOT, "alpha": 1.0 if few else 0.5}),
         Line(whole, [k * look.spread.median] * 2, _THIN, f"median, {share}", (low, high)),
-        *_edges(look, k, whole),
         *(_drift(look, k, x, y, whole) if look.drifts else ()),
     ]
     if (at := look.outlying).any():
@@ -97,29 +94,12 @@ def _stem(log: str) -> str:
     return as_text(Path(log).stem)
 
 
-def _edges(look: Look, k: float, whole: tuple[float, float]) -> list[Line]:
-    """Limits beyond which a log is named, where in view; the first with its label."""
-    low, high = window(look)
-    edges = [edge for edge in look.spread.edges or () if low <= edge <= high]
-    places = int(np.clip(2 - np.floor(np.log10(k * (high - low))), 0, 10))
-    told = in_words(look.spread.edges or (np.nan, np.nan), lambda x: f"{k * x:.{places}f}")
-    labels = [f"apart {told}", ""]
-    return [
-        Line(whole, [k * edge] * 2, _EDGE, label)
-        for edge, label in zip(edges, labels, strict=False)
-    ]
-
-
 def window(look: Look) -> tuple[float, float]:
-    """Range of the axis: all values, but at most `_TAIL` scales from the median, and the limits."""
+    """Range of the axis: all values, but at most `_TAIL` scales from the median."""
     low, high = float(np.min(look.values)), float(np.max(look.values))
     spread = look.spread
     if spread.scale > 0.0 and look.values.size >= _FEWEST:
         reach = max(_TAIL * spread.scale, 3.5 * look.chart.sigma if look.chart else 0.0)
         low, high = max(low, spread.median - reach), min(high, spread.median + reach)
-    for edge in spread.edges or ():
-        away = edge - spread.median
-        if abs(away) <= _WIDEST * spread.scale:  # a mark beyond the limit has room, too
-            low, high = min(low, edge + 0.1 * away), max(high, edge + 0.1 * away)
     alike = high - low <= 1e-9 * max(abs(low), abs(high))
     return (low - 0.5, high + 0.5) if alike else (low, high)

@@ -6,7 +6,7 @@ import numpy as np
 
 from calib.base.plain import NBSP, plain
 from calib.line.fleet.document import headline
-from calib.line.fleet.summary import Look, Outlier, Summary, in_words
+from calib.line.fleet.summary import Look, Outlier, Summary
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
 from calib.show.numbers import number
@@ -15,13 +15,11 @@ _FIRST = 5
 """Number of logs that stand apart in the head of the answer."""
 _NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
-_HEADS = (
-    *("metric", "logs", "median", "90 % of the logs", "one more is named", "stand apart", "drift"),
-)
+_HEADS = (*("metric", "logs", "median", "90 % of the logs", "stand apart", "drift"),)
 
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
 _MARKS = (
-    "Dotted: one more log beyond it is named for this metric. Dashed: three sigma from log to log. "
+    "Dashed: three sigma from log to log. "
     "Marked: a Western Electric rule is broken, which shows where to look and proves nothing.",
 )
 
@@ -136,7 +134,7 @@ def _kind(found: Summary) -> str:
 
 
 def _row(found: Summary, look: Look) -> tuple[str, ...]:
-    """One metric: its scatter, beyond what a log is named, and where its level changes."""
+    """One metric: its scatter, the logs that stand apart, and where its level changes."""
     s, shown, c = look.spread, _shown(look), look.change
     low, high = map(shown, look.others)
     judged = bool(np.isfinite(s.z).any())
@@ -149,7 +147,6 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
         str(s.count),
         shown(s.median),
         f"{low} to {high}",
-        (in_words(s.edges, shown) if s.edges else "") or "no limit",
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )

@@ -61,7 +61,6 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
             "by_chance": BY_CHANCE[1] * int(np.isfinite(s.p).sum()),
         },
         "outliers": int(look.outlying.sum()),
-        "named_beyond": s.edges,
         "chart": look.chart
         and {
             "centre": look.chart.centre,

@@ -43,9 +43,6 @@ _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
 """Weight of each of them before any car is seen: of 60 cars with 4 degrees of freedom at most 8 %
 of the fleets name a good one (`tests/line/fleet/test_outliers.py`)."""
 
-_FARTHEST = 1000.0
-"""MADs from the median up to which the edges of a metric are sought."""
-
 
 @dataclass(frozen=True)
 class MetricSpread:
@@ -53,8 +50,7 @@ class MetricSpread:
 
     ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) the normal
     number that is as rare, NaN if the metric is not known or not judged; ``p`` two-sided (n,), NaN
-    likewise; ``quantiles`` 5, 25, 75 and 95 %; ``edges``: a car below the first or above the second
-    is named for this metric alone, None if the metric is not judged.
+    likewise; ``quantiles`` 5, 25, 75 and 95 %.
     """
 
     count: int
@@ -63,7 +59,6 @@ class MetricSpread:
     z: Array
     p: Array
     quantiles: tuple[float, ...]
-    edges: tuple[float, float] | None
 
 
 @dataclass(frozen=True)
@@ -80,11 +75,9 @@ class _Judged:
 
 @dataclass(frozen=True)
 class _Scaled:
-    """A metric in MADs: ``distance`` (k,) of its judged cars ``rows`` from ``centre``."""
+    """The judged cars of a metric, ``rows`` (k,), and their ``distance`` in MADs (k,)."""
 
     rows: Index
-    centre: float
-    mad: float
     distance: Array
 
 
@@ -104,14 +97,9 @@ def judge(values: Array, least: Sequence[float] | None = None) -> _Judged:
     car = np.full(n, np.nan)
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
-    share = SHARE * min(1.0, n / _MANY)
-    cars = named(car, share)
+    cars = named(car, SHARE * min(1.0, n / _MANY))
     limit = max(_REASON, float(car[cars].max())) if cars.any() else 0.0
-    # what the rule asks of the last car that it names, or of the first one
-    last = share * max(int(cars.sum()), 1) / max(int(some.sum()), 1) / max(together, 1.0)
-    reach = _reach(weights, last)
-    edges = {i: (x.centre - reach * x.mad, x.centre + reach * x.mad) for i, x in judged.items()}
-    spreads = tuple(_spread(values[i], p[i], edges.get(i)) for i in range(m))
+    spreads = tuple(_spread(values[i], p[i]) for i in range(m))
     return _Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car)
 
 
@@ -163,8 +151,7 @@ def _scaled(values: Array, least: float) -> _Scaled | None:
             rows, away = rows[others], away[others]
         elif least <= 0.0:
             return None
-    mad = max(float(np.median(away)), least)
-    return _Scaled(rows, centre, mad, away / mad)
+    return _Scaled(rows, away / max(float(np.median(away)), least))
 
 
 def _tails(distances: list[Array], together: float) -> Array:
@@ -188,21 +175,14 @@ def _two_sided(distance: Array, weights: Array) -> Array:
     return np.asarray(2.0 * stdtr(_FREEDOM, -distance[:, None] * _MAD) @ weights)
 
 
-def _reach(weights: Array, limit: float) -> float:
-    """Distance in MADs at which p is ``limit``; infinite past `_FARTHEST`."""
-    far = np.geomspace(0.3, _FARTHEST, 600)
-    rare = np.flatnonzero(_two_sided(far, weights) <= limit)
-    return float(far[rare[0]]) if rare.size else np.inf
-
-
-def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> MetricSpread:
+def _spread(values: Array, p: Array) -> MetricSpread:
     from scipy.special import ndtri
 
     known = values[np.isfinite(values)]
     if known.size == 0:
-        return MetricSpread(0, np.nan, np.nan, p, p, (np.nan,) * 4, None)
+        return MetricSpread(0, np.nan, np.nan, p, p, (np.nan,) * 4)
     median = float(np.median(known))
     scale = float(np.median(np.abs(known - median))) / _MAD[0]
     z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
     quantiles = tuple(map(float, np.quantile(known, [0.05, 0.25, 0.75, 0.95])))
-    return MetricSpread(known.size, median, float(scale), z, p, quantiles, edges)
+    return MetricSpread(known.size, median, float(scale), z, p, quantiles)

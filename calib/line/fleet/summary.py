@@ -2,8 +2,8 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -147,7 +147,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
             m,
             rows[i],
             values[i],
-            _real(m.name, judged.spreads[i]),
+            judged.spreads[i],
             chart(values[i]) if i in changes else None,
             *changes.get(i, (None, False)),
             judged.named[i][rows[i]],
@@ -173,26 +173,6 @@ def _failed(fleet: FleetFile) -> dict[str, str]:
     held = fleet.values("not_held") if known else [None] * len(fleet.logs)
     rows = zip(fleet.logs, fleet.values("status"), held, strict=True)
     return {log: str(why or "") for log, status, why in rows if status == Status.FAILED}
-
-
-def _real(name: str, spread: MetricSpread) -> MetricSpread:
-    """Without edges that no value of the metric can pass."""
-    if spread.edges is None:
-        return spread
-    (low, high), one = spread.edges, plain(name)
-    low = -np.inf if one.least is not None and low <= one.least else low
-    high = np.inf if one.most is not None and high >= one.most else high
-    return replace(spread, edges=(low, high))
-
-
-def in_words(edges: tuple[float, float], shown: Callable[[float], str]) -> str:
-    """Edges as `below 0.31 or above 0.45`; empty if none is finite.
-
-    >>> in_words((-np.inf, 8.0), str)
-    'above 8.0'
-    """
-    sides = zip(("below", "above"), edges, strict=True)
-    return " or ".join(f"{side} {shown(edge)}" for side, edge in sides if np.isfinite(edge))
 
 
 def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:

@@ -44,19 +44,6 @@ def test_statuses_shares_and_errors(found):
     assert failure.count == 3
 
 
-def test_no_limit_is_where_no_value_can_be(tmp_path):
-    """So few logs have wide limits: below 0 there is nothing that could be named."""
-    import pyarrow as pa
-
-    values = [0.9, 1.2, 1.0, 0.8, 1.1, 1.3, 0.7, 1.0, 0.9, 1.1, 1.2, 0.8]
-    names = ("residual_eta_rms_sigma", "own")
-    extra = {name: (values, pa.float64(), "1") for name in names}
-    found = summarise(open_fleet(results(tmp_path / "r.parquet", len(values), extra=extra)))
-    real, own = (look(found, name) for name in names)
-    assert own.spread.edges[0] < 0.0
-    assert real.spread.edges == (-np.inf, pytest.approx(own.spread.edges[1], rel=0.05))
-
-
 def test_drift_is_tested_where_a_plain_step_would_be_found(tmp_path):
     import pyarrow as pa
 
