@@ -85,8 +85,7 @@ def station(
         raise misuse("a hold-out named table takes the export's place; rename it")
     check_folder(out, outputs_of(stems, forms))
     with _telling_refusals(out, identity, [*ramps, *coast, *holdouts]):
-        file = this_run().file("vehicle")
-        reference = golden_table(store, golden, vehicle, file) if golden else None
+        reference = golden_table(store, golden) if golden else None
         if golden and reference:
             signed.check(golden, reference)
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"

@@ -82,7 +82,3 @@ def test_a_bar_is_drawn_on_a_terminal_that_can_show_one(tmp_path, environment, b
     assert json.loads(out)["logs"] == len([*SEDAN.glob("*.csv")])
     assert ("\u2501" in seen) == bar
     assert bool(re.search(r"\x1b\[[\d;]*3[0-9]m", seen)) == colour
-
-
-def test_a_page_is_printed_as_it_was_written(brake_cal):
-    assert brake_cal("manual", "ramp").out.startswith("# ")

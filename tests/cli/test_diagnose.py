@@ -60,13 +60,6 @@ def test_a_log_that_is_searched_and_held_out_proves_nothing(run, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_without_a_holdout_nothing_can_be_proved(brake_cal, tmp_path):
-    ran = brake_cal("diagnose", *SEARCHED, "--vehicle", VEHICLE, "--out", tmp_path / "found")
-    assert ran.code == 3
-    assert "no hold-out log" in ran.err
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_hold_out_that_is_a_copy_in_another_format_is_refused(brake_cal, run, tmp_path):
     copy = tmp_path / "fresh.csv"
     assert brake_cal("log", SEARCHED[1], "--out", copy).code == 0

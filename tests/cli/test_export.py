@@ -13,11 +13,6 @@ from tests.support.programs import linked, made_elf, needs_gcc
 from tests.support.tables import made_table
 
 
-def test_the_manual_names_every_format(brake_cal):
-    page = brake_cal("manual", "tables").out
-    assert [form for form in FORMATS if f"`{form}`" not in page] == []
-
-
 @pytest.mark.parametrize("form", FORMATS)
 def test_every_format_is_written_and_names_its_table(tables, stored, tmp_path, form):
     out = tmp_path / "out"
@@ -46,12 +41,6 @@ def test_json_says_what_was_written_and_what_it_costs(tables, stored, tmp_path):
     assert document["fixed_point"]["bits"] == 16
     errors = {r["label"]: r for r in document["fixed_point"]["objects"]}
     assert errors["sedan_eta"]["error"] <= errors["sedan_eta"]["step"] / 2
-
-
-def test_the_ending_names_the_format_and_folders_are_made(tables, tmp_path):
-    out = tmp_path / "ecu" / "new" / "sedan.dcm"
-    assert tables("export", "sedan", "--out", out).code == 0
-    assert out.read_text().startswith("* ") or "KONSERVIERUNG_FORMAT" in out.read_text()
 
 
 @pytest.mark.parametrize(
@@ -89,21 +78,6 @@ def test_a_verdict_becomes_the_state(tables, tmp_path):
     assert ran.code == 3
     assert "is of wagon@1" in ran.err
     assert not (tmp_path / "b").exists()
-
-
-def test_a_version_may_be_written_again(tables, tmp_path):
-    for name in ("cdfx", "CDFX"):
-        assert tables("export", "sedan", "--format", name, "--out", tmp_path / "a").code == 0
-
-
-def test_an_a2l_without_a_program_has_no_addresses_and_says_so(tables, tmp_path):
-    out = tmp_path / "a.a2l"
-    ran = tables("export", "sedan", "--format", "a2l", "--out", out)
-    assert (ran.code, "all addresses are 0" in ran.err) == (0, True)
-    assert "all addresses are 0" in out.read_text()
-    assert re.findall(r"VALUE 0x(?!00000000)", out.read_text()) == []
-    ran = tables("export", "sedan", "--format", "a2l", "--out", out, "--json")
-    assert "all addresses are 0" in json.loads(ran.out)["remarks"][0]
 
 
 @needs_gcc

@@ -19,13 +19,6 @@ def document():
     return lambda ran: json.loads(ran.out)
 
 
-def test_view_lists_columns_and_events(brake_cal):
-    ran = brake_cal("log", RAMP)
-    assert ran.code == 0
-    for text in ("p_mc", "rad/s", "rate", "[Hz]", "lead-in", "bite", "braking", "200"):
-        assert text in ran.out
-
-
 def test_view_prints_one_document(brake_cal, document):
     found = document(brake_cal("log", RAMP, COAST, "--json"))
     ramp, coast = found["logs"]
@@ -77,16 +70,3 @@ def test_convert_goes_round_all_formats(brake_cal, tmp_path):
     for a, b in zip(ours.columns, theirs.columns, strict=True):
         assert (a.name, a.unit) == (b.name, b.unit)
         np.testing.assert_array_equal(a.values, b.values)
-
-
-def test_another_log_is_replaced_with_force_only(brake_cal, tmp_path):
-    out = tmp_path / "coast.csv"
-    assert brake_cal("log", COAST, "--out", out).code == 0
-    made = out.read_bytes()
-    assert brake_cal("log", COAST, "--until", 3, "--out", out).code == 2
-    assert out.read_bytes() == made
-
-
-def test_what_cannot_be_written_is_a_usage_error(brake_cal, tmp_path):
-    for arguments in ((COAST, "--out", "x.xlsx"), (COAST, RAMP, "--out", "x.csv")):
-        assert brake_cal("log", *arguments).code == 2

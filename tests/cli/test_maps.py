@@ -62,23 +62,6 @@ def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
     assert pressure["high"] == pytest.approx(16.67e5, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code"),
-    [(("--take", "p_mc"), 2), (("--take", "p_cm=x"), 3), (("--radius", "31"), 2)],
-)
-def test_slips(brake_cal, foreign, arguments, code):
-    assert brake_cal("map", foreign, *arguments).code == code
-
-
-def test_a_log_without_any_channel_gets_no_map(brake_cal, tmp_path):
-    path = tmp_path / "run.csv"
-    rows = "\n".join(f"{i},{i % 7}" for i in range(100))
-    path.write_text(f"time [s],humidity [%]\n{rows}\n")
-    ran = brake_cal("map", path, "--take", "time=")
-    assert (ran.code, ran.result) == (3, "")
-    assert "no column is" in ran.err
-
-
 def test_the_map_of_a_bus_log_is_usable_at_once(brake_cal, tmp_path):
     """With the DBC of the map that it was opened with, from another folder, too."""
     (tmp_path / "bus").mkdir()
@@ -127,16 +110,6 @@ def test_of_two_columns_of_one_name_the_unit_chooses(brake_cal, tmp_path):
     brake_cal("map", log, "--take", "time=Time [s]", "--out", out)
     assert tomllib.loads(out.read_text())["channels"]["time"]["source"] == "Time [s]"
     assert brake_cal("log", log, "--map", out).code == 0
-
-
-@pytest.mark.parametrize("take", [(), ("--take", "time=Uhrzeit [s]")])
-def test_a_map_that_cannot_be_read_with_is_not_written(brake_cal, tmp_path, take):
-    log = with_time(tmp_path, "Uhrzeit", lambda t: f"10:00:{int(t):02d}")
-    out = tmp_path / "map.toml"
-    ran = brake_cal("map", log, *take, "--out", out)
-    assert (ran.code, out.exists()) == (3, False)
-    assert "Uhrzeit" in ran.err
-    assert "(sure" not in ran.err
 
 
 def test_a_clock_time_is_the_time(brake_cal, tmp_path):

@@ -57,40 +57,6 @@ def test_the_ending_names_the_format_and_the_bytes_are_the_same_again(plot, name
     assert Path(name).read_bytes() == first
 
 
-def test_a_parent_shows_what_the_ramp_measured(plot):
-    ran = plot("sedan-2up", RAMP, "--figure", "forces", "--json")
-    (sheet,) = json.loads(ran.out)["sheets"]
-    assert sheet["kind"] == "table"
-    assert "forces" in sheet["figures"]
-    assert files() == ["sedan-2up@1-forces.png"]
-
-
-def test_another_log_is_drawn_as_a_stop(plot):
-    ran = plot("sedan-2up", STOP, "--json")
-    document = json.loads(ran.out)
-    assert document["files"] == ["basalt_wet_pads.png"]
-    assert document["schema"] == 1
-    (sheet,) = document["sheets"]
-    assert (sheet["kind"], sheet["name"]) == ("stop", "basalt_wet_pads")
-
-
-def test_a_simulation_with_the_wrong_vehicle(plot):
-    run = LOGS / "simulation_study" / "stop_noisy.parquet"
-    ran = plot("sedan-2up", run, "--vehicle", WRONG, "--json", "--figure", "pads")
-    assert json.loads(ran.out)["sheets"][0]["kind"] == "simulation"
-
-
-def test_two_tables_are_compared(plot):
-    assert plot("sedan@1", "sedan@2", "--figure", "pads").code == 0
-    assert files() == ["sedan@1_sedan@2-pads.png"]
-
-
-def test_a_log_needs_no_store(brake_cal, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert brake_cal("plot", STOP, "--figure", "slip").code == 0
-    assert files() == ["basalt_wet_pads-slip.png"]
-
-
 def test_a_result_of_validate(plot, brake_cal, tables):
     assert brake_cal("validate", "sedan-2up", STOP, "--store", tables, "--out", "r").code in (0, 1)
     ran = plot("r/basalt_wet_pads.parquet", "--figure", "normalised-forces", "--json")
@@ -125,18 +91,6 @@ def test_the_help_names_every_panel(plot, brake_cal):
         assert {*sheet["figures"]} - {*read_log(STOP).channels} <= {*re.findall(r"[\w-]+", told)}
 
 
-def test_one_figure(plot):
-    assert plot("sedan@1", "--figure", "f1-f2").out == "sedan@1-f1-f2.png\n"
-    assert plot("sedan@1", "--figure", "tyre", "--out", "t.png").out == "t.png\n"
-
-
-def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
-    ran = plot("sedan@1", "--figure", "f3")
-    assert (ran.code, ran.result) == (2, "")
-    assert "known: f1-f2, tyre" in ran.err
-    assert files() == []
-
-
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [
@@ -151,19 +105,6 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
 def test_what_cannot_be_drawn_leaves_nothing(plot, arguments, code):
     ran = plot(*arguments)
     assert (ran.code, ran.result) == (code, "")
-    assert files() == []
-
-
-def test_a_log_that_the_estimator_refuses_leaves_nothing(plot, tmp_path):
-    from calib.logs.log import Log
-    from calib.logs.write import write_csv
-
-    whole = read_log(STOP)
-    braked = {name: x[400:] for name, x in whole.channels.items()}  # without its lead-in
-    write_csv(Log("late", "late", "", braked), tmp_path / "late.csv")
-    ran = plot("sedan-2up", STOP, tmp_path / "late.csv")
-    assert (ran.code, ran.result) == (3, "")
-    assert "late.csv" in ran.err
     assert files() == []
 
 

@@ -35,20 +35,6 @@ def of(ran):
     return json.loads(ran.out)["settings"]
 
 
-def test_without_a_file_it_says_where_it_looked(project, brake_cal, tmp_path, monkeypatch):
-    monkeypatch.setenv("LOGNAME", "ada")
-    ran = brake_cal("settings")
-    assert ran.code == 0
-    assert f"no {NAME} in {tmp_path / 'sub'}, {tmp_path}, " in ran.err
-    found = json.loads(brake_cal("settings", "--json").out)
-    assert found["file"] is None
-    assert found["searched"][:2] == [str(tmp_path / "sub"), str(tmp_path)]
-    assert found["settings"]["store"] == {"value": "tables", "source": "built-in"}
-    assert found["settings"]["vehicle"] == {"value": None, "source": "built-in"}
-    assert found["settings"]["require_signed"] == {"value": False, "source": "built-in"}
-    assert found["settings"]["by"] == {"value": "ada", "source": "environment"}
-
-
 def test_each_setting_says_where_it_comes_from(project, brake_cal):
     project('vehicle = "car.toml"\nby = "Bea"\n[station]\nexport = ["dcm", "json"]\n')
     ran = brake_cal("settings", "--json")
@@ -58,28 +44,9 @@ def test_each_setting_says_where_it_comes_from(project, brake_cal):
     assert found["station.export"] == {"value": ["dcm", "json"], "source": source}
     assert found["by"] == {"value": "Bea", "source": source}
     assert found["store"]["source"] == "built-in"
-    rows = [line.split() for line in brake_cal("settings").out.splitlines()]
-    assert ["vehicle", "../car.toml", source] in rows
-    assert ["station.export", "dcm,", "json", source] in rows
-    assert ["require_signed", "false", "built-in"] in rows
 
 
-def test_the_environment_names_another_file_or_none(project, brake_cal, tmp_path, monkeypatch):
-    project('store = "a"\n')
-    (tmp_path / "other.toml").write_text('schema = 1\nstore = "b"\n')
-    monkeypatch.setenv(VARIABLE, str(tmp_path / "other.toml"))
-    assert of(brake_cal("settings", "--json"))["store"]["value"] == "../b"
-    monkeypatch.setenv(VARIABLE, "")
-    ran = brake_cal("settings", "--json")
-    assert of(ran)["store"] == {"value": "tables", "source": "built-in"}
-    assert VARIABLE in brake_cal("settings").err
-    monkeypatch.setenv(VARIABLE, "none.toml")
-    ran = brake_cal("settings")
-    assert ran.code == 3
-    assert "none.toml: no such file" in ran.err
-
-
-@pytest.mark.parametrize("command", [("settings",), ("fit", RAMP), ("tables", "list")])
+@pytest.mark.parametrize("command", [("settings",), ("tables", "list")])
 def test_a_wrong_file_ends_with_3_and_all_its_errors(project, brake_cal, command):
     project('stoer = "x"\nlimits = 3\n')
     ran = brake_cal(*command)
@@ -114,9 +81,6 @@ def test_an_option_wins(project, brake_cal, tmp_path):
     "command",
     [
         ("fit", RAMP),
-        ("simulate", RAMP, "--out", "sim.csv"),
-        ("diagnose", RAMP, "--out", "found"),
-        ("station", RAMP, STOP, "--out", "car"),
         ("batch", "fit", RAMP, "--out", "many"),
     ],
 )
@@ -136,24 +100,6 @@ def test_simulate_takes_the_vehicle_and_no_map_without_a_log(project, brake_cal)
     ran = brake_cal("simulate", RAMP, "--out", "again.csv")
     assert ran.code == 3
     assert "none.toml" in ran.err
-
-
-def test_check_takes_the_map(project, brake_cal, tmp_path):
-    project('map = "map.toml"\n')
-    text = RAMP.read_text()
-    Path("log.csv").write_text(text.replace("p_mc [bar]", "brake [bar]", 1))
-    assert "brake" in Path("log.csv").read_text().splitlines()[0]
-    (tmp_path / "map.toml").write_text('schema = 1\n[channels.p_mc]\nsource = "brake"\n')
-    ran = brake_cal("check", "log.csv")
-    assert ran.code == 0, ran.err
-    assert TOLD in ran.err
-
-
-def test_map_suggest_does_not_take_the_map(project, brake_cal):
-    project('map = "sub/map.toml"\n')  # which it is about to write
-    ran = brake_cal("map", RAMP, "--out", "map.toml")
-    assert ran.code == 0, ran.err
-    assert Path("map.toml").is_file()
 
 
 def test_validate_takes_the_limits_and_not_the_vehicle(project, brake_cal, tmp_path):
@@ -187,8 +133,3 @@ def test_station_takes_its_section(project, brake_cal, tmp_path):
     assert ran.code == 0, ran.err
     assert json.loads(Path("car/station.json").read_text())["identity"]["station"] == "9"
     assert {p.name for p in Path("car").glob("table.*")} == {"table.json"}
-
-
-def test_help_needs_no_settings(project, brake_cal):
-    project("[")
-    assert brake_cal("fit", "--help").code == 0

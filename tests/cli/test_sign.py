@@ -2,7 +2,6 @@
 
 import io
 import json
-import re
 import sys
 
 import pytest
@@ -87,12 +86,6 @@ def test_what_cannot_be_signed(tables, secret, store, reference):
     assert not list(store.rglob("*.minisig"))
 
 
-def test_a_public_key_signs_nothing(tables, public):
-    ran = tables("sign", "sedan@1", "--key", public)
-    assert ran.code == 3
-    assert "secret key" in ran.err
-
-
 def test_verify_with_a_key(tables, signed, two, public, document):
     ran = tables("verify", "--key", public)
     assert ran.code == 0
@@ -103,19 +96,6 @@ def test_verify_with_a_key(tables, signed, two, public, document):
     assert ADA.public.key_id in ran.out
     assert EVE.public.key_id in ran.out
     assert tables("verify", "--key", "no.pub").code == 3
-
-
-def test_list_and_show_say_signed_or_not(tables, signed, two, document):
-    assert "released" in tables("list").out
-    assert tables("list").out.count("signed") == 1
-    rows = document(tables("list", "--json"))["tables"]
-    assert [row["keys"] for row in rows] == [[ADA.public.key_id], [], []]
-    assert (
-        f"by key {ADA.public.key_id}; `tables verify --key` checks it"
-        in tables("show", "sedan@1", "-v").out
-    )
-    assert re.search(r"^signed +no$", tables("show", "sedan@2", "-v").out, re.M)
-    assert document(tables("show", "sedan@1", "--json"))["keys"] == [ADA.public.key_id]
 
 
 USES = {
@@ -156,19 +136,6 @@ def test_require_signed_goes_on_with_what_is_signed(use, signed, public, name):
     ran = use(name, "--require-signed", "--key", public)
     assert f"sedan@1 is signed as released by key {ADA.public.key_id}\n" in ran.err
     assert ran.code == (0 if name == "export" else 3)
-
-
-@pytest.mark.parametrize("options", [("--require-signed",), ("--key", ADA.public.text)])
-def test_one_option_without_the_other_is_a_usage_error(use, signed, options):
-    assert use("export", *options).code == 2
-
-
-def test_what_cannot_be_kept_is_a_note(use, signed, seen, public):
-    seen.unlink()
-    seen.mkdir()  # in the way
-    ran = use("export", "--require-signed", "--key", public)
-    assert ran.code == 0
-    assert "an older copy of the store will not be noticed" in ran.err
 
 
 def test_a_bare_name_is_not_an_older_version(tables, signed, two, secret, public, tmp_path):

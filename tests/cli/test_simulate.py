@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from calib.base.errors import BrakeCalError
 from calib.logs.read import read_log
 from cli.main import app
 
@@ -34,20 +33,6 @@ def test_a_log_is_replayed_on_its_own_clock(tmp_path):
     assert noise.std() < 0.16e5
     assert "true_Tb_fl" in sim.truth
     assert list(tmp_path.iterdir()) == [out]
-
-
-def test_json_is_one_document_on_stdout(tmp_path):
-    out = tmp_path / "sim.csv"
-    result = run("--manoeuvre", "step", "--speed", "72 km/h", "--pressure", "2 MPa", "--rate", 100,
-                 "--vehicle", VEHICLE, "--out", out, "--json")  # fmt: skip
-    document = json.loads(result.stdout)
-    assert document["schema"] == 1
-    assert document["first_speed"] == pytest.approx(20.0)
-    sim = read_log(out)
-    assert document["samples"] == sim.time.size
-    assert np.max(sim["p_mc"]) == pytest.approx(20e5)
-    assert sim.sample_time == pytest.approx(0.01)
-    assert any("slower than" in note for note in document["notes"])
 
 
 def test_noise_is_repeatable_and_a_model_is_obeyed(tmp_path):
@@ -85,30 +70,6 @@ def test_noise_is_repeatable_and_a_model_is_obeyed(tmp_path):
 def test_usage_errors_end_with_2_and_write_nothing(tmp_path, arguments):
     result = run(*arguments, "--vehicle", VEHICLE, "--out", tmp_path / "sim.csv")
     assert result.exit_code == 2
-    assert not list(tmp_path.iterdir())
-
-
-def test_where_it_cannot_write_is_a_usage_error(tmp_path):
-    log = tmp_path / "log.csv"
-    log.write_bytes((SEDAN / "coast.csv").read_bytes())
-    for out in (tmp_path / "sim.mat", log / "sim.csv", log):
-        result = run(log, "--vehicle", VEHICLE, "--out", out)
-        assert result.exit_code == 2
-    assert log.read_bytes() == (SEDAN / "coast.csv").read_bytes()
-
-
-@pytest.mark.parametrize("bad", ["--vehicle", "--model", "LOG"])
-def test_bad_input_is_an_error_of_the_tree_and_writes_nothing(tmp_path, bad):
-    missing = tmp_path / "missing.csv"
-    arguments = {"--vehicle": VEHICLE, "--out": tmp_path / "sim.csv"}
-    log = SEDAN / "coast.csv"
-    if bad == "LOG":
-        log = missing
-    else:
-        arguments[bad] = missing
-    result = run(log, *(word for pair in arguments.items() for word in pair))
-    assert isinstance(result.exception, BrakeCalError)
-    assert result.exception.exit_code == 3
     assert not list(tmp_path.iterdir())
 
 

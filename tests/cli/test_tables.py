@@ -9,7 +9,7 @@ from calib.exports.write import FORMATS
 from calib.store.store import Store
 from tests.cli.conftest import told
 from tests.support.cars_of_a_line import car_table
-from tests.support.tables import C, made_map, made_table, mapped_table
+from tests.support.tables import C, made_table
 
 
 def test_the_list_has_every_version_and_its_filters(tables, two):
@@ -51,18 +51,6 @@ def test_show_holds_the_whole_table(tables, two):
     assert tables("show", "sedna").code == 2
     (two / "wagon" / "v0001" / "tyre.parquet").unlink()
     assert tables("show", "wagon").code == 4
-
-
-def test_maps_are_shown_and_compared_like_curves(tables, two):
-    Store(two).save(mapped_table())
-    shown = told(tables("show", "sedan@3", "--json"))
-    assert shown["curves"]["map"]["ratio"] == made_map().ratio.tolist()
-    assert len(shown["curves"]["draws"]["peak"]) == 40
-    assert "4 x 5 x 3 cells, z 0.1 to 0.8" in tables("show", "sedan@3", "-v").out
-    found = told(tables("diff", "sedan@1", "sedan@3", "--json"))
-    assert found["apart"] == ["map", "level_map", "draws"]
-    assert told(tables("diff", "sedan@3", "sedan@3", "--json"))["identical"] is True
-    assert "level_map: no common axis" in tables("diff", "sedan@3", "sedan@1").out
 
 
 def test_diff_gives_the_gap_of_the_curves(tables, two):

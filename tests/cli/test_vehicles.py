@@ -43,23 +43,6 @@ def test_the_reference_car_is_written_and_never_replaced_silently(brake_cal, tmp
     assert read_vehicle(file) == read_vehicle(SEDAN)
 
 
-def test_a_good_file_is_plausible(brake_cal, document):
-    ran = brake_cal("vehicle", "check", SEDAN)
-    assert (ran.code, ran.err) == (0, "")
-    found = document(brake_cal("vehicle", "check", SEDAN, "--json"))
-    assert found["vehicles"][0]["plausible"]
-
-
-def test_all_mistakes_of_a_file_are_told_at_once(brake_cal, car):
-    file = car(
-        mass=('"1744 kg"', "1744"), key=("cg_height", "cg_heigth"),
-        unit=('"28.84 cm^2"', '"28.84 mm"'), size=('"130.9 mm"', '"130.9 m"'),
-    )  # fmt: skip
-    ran = brake_cal("vehicle", "check", file)
-    assert ran.code == 3
-    assert len(ran.err.splitlines()) == 5  # and how many they are
-
-
 def test_an_implausible_file_ends_with_1_and_names_the_causes(brake_cal, car):
     file = car(f=("friction_faces = 2", "friction_faces = 1"))
     ran = brake_cal("vehicle", "check", file)

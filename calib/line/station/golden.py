@@ -20,7 +20,6 @@ from calib.base.arrays import Array
 from calib.base.errors import StoreError
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
-from calib.car.vehicle import Vehicle, require_same_car
 from calib.store.mean import (
     COMPLIANCE,
     RATIO,
@@ -39,10 +38,10 @@ _OVERLAP = 0.5
 """Share of the golden table's range of eta that must be common for a distance to mean anything."""
 
 
-def golden_table(store: Store, reference: str, vehicle: Vehicle, where: object = None) -> Stored:
-    """Return the table by which a ``vehicle`` is measured: released, or a draft named by version.
+def golden_table(store: Store, reference: str) -> Stored:
+    """Return the table by which others are measured: released, or a draft named by its version.
 
-    Raises StoreError for another one, VehicleError for one of another car.
+    Raises StoreError for another one, and for one without maps.
     """
     found = store.released(reference)
     if not (found.state.usable and found.state.known):
@@ -52,7 +51,6 @@ def golden_table(store: Store, reference: str, vehicle: Vehicle, where: object =
             expected="a released version",
         )
     require_maps(found.table, found.id)
-    require_same_car(found.table.vehicle, vehicle, where)
     return found
 
 

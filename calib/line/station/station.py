@@ -15,7 +15,7 @@ from calib.base.errors import LogError
 from calib.base.plain import counted, plain
 from calib.base.warning import PlausibilityWarning
 from calib.car.bias import front_share
-from calib.car.vehicle import Vehicle
+from calib.car.vehicle import Vehicle, require_same_car
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.estimation.validate import NONE, Validation, proof_of, validate_one
@@ -192,6 +192,7 @@ def judged_car(
     identity: Identity = NOBODY,
     *,
     mass: float | None = None,
+    golden: Stored | None = None,
     done: Callable[[], None] = lambda: None,
     **told: Any,
 ) -> StationOutcome:
@@ -202,11 +203,15 @@ def judged_car(
     ramps, coasts : logs for the fit; the provenance of the table holds the ``identity``.
     stops : hold-outs of the same car.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``.
+    golden : the table of its model.
     done : called after the fit and after each stop.
     told : further fields of `StationOutcome`.
 
-    Raises LogError for a ramp without braking, a coast with braking, a stop that was fitted.
+    Raises VehicleError for a golden table of another car, LogError for a ramp without braking, a
+    coast with braking, a stop that was fitted.
     """
+    if golden is not None:
+        require_same_car(golden.table.vehicle, vehicle)
     refuse_copies([*ramps, *coasts], stops)
     fitted = fit(vehicle, [*ramps, *coasts], mass)
     _require_roles(fitted, ramps, coasts)
@@ -216,7 +221,9 @@ def judged_car(
     for log in stops:
         results.append(validate_one(table, log, None, of_stops, mass=mass))
         done()
-    return StationOutcome(table, ramps, coasts, stops, tuple(results), limits, identity, **told)
+    return StationOutcome(
+        table, ramps, coasts, stops, tuple(results), limits, identity, golden, **told
+    )
 
 
 def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) -> None:

@@ -153,9 +153,3 @@ def test_a_disk_that_is_full_is_told_and_loses_no_row_that_was_kept(tmp_path):
     assert why.strip()
     with opened(tmp_path) as journal:
         assert journal.logs() == [f"log {i:05d}" for i in range(int(kept))]
-
-
-def test_a_folder_that_cannot_be_written_is_told_as_such(tmp_path):
-    (tmp_path / NAME).mkdir()
-    with pytest.raises(OSError, match="Is a directory"):
-        BatchJournal(tmp_path, SETTINGS)

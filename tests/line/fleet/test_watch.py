@@ -1,7 +1,6 @@
 """A watched folder, with a clock and a bench of the test's own."""
 
 import os
-import sqlite3
 from functools import partial
 from pathlib import Path
 from threading import Event
@@ -12,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.line.fleet.batch import run_batch
-from calib.line.fleet.journal import NAME
 from calib.line.fleet.watch import Settled, watch
 from tests.support.fleet_logs import Here, validating
 
@@ -80,21 +78,6 @@ def test_rows_are_those_of_a_batch(seen, six, fitted, monkeypatch):
     assert counts == batch.counts
     monkeypatch.chdir("..")
     assert pq.read_table(RESULTS).equals(pq.read_table("batch/results.parquet"))
-
-
-def test_a_row_that_a_crash_took_away_is_made_again(seen, six):
-    data = Path(six, "car_00000.csv").read_bytes()
-    seen(dropped("a.csv", data), idle, idle, idle)
-    results = RESULTS.read_bytes()
-    told, done, _, _ = seen(*[idle] * 4)
-    assert (told, done) == ([], ["a.csv"])  # read again after a stop, and its row is there
-    journal = sqlite3.connect(Path("out", NAME))
-    journal.execute("DELETE FROM rows")
-    journal.commit()
-    journal.close()
-    told, *_ = seen(*[idle] * 4)
-    assert [row.log for row in told] == ["a.csv"]
-    assert RESULTS.read_bytes() == results
 
 
 def test_a_log_that_changes_is_done_again_and_one_taken_away_keeps_its_row(seen, six):

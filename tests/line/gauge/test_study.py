@@ -9,7 +9,6 @@ from calib.fitting.fit import fit
 from calib.line.gauge.study import (
     METRICS,
     GaugeReading,
-    known_limits,
     metrics_of,
     read_gauge_limits,
     refuse_repeated,
@@ -78,13 +77,6 @@ def test_cars_that_do_not_differ_show_nothing_of_a_gauge():
     assert wide.passed
     assert wide.results[0].verdict == "good"  # 6 * 0.05 / 4
     assert narrow.results[0].verdict == "bad"  # 6 * 0.05 / 0.4
-
-
-def test_limits_of_one_figure_come_before_the_common_ones():
-    strict = (Limit("grr", None, 0.3), Limit("x_grr", None, 0.001), Limit("ndc", 1.0, None))
-    assert study(readings(), strict).results[0].verdict == "bad"
-    assert study(readings(), (Limit("grr", None, 0.3),)).results[0].verdict == "good"
-    assert {"grr", "ndc", "pad_scale_grr", "f2_ndc", "f2", "grr_of_tolerance"} < known_limits()
 
 
 def test_the_limits_of_the_design_are_told():

@@ -77,9 +77,3 @@ def with_forces(log, share):
 def test_on_a_tyre_that_bends_it_is_the_force_that_differs(share):
     log = with_forces(made_run(ramp(top=30.0), noise=0.0), share)
     assert side_difference(bent(0.024), log, "f") == pytest.approx(share, abs=0.01)
-
-
-def test_beyond_the_end_of_the_tyre_curve_nothing_is_read():
-    log = with_forces(made_run(ramp(top=30.0), noise=0.0), -0.8)
-    assert side_difference(bent(0.008), log, "f") == pytest.approx(-0.8, abs=0.01)
-    assert side_difference(bent(0.004), log, "f") is None

@@ -89,14 +89,6 @@ def test_weak_pads_fail_the_level_of_the_pads_and_nothing_else_of_the_car(file, 
     assert found.verdict == verdict
 
 
-def test_weak_front_pads_are_named_and_within_their_interval():
-    """Tyres, forms and pads imitate each other: of the ratio a ramp tells little."""
-    found = run(with_pads(0.38 / 0.7, 0.38))
-    low, high = np.quantile(found.table.draws.log_pad_ratio, [0.025, 0.975])
-    assert low < np.log(0.7) < high
-    assert "pads_off_file_f" in {w.code for w in found.table.warnings}
-
-
 def test_a_golden_table_of_its_own_lies_close_and_one_of_another_tyre_does_not(good):
     limits = (Limit("golden_distance", None, 0.2, required=True),)
     assert verdicts(good.table, limits)[1] == {"golden_distance": "failed"}  # required, not known
@@ -151,11 +143,3 @@ def test_a_golden_table_of_several_cars_knows_the_sigma_of_its_fleet(good, fleet
         "golden_sigma_level": "failed",
         "golden_sigma_ratio": "passed",
     }
-
-
-def test_a_stop_may_be_called_car(good):
-    results = (replace(good.results[0], log="car"),)
-    found = replace(good, results=results)
-    told = {check.figure: check.stop for check in found.checks}
-    assert (told["pad_scale"], told["valid_share"]) == (None, "car")
-    assert {check.scope for check in found.checks} == {"car"}

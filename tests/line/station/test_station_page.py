@@ -85,13 +85,6 @@ def test_opens_quietly_and_fits_the_screen(browser, page, width, dark):
     assert all(done and wide > 300 and w > 300 and h > 100 for done, wide, w, h in sizes)
 
 
-@needs_browser
-def test_no_table_is_cut(browser, page):
-    opened(browser, page, 360)
-    cut = "[...document.querySelectorAll('.wide')].filter(e => e.scrollWidth > e.clientWidth + 1)"
-    assert ask(browser, f"{cut}.length") == 0
-
-
 CONTRAST = """
 (() => {
   const parts = c => c.match(/[\\d.]+/g).map(Number);
