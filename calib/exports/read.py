@@ -125,17 +125,14 @@ def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Co
     blocks = [b for b in blocks if b.kind != _FUNCTIONS]
     units = _once(path, ((b.name, b.unit) for b in blocks))
     axes = {b.name: b.numbers[_X] for b in blocks if b.kind == _AXIS}
-    curves = [b for b in blocks if b.kind in (_GROUP, _LINE)]
-    maps = [b for b in blocks if b.kind == _MAP]
-    shared = [(b, _X) for b in curves if b.kind == _GROUP]
-    for b, array in [*shared, *((b, array) for b in maps for array in (_X, _Z))]:
-        if axes.get(over := b.over.get(array, "")) != b.numbers[array]:
-            what = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
-            raise _bad(path, what, f"the axis it repeats, as {_AXIS}")
-    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {
-        b.name: (tuple(b.numbers[at] for at in (_Z, _X) if at in b.numbers), b.numbers[_Y])
-        for b in (*curves, *maps)
-    }
+    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
+    for b in (b for b in blocks if b.kind in (_GROUP, _LINE, _MAP)):
+        own = [array for array in (_Z, _X) if array in b.numbers]
+        for array in own if b.kind != _LINE else ():
+            if axes.get(over := b.over.get(array, "")) != b.numbers[array]:
+                what = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
+                raise _bad(path, what, f"the axis it repeats, as {_AXIS}")
+        grids[b.name] = tuple(b.numbers[array] for array in own), b.numbers[_Y]
     scalars = {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}
     return facts, units, Content(axes, scalars, grids)
 

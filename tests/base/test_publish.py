@@ -10,14 +10,9 @@ import pytest
 
 from calib.base.publish import publish, workshop
 from calib.base.write import write_whole
+from tests.support.killed import killed
 
 VERDICT = "verdict.json"
-CHANGES = ("replace", "unlink", "mkdir", "rmdir", "fsync")
-"""Functions of `os` with which a folder is changed."""
-
-
-class Killed(BaseException):
-    """The process is dead: nothing that it does afterwards has an effect."""
 
 
 def old(out):
@@ -55,45 +50,26 @@ def out(tmp_path):
     return out
 
 
-def kill_at(monkeypatch, step):
-    """Let the process die before its change number ``step``; return the list of changes."""
-    done = []
-
-    def dying(function):
-        def change(*given, **named):
-            if len(done) >= step:
-                raise Killed
-            done.append(function.__name__)
-            return function(*given, **named)
-
-        return change
-
-    for name in CHANGES:
-        monkeypatch.setattr(os, name, dying(getattr(os, name)))
-    return done
-
-
 def test_files_of_the_next_run_take_the_place_of_the_earlier_ones(out):
     paths = run(out, "new", "2")
     assert paths[-1] == out / VERDICT
     assert files(out) == {**result_of("new", "2"), "notes": "mine"}
 
 
-def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path, monkeypatch):
-    outcomes = set()
+def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path):
+    outcomes, stopped = set(), True
     for step in range(1000):
         out = tmp_path / str(step)
         run(out, "old", "1")
-        with monkeypatch.context() as dying, suppress(Killed):
-            kill_at(dying, step)
-            run(out, "new", "2")
-            break  # it came to its end before this step
+        stopped = killed(lambda out=out: run(out, "new", "2"), step)
         left = seen(out)
         assert VERDICT not in left or left in (result_of("old", "1"), result_of("new", "2"))
         outcomes.add(left.get(VERDICT))
         run(out, "third", "3")
         assert seen(out).items() >= result_of("third", "3").items()
         assert not [p for p in out.iterdir() if p.name.startswith(".")], step
+        if not stopped:
+            break
     assert step > 20
     assert outcomes == {"1", "2", None}
 
