@@ -1,7 +1,8 @@
 """`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
@@ -13,6 +14,32 @@ if TYPE_CHECKING:
     from calib.ecu.code import WrittenCode
     from calib.exports.export import Exported
     from calib.store.version import Stored
+    from calib.table.exported import Precision
+
+BITS = "In integers of 8, 16 or 32 bits; for c-header, a2l, ecu and FMUs."
+SINGLE = "In single precision; for c-header, a2l, ecu and FMUs."
+
+
+@dataclass(frozen=True)
+class Shape:
+    """How the numbers of a table are handed out."""
+
+    points: Annotated[
+        int | None, option("Breakpoints on each axis, least error; else all rows.", "N")
+    ]
+    bits: Annotated[int | None, option(BITS, "BITS", "--fixed-point")]
+    single: Annotated[bool, option(SINGLE, None, "--float")]
+
+    def precision(self, code: bool = False) -> "Precision | None":
+        """What is asked for, for C ``code`` or not; None for the full table."""
+        from calib.base.errors import ExchangeError
+        from calib.table.exported import Precision
+
+        if (self.points, self.bits, self.single, code) == (None, None, False, False):
+            return None
+        with at_option("--points, --fixed-point, --float", ExchangeError):
+            return Precision(self.points, self.bits, self.single, code)
+
 
 EXPORT_OPTIONS = (
     "--format, --points, --fixed-point, --float, --sample-time, --prefix, --elf, --without-effect"
@@ -33,11 +60,7 @@ def export(
         "--format",
     ),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
-    points: int | None = option("Breakpoints on each axis, least error; else all rows.", "N"),
-    bits: int | None = option(
-        "8, 16 or 32; for c-header, a2l, ecu and FMUs.", "BITS", "--fixed-point"
-    ),
-    single: bool = option("Single precision; for c-header, a2l, ecu and FMUs.", None, "--float"),
+    shape: Shape,
     sample_time: float | None = option("Time from call to call [s], 0.01; for ecu and FMUs.", "S"),
     prefix: str | None = option("Of all labels; the table's name, of code bte.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
@@ -74,14 +97,14 @@ def export(
     }
     written: WrittenCode | Exported
     with at_option(EXPORT_OPTIONS, ExchangeError), writing(out):
-        how, step = Precision(points, bits, single), 0.01 if sample_time is None else sample_time
         if kind in CODES:
+            how = shape.precision() or Precision()
+            step = 0.01 if sample_time is None else sample_time
             written = write_code(stored, out, kind, how, step, **asked)
         elif sample_time is not None:
             raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
         else:
-            asked |= {"points": points, "bits": bits, "single": single}
-            written = write(stored, out, form, **asked)
+            written = write(stored, out, form, **asked, **vars(shape))
     for note in written.notes:
         say(note)
     return Answer(written.to_dict(), repr(written))

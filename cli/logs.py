@@ -1,17 +1,19 @@
 """Logs of the command line: files, and one log from stdin that is written as `-`."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from cli.console import Step, say, this_run
+from cli.console import Step, complain, say, this_run
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.logs.log import Log
     from calib.logs.read import Opened
     from calib.logs.whole import WholeLog
+
+T = TypeVar("T")
 
 NAMED = Path("stdin.csv")
 """What a log from stdin is called in messages and results; it is text."""
@@ -35,6 +37,25 @@ def read_all(
     for i, path in enumerate(paths):
         step(f"reading {path.name}", i, len(paths) + more)
         found.append(read(path, mapping))
+    return found
+
+
+def each(paths: Sequence[Path], work: Callable[[Path], T], step: Step) -> list[T]:
+    """What ``work`` makes of each log; all that are refused are told, and there is no result."""
+    from calib.base.errors import LogError
+
+    found: list[T] = []
+    refused: list[LogError] = []
+    for path in paths:
+        try:
+            found.append(work(path))
+        except LogError as error:
+            refused.append(error)
+        step()
+    for wrong in refused[:-1]:
+        complain(str(wrong))
+    if refused:
+        raise refused[-1]
     return found
 
 

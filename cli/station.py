@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from cli import options
 from cli.command import FAILED, Answer, command
@@ -19,6 +20,17 @@ if TYPE_CHECKING:
     from calib.line.station.identity import Identity
 
 IDENTIFIER = "calib.line.station.identity:identifier"
+NAME = "Name of the station."
+
+
+@dataclass(frozen=True)
+class Who:
+    """What identifies a run at the line, as `calib.line.station.identity.Identity` has it."""
+
+    serial: Annotated[str | None, option("Serial number.", "S", make=IDENTIFIER)]
+    vin: Annotated[str | None, option("Vehicle identification.", "V", make=IDENTIFIER)]
+    station: Annotated[str | None, option(NAME, "NAME", setting="station", make=IDENTIFIER)]
+    rxswin: Annotated[str | None, option("Software identification, UN R156.", "R", make=IDENTIFIER)]
 
 
 @command(
@@ -46,12 +58,7 @@ def station(
         "Release a car with warnings, and say why.", "REASON", make=words
     ),
     by: options.By,
-    serial: str | None = option("Serial number.", "S", make=IDENTIFIER),
-    vin: str | None = option("Vehicle identification.", "V", make=IDENTIFIER),
-    name: str | None = option(
-        "Name of the station.", "NAME", "--station", setting="station", make=IDENTIFIER
-    ),
-    rxswin: str | None = option("Software identification, UN R156.", "R", make=IDENTIFIER),
+    identity: Who,
     mass: options.Mass,
     export: list[str] = option(
         "Export as `tables export`; repeatable.",
@@ -79,12 +86,12 @@ def station(
     from calib.line.station.station import judged_car
     from calib.show.station_page import StationRun, store_and_write
 
-    identity, ramps = Identity(serial, vin, name, rxswin), [ramp, *more]
+    ramps, who = [ramp, *more], Identity(**vars(identity))
     stems, forms = stems_of(holdouts, "HOLDOUT"), [] if signed.public else export
     if "table" in stems:
         raise misuse("a hold-out named table takes the export's place; rename it")
     check_folder(out, outputs_of(stems, forms))
-    with _telling_refusals(out, identity, [*ramps, *coast, *holdouts]):
+    with _telling_refusals(out, who, [*ramps, *coast, *holdouts]):
         reference = golden_table(store, golden) if golden else None
         if golden and reference:
             signed.check(golden, reference)
@@ -99,7 +106,7 @@ def station(
                 coasts,
                 stops,
                 limits,
-                identity,
+                who,
                 mass=mass,
                 done=step,
                 golden=reference,

@@ -1,19 +1,20 @@
 """`brake-cal validate`: the estimator with a table on hold-out logs, its metrics and verdict."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cli import options
 from cli.command import FAILED, Answer, command
-from cli.console import at_option, complain, progress, say, this_run
+from cli.console import at_option, progress, say, this_run
+from cli.exchange import Shape
 from cli.fit import origin
-from cli.logs import named, read
+from cli.logs import each, named, read
 from cli.options import logs, option
 from cli.outputs import check_folder, stems_of, writing
 from cli.sign import Signed
 
 if TYPE_CHECKING:
-    from calib.estimation.validate import Coded, Validation
+    from calib.estimation.validate import Validation
     from calib.logs.log import Log
     from calib.table.exported import Precision
     from calib.table.table import Table
@@ -38,9 +39,7 @@ def validate(
     effect: options.OwnEffects,
     mass: options.Mass,
     limits: options.StopLimits,
-    points: int | None = option("As exported with so many breakpoints on each axis.", "N"),
-    bits: int | None = option("As exported in 8, 16 or 32 bits.", "BITS", "--fixed-point"),
-    single: bool = option("As exported in single precision.", None, "--float"),
+    shape: Shape,
     code: str | None = option(
         "Run the exported code, compiled here; `ecu`.", "ecu", "--as", known=f"{__name__}:CODES"
     ),
@@ -57,7 +56,6 @@ def validate(
     """
     from dataclasses import replace
 
-    from calib.base.errors import ExchangeError, LogError
     from calib.base.plain import counted
     from calib.car.model import with_effects
     from calib.car.model_file import read_model
@@ -67,7 +65,6 @@ def validate(
     from calib.estimation.validate import validate_one
     from calib.run.gates import refuse_copy
     from calib.show.validation import Validated
-    from calib.table.exported import Precision, as_exported
     from calib.table.generation import require_maps
 
     names = named(logs)
@@ -82,33 +79,20 @@ def validate(
     car = with_own(stored.table.vehicle, effect)
     car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
     used = replace(stored.table, vehicle=car)
-    how, exported = None, None
-    if points is not None or bits is not None or single or code:
-        with at_option("--points, --fixed-point, --float", ExchangeError):
-            how = Precision(points, bits, single, code is not None)
-            exported = as_exported(used, how)
-    coded = _coded(used, how) if how and how.code else None
+    how = shape.precision(code is not None)
+    asked: dict[str, Any] = {"mass": mass} | (_exported(used, how) if how else {})
     runs: list[Log] = []
-    results: list[Validation] = []
-    refused: list[LogError] = []
+
+    def one(path: Path) -> "Validation":
+        run = read(path, channel_map)
+        refuse_copy(run, [], runs)
+        found = validate_one(used, run, vehicle, limits, **asked)
+        runs.append(run)
+        return found
+
     told = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
     with progress(told, len(logs)) as step:
-        for path in logs:
-            try:
-                run = read(path, channel_map)
-                refuse_copy(run, [], runs)
-                found = validate_one(
-                    used, run, vehicle, limits, mass=mass, exported=exported, coded=coded
-                )
-                results.append(found)
-                runs.append(run)
-            except LogError as error:
-                refused.append(error)
-            step()
-    for wrong in refused[:-1]:
-        complain(str(wrong))
-    if refused:  # without every log there are no results
-        raise refused[-1]
+        results = each(logs, one, step)
     summary = to_dict(stored, results, how)
     if out is not None:
         with writing(out):
@@ -120,10 +104,19 @@ def validate(
     return Answer(summary, judged, failed, out)
 
 
-def _coded(table: "Table", how: "Precision") -> "Coded":
-    """The exported code of a table, compiled for this machine. Ends with 2 where it cannot be."""
-    from calib.base.errors import ProgramError
-    from calib.ecu.native import coded
+def _exported(table: "Table", how: "Precision") -> dict[str, Any]:
+    """The table as it is exported, and its code compiled for this machine, for `validate_one`.
 
-    with at_option("--as", ProgramError):
-        return coded(table, how)
+    Ends with 2 where a table or a machine has none.
+    """
+    from calib.base.errors import ExchangeError, ProgramError
+    from calib.table.exported import as_exported
+
+    with at_option("--points, --fixed-point, --float", ExchangeError):
+        found: dict[str, Any] = {"exported": as_exported(table, how)}
+    if how.code:
+        from calib.ecu.native import coded
+
+        with at_option("--as", ProgramError):
+            found["coded"] = coded(table, how)
+    return found

@@ -6,13 +6,12 @@ a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the plan's fol
 
 import csv
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from calib.base.bounded import PLAN, bytes_of
 from calib.base.errors import InputError
-from calib.base.toml import did_you_mean
 from calib.fitting.fit import fit
 from calib.line.gauge.study import GaugeReading, metrics_of, refuse_repeated
 from calib.logs.channel_map import ChannelMap
@@ -20,7 +19,9 @@ from calib.logs.read import read_log
 from calib.table.table import LogReference
 
 _COLUMNS = ("log", "car", "station", "road", "vehicle")
-_FILE = f"a CSV file with columns {', '.join(_COLUMNS)}"
+_FILE = f"a CSV file with columns {', '.join(_COLUMNS)}; the last three may be left out"
+_MORE = "more"
+"""What the cells beyond the last column are called."""
 
 
 @dataclass(frozen=True)
@@ -45,16 +46,8 @@ def read_plan(
     repeats of each other and are refused. Raises InputError if the file is not readable, if a log
     or column occurs twice, and for a log without a row.
     """
-    (_, heads), *rows = _cells(path)
-    for head in ("log", "car", *heads):
-        if head not in _COLUMNS:
-            near = did_you_mean(head, _COLUMNS)
-            raise InputError(f"unknown column {head!r}", where=path, expected=_FILE, do=near)
-        if heads.count(head) != 1:
-            raise InputError(f"no or two columns {head!r}", where=path, expected=_FILE)
     known: dict[str, Place] = {}
-    for line, row in rows:
-        place = _place(path, line, heads, row, vehicle)
+    for place in _places(path, vehicle):
         if known.setdefault(os.path.realpath(place.log), place) is not place:
             raise InputError(f"{place.log} occurs twice", where=path)
     for log in logs:
@@ -65,40 +58,40 @@ def read_plan(
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
     if len({bool(place.station) for place in places}) > 1:
         raise InputError("some logs have a station and some have none", where=path)
-    if roads := sorted({place.road for place in places})[1:]:
-        raise InputError(
-            f"ramps of {len(roads) + 1} roads are no repeats",
-            where=path,
-            expected="ramps of one road",
-            do="name those of one road after the command",
-        )
+    if len({place.road for place in places}) > 1:
+        do = "name those of one road after the command"
+        raise InputError("ramps of several roads are no repeats", where=path, do=do)
     return places
 
 
-def _cells(path: Path) -> list[tuple[int, list[str]]]:
-    """Number and cells of each line that is not empty, at least one."""
+def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
+    """Every row of a plan."""
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
-        lines = data.decode("utf-8-sig").splitlines()
-        separator = ";" if lines and ";" in lines[0] and "," not in lines[0] else ","
-        table = csv.reader((line if line.strip() else "" for line in lines), delimiter=separator)
-        rows = [(table.line_num, list(map(str.strip, row))) for row in table if row]
+        text = data.decode("utf-8-sig")
+        if "\0" in text:
+            raise csv.Error("it holds a NUL")
+        head = text.partition("\n")[0]
+        rows = csv.DictReader(
+            (line for line in text.splitlines() if line.strip()),
+            delimiter=";" if ";" in head and "," not in head else ",",
+            restkey=_MORE,
+            restval="",
+            skipinitialspace=True,
+        )
+        heads = [name.strip() for name in rows.fieldnames or ()]
+        if not {"log", "car"} <= {*heads} <= {*_COLUMNS} or len({*heads}) < len(heads):
+            raise InputError(f"columns {', '.join(heads)}", where=path, expected=_FILE)
+        for row in rows:
+            cells = {str(key).strip(): str(cell).strip() for key, cell in row.items()}
+            if _MORE in cells or not (cells["log"] and cells["car"]):
+                what = f"line {rows.line_num} has no log or car, or too many cells"
+                raise InputError(what, where=path, expected=_FILE)
+            own = cells.pop("vehicle", "")
+            file = path.parent / own if own else vehicle
+            yield Place(path.parent / cells.pop("log"), vehicle=file, **cells)
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
-    if not rows or b"\0" in data:
-        raise InputError("not a table", where=path, expected=_FILE)
-    return rows
-
-
-def _place(path: Path, line: int, heads: list[str], row: list[str], vehicle: Path | None) -> Place:
-    if len(row) > len(heads):
-        raise InputError(f"line {line} has more cells than columns", where=path)
-    cells = dict.fromkeys(_COLUMNS, "") | dict(zip(heads, row, strict=False))
-    for key in ("log", "car"):
-        if not cells[key]:
-            raise InputError(f"line {line} has no {key}", where=path)
-    vehicle = path.parent / cells["vehicle"] if cells["vehicle"] else vehicle
-    return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle, cells["road"])
 
 
 def readings(
