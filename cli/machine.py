@@ -55,7 +55,7 @@ def qualify(
     from calib.show.html import page_of
 
     check_folder(out, (DOCUMENT, REPORT))
-    task = f"making {counted(len(SUITE), 'check')} on the sample logs"
+    task = f"comparing {counted(sum(map(len, SUITE.values())), 'number')} of the sample logs"
     with progress(task, len(SUITE)) as step:
         document = made(SUITE, datetime.now(UTC).isoformat(timespec="seconds"), step)
     page = page_of(facts(document)).encode()

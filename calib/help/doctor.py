@@ -75,10 +75,10 @@ def needs() -> Iterator[Need]:
         lines = requires(NAME) or []
     yield Need("python", lowest, platform.python_version())
     for asked in map(Requirement, lines):
+        at_least = "".join(s.version for s in asked.specifier if s.operator == ">=")
         for extra in ("", *_EXTRAS):
             if asked.marker is None or asked.marker.evaluate({"extra": extra}):
-                at_least = [s.version for s in asked.specifier if s.operator == ">="]
-                yield Need(asked.name, "".join(at_least), _installed(asked.name), extra)
+                yield Need(asked.name, at_least, _installed(asked.name), extra)
                 break
 
 
@@ -99,19 +99,15 @@ class _Finding:
     do: str = ""
 
 
-def _judged(name: str, good: bool, what: str, do: str, otherwise: str = NOTE) -> _Finding:
-    return _Finding(name, FINE if good else otherwise, what, "" if good else do)
-
-
 def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
     settings, usual = _settings()
     folder = tempfile.gettempdir()
-    writable, elsewhere = os.access(folder, os.W_OK), "name another one by the variable TMPDIR"
+    written = (FINE, "") if os.access(folder, os.W_OK) else (WRONG, "name another one by TMPDIR")
     return (
         *_packages(),
         _Finding("cores", FINE, f"{cores()} for this process"),
-        _judged("temporary files", writable, folder, elsewhere, WRONG),
+        _Finding("temporary files", written[0], folder, written[1]),
         _store(store or usual or STORE),
         _samples(),
         settings,
@@ -135,27 +131,29 @@ def _packages() -> Iterator[_Finding]:
     again = "install brake-cal again: pip install --upgrade brake-cal"
     for need in given:
         if not need.extra:
-            yield _judged(need.package, need.met, str(need), again, WRONG)
+            state, do = (FINE, "") if need.met else (WRONG, again)
+            yield _Finding(need.package, state, str(need), do)
     for extra, gives in _EXTRAS.items():
-        if its := [need for need in given if need.extra == extra]:
-            do = f"if you need it: pip install 'brake-cal[{extra}]'"
-            what = f"{gives}: {', '.join(map(str, its))}"
-            yield _judged(f"[{extra}]", all(need.met for need in its), what, do)
+        its = [need for need in given if need.extra == extra]
+        missing = f"if you need it: pip install 'brake-cal[{extra}]'"
+        state, do = (FINE, "") if all(need.met for need in its) else (NOTE, missing)
+        if its:
+            yield _Finding(f"[{extra}]", state, f"{gives}: {', '.join(map(str, its))}", do)
 
 
 def _store(store: Path) -> _Finding:
     if not store.exists():
-        return _Finding(
-            "store", NOTE, f"{store} is not there", "the first `brake-cal fit` makes it"
-        )
+        do = "the first `brake-cal fit` makes it"
+        return _Finding("store", NOTE, f"{store} is not there", do)
     if not store.is_dir() or not os.access(store, os.R_OK | os.X_OK):
         what = "cannot be read" if store.is_dir() else "is a file"
         return _Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
     versions = [len(versions_in(store / name)) for name in names_in(store)]
     what = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
-    left, writable = len(unplaced(store)), os.access(store, os.W_OK)
-    what += f", {left} unfinished" * bool(left) + ", read only" * (not writable)
-    return _judged("store", writable, what, "no table can be stored or released here")
+    what += f", {left} unfinished" if (left := len(unplaced(store))) else ""
+    if os.access(store, os.W_OK):
+        return _Finding("store", FINE, what)
+    return _Finding("store", NOTE, f"{what}, read only", "no table can be stored or released here")
 
 
 def _samples() -> _Finding:

@@ -7,9 +7,8 @@ paper, or what the plant of another program was given that made a sample log.
 import math
 import re
 import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
-from functools import cache, partial
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,6 @@ from calib.base.program import NAME, PROGRAM, VERSION
 from calib.car import forces
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.diagnosis import Diagnosis
 from calib.estimation.validate import validate
 from calib.exports.export import export
 from calib.fitting.fit import fit
@@ -28,14 +26,11 @@ from calib.help.doctor import environment, needs
 from calib.help.samples import sample_logs
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.show.facts import WORDS, Facts
-from calib.show.facts import Table as Cells
+from calib.show.facts import WORDS, Facts, Table
 from calib.store.store import Store
-from calib.table.table import Table
 
 _SIMULATED, _BODY, _HIDDEN = "simulation_study", "third_party", "hidden/case_0"
 """Folders of the sample logs: the car of Section IV, a multi-body car, one with a hidden effect."""
-_RAMPS = {_SIMULATED: "ramp_noisy.parquet", _BODY: "cal_ramp.parquet"}
 
 
 def _log(path: str) -> Log:
@@ -48,31 +43,10 @@ def _car(folder: str) -> Vehicle:
     return read_vehicle(sample_logs() / folder / "vehicle.toml")
 
 
-class Work:
-    """An empty folder to ``write`` in, and what several checks need: each is made once."""
-
-    def __init__(self, write: Path) -> None:
-        self.write = write
-        self.table: Callable[[str], Table] = cache(self._table)
-        self.diagnosis: Callable[[], Diagnosis] = cache(self._diagnosis)
-
-    def _table(self, folder: str) -> Table:
-        return fit(_car(folder), [_log(f"{folder}/{_RAMPS[folder]}")])
-
-    def _diagnosis(self) -> Diagnosis:
-        """The cause of two logs, enough to see it, and one hold-out."""
-        searched = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
-        held = [_log(f"{_HIDDEN}/holdout/stop_a.parquet")]
-        return diagnose(_car(_HIDDEN), searched, held)
-
-
-def _brake_torque(work: Work) -> float:
-    front = work.table(_SIMULATED).vehicle.front
-    return float(forces.brake_torque(front, 0.4, np.array([50e5]))[0])
-
-
-def _axle_load(work: Work) -> float:
-    return float(forces.axle_loads(work.table(_SIMULATED).vehicle, np.array([0.5]))[0][0])
+def _formulas(_: Path) -> tuple[float, ...]:
+    car = _car(_SIMULATED)
+    torque = forces.brake_torque(car.front, 0.4, np.array([50e5]))
+    return float(torque[0]), float(forces.axle_loads(car, np.array([0.5]))[0][0])
 
 
 _CELLS = {"time [s]": 0.0, "p_mc [psi]": 100.0, "a_x [g]": -0.5, "v [km/h]": 90.0} | dict.fromkeys(
@@ -82,60 +56,50 @@ _PSI = 0.45359237 * G / 0.0254**2
 _SI = {"p_mc": 100.0 * _PSI, "a_x": -0.5 * G, "v": 25.0, "omega_rr": 20.0 * np.pi}
 
 
-def _read_units(work: Work) -> float:
-    """Largest relative error of a log of 200 equal samples, of semicolons and decimal commas."""
+def _reading(folder: Path) -> tuple[float, ...]:
+    """A log of 200 equal samples, with semicolons and decimal commas."""
     rows = [";".join(map(str, [i / 200.0, *[*_CELLS.values()][1:]])) for i in range(200)]
-    path = work.write / "written.csv"
+    path = folder / "written.csv"
     path.write_text("\n".join([";".join(_CELLS), *rows]).replace(".", ","))
     log = read_log(path)
-    return max(float(np.max(np.abs(log[name] / true - 1.0))) for name, true in _SI.items())
+    return (max(float(np.max(np.abs(log[name] / true - 1.0))) for name, true in _SI.items()),)
 
 
-def _fitted(axle: str, work: Work) -> float:
-    return float(getattr(work.table(_SIMULATED).calibration, f"pad_friction_{axle}").value)
-
-
-_STEPS, _CONSTANT = f"{_BODY}/hold2_steps_muf25_mur33.parquet", f"{_BODY}/hold1_const_mu30.parquet"
-
-
-def _stop(axle: str, work: Work) -> float:
-    """Mean pad friction of a stop by the table of the multi-body car."""
-    found = validate(work.table(_BODY), [_log(_STEPS)])[0].estimate
-    pads = found.best.pads_f if axle == "f" else found.best.pads_r
-    return float(np.mean(pads.value[found.valid]))
-
-
-def _torque_error(work: Work) -> float:
-    log = _log(_CONSTANT)
-    found = validate(work.table(_BODY), [log])[0].estimate
-    true = 0.5 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_fr"])[found.valid]
-    error = found.best.torque_f.value[found.valid] - true
-    return float(np.sqrt(np.mean(error**2) / np.mean(true**2)))
-
-
-def _changed(work: Work) -> float:
-    """Numbers of f2 that a search for the lines WERT finds otherwise in a DCM file."""
-    path, table = work.write / "car.dcm", work.table(_SIMULATED)
-    stored = Store(work.write / "tables").save(table)
-    export(stored, path, unreleased=True, date="2025-01-01")
-    text = path.read_bytes().decode("latin-1")
-    block = text.split("GRUPPENKENNLINIE sedan_sim_f2 ")[1].split("\nEND")[0]
-    lines = re.findall(r"^\s*WERT (.*)$", block, re.MULTILINE)
-    found = np.array([float(x) for line in lines for x in line.split()])
-    f2 = table.paper.f2
-    return float(np.sum(found != f2)) if found.shape == f2.shape else float(f2.size)
-
-
-def _named(work: Work) -> float:
-    found = work.diagnosis()
-    return float(
-        found.verdict == "named" and [x.name for x in found.effects] == ["aerodynamic_drag"]
+def _paper(folder: Path) -> tuple[float, ...]:
+    """The table of Section IV, and its f2 in a file of a calibration tool."""
+    table, path = (
+        fit(_car(_SIMULATED), [_log(f"{_SIMULATED}/ramp_noisy.parquet")]),
+        folder / "c.dcm",
     )
+    export(Store(folder / "tables").save(table), path, unreleased=True, date="2025-01-01")
+    block = path.read_bytes().decode("latin-1").split("GRUPPENKENNLINIE sedan_sim_f2 ")[1]
+    lines = re.findall(r"^\s*WERT (.*)$", block.split("\nEND")[0], re.MULTILINE)
+    written, f2 = np.array([float(x) for line in lines for x in line.split()]), table.paper.f2
+    changed = np.sum(written != f2) if written.shape == f2.shape else f2.size
+    pads = table.calibration
+    return pads.pad_friction_f.value, pads.pad_friction_r.value, float(changed)
 
 
-def _drag_area(work: Work) -> float:
-    (drag,) = (one for one in work.diagnosis().effects if one.name == "aerodynamic_drag")
-    return drag.parameters["drag_area"].value
+def _stops(_: Path) -> tuple[float, ...]:
+    """Pads and torque of a multi-body car in two stops."""
+    table = fit(_car(_BODY), [_log(f"{_BODY}/cal_ramp.parquet")])
+    found = validate(table, [_log(f"{_BODY}/hold2_steps_muf25_mur33.parquet")])[0].estimate
+    pads = (found.best.pads_f, found.best.pads_r)
+    log = _log(f"{_BODY}/hold1_const_mu30.parquet")
+    other = validate(table, [log])[0].estimate
+    true = 0.5 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_fr"])[other.valid]
+    error = other.best.torque_f.value[other.valid] - true
+    rms = float(np.sqrt(np.mean(error**2) / np.mean(true**2)))
+    return *(float(np.mean(one.value[found.valid])) for one in pads), rms
+
+
+def _cause(_: Path) -> tuple[float, ...]:
+    """The cause of two logs, enough to see it, and one hold-out."""
+    searched = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
+    found = diagnose(_car(_HIDDEN), searched, [_log(f"{_HIDDEN}/holdout/stop_a.parquet")])
+    (drag,) = found.effects
+    named = found.verdict == "named" and drag.name == "aerodynamic_drag"
+    return float(named), drag.parameters["drag_area"].value
 
 
 @dataclass(frozen=True)
@@ -151,23 +115,6 @@ class Check:
     expected: float
     tolerance: float
     truth: str
-    measure: Callable[[Work], float]
-
-    def made(self, work: Work) -> dict[str, Any]:
-        """What came out; an error is a finding, which must not end the other checks."""
-        value, wrong = math.nan, ""
-        try:
-            value = float(self.measure(work))
-        except Exception as error:
-            wrong = f"{type(error).__name__}: {error}"
-        told = {one.name: getattr(self, one.name) for one in fields(self)[:-1]}
-        held = abs(value - self.expected) <= self.tolerance
-        return {
-            **told,
-            "value": value if math.isfinite(value) else None,
-            "held": held,
-            "error": wrong,
-        }
 
 
 _TORQUE = 2.0 * 0.40 * 28.84e-4 * 0.1309 * 50e5
@@ -175,51 +122,65 @@ _LOAD = 1744.0 * G * (1.6494 + 0.5 * 0.615) / 2.805
 DRAG = 0.7444375719787885
 _FRONT, _REAR = 0.03, 0.08
 """Relative tolerances of pad friction: those of the torque in the default limits of `validate`."""
+_CLOSED = "closed form with Tables I and II of the paper"
 _STUDY = f"plant of sample_logs/{_SIMULATED}, Section IV of the paper: pads of 0.4"
 _PLANT = f"multi-body plant of sample_logs/{_BODY}"
 _ANSWER = f"independent plant, sample_logs/{_HIDDEN}/answer.json"
 
-SUITE = (
-    Check("brake_torque", "front brake torque of one wheel at 50 bar, (2) and (3)", "N*m",
-          _TORQUE, 1e-9 * _TORQUE, "closed form with Tables I and II of the paper", _brake_torque),
-    Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", _LOAD, 1e-9 * _LOAD,
-          "balance of moments with Tables I and II of the paper", _axle_load),
-    Check("read_units", "largest relative error of a log in psi, g, rpm and km/h", "1", 0.0, 1e-12,
-          "definitions of the units", _read_units),
-    Check("fit_pads_f", "front pad friction of the table of Section IV", "1", 0.4, 0.4 * _FRONT,
-          _STUDY, partial(_fitted, "f")),
-    Check("fit_pads_r", "rear pad friction of the table of Section IV", "1", 0.4, 0.4 * _REAR,
-          _STUDY, partial(_fitted, "r")),
-    Check("stop_pads_f", "front pads of hold2_steps_muf25_mur33.parquet", "1",
-          0.25, _FRONT * 0.25, _PLANT, partial(_stop, "f")),
-    Check("stop_pads_r", "rear pads of hold2_steps_muf25_mur33.parquet", "1",
-          0.33, _REAR * 0.33, _PLANT, partial(_stop, "r")),
-    Check("stop_torque", "rms error of the front brake torque of hold1, relative", "1", 0.0, _FRONT,
-          f"{_PLANT}, channels true_Tb_*", _torque_error),
-    Check("export_dcm", "numbers of f2 that differ in the DCM file", "numbers", 0, 0.5,
-          "the table itself, its file read by a search for its lines WERT", _changed),
-    Check("drag_named", "1 if aerodynamic drag, and it alone, is named", "1", 1, 0.5,
-          _ANSWER, _named),
-    Check("drag_size", "drag area that was hidden", "m^2", DRAG, 0.1 * DRAG, _ANSWER, _drag_area),
-)  # fmt: skip
-"""In the order of the work."""
+Suite = Mapping[Callable[[Path], tuple[float, ...]], Sequence[Check]]
+SUITE: Suite = {
+    _formulas: (
+        Check("brake_torque", "front brake torque of one wheel at 50 bar, (2) and (3)", "N*m",
+              _TORQUE, 1e-9 * _TORQUE, _CLOSED),
+        Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", _LOAD, 1e-9 * _LOAD,
+              _CLOSED),
+    ),
+    _reading: (
+        Check("read_units", "largest relative error of a log in psi, g, rpm and km/h", "1",
+              0.0, 1e-12, "definitions of the units"),
+    ),
+    _paper: (
+        Check("fit_pads_f", "front pads of the table", "1", 0.4, 0.4 * _FRONT, _STUDY),
+        Check("fit_pads_r", "rear pads of the table", "1", 0.4, 0.4 * _REAR, _STUDY),
+        Check("export_dcm", "numbers of f2 that differ in the DCM file", "numbers", 0, 0.5,
+              "the table itself, its file read by a search for its lines WERT"),
+    ),
+    _stops: (
+        Check("stop_pads_f", "front pads of hold2", "1", 0.25, _FRONT * 0.25, _PLANT),
+        Check("stop_pads_r", "rear pads of hold2", "1", 0.33, _REAR * 0.33, _PLANT),
+        Check("stop_torque", "relative rms error of the front brake torque of hold1", "1",
+              0.0, _FRONT, f"{_PLANT}, channels true_Tb_*"),
+    ),
+    _cause: (
+        Check("drag_named", "1 if aerodynamic drag, and it alone, is named", "1", 1, 0.5, _ANSWER),
+        Check("drag_size", "drag area that was hidden", "m^2", DRAG, 0.1 * DRAG, _ANSWER),
+    ),
+}  # fmt: skip
+"""What measures, and the checks of its numbers; in the order of the work."""
 
 
 def qualify(
-    checks: Sequence[Check], date: str = "", done: Callable[[], None] = lambda: None
+    suite: Suite, date: str = "", done: Callable[[], None] = lambda: None
 ) -> dict[str, Any]:
     """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine.
 
-    All ``checks`` are made on the sample logs, in a temporary folder; ``done`` is called after
-    each. Raises InputError without sample logs.
+    All checks are made on the sample logs, in a temporary folder; ``done`` is called after each
+    measurement. Raises InputError without sample logs.
     """
     sample_logs()
-    rows = []
-    with tempfile.TemporaryDirectory(prefix="brake-cal-qualify-") as folder:
-        work = Work(Path(folder))
-        for check in checks:
-            rows.append(check.made(work))
-            done()
+    rows: list[dict[str, Any]] = []
+    for measure, checks in suite.items():
+        values, wrong = (math.nan,) * len(checks), ""
+        with tempfile.TemporaryDirectory(prefix="brake-cal-qualify-") as folder:
+            try:
+                values = measure(Path(folder))
+            except Exception as error:  # a finding, which must not end the other checks
+                wrong = f"{type(error).__name__}: {error}"
+        for check, value in zip(checks, values, strict=True):
+            known = value if math.isfinite(value) else None
+            held = abs(value - check.expected) <= check.tolerance
+            rows.append({**vars(check), "value": known, "held": held, "error": wrong})
+        done()
     return {
         "schema": 1,
         "tool": NAME,
@@ -239,7 +200,7 @@ def facts(document: dict[str, Any]) -> Facts:
     headline = f"{len(failed)} of {len(checks)} checks fail: {', '.join(failed)}."
     heads = ("check", "value", "expected", "tolerance", "unit", "what it is", "truth")
     colours = ["passed" if one["held"] else "failed" for one in checks]
-    table = Cells(heads, [_row(one) for one in checks], verdicts=colours)
+    table = Table(heads, [_row(one) for one in checks], verdicts=colours)
     machine = {**document["environment"], **document["packages"]}
     return Facts(
         f"Qualification of {PROGRAM} on this machine",
