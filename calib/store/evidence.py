@@ -54,9 +54,9 @@ class SummaryFile(FileSchema):
     model_config = ConfigDict(extra="ignore")
 
     table: str
-    digest: str | None = None
+    digest: str
     verdict: Literal["passed", "failed"]
-    proof: Literal["truth", "reference", "none"] | None = None
+    proof: Literal["truth", "reference", "none"]
     logs: list[_LogOutcome]
 
 
@@ -95,8 +95,8 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
             where=path,
             do="take the summary.json of `brake-cal validate --out`",
         ) from error
-    if summary.table != stored.id or summary.digest not in (None, stored.digest):
-        raise _other(summary.table, summary.digest or "unknown", path, stored)
+    if (summary.table, summary.digest) != (stored.id, stored.digest):
+        raise _other(summary.table, summary.digest, path, stored)
     held = [log for log in summary.logs if log.role == "hold-out"]
     if not held:
         return Quality(_CALIBRATED, "only on logs that the table was fitted on: proves nothing")

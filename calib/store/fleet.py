@@ -22,7 +22,7 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
     now = store.now()
     looked_at: dict[str, Stored] = {}
     for name in now.names:
-        if fit := [v for v in now.versions(name) if now.journal.state(name, v).released]:
+        if fit := [v for v in now.journal.of(name) if now.journal.state(name, v).released]:
             looked_at |= {one.id: one for one in _cars(now, now.load(name, max(fit)))}
     kept, seen = {}, set(logs)
     for id_, one in sorted(looked_at.items(), key=lambda item: item[1].table.spread is not None):

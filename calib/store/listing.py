@@ -13,7 +13,7 @@ Row = dict[str, Any]
 def row_of(entry: StoreEntry) -> Row:
     """The row of a version; what cannot be read is None or empty, as its ``flaw`` says.
 
-    ``date`` when it was stored, "" where no journal knows; ``pads`` front and rear [1];
+    ``date`` when it was stored; ``pads`` front and rear [1];
     ``decelerations`` of its curves and their ``usable`` range [1]; ``verdict`` of the evidence of
     its state; ``warnings`` of its fit; ``keys`` that signed it, unverified.
     """
@@ -42,8 +42,7 @@ def row_of(entry: StoreEntry) -> Row:
 def chosen(rows: Iterable[Row], since: str | None, **equal: str | None) -> list[Row]:
     """The rows stored on the day ``since`` (2025-03-31) or later, with ``equal`` texts.
 
-    Upper and lower case are the same; None asks for nothing. A version that no journal dates is
-    older than any day.
+    Upper and lower case are the same; None asks for nothing.
     """
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
     return [

@@ -90,10 +90,6 @@ class Snapshot:
             do=did_you_mean(name, known) or is_file * Path(name).is_file(),
         )
 
-    def versions(self, name: str) -> Sequence[int]:
-        """Numbers of the versions of a table, rising."""
-        return tuple(self.journal.of(name))
-
     def with_strays(self, name: str) -> Sequence[int]:
         """Numbers of the versions that should be there, and of the folders that should not."""
         return sorted({*self.journal.of(name), *versions_in(self.folder / name)})
@@ -110,7 +106,7 @@ class Snapshot:
         if "@" in reference:
             return self.load(*self.numbered(reference))
         name = self.known(reference)
-        states = {v: self.journal.state(name, v) for v in self.versions(name)}
+        states = {v: self.journal.state(name, v) for v in self.journal.of(name)}
         fit = [v for v, s in states.items() if (s.released if released else s.usable)]
         if fit:
             return self.load(name, max(fit))
@@ -186,11 +182,12 @@ class Snapshot:
 
         A version that cannot be read is left out: `verified` names it.
         """
-        refused = (
-            v for v in self.versions(stored.name) if not self.journal.state(stored.name, v).usable
+        entries = (
+            self.entry(stored.name, version)
+            for version in self.journal.of(stored.name)
+            if version != stored.version and not self.journal.state(stored.name, version).usable
         )
-        others = (self.entry(stored.name, v).stored for v in refused if v != stored.version)
-        return tuple(other for other in others if other and other.ramps & stored.ramps)
+        return tuple(e.stored for e in entries if e.stored and e.stored.ramps & stored.ramps)
 
     def _at(self, path: Path) -> Stored:
         """The version in a directory, with its state if that is its place in this store."""

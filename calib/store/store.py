@@ -133,7 +133,7 @@ class Store:
     def list(self) -> tuple[StoreEntry, ...]:
         """Every version in the store, by name and version. Raises TableNotFound, DamagedTable."""
         with self._reading() as now:
-            return tuple(now.entry(name, v) for name in now.names for v in now.versions(name))
+            return tuple(now.entry(name, v) for name in now.names for v in now.journal.of(name))
 
     def verify(self, name: str | None = None) -> tuple[StoreEntry, ...]:
         """Compare versions with digests, invariants and journal, of one table or of all.
@@ -189,8 +189,9 @@ class Store:
         enter(self.folder, journal, discard)
         with suppress(OSError):  # it is stored: readers find it aside, the next writer moves it
             os.rename(work, final)
+            work = final
             sync(final.parent)
-        return Snapshot(self.folder, journal).load(table.name, version)
+        return replace(stored, path=work, state=journal.state(table.name, version))
 
     def _judged(self, stored: Stored, decision: StateDecision | None, now: Snapshot) -> Stored:
         """Enter a change of state, unless it is one that the journal has already."""
@@ -204,10 +205,9 @@ class Store:
     def _writing(self) -> Iterator[Snapshot]:
         try:
             with locked_folder(self.folder):
-                journal = read_journal(self.folder)
-                _tidy(self.folder, journal)
-                now = Snapshot(self.folder, journal)
+                now = Snapshot(self.folder, read_journal(self.folder))
                 _ = now.names  # refuses versions without a journal
+                _tidy(self.folder, now.journal)
                 yield now
         except OSError as error:
             raise StoreError(

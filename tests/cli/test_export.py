@@ -67,7 +67,8 @@ def test_usage_errors_end_with_2_and_write_nothing(tables, tmp_path, monkeypatch
 def test_a_verdict_becomes_the_state(tables, tmp_path):
     summary = tmp_path / "summary.json"
     logs = [{"log": "stop", "role": "hold-out", "verdict": "passed"}]
-    document = {"schema": 1, "table": "sedan@1", "verdict": "passed", "logs": logs}
+    document = {"schema": 1, "table": "sedan@1", "digest": made_table().digest, "logs": logs}
+    document |= {"verdict": "passed", "proof": "truth"}
     summary.write_text(json.dumps(document))
     out = tmp_path / "a.cdfx"
     tables("export", "sedan", "--format", "cdfx", "--out", out, "--validation", summary)

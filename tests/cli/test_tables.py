@@ -80,6 +80,7 @@ def summary(tmp_path, store):
         logs = [{"log": "stop", "role": role, "verdict": verdict}]
         digest = Store(store).load("sedan@1").digest
         document = {"schema": 1, "table": "sedan@1", "digest": digest, "verdict": verdict}
+        document |= {"proof": "truth"}
         path = tmp_path / "summary.json"
         path.write_text(json.dumps({**document, "logs": logs, **more}))
         return path

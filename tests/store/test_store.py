@@ -167,7 +167,8 @@ def test_the_same_ramp_of_a_refused_version_is_found(store, word):
 
 
 HELD = {"log": "stop", "role": "hold-out", "verdict": "passed"}
-GOOD = {"schema": 1, "table": "sedan@1", "verdict": "passed", "logs": [HELD]}
+OF = {"table": "sedan@1", "digest": made_table().digest, "proof": "truth"}
+GOOD = {"schema": 1, **OF, "verdict": "passed", "logs": [HELD]}
 
 
 @pytest.mark.parametrize(
@@ -177,6 +178,7 @@ GOOD = {"schema": 1, "table": "sedan@1", "verdict": "passed", "logs": [HELD]}
         ({**GOOD, "verdict": "failed"}, "failed"),
         ({**GOOD, "table": "sedan@2"}, None),
         ({**GOOD, "digest": "0" * 64}, None),
+        ({**GOOD, "proof": "none"}, "consistent, not proved"),
         ({**GOOD, "verdict": "perhaps"}, None),
         ({**GOOD, "logs": [{**HELD, "role": "calibration"}]}, None),
         ({**GOOD, "logs": [1]}, None),
