@@ -228,8 +228,10 @@ def estimate_run(
     disturbed = np.full(whole.log.time.size, int(Reason.FAULT))
     disturbed[rows] = disturbances(used, whole.corrected.log, whole.signals)[rows]
     noise = worst_noise([SensorNoise(**table.noise), whole.lead_in_noise])
-    best = read_out(used, noise, whole.signals, whole.blocks, disturbed).at(rows)
-    ran, read = whole.corrected.at(rows), whole.signals.at(rows)
+    best = read_out(used, noise, whole.signals, whole.blocks, disturbed)
+    ran, read = whole.corrected, whole.signals
+    if rows.size < read.time.size:
+        best, ran, read = best.at(rows), ran.at(rows), read.at(rows)
     ecu = online(exported or table, replace(car, effects=sensed(car.effects)), log)
     return Estimate(
         table=used,

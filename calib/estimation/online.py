@@ -47,7 +47,8 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     told = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, at.DRIVEN] > 0.5)
     reason = np.where(good, told.step.reason, Reason.FAULT)
     told = told.with_pads(ran.factor_f, ran.factor_r)
-    return replace(told, step=told.step._replace(reason=reason)).at(rows)
+    told = replace(told, step=told.step._replace(reason=reason))
+    return told.at(rows) if rows.size < reason.size else told
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:

@@ -131,33 +131,33 @@ def read_out(
     )
     x = _given(table, b, worst, thrust)
     c = constants(table, noise, b.length)
-    at = b.last_complete(s.time)
-    answer = _before(c, s.time < b.end[0], run(c, x).at(at))
+    answer = _with_before(c, run(c, x))
     car, then = table.vehicle, table.calibration
     front, rear = car.front, car.rear
-    share = front_share(car, x.log_odds)[at]
+    share = front_share(car, np.append(x.log_odds[0], x.log_odds))
     filed = np.array([front.pad_friction, rear.pad_friction])
     ramp = np.array([then.pad_friction_f.value, then.pad_friction_r.value])
     # over the ramp's pads: the tyres are those of today, and fall out
     scaled = (filed, answer.ratio), (filed / ramp, answer.change + then.pad_log_ratio.value)
     pads, changed = (by[:, None, None] * pads_of(share, answer.level, x) for by, x in scaled)
     level, ratio = np.exp(answer.level), np.exp(answer.ratio)
+    at = np.searchsorted(b.end, s.time, side="right")  # the last complete block, 0 before the first
+    of_blocks = level, filed[0] / filed[1] * ratio, *pads, *changed
+    level, ratio, pads_f, pads_r, *changed = (of[:, at] for of in of_blocks)
     gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
-    torque_f, torque_r = (gain * of for gain, of in zip(gains, pads, strict=True))
+    torque_f, torque_r = (gain * of for gain, of in zip(gains, (pads_f, pads_r), strict=True))
     total = level / level[0] * 2.0 * (torque_f[0] + torque_r[0])
-    bounded = (
-        level, filed[0] / filed[1] * ratio, *pads, *changed, torque_f, torque_r, total
-    )  # fmt: skip
-    return Readout(x, answer, *itertools.starmap(Bounded, bounded))
+    bounded = level, ratio, pads_f, pads_r, *changed, torque_f, torque_r, total
+    return Readout(x, answer.at(at), *itertools.starmap(Bounded, bounded))
 
 
-def _before(c: Constants, first: Mask, answer: Answer) -> Answer:
-    """Answers (n,) while the ``first`` block is not complete (n,): any pads."""
-    any_pads = np.log([[1.0], [c.least_level], [c.most_level]])
-    reason = np.where(first, Reason.NOT_BRAKED, answer.reason)
-    read = answer.level, answer.ratio, answer.change
-    level, ratio, change = (np.where(first, any_pads, x) for x in read)
-    return answer._replace(level=level, ratio=ratio, change=change, reason=reason)
+def _with_before(c: Constants, answer: Answer) -> Answer:
+    """Answers (1 + k,), the first one while no block is complete: any pads."""
+    answer = answer.at(np.append(0, np.arange(answer.reason.size)))
+    for x in (answer.level, answer.ratio, answer.change):
+        x[:, 0] = np.log([1.0, c.least_level, c.most_level])
+    answer.reason[0] = Reason.NOT_BRAKED
+    return answer
 
 
 def _given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:

@@ -18,6 +18,8 @@ weighed against all of them.
 A bias that changes within the log looks like a grade that does, and is taken for one.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -138,19 +140,16 @@ def speed_evidence(b: Blocks, density_z: float, density_v: float) -> SpeedEviden
     """Compare a_x with v, ``density_z`` [s^0.5] and ``density_v`` [m/s s^0.5] their noise."""
     last = (b.end.size - 1) // _STEP * _STEP
 
-    def of(smooth: Array) -> tuple[_AgainstSpeed, _AgainstSpeed]:
-        compared = _compared(b, smooth)
-        even, changing = (
-            _against_speed(b.length, compared, last, walk, (density_z, density_v))
-            for walk in (EVEN, CHANGING)
-        )
-        return even, changing
-
-    braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
-    slow = None
-    if braked and b.v is not None:
-        slow = of(centred_mean(b.z, max(1, round(_SECOND / b.length))))
-    return SpeedEvidence(b, last, density_z, *of(b.z), slow)
+    smooth = [b.z]
+    if np.any(np.maximum(b.p_f, b.p_r) > BITE):  # rolling, z is noise for the most part
+        smooth.append(centred_mean(b.z, max(1, round(_SECOND / b.length))))
+    compared = _compared(b, smooth)
+    even, changing = (
+        _against_speed(b.length, compared, last, walk, (density_z, density_v))
+        for walk in (EVEN, CHANGING)
+    )
+    slow = (even[1], changing[1]) if len(even) > 1 else None
+    return SpeedEvidence(b, last, density_z, even[0], changing[0], slow)
 
 
 def accelerometer(told: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
@@ -187,20 +186,19 @@ def _usable(b: Blocks) -> Mask:
     return np.asarray((b.speed > 2.0) & (np.abs(b.z) < _GREATEST))
 
 
-def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
-    """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
+def _compared(b: Blocks, smooth: Sequence[Array]) -> tuple[Array, Mask] | None:
+    """Second differences of v + g int z dt, and what e, c and the lag make of it, (m, k - 1).
 
-    And where they are to be used, (k - 1,). None without v. ``smooth`` z [1], (k,), tells scale and
-    lag.
+    And where they are to be used, (k - 1,). None without v. Each of the ``smooth`` z [1], (k,),
+    tells scale and lag in two rows of its own.
     """
     if b.v is None:
         return None
-    gained, scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, smooth))
+    gained, *scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, *smooth))
     usable = _usable(b)
     usable = usable[1:] & usable[:-1]
-    columns = np.stack(
-        [np.diff(b.v) + gained, scaled, np.full(gained.size, G * b.length), G * np.diff(smooth)]
-    )
+    each = (x for of, z in zip(scaled, smooth, strict=True) for x in (of, G * np.diff(z)))
+    columns = np.stack([np.diff(b.v) + gained, np.full(gained.size, G * b.length), *each])
     usable = usable & np.concatenate([[True], usable[:-1]])
     return np.where(usable, np.diff(columns, axis=1, prepend=0.0), 0.0), usable
 
@@ -211,16 +209,17 @@ def _against_speed(
     last: int,
     wander: float,
     densities: tuple[float, float],
-) -> _AgainstSpeed:
+) -> list[_AgainstSpeed]:
     """Information about (c, e, d) and the lag from v against the integral of z, up to the ``last``.
 
     The noise of v is white and that of the integral a random walk, and the grade walks by
     ``wander`` [g/s^0.5]: second differences are then a moving average of order two, which a filter
-    makes white. e is that at the start. ``h`` length of a block [s]; ``densities`` of z and v.
+    makes white. e is that at the start. ``h`` length of a block [s]; ``densities`` of z and v. One
+    for each z of `_compared`.
     """
-    precision, vector = np.zeros((3, 3)), np.zeros(3)
     if compared is None:
-        return _AgainstSpeed(precision, vector, 0.0, _LAG**-2.0, 0.0, np.zeros(2))
+        none = np.zeros((3, 3)), np.zeros(3), 0.0
+        return [_AgainstSpeed(*none, _LAG**-2.0, 0.0, np.zeros(2))]
     from scipy.signal import lfilter
 
     white, walk = densities[1] ** 2 / h, (G * densities[0]) ** 2 * h
@@ -229,9 +228,18 @@ def _against_speed(
     start = np.zeros_like(columns[:1])
     start[0, :2] = -1.0, 1.0  # the noise of the first v, which all others are compared with
     rows = lfilter([1.0], average, np.concatenate([columns, start]))[:, :last] / sigma
-    y, X = rows[0], rows[1:]
-    pair, side = X @ X.T, X @ y
-    likelihood = -0.5 * float(y @ y) - float(np.count_nonzero(usable[:last]) * np.log(sigma))
+    products = rows @ rows.T
+    likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
+    return [
+        _without_lag(products[np.ix_(of, of)], float(likelihood), white)
+        for of in ((0, scale, 1, scale + 1, -1) for scale in range(2, len(columns), 2))
+    ]
+
+
+def _without_lag(products: Array, likelihood: float, white: float) -> _AgainstSpeed:
+    """What is known of (c, e), from the products of y, c, e, the lag and the start, (5, 5)."""
+    precision, vector = np.zeros((3, 3)), np.zeros(3)
+    pair, side = products[1:, 1:], products[1:, 0]
     # the shares of the start and of the lag are taken out with their priors
     for place, variance in ((3, white), (2, _LAG**2)):
         own, along, right = pair[place, place] + 1.0 / variance, pair[:place, place], side[place]

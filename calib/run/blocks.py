@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from calib.base.arrays import Array, Index, Mask
+from calib.base.arrays import Array, Mask
 from calib.car.balance import ForceBalance, force_balance
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
@@ -45,10 +45,6 @@ class Blocks:
     lead_in: Mask
     samples: int
     length: float
-
-    def last_complete(self, time: Array) -> Index:
-        """Index of the last block that is complete at each ``time`` [s]; the first one before."""
-        return np.maximum(np.searchsorted(self.end, time, side="right") - 1, 0)
 
     def with_z(self, z: Array) -> "Blocks":
         """The same with another deceleration [1] (k,)."""

@@ -12,13 +12,25 @@ def squares_left(columns: Array, y: Array, ridge: Array | float = 0.0) -> Array:
     ``ridge`` (k,) times the square of each share is added. A column that is zero, or the same as
     another, adds nothing. Right to 1e-9 of the squares of y.
     """
-    gram = columns @ np.swapaxes(columns, 1, 2) + ridge * np.eye(columns.shape[1])
+    return left_of(products_of(columns, y), ridge)
+
+
+def products_of(columns: Array, y: Array) -> tuple[Array, Array, Array]:
+    """Products of ``columns`` with each other (m, k, k), with ``y`` (m, k), and of y (m,)."""
+    gram, side = columns @ np.swapaxes(columns, 1, 2), (columns @ y[..., None])[..., 0]
+    return gram, side, np.sum(y**2, axis=-1)
+
+
+def left_of(products: tuple[Array, Array, Array], ridge: Array | float = 0.0) -> Array:
+    """As `squares_left`, of what `products_of` gives."""
+    gram, side, square = products
+    gram = gram + ridge * np.eye(gram.shape[1])
     size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
     size = np.where(size > 0.0, size, 1.0)
-    side = (columns @ y[..., None])[..., 0] / size
+    side = side / size
     gram = gram / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(size.shape[1])
     shares = np.linalg.solve(gram, side[..., None])[..., 0]
-    return np.asarray(np.maximum(np.sum(y**2, axis=-1) - np.sum(side * shares, axis=1), 0.0))
+    return np.asarray(np.maximum(square - np.sum(side * shares, axis=1), 0.0))
 
 
 def lasting_variance(x: Array, size: int) -> float:

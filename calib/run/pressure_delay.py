@@ -26,7 +26,7 @@ from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure
 from calib.run.driving_record import BITE_Z, DRIVEN, DrivingRecord, rolls
 from calib.run.filters import centred_mean, since
-from calib.run.least_squares import lasting_variance, squares_left
+from calib.run.least_squares import lasting_variance, left_of, products_of
 from calib.run.limits import LIMITS
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
@@ -206,9 +206,10 @@ def _by_chance(
     if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
         return None
     columns, y, samples = columns * known[:, None], y * known, known.sum(axis=1)
+    products = products_of(columns, y)
     ridge, variance = np.zeros(columns.shape[1]), float(np.var(y[np.abs(tried).argmin()]))
     for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
-        squares = squares_left(columns, y, ridge) / samples + least
+        squares = left_of(products, ridge) / samples + least
         cost = samples * np.log(squares / variance)
         best = int(np.argmin(cost))
         A = columns[best].T

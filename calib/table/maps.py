@@ -75,7 +75,8 @@ class Reader:
         from scipy.interpolate import RegularGridInterpolator
 
         self.axes, names = list(m.axes.values()), np.array(columns)
-        cells = np.stack([m.grid(name) for name in names.flat], axis=-1)
+        cells = np.stack([getattr(m, name) for name in names.flat], axis=-1)
+        cells = cells.reshape(*(axis.size for axis in self.axes), -1)
         self._read, self._shape = RegularGridInterpolator(self.axes, cells), names.shape
 
     def width(self, axis: int, x: Array) -> Array:
