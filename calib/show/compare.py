@@ -5,7 +5,7 @@ A colour is a quantity, as on the page of a table; a line style is a table, in t
 
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import DASHED, ETA, FRONT, IDENTIFIED, REAR, Stroke
+from calib.show.style import DASHED, ETA, FRONT, IDENTIFIED, REAR, Stroke, dots
 from calib.show.table import map_panel, read_at
 from calib.table.compare import Difference, diff
 from calib.table.table import Table
@@ -58,9 +58,9 @@ def _pads(tables: dict[str, Table]) -> Panel:
     for (name, table), look, aside in zip(tables.items(), _MARKERS, _ASIDE, strict=True):
         pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
         for i, (axle, stroke) in enumerate((("front", FRONT), ("rear", REAR))):
-            point, colour = {"linestyle": "", **look}, {"color": stroke["color"]}
-            lines.append(Line([i + aside] * 2, pads[i].ci95, colour))
-            lines.append(Line([i + aside], [pads[i].value], colour | point, f"{axle}, {name}"))
+            point = dots(stroke, 6.0, **look)
+            lines.append(Line([i + aside] * 2, pads[i].ci95, {"color": stroke["color"]}))
+            lines.append(Line([i + aside], [pads[i].value], point, f"{axle}, {name}"))
     return Panel(
         "pads",
         "Pad friction on the ramps",

@@ -14,10 +14,9 @@ from calib.base.plain import plain
 from calib.line.fleet.summary import Look, Summary
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, DASHED, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text
+from calib.show.style import BODY, DASHED, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text, dots
 
-_APART: Stroke = {"color": REAR["color"], "marker": "D", "linestyle": "", "ms": 5.0, "zorder": 5}
-_DOT: Stroke = {"color": NOMINAL["color"], "marker": ".", "linestyle": "", "ms": 4.5}
+_APART, _DOT = dots(REAR, 5.0, "D", zorder=5), dots(NOMINAL, 4.5, ".")
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
 _STEADY: Stroke = {**_THIN, "linestyle": DASHED}
 _LEVEL: Stroke = {**IDENTIFIED, "linewidth": 2.0}

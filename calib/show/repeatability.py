@@ -14,7 +14,7 @@ from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdic
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
 from calib.show.panel import Line, Mark, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, DASHED, WHEEL_STROKES, Stroke, as_text
+from calib.show.style import BODY, DASHED, WHEEL_STROKES, Stroke, as_text, dots
 
 _SHOWN = 5
 """Metrics in the head of the answer that break their limit; all are in the details."""
@@ -23,7 +23,7 @@ _HEADS = (
     *("%GRR", "95 %", "ndc", "of tolerance", "verdict"),
 )
 _CAPTION = "Repeatability, reproducibility and cars: standard deviations [1]."
-_COLOURS, _MARKS = [stroke["color"] for stroke in WHEEL_STROKES.values()], "osD^vPX"
+_COLOURS, _MARKS = [*WHEEL_STROKES.values()], "osD^vPX"
 _HEAT = {
     GaugeVerdict.GOOD: "#DDF1EA",
     GaugeVerdict.MARGINAL: "#FBF1CC",
@@ -31,7 +31,6 @@ _HEAT = {
     GaugeVerdict.ALIKE: "#E9E9E9",
     GaugeVerdict.NOT_JUDGED: "#FFFFFF",
 }
-_POINT: Stroke = {**BODY, "marker": "o", "linestyle": ""}
 _LIMIT: Stroke = {**BODY, "linestyle": DASHED, "linewidth": 0.9}
 _LETTERS = 15
 """Letters of a metric's name in a line below its column."""
@@ -114,7 +113,7 @@ def _verdicts(found: GaugeStudy) -> Panel:
             continue
         share = one.gauge.grr
         lines.append(Line([i, i], [100.0 * end for end in share.ci95], BODY))
-        lines.append(Line([i], [100.0 * share.value], _POINT))
+        lines.append(Line([i], [100.0 * share.value], dots(BODY, 6.0)))
         lines += [
             Line(column, [100.0 * judged.high] * 2, _LIMIT)
             for judged in one.judgements
@@ -137,8 +136,7 @@ def _panel(found: GaugeStudy, result: GaugeResult) -> Panel:
     for k, station in enumerate(stations):
         here = np.array([r.station == station for r in found.readings])
         aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
-        colour, mark = _COLOURS[k % len(_COLOURS)], _MARKS[k % len(_MARKS)]
-        look: Stroke = {"color": colour, "marker": mark, "linestyle": "", "ms": 3.2, "alpha": 0.8}
+        look = dots(_COLOURS[k % len(_COLOURS)], 3.2, _MARKS[k % len(_MARKS)], alpha=0.8)
         lines.append(Line(x[here] + aside, y[here], look, as_text(station)))
     lines += [
         Line([i - 0.35, i + 0.35], [float(np.mean(y[x == i]))] * 2, BODY) for i in range(len(cars))

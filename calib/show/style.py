@@ -46,6 +46,12 @@ WHEEL_STROKES: dict[str, Stroke] = {
     "rr": {"color": "#E69F00", "linestyle": DOTTED},
 }
 
+
+def dots(of: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
+    """Points in the colour of a line, of a ``size`` [pt], without the line."""
+    return {"color": of["color"], "marker": marker, "linestyle": "", "ms": size, **more}
+
+
 SHADE = "#E9E9E9"
 ETA = "\u03b7 - 1 [%]"
 """Name of an axis: rear wheel speed over front one."""

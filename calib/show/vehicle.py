@@ -20,13 +20,11 @@ from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BAR, BODY, FRONT, IDENTIFIED, NOMINAL, REAR, Array, Stroke
+from calib.show.style import BAR, BODY, FRONT, IDENTIFIED, NOMINAL, REAR, Array, Stroke, dots
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
 _THIN: Stroke = {"color": NOMINAL["color"], "linewidth": 0.5, "alpha": 0.6}
-_DOTS: Stroke = {"color": IDENTIFIED["color"], "marker": "o", "linestyle": "", "ms": 3.2}
-_DIAMOND: Stroke = {"color": BODY["color"], "marker": "D", "mfc": "white", "linestyle": ""}
 _KNM = 1e3
 
 
@@ -146,11 +144,11 @@ def _brake_torques(vehicle: Vehicle) -> Panel:
         )
         lines.append(Line([whole_f, 0.0], [0.0, whole_r], _THIN))
     points = np.array([beta_point(vehicle, ratio, z) for z in _DECELERATIONS]) / _KNM
-    lines.append(Line(points[:, 0], points[:, 1], _DOTS))
+    lines.append(Line(points[:, 0], points[:, 1], dots(IDENTIFIED, 3.2)))
     if 0.0 < (biased := front_biased_up_to(vehicle)) <= 1.0:
         at_f, at_r = beta_point(vehicle, ratio, biased)
         label = f"front locks first up to {biased:.2f} g"
-        lines.append(Line([at_f / _KNM], [at_r / _KNM], _DIAMOND, label))
+        lines.append(Line([at_f / _KNM], [at_r / _KNM], dots(BODY, 6.0, "D", mfc="white"), label))
     return Panel(
         "torque-distribution",
         "Brake torque of the axles",
