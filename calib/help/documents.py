@@ -6,7 +6,6 @@ title = "brake-cal fit LOG... --json"
 new = "true or false: false where the same content was stored already"
 """
 
-import re
 import tomllib
 from dataclasses import dataclass
 from functools import cache
@@ -32,7 +31,7 @@ _TYPES = {
 """The type of a value or, after "list of", of each item, by the words of `documents.toml`."""
 
 SEVERAL = " ..."
-"""End of a key that stands for several which begin alike."""
+"""End of a key that stands for any number of keys which begin alike."""
 
 
 @dataclass(frozen=True)
@@ -46,15 +45,12 @@ class Document:
     def schema(self) -> dict[str, Any]:
         """Its JSON Schema, draft 2020-12; further keys are allowed."""
         values = {name: _value(*says.split(": ", 1)) for name, says in self.keys.items()}
-        several = {f"^{re.escape(name.removesuffix(SEVERAL))} ": one
-                   for name, one in values.items() if name.endswith(SEVERAL)}  # fmt: skip
         single = {name: one for name, one in values.items() if not name.endswith(SEVERAL)}
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": self.title,
             "type": "object",
             "properties": {"schema": {"const": 1}, **single},
-            **({"patternProperties": several} if several else {}),
             "required": ["schema", *single],
         }
 

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted
 from calib.base.warning import to_dict
 from calib.car.mass import MassUsed
 from calib.logs.log import Log
 from calib.show.facts import PASSED, WARNING, Facts, Picture, Table
+from calib.show.judged import budget_rows, ramp_rows
 from calib.show.origin import PageOrigin, origin
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet
@@ -16,7 +16,7 @@ from calib.show.table import sheet
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, budget_of, limiting, ramp_pads, words
+from calib.table.budget import advice_lines, budget_of, limiting
 from calib.table.budget import summary as budget_summary
 
 _CURVES = "The curves of the table with their 95 % bands, and the measured points."
@@ -45,7 +45,7 @@ def facts(found: Fitted) -> Facts:
             ("state", stored.state.words),
             ("mass", str(mass)),
             ("pads over the vehicle file's", f"{100.0 * cal.pad_scale.value:.1f} %"),
-            *((f"{w} pads", words(of)) for w, of in zip(AXLE_NAMES.values(), budgets, strict=True)),
+            *budget_rows(budgets),
         ],
         tables=[_estimated(stored)],
         notes=[*advice[1:], *table.remarks],
@@ -55,7 +55,7 @@ def facts(found: Fitted) -> Facts:
         headline=verdict(stored),
         verdict=WARNING if count else PASSED,
         word=f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
-        numbers=list(zip(("front pads", "rear pads"), ramp_pads(table), strict=True)),
+        numbers=ramp_rows(table),
         rows=[("range", said.ends), ("limited by", limiting(budgets))],
         notes=advice[:1],
         next=said.next,

@@ -1,11 +1,14 @@
 """Judged metrics as a table: plain name, value, limits, verdict; the worst first."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
+from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, plus_minus
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
 from calib.estimation.validate import CALIBRATION, Validation
-from calib.show.facts import Table
+from calib.show.facts import Row, Table
+from calib.table.budget import Parts, ramp_pads, words
+from calib.table.table import Table as LookUp
 
 _WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
 _HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
@@ -47,6 +50,17 @@ def word(r: Validation) -> str:
         return "no hold-out"
     count = len(r.all_warnings)
     return f"{r.word}, {counted(count, 'warning')}" if count else r.word
+
+
+def ramp_rows(table: LookUp) -> list[Row]:
+    """Pad friction of both axles on the ramp, with 95 % intervals."""
+    return list(zip(("front pads", "rear pads"), ramp_pads(table), strict=True))
+
+
+def budget_rows(budgets: Iterable[Parts], before: str = "", after: str = "") -> list[Row]:
+    """What the intervals of the pads of both axles are made of."""
+    both = zip(AXLE_NAMES.values(), budgets, strict=False)
+    return [(f"{before}{axle} pads{after}", words(parts)) for axle, parts in both]
 
 
 def pads(figures: Mapping[str, float | None], axle: str, of: str = "") -> str | None:

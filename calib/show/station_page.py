@@ -7,7 +7,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from calib.base.names import AXLE_NAMES
 from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, WARNING
 from calib.estimation.results import SUMMARY, fill
@@ -28,7 +27,7 @@ from calib.line.station.station import StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of
-from calib.show.judged import judged, pads, stop_by_stop
+from calib.show.judged import budget_rows, judged, pads, ramp_rows, stop_by_stop
 from calib.show.origin import PageOrigin, origin
 from calib.show.stop import pads_over_time
 from calib.show.table import sheet
@@ -36,7 +35,7 @@ from calib.store.evidence import read_quality
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, budget_of, ramp_pads, words
+from calib.table.budget import advice_lines, budget_of, ramp_pads
 
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
 _SHOWN = 3
@@ -70,7 +69,7 @@ def facts(run: StationRun) -> Facts:
         verdict=found.verdict,
         word=WORDS[found.verdict],
         rows=[
-            *zip(("front pads", "rear pads"), ramp_pads(found.table), strict=True),
+            *ramp_rows(found.table),
             *((check.verdict, f"{check.text}. {check.action}") for check in bad[:_SHOWN]),
         ],
         notes=[f"{len(bad) - _SHOWN} more are not held (-v)"] * (len(bad) > _SHOWN),
@@ -134,10 +133,7 @@ def _pads(found: StationOutcome) -> Facts:
     return Facts(
         "Pads",
         tables=[Cells(("run", "front", "rear"), rows, "Pad friction, with 95 % intervals.")],
-        rows=[
-            (f"{axle} pads of the ramp", words(of))
-            for axle, of in zip(AXLE_NAMES.values(), budgets, strict=True)
-        ],
+        rows=budget_rows(budgets, after=" of the ramp"),
         notes=advice_lines(budgets),
     )
 

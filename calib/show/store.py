@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
+from calib.show.judged import budget_rows, ramp_rows
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures, mean_figures
 from calib.store.journal import Entry
@@ -15,7 +15,7 @@ from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
-from calib.table.budget import budget_of, limiting, ramp_pads, words
+from calib.table.budget import budget_of, limiting
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
@@ -60,7 +60,7 @@ def shown(stored: Stored) -> Facts:
         verdict=PASSED if said.usable else WARNING,
         rows=[
             ("state", stored.state.words),
-            *zip(("front pads", "rear pads"), ramp_pads(table), strict=True),
+            *ramp_rows(table),
             ("range", said.ends),
             ("limited by", limiting(budgets)),
             ("made of", parents or logs),
@@ -73,7 +73,6 @@ def shown(stored: Stored) -> Facts:
 def _made_of(stored: Stored) -> Facts:
     """What the record of a table holds, but for its curves."""
     table, car, keys = stored.table, stored.table.vehicle, ", ".join(key_ids(stored))
-    by_axle = zip(AXLE_NAMES.values(), budget_of(table).axles, strict=True)
     rows: list[Row] = [
         *(("warning", str(warning)) for warning in table.warnings),
         ("digest", stored.digest),
@@ -88,7 +87,7 @@ def _made_of(stored: Stored) -> Facts:
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((of.effect.replace("_", " "), str(of)) for of in effect_figures(table)),
         ("pad scale", _interval(table.calibration.pad_scale)),
-        *((f"{axle} pads", words(of)) for axle, of in by_axle),
+        *budget_rows(budget_of(table).axles),
         *((name.replace("_", " "), _map(part)) for name in MAPS
           if (part := getattr(table, name)) is not None),
         ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.agreement import agreement
 from calib.estimation.validate import (
@@ -17,13 +16,13 @@ from calib.estimation.validate import (
     proof_of,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import broken, mean_of, pads, stop_by_stop, word
+from calib.show.judged import broken, budget_rows, mean_of, pads, stop_by_stop, word
 from calib.show.origin import PageOrigin, origin
 from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
-from calib.table.budget import STOP, advice_lines, limiting, words
+from calib.table.budget import STOP, advice_lines, limiting
 from calib.table.exported import Precision
 
 _PROOFS = {
@@ -184,10 +183,7 @@ def _limiting(results: list[Validation]) -> list[Row]:
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()
         ]
-        rows += [
-            (f"{r.log}, {name} pads", words(of))
-            for name, of in zip(AXLE_NAMES.values(), r.budget or (), strict=False)
-        ]
+        rows += budget_rows(r.budget or (), f"{r.log}, ")
     together = agreement(results)
     return rows + [
         (
