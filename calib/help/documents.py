@@ -84,7 +84,7 @@ _FILES = {
     "settings": ("base.settings_file:SettingsFile",
                  "brake-cal.toml: what options say that are not given"),
     "table": ("store.record_file:RecordFile", "record.json: a stored table without its curves"),
-    "summary": ("store.evidence:SummaryFile",
+    "summary": ("store.record_file:SummaryFile",
                 "summary.json of a validation, as far as an export reads it"),
     "vehicle-facts": ("car.facts_file:VehicleFactsFile",
                       "what `vehicle show --json` prints of a vehicle file"),

@@ -4,14 +4,10 @@ import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
-
-from pydantic import ConfigDict
 
 from calib.base.bounded import VALIDATION, bytes_of
 from calib.base.errors import ExchangeError
 from calib.base.printable import printable
-from calib.base.record import FileSchema, Section, validated
 from calib.store.state import Evidence
 from calib.store.version import Stored
 
@@ -36,28 +32,6 @@ CONSISTENT = "consistent, not proved"
 
 UNPROVED = Quality(_CALIBRATED, "none given with this export")
 """Quality of a table without a validation."""
-
-
-class _LogOutcome(Section):
-    """A log that was validated."""
-
-    model_config = ConfigDict(extra="ignore")
-
-    log: str
-    role: str
-    verdict: str
-
-
-class SummaryFile(FileSchema):
-    """The `summary.json` of a validation of one version of a table."""
-
-    model_config = ConfigDict(extra="ignore")
-
-    table: str
-    digest: str
-    verdict: Literal["passed", "failed"]
-    proof: Literal["truth", "reference", "none"]
-    logs: list[_LogOutcome]
 
 
 def read_quality(path: Path, stored: Stored) -> Quality:
@@ -87,6 +61,9 @@ def _read(path: Path) -> bytes:
 
 
 def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
+    from calib.base.record import validated
+    from calib.store.record_file import SummaryFile
+
     try:
         summary = validated(data, SummaryFile, None, ExchangeError)
     except ExchangeError as error:

@@ -1,7 +1,7 @@
-"""The record of a table as its JSON file has it."""
+"""JSON files of a store: the record of a table, a summary as evidence, what a user has seen."""
 
 from dataclasses import MISSING, fields
-from typing import Any, Literal, get_type_hints
+from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import ConfigDict, Field
 
@@ -66,6 +66,56 @@ class RecordFile(Section):
     files: dict[str, str]
     record: Record  # type: ignore[valid-type]
     states: Literal["journal.jsonl"]
+
+
+class _LogOutcome(Section):
+    """A log that was validated."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    log: str
+    role: str
+    verdict: str
+
+
+class SummaryFile(FileSchema):
+    """The `summary.json` of a validation of one version of a table."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    table: str
+    digest: str
+    verdict: Literal["passed", "failed"]
+    proof: Literal["truth", "reference", "none"]
+    logs: list[_LogOutcome]
+
+
+_Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class Sight(Section):
+    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
+
+    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
+    folder of the store.
+    """
+
+    key: str
+    store: _Hash
+    place: str
+    head: _Hash
+    lines: Annotated[int, Field(ge=1)]
+
+    @property
+    def of(self) -> tuple[str, str, str]:
+        """What it is a sight of; of these only the newest is kept."""
+        return self.key, self.store, self.place
+
+
+class SeenFile(FileSchema):
+    """What a user has seen of stores."""
+
+    seen: tuple[Sight, ...]
 
 
 def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:

@@ -11,46 +11,18 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
-
-from pydantic import Field
+from typing import TYPE_CHECKING
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import SignatureRefused
-from calib.base.record import FileSchema, Section, validated
 from calib.base.write import locked_folder, write_whole
 from calib.store.journal import Journal
 
+if TYPE_CHECKING:
+    from calib.store.record_file import Sight
+
 _FILE = Path("brake-cal") / "seen.json"
 _UNSEEN = "an older copy of the store will not be noticed"
-
-
-_Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-
-
-class _Sight(Section):
-    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
-
-    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
-    folder of the store.
-    """
-
-    key: str
-    store: _Hash
-    place: str
-    head: _Hash
-    lines: Annotated[int, Field(ge=1)]
-
-    @property
-    def of(self) -> tuple[str, str, str]:
-        """What it is a sight of; of these only the newest is kept."""
-        return self.key, self.store, self.place
-
-
-class _SeenFile(FileSchema):
-    """What a user has seen of stores."""
-
-    seen: tuple[_Sight, ...]
 
 
 @dataclass(frozen=True)
@@ -58,7 +30,7 @@ class SeenJournals:
     """All that was seen, in the file ``path``; ``note`` says why it cannot be used, else ""."""
 
     path: Path | None
-    sights: tuple[_Sight, ...] = ()
+    sights: "tuple[Sight, ...]" = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
@@ -81,11 +53,13 @@ class SeenJournals:
 
         Raises SignatureRefused when the file is damaged.
         """
+        from calib.store.record_file import Sight
+
         if self.path is None or self.note or not journal.entries:
             return self.note
         first, lines = journal.entries[0].hash, len(journal.entries)
         place = str(folder.resolve())
-        new = _Sight(key=key, store=first, place=place, head=journal.head, lines=lines)
+        new = Sight(key=key, store=first, place=place, head=journal.head, lines=lines)
         try:
             with locked_folder(self.path.parent):
                 now = recall()
@@ -104,6 +78,9 @@ def recall() -> SeenJournals:
 
     Raises SignatureRefused when the file is damaged.
     """
+    from calib.base.record import validated
+    from calib.store.record_file import SeenFile
+
     try:
         state = os.environ.get("XDG_STATE_HOME", "")
         base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
@@ -115,10 +92,10 @@ def recall() -> SeenJournals:
         return SeenJournals(None, note=f"this user has no home folder: {_UNSEEN}")
     except OSError as error:
         return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {_UNSEEN}")
-    return SeenJournals(path, validated(data, _SeenFile, path, SignatureRefused).seen)
+    return SeenJournals(path, validated(data, SeenFile, path, SignatureRefused).seen)
 
 
-def _flaw(seen: _Sight, folder: Path, journal: Journal) -> str:
+def _flaw(seen: "Sight", folder: Path, journal: Journal) -> str:
     """Why a journal in ``folder`` is none that may follow what was seen, or ""."""
     lines = journal.entries
     if not lines or lines[0].hash != seen.store:
