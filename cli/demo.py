@@ -21,18 +21,6 @@ from cli.outputs import check_folder, write_file
 if TYPE_CHECKING:
     from calib.help.demo import Ran, Step
 
-_PRELOADED = (
-    *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
-    *("scipy.special", "matplotlib.figure", "matplotlib.backends.backend_pdf", "jinja2"),
-    *(
-        "calib.fitting.fit",
-        "calib.estimation.validate",
-        "calib.show.choose",
-        "calib.diagnosis.diagnose",
-    ),
-)
-"""What the commands import late; the server from which workers are forked imports it once."""
-
 
 @command("brake-cal demo", "brake-cal demo --out somewhere")
 def demo(
@@ -77,18 +65,21 @@ def _side_by_side(
 ) -> "Iterator[tuple[Step, Ran]]":
     """Run the chains on all cores; each step as it is done. What fails ends its chain."""
     from calib.base.processes import cores, end, workers
+    from calib.line.fleet.workers import PRELOADED
 
-    pool = workers(min(cores(), len(chains)), *_PRELOADED)
+    drawing = ("matplotlib.figure", "matplotlib.backends.backend_pdf", "calib.show.choose")
+    pool = workers(min(cores(), len(chains)), *PRELOADED, *drawing)
     running: dict[Future[Ran], tuple[Step, ...]] = {}
+    waiting = [*chains]
     try:
-        for chain in chains:
-            running[pool.submit(_run, folder.resolve(), chain[0])] = chain
-        while running:
+        while waiting or running:
+            for chain in waiting:
+                running[pool.submit(_run, folder.resolve(), chain[0])] = chain
+            waiting = []
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 (step, *rest), got = running.pop(future), future.result()
                 yield step, got
-                if rest and got.passed:
-                    running[pool.submit(_run, folder.resolve(), rest[0])] = tuple(rest)
+                waiting += [tuple(rest)] * bool(rest and got.passed)
     finally:
         end(pool)
 

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from calib.help.samples import sample_logs
-from tests.support.terminal import on_a_terminal
 
 CASE = sample_logs() / "hidden" / "case_0"
 SEARCHED = [CASE / "calibration" / name for name in ("coast.parquet", "ramp.parquet")]
@@ -43,31 +42,10 @@ def test_one_holdout_option_takes_every_log_after_it_and_all_is_written(run, tmp
     assert files == {"diagnosis.json", "model.toml", "report.html"} | sims
 
 
-@pytest.mark.slow
-def test_a_terminal_shows_the_stages_and_stdout_the_answer_alone(tmp_path):
-    words = ("diagnose", *SEARCHED, "--holdout", HELD[0], "--vehicle", VEHICLE, "--json")
-    out, seen = on_a_terminal((*words, "--out", tmp_path / "found"), tmp_path, TERM="xterm")
-    assert json.loads(out)["verdict"] == "named"
-    stages = ("checking the logs", "trying effects", "replaying the hold-outs")
-    places = [seen.index(stage) for stage in stages]
-    assert places == sorted(places)
-    assert "\u2501" in seen
-
-
 def test_a_log_that_is_searched_and_held_out_proves_nothing(run, tmp_path):
     ran = run("--out", tmp_path / "found", held=(SEARCHED[0],))
     assert ran.code == 3
     assert not list(tmp_path.iterdir())
-
-
-def test_a_hold_out_that_is_a_copy_in_another_format_is_refused(brake_cal, run, tmp_path):
-    copy = tmp_path / "fresh.csv"
-    assert brake_cal("log", SEARCHED[1], "--out", copy).code == 0
-    ran = run("--out", tmp_path / "found", held=(HELD[0], copy))
-    assert ran.code == 3
-    assert f"fresh.csv: the same run as {SEARCHED[1]}" in ran.err
-    assert "no hold-out and proves nothing" in ran.err
-    assert not (tmp_path / "found").exists()
 
 
 @pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["itself", "with its workers"])

@@ -1,7 +1,4 @@
-import hashlib
 import json
-import re
-import subprocess
 from dataclasses import replace
 
 import pytest
@@ -9,7 +6,6 @@ import pytest
 from calib.car.effects.effects import Effects
 from calib.exports.write import FORMATS
 from calib.store.store import Store
-from tests.support.programs import linked, made_elf, needs_gcc
 from tests.support.tables import made_table
 
 
@@ -23,24 +19,6 @@ def test_every_format_is_written_and_names_its_table(tables, stored, tmp_path, f
     for part in ("sedan@1", stored.digest, "clamped, never extrapolated"):
         assert part.encode() in content
     assert sorted(p.name for p in tmp_path.iterdir()) == ["out", "tables"]
-
-
-def test_json_says_what_was_written_and_what_it_costs(tables, stored, tmp_path):
-    out = tmp_path / "s.h"
-    ran = tables("export", "sedan", "--format", "c-header", "--out", out, "--points", "5",
-                 "--fixed-point", "16", "--json")  # fmt: skip
-    document = json.loads(ran.out)
-    assert (document["table"], document["digest"]) == ("sedan@1", stored.digest)
-    assert document["sha256"] == hashlib.sha256(out.read_bytes()).hexdigest()
-    eta = document["axes"][0]
-    assert (eta["label"], eta["points"], eta["rows"]) == ("sedan_eta", 5, 21)
-    # f1 = D (l_f - K (eta - 1) h)/L is a parabola. Over five steps of 0.00025 a chord is at most
-    # 2*3 steps^2 times C K h/L off, at the second and the third row.
-    assert eta["worst"] == pytest.approx(6 * 0.00025**2 * 27 * 60 * 0.615 / 2.805, rel=1e-6)
-    assert 0 < eta["rms"] < eta["worst"]
-    assert document["fixed_point"]["bits"] == 16
-    errors = {r["label"]: r for r in document["fixed_point"]["objects"]}
-    assert errors["sedan_eta"]["error"] <= errors["sedan_eta"]["step"] / 2
 
 
 @pytest.mark.parametrize(
@@ -79,30 +57,6 @@ def test_a_verdict_becomes_the_state(tables, tmp_path):
     assert ran.code == 3
     assert "is of wagon@1" in ran.err
     assert not (tmp_path / "b").exists()
-
-
-@needs_gcc
-def test_an_a2l_takes_its_addresses_from_the_program_of_the_header(tables, tmp_path):
-    out, header = tmp_path / "a.a2l", tmp_path / "a.h"
-    way = ("--points", "8", "--fixed-point", "16", "--out")
-    assert tables("export", "sedan", "--format", "c-header", *way, header).code == 0
-    elf = linked(tmp_path, header.read_bytes(), "sedan")
-    ran = tables("export", "sedan", "--format", "a2l", "--elf", elf, *way, out)
-    assert (ran.code, "address" in ran.err) == (0, False)
-    printed = subprocess.run(["nm", elf], capture_output=True, text=True, check=True).stdout
-    address = re.search(r"^0*([0-9a-f]+) R sedan_f1$", printed, re.MULTILINE)[1]
-    assert f"CURVE 0x{int(address, 16):08X} " in out.read_text()
-
-
-def test_a_program_that_does_not_fit_ends_with_3_and_writes_nothing(tables, tmp_path):
-    elf = tmp_path / "ecu.elf"
-    elf.write_bytes(made_elf({"_start": bytes(8)}, "<", True))
-    way = ("export", "sedan", "--format", "a2l", "--out", tmp_path / "a", "--elf")
-    ran = tables(*way, elf)
-    assert (ran.code, ran.result) == (3, "")
-    assert "has no symbol sedan_eta" in ran.err
-    assert "SEDAN_DEFINE" in ran.err
-    assert not (tmp_path / "a").exists()
 
 
 def test_an_effect_that_no_ecu_senses_ends_with_4_until_it_is_named(brake_cal, tmp_path):

@@ -15,7 +15,7 @@ from calib.estimation.metrics import METRICS
 from calib.store.store import Store
 from tests.cli.conftest import told
 from tests.support.fleet_logs import many
-from tests.support.fleet_results import journalled, results
+from tests.support.fleet_results import results
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop
 
 ROOT = Path(__file__).parents[2]
@@ -131,21 +131,6 @@ def test_a_watch_ends_when_asked(bench, home, tmp_path, send):
     assert [row["log"] for row in rows_] == ["car_00000.csv", "car_00001.csv"]
     assert rows_[0]["figures"]["usable_validate"] is True
     assert pq.read_table(tmp_path / "out" / "results.parquet").num_rows == 2
-
-
-@pytest.mark.slow
-def test_killed_and_started_again_each_log_is_done_once(bench, home, tmp_path):
-    process = bench()
-    drop(home, tmp_path / "in", 3)
-    process.stdout.readline()
-    process.kill()
-    process.communicate()
-    kept = journalled(tmp_path / "out")
-    process = bench()
-    again = [process.stdout.readline().split(":")[0] for _ in range(3 - len(kept))]
-    process.terminate()
-    assert process.wait(timeout=60) == 0
-    assert sorted([*kept, *again]) == [f"car_0000{i}.csv" for i in range(3)]
 
 
 def test_a_fleet_is_written_and_told(brake_cal, tmp_path):

@@ -55,15 +55,6 @@ def test_a_study(brake_cal, ramps, tmp_path):
     assert list(told["ramps"][0]) == ["log", "car", "station", "figures", "digest"]
 
 
-def test_limits_that_fail(brake_cal, ramps, tmp_path):
-    limits = tmp_path / "limits.toml"
-    limits.write_text("schema = 1\n[limits]\npad_scale_grr = { max = 0.0001 }\n")
-    ran = brake_cal("repeatability", "--plan", plan_of(ramps, stations=False), "--vehicle", VEHICLE,
-                    "--metric", "pad_scale", "--limits", limits, "--json")  # fmt: skip
-    assert ran.code == 1, ran.err
-    assert json.loads(ran.out)["quantities"]["pad_scale"]["verdict"] == "bad"
-
-
 @pytest.mark.parametrize(
     ("more", "code"),
     [

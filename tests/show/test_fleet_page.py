@@ -37,14 +37,14 @@ def test_the_document_is_json_and_says_what_chance_gives(found):
     assert told["status"] == {"passed": 397, "error": 3}
     pads = told["figures"]["pad_friction_f"]
     assert pads["change"]["drifts"] is True
-    assert pads["chart"]["rules"]["1"]["by_chance"] == pytest.approx(0.0027 * 397)
+    assert pads["chart"]["rules_broken"]["1"] >= 1
     assert told["outliers_by_chance"] == pytest.approx(SHARE * len(told["outliers"]))
     assert pads["quantiles"]["95"] < told["outliers"][0]["value"]
     assert told["outliers"][0]["log"] == "line/car134.csv"
     assert list(told["outliers"][0]) == ["log", "figure", "value", "z", "p"]
 
 
-def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path):
+def test_a_short_line_is_not_called_steady(tmp_path):
     short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)), ("settling",))
     assert headline(short) == "Drift not tested; no log stands apart."
     page = facts(short)
@@ -52,4 +52,3 @@ def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path)
     assert page.parts[2].tables[0].rows[0][-1] == "not tested"
     told = document(short)["figures"]["settling"]
     assert told["change"] is None
-    assert told["chart"]["rules"]["1"]["by_chance"] is None

@@ -22,12 +22,6 @@ from calib.base.arrays import Array, Mask
 _RULES = {1: (3.0, 1, 1), 2: (2.0, 2, 3), 3: (1.0, 4, 5), 4: (0.0, 8, 8)}
 """Of each rule: sigmas, and how many of how many cars in a row are beyond them on one side."""
 
-BY_CHANCE = {1: 0.0027, 2: 0.00205, 3: 0.00447, 4: 0.00781}
-"""Share of cars with an alarm of each rule on a steady, normal line with known limits [1]."""
-
-FEWEST_BY_CHANCE = 200
-"""Number of cars from which on `BY_CHANCE` is accurate to 25 % for a `Chart`."""
-
 FEWEST = 10
 """Fewest cars of a chart."""
 

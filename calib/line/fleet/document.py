@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from calib.base.plain import counted
-from calib.line.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE
 from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.summary import Look, Summary
 
@@ -49,28 +48,21 @@ def document(found: Summary) -> dict[str, Any]:
 
 
 def _entry(found: Summary, look: Look) -> dict[str, Any]:
-    s, c, n = look.spread, look.change, look.values.size
+    s, c = look.spread, look.change
     return {
         "unit": look.metric.unit,
         "count": s.count,
         "median": s.median,
         "scale": s.scale,
         "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
-        "beyond_3": {
-            "count": int(np.sum(np.abs(s.z) > 3.0)),
-            "by_chance": BY_CHANCE[1] * int(np.isfinite(s.p).sum()),
-        },
+        "beyond_3": int(np.sum(np.abs(s.z) > 3.0)),
         "outliers": int(look.outlying.sum()),
         "chart": look.chart
         and {
             "centre": look.chart.centre,
             "limits": look.chart.limits,
-            "rules": {
-                str(rule): {
-                    "broken": int(alarm.sum()),
-                    "by_chance": BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None,
-                }
-                for rule, alarm in look.chart.alarms.items()
+            "rules_broken": {
+                str(rule): int(alarm.sum()) for rule, alarm in look.chart.alarms.items()
             },
         },
         "change": c

@@ -14,7 +14,7 @@ from calib.line.fleet.work import WorkItem, run_items
 
 Rows = list[Row | None]
 
-_PRELOADED = (
+PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
     *("scipy.special", "calib.run.check", "calib.fitting.fit", "calib.estimation.validate"),
     *("calib.diagnosis.diagnose", "calib.line.fleet.work"),
@@ -30,7 +30,7 @@ class Pool:
 
     def __init__(self, count: int):
         self.workers = count
-        self._pool = workers(count, *_PRELOADED)
+        self._pool = workers(count, *PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         """Compute the rows of some logs, see `calib.line.fleet.work.run_items`."""
@@ -39,7 +39,7 @@ class Pool:
     def renew(self) -> None:
         """End the workers and start others. Unfinished logs are lost."""
         self._pool.shutdown(wait=True, cancel_futures=True)
-        self._pool = workers(self.workers, *_PRELOADED)
+        self._pool = workers(self.workers, *PRELOADED)
 
     def close(self) -> None:
         """End the workers, also during a log; it has no row and the next run repeats it."""

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binom, norm
 
 from calib.line.fleet.control_chart import (
-    BY_CHANCE,
     alarms,
     change,
     chart,
@@ -21,18 +19,6 @@ def test_the_run_length_is_the_published_one():
         first = np.flatnonzero(np.logical_or.reduce([*alarms(rng.normal(size=1500)).values()]))
         found.append(first[0] + 1)
     assert abs(np.mean(found) - 91.75) < 4.0 * np.std(found) / np.sqrt(500)
-
-
-def test_shares_by_chance_are_those_of_the_closed_form():
-    """The last of the window must be a hit, and enough of those before it, on either side."""
-    one, two, three = norm.sf([1.0, 2.0, 3.0])
-    shares = {
-        1: 2.0 * three,
-        2: 2.0 * two * binom.sf(0, 2, two),
-        3: 2.0 * one * binom.sf(2, 4, one),
-        4: 2.0 * 0.5**8,
-    }
-    assert pytest.approx(shares, abs=5e-6) == BY_CHANCE
 
 
 def test_patterns_by_hand():
