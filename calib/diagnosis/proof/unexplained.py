@@ -15,6 +15,7 @@ from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.channels import A_X, CHANNELS, DRIFT, STEP, by_channel, thinned
 from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.search.terms import PLAIN
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
 
@@ -22,7 +23,6 @@ _HARMONICS = (1, 2)  # of the wheel's turn; run-out and uneven spacing show in t
 _HELD = 0.5  # rise of a brake torque from knot to knot, over that before, below which it is held
 
 # shares of the excess
-_PLAIN = 0.03  # that a term must explain beyond one that holds a torque, which is a single number
 _ONE_SIDED = 0.3  # that a lasting difference of left and right must take to name one wheel
 _NO_TERM = 0.1  # that must go with the angle of the wheels, or swing, to be told as that
 
@@ -91,14 +91,18 @@ def held_from(term: EmpiricalTerm) -> float | None:
 
 
 def plainest_first(at: Explanation, terms: Sequence[Explanation]) -> list[Explanation]:
-    """The best of ``terms`` first, but one that holds a torque before what is hardly better."""
-    hardly = _PLAIN * _excess(at) / at.count
-    return sorted(
-        terms,
-        key=lambda one: (
-            held_from(one.effects.terms[0]) is None or one.reduced >= terms[0].reduced + hardly
-        ),
-    )
+    """The best of ``terms`` first, but one of a single number before what is hardly better.
+
+    Such a term is constant, or holds a torque.
+    """
+    hardly = PLAIN * _excess(at) / at.count
+
+    def behind(one: Explanation) -> bool:
+        term = one.effects.terms[0]
+        plain = term.driver == "constant" or held_from(term) is not None
+        return not plain or one.reduced >= terms[0].reduced + hardly
+
+    return sorted(terms, key=behind)
 
 
 def _excess(at: Explanation) -> float:

@@ -34,6 +34,7 @@ _APART = 10  # such halves from one pulse of a comb to the next
 _BEFORE, _AFTER = 0.3, 0.7  # times [s] around the middle of a pulse in which it moves innovations
 _STEP = 0.02  # height of a pulse [1]
 _FITTED = 2  # terms that are fitted
+PLAIN = 0.03  # share of what a term explains by which one of a single number may explain less [1]
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,15 @@ def ranked_terms(at: Explanation) -> list[Ranked]:
 
 
 def with_terms(at: Explanation, ranked: Sequence[Ranked]) -> list[Explanation]:
-    """The explanation with the best of these terms, fitted, best first."""
-    alone = replace(at, problem=at.problem.alone)
-    found = at.problem.mapped(partial(_fitted, alone), ranked[:_FITTED])
+    """The explanation with the best of these terms, fitted, best first.
+
+    A constant is among them where it promises hardly less: every other driver can imitate it, and
+    a linear model is no judge of so little.
+    """
+    alone, least = replace(at, problem=at.problem.alone), (1.0 - PLAIN) * ranked[0].log_gain
+    plain = [one for one in ranked if one.walk.driver == "constant" and one.log_gain >= least]
+    some = [*plain, *(one for one in ranked if one.walk.driver != "constant")][:_FITTED]
+    found = at.problem.mapped(partial(_fitted, alone), some)
     best_first = sorted(found, key=lambda one: -one.log_evidence)
     return [replace(one, problem=at.problem) for one in best_first]
 
