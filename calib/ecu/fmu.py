@@ -22,8 +22,8 @@ from calib.ecu.car_source import SOURCE, sources
 from calib.estimation.channels import REASON, VARIABLES, Variable
 from calib.estimation.known import known_effects
 from calib.estimation.reasons import Reason
+from calib.exports.filters import printable
 from calib.exports.labels import prefix
-from calib.exports.write import printable
 from calib.store.version import Stored
 from calib.table.exported import Precision
 from calib.table.table import Table

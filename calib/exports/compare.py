@@ -10,7 +10,7 @@ import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
 from calib.exports.build import build
-from calib.exports.dataset import Content
+from calib.exports.content import Content
 from calib.exports.labels import prefix
 from calib.exports.read import CDF, Returned
 from calib.exports.write import FORMATS

@@ -3,7 +3,6 @@
 Every format writes one `Dataset`; `calib.exports.build` makes it of a table.
 """
 
-import hashlib
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.car.effects.combined import not_sensed, sensed
+from calib.exports.content import Content
 from calib.store.evidence import Quality
 from calib.store.version import Stored
 from calib.table.breakpoints import Misfit, misfit
@@ -191,42 +191,6 @@ class Scalar(Object):
     def band(self) -> Array:
         """The 95 % band."""
         return self.values + Z95 * (self.sigma or 0.0) * np.array([-1.0, 1.0])
-
-
-Numbers = tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Content:
-    """The bare numbers by label: shared axes, scalars, and ``grids``: curves and maps.
-
-    A grid has its axes, the slowest first, and its values.
-    """
-
-    axes: dict[str, Numbers]
-    scalars: dict[str, float]
-    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]]
-
-    def __len__(self) -> int:
-        """Number of the objects."""
-        return len(self.axes) + len(self.scalars) + len(self.grids)
-
-    @property
-    def checksum(self) -> str:
-        """SHA-256 over labels and numbers with all their bits [hex]."""
-        lines = [f"scalar {n} {float(v).hex()}" for n, v in sorted(self.scalars.items())]
-        lines += [f"axis {n} {_hex(v)}" for n, v in sorted(self.axes.items())]
-        for kind, several in (("curve", False), ("map", True)):
-            lines += [
-                f"{kind} {n} {' by '.join(map(_hex, over))} of {_hex(y)}"
-                for n, (over, y) in sorted(self.grids.items())
-                if (len(over) > 1) == several
-            ]
-        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
-
-
-def _hex(values: Numbers) -> str:
-    return " ".join(v.hex() for v in values)
 
 
 @dataclass(frozen=True)

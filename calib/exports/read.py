@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 
 from calib.base.bounded import CALIBRATION, bytes_of
 from calib.base.errors import ExchangeError
-from calib.exports.dataset import Content, Numbers
+from calib.exports.content import Content, Numbers
 
 VERSION = "_version"
 """How the label of the scalar ends that holds the version of the table."""
