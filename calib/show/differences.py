@@ -38,28 +38,20 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
         for gap in found.curves
     ]  # fmt: skip
     values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in found.values]
-    changes = [
-        (section, change.key, _short(change.a), _short(change.b))
-        for section in _PRINTED
-        for change in found.changes.get(section, ())
-    ]
-    rest = [
-        f"{len(changed)} of {section}"
-        for section, changed in found.changes.items()
-        if section not in (*_PRINTED, "calibration")
+    changes, rest = [], []
+    for section, changed in found.changes.items():
+        if section in _PRINTED:
+            changes += [(section, one.key, _short(one.a), _short(one.b)) for one in changed]
+        elif section != "calibration":
+            rest.append(f"{len(changed)} of {section}")
+    both = [
+        Table(("value", first.id, second.id, "in 95 % bands"), values),
+        Table(("section", "key", first.id, second.id), changes),
     ]
     return Facts(
         headline=headline,
         tables=[Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves)],
-        parts=[
-            Facts(
-                "Values and texts",
-                tables=[
-                    Table(("value", first.id, second.id, "in 95 % bands"), values),
-                    Table(("section", "key", first.id, second.id), changes),
-                ],
-            )
-        ],
+        parts=[Facts("Values and texts", tables=both)],
         notes=[
             *(f"{curve}: no common axis, or only in one of both" for curve in found.apart),
             *([f"also different: {', '.join(rest)}; --json prints them"] if rest else []),

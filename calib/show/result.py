@@ -56,25 +56,15 @@ def read_result(path: Path) -> StoredResult:
     try:
         data = read_bounded(path, RESULT)
         found = read_table(io.BytesIO(data))
-    except (OSError, ArrowException, ValueError) as cause:
-        raise InputError(f"cannot be read ({cause})", where=path) from cause
-    missing = [name for name in (*COLUMNS, *_VALID) if name not in found.column_names]
-    if missing or found.num_rows < 2:
-        raise InputError(
-            f"no column {', '.join(missing)}" if missing else "fewer than two samples",
-            where=path,
-            expected="a result of `brake-cal validate --out`",
-        )
-    try:
+        missing = [name for name in (*COLUMNS, *_VALID) if name not in found.column_names]
+        if missing or found.num_rows < 2:
+            raise InputError(
+                f"no column {', '.join(missing)}" if missing else "fewer than two samples",
+                where=path,
+                expected="a result of `brake-cal validate --out`",
+            )
         values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
-        best, ecu = (
-            np.asarray(found[name].to_numpy(zero_copy_only=False), dtype=bool) for name in _VALID
-        )
-    except (ArrowException, TypeError, ValueError) as cause:
-        raise InputError(f"holds more than numbers ({cause})", where=path) from cause
-    return StoredResult(
-        name=path.stem,
-        digest=hashlib.sha256(data).hexdigest(),
-        values=values,
-        valid=ecu & best.any(),
-    )
+        best, ecu = (np.asarray(found[x].to_numpy(zero_copy_only=False), bool) for x in _VALID)
+    except (OSError, ArrowException, TypeError, ValueError) as cause:
+        raise InputError(f"cannot be read ({cause})", where=path) from cause
+    return StoredResult(path.stem, hashlib.sha256(data).hexdigest(), values, ecu & best.any())

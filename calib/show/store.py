@@ -27,26 +27,24 @@ _ROWS = 12
 def listed(rows: Sequence[Listed]) -> Facts:
     """Versions of tables, told apart; those that cannot be used last, with the reason."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
-    cells = []
-    for row in rows:
-        known = (row["id"], row["state"], row["date"][:10])
-        if row["flaw"]:
-            cells.append((*known, *[""] * 6))
-            continue
-        warned = counted(row["warnings"], "warning") if row["warnings"] else ""
-        cells.append(
-            (
-                *known,
-                " ".join(filter(None, (row["serial"], row["vin"]))),
-                str(len(row["logs"])),
-                "/".join(f"{x:.3f}" for x in row["pads"]),
-                "{:.2f}-{:.2f}".format(*row["usable"]),
-                "" if row["band_width"] is None else f"{100 * row['band_width']:.0f} %",
-                ", ".join(filter(None, (row["verdict"], warned, "signed" if row["keys"] else ""))),
-            )
-        )
     flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
-    return Facts(tables=[Table(heads, cells)], notes=flaws)
+    return Facts(tables=[Table(heads, list(map(_listed, rows)))], notes=flaws)
+
+
+def _listed(row: Listed) -> Sequence[str]:
+    known = (row["id"], row["state"], row["date"][:10])
+    if row["flaw"]:
+        return *known, *[""] * 6
+    warned = counted(row["warnings"], "warning") if row["warnings"] else ""
+    return (
+        *known,
+        " ".join(filter(None, (row["serial"], row["vin"]))),
+        str(len(row["logs"])),
+        "/".join(f"{x:.3f}" for x in row["pads"]),
+        "{:.2f}-{:.2f}".format(*row["usable"]),
+        "" if row["band_width"] is None else f"{100 * row['band_width']:.0f} %",
+        ", ".join(filter(None, (row["verdict"], warned, "signed" if row["keys"] else ""))),
+    )
 
 
 def shown(stored: Stored) -> Facts:
