@@ -11,6 +11,7 @@ from calib.table.budget import Parts, ramp_pads, words
 from calib.table.table import Table as LookUp
 
 _WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
+UNKNOWN = "not known"
 _HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
 
 
@@ -63,18 +64,18 @@ def budget_rows(budgets: Iterable[Parts], before: str = "", after: str = "") -> 
     return [(f"{before}{axle} pads{after}", words(parts)) for axle, parts in both]
 
 
-def pads(figures: Mapping[str, float | None], axle: str, of: str = "") -> str | None:
-    """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval; None without any.
+def pads(figures: Mapping[str, float | None], axle: str, of: str = "") -> str:
+    """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval, where it is known.
 
     ``of`` is the beginning of the metrics' names: "ecu_" of the ECU.
     """
     return mean_of(figures, f"{of}pad_friction_{axle}", f"{of}interval_{axle}")
 
 
-def mean_of(figures: Mapping[str, float | None], key: str, interval: str) -> str | None:
-    """A mean with its 95 % interval, by the names of both metrics; None where one is not known."""
+def mean_of(figures: Mapping[str, float | None], key: str, interval: str) -> str:
+    """A mean with its 95 % interval, by the names of both metrics."""
     mean, width = figures[key], figures[interval]
-    return None if mean is None or width is None else plus_minus(mean, mean * width)
+    return UNKNOWN if mean is None or width is None else plus_minus(mean, mean * width)
 
 
 def broken(r: Validation) -> list[str]:

@@ -127,7 +127,7 @@ def _pads(found: StationOutcome) -> Facts:
     budgets = budget_of(found.table).axles
     rows: list[tuple[str, ...]] = [("the ramp", *ramp_pads(found.table))]
     rows += [
-        (f"{i}: {r.log}", *(pads(r.figures, axle) or "not known" for axle in "fr"))
+        (f"{i}: {r.log}", *(pads(r.figures, axle) for axle in "fr"))
         for i, r in enumerate(found.results, 1)
     ]
     return Facts(

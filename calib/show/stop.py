@@ -16,7 +16,7 @@ from calib.estimation.validate import Validation
 from calib.logs.log import Log
 from calib.run.filters import runs
 from calib.show.facts import Picture
-from calib.show.judged import broken, pads, word
+from calib.show.judged import UNKNOWN, broken, pads, word
 from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
@@ -58,7 +58,7 @@ _Over = Callable[..., Panel]
 def of_result(result: StoredResult) -> Sheet:
     """The sheet of a stored result."""
     values, valid = result.values, result.valid
-    means = [_mean_pads(result, axle) if valid.any() else None for axle in _STROKES]
+    means = [_mean_pads(result, axle) if valid.any() else UNKNOWN for axle in _STROKES]
     over = _over(values["time"], valid)
     panels = [_pads(values, valid, over), *_signals(values, valid, over)]
     note = f"Result {result.name}, digest {result.digest[:16]}. Bands are 95 %. {_GREY}."
@@ -134,8 +134,8 @@ def _over(time: Array, valid: Mask) -> _Over:
     return partial(Panel, x="time [s]", marks=grey, xlim=(time[0], time[-1]), columns=2)
 
 
-def _in_words(means: Iterable[str | None]) -> str:
-    told = (f"{x} {mean or 'none'}" for x, mean in zip(AXLE_NAMES.values(), means, strict=True))
+def _in_words(means: Iterable[str]) -> str:
+    told = (f"{x} {mean}" for x, mean in zip(AXLE_NAMES.values(), means, strict=True))
     return f"pad friction {', '.join(told)} (95 %)"
 
 

@@ -16,7 +16,7 @@ from calib.estimation.validate import (
     proof_of,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import broken, budget_rows, mean_of, pads, stop_by_stop, word
+from calib.show.judged import UNKNOWN, broken, budget_rows, mean_of, pads, stop_by_stop, word
 from calib.show.origin import PageOrigin, origin
 from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
@@ -129,8 +129,8 @@ def _by_stop(stored: Stored, results: Sequence[Validation]) -> Table:
         rows.append(
             (
                 r.log,
-                *_known([pads(r.figures, axle, "ecu_") for axle in "fr"]),
-                "not known" if change is None else signed_percent(change),
+                *(pads(r.figures, axle, "ecu_") for axle in "fr"),
+                UNKNOWN if change is None else signed_percent(change),
                 plain("valid_share").with_unit(r.figures["ecu_valid_share"]),
                 word(r),
             )
@@ -150,10 +150,10 @@ def _of_one(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     level = mean_of(of, "ecu_pad_level", "ecu_interval_level")
     ecu = [pads(of, "f", "ecu_"), pads(of, "r", "ecu_"), level]
     share = plain("valid_share").with_unit
-    yield "ECU", *_known(ecu), share(of["ecu_valid_share"])
+    yield "ECU", *ecu, share(of["ecu_valid_share"])
     with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
     best = [pads(of, "f"), pads(of, "r"), mean_of(of, "pad_level", "interval_level")]
-    yield with_v, *_known(best), share(of["valid_share"])
+    yield with_v, *best, share(of["valid_share"])
     then = {"f": cal.pad_friction_f.value, "r": cal.pad_friction_r.value}
     now = {axle: of[f"pad_friction_{axle}"] for axle in then}
     change = [signed_percent(x / then[axle] - 1.0) for axle, x in now.items() if x is not None]
@@ -162,10 +162,6 @@ def _of_one(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     true = [of[name] for name in ("true_pad_friction_f", "true_pad_friction_r", "true_pad_level")]
     if any(x is not None for x in true):
         yield "truth", *("" if x is None else f"{x:.3f}" for x in true), ""
-
-
-def _known(cells: Sequence[str | None]) -> list[str]:
-    return [cell or "not known" for cell in cells]
 
 
 def _against(r: Validation) -> Iterator[Row]:
@@ -205,13 +201,13 @@ def _beside(results: Sequence[Validation]) -> Iterator[Table]:
         told = [r for r in results if r.baselines and r.compared_with == reference]
         if told:
             names = list(dict.fromkeys(name for r in told for name in r.baselines))
-            rows = [(r.log, *(" / ".join(_percent(r.baselines[n])) for n in names)) for r in told]
+            rows = [(r.log, *(_percents(*r.baselines[n]) for n in names)) for r in told]
             caption = f"Rms error of pad friction against {against}, front / rear [%]; not judged."
             yield Table(("stop", *(name.replace("_", " ") for name in names)), rows, caption)
 
 
-def _percent(errors: tuple[float, float]) -> list[str]:
-    return [f"{100.0 * x:.1f}" for x in errors]
+def _percents(front: float, rear: float) -> str:
+    return f"{100.0 * front:.1f} / {100.0 * rear:.1f}"
 
 
 def _stop(r: Validation) -> Facts:
