@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS, WHEELS
-from calib.base.noise import noise_of
+from calib.base.noise import white_noise
 from calib.base.units import from_si
 from calib.logs.clock import is_ascending
 from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
@@ -140,7 +140,7 @@ def _apart(time: Array, x: Array, possible: _Possible) -> Mask:
     A part is impossible above the level of before, and where it is exactly 0; below that level a
     wheel slips, as ABS lets it, and messages that come slowly make it do so in one step.
     """
-    slack = max(_LEAST, _NOISE * noise_of(x)) if np.isfinite(possible.up) else 0.0
+    slack = max(_LEAST, _NOISE * white_noise(x, 2)) if np.isfinite(possible.up) else 0.0
     change, zero = np.abs(np.diff(x)), x == 0.0
     up, to_zero = _fastest(np.diff(time), slack, possible)
     cuts = np.flatnonzero((change > up) | ((zero[1:] | zero[:-1]) & (change > to_zero))) + 1

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import NINETY, QUARTILE
+from calib.base.intervals import NINETY
 from calib.run.filters import centred_mean, third_difference, typical_differences
 
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
@@ -74,7 +74,8 @@ def _noise_of(p: Array) -> float:
     in straight lines, shows its noise over more samples alone: these count where they show
     `_HIDDEN` times as much.
     """
-    median, high = np.quantile(np.abs(third_difference(p, 1)), (0.5, 0.9))
-    fine = float(median / QUARTILE if median > 0.0 else high / NINETY)
-    most = max(typical_differences(p, _WIDEST)[1:], default=0.0)
+    fine, *over = typical_differences(p, _WIDEST)
+    if fine == 0.0:
+        fine = float(np.quantile(np.abs(third_difference(p, 1)), 0.9)) / NINETY
+    most = max(over, default=0.0)
     return (most if most > _HIDDEN * fine else fine) / math.sqrt(20.0)

@@ -23,6 +23,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import WHEELS
+from calib.base.noise import white_noise
 from calib.car.lag import integral
 from calib.logs.log import Log
 from calib.run.limits import LIMITS
@@ -240,4 +241,4 @@ def spread(x: Array) -> float:
 
 def _noise_of(x: Array) -> float:
     """Standard deviation of the noise of a channel and of its rounding, by third differences."""
-    return max(spread(np.diff(x, 3)) / math.sqrt(20.0), resolution_of(x) / math.sqrt(12.0))
+    return max(white_noise(x), resolution_of(x) / math.sqrt(12.0))

@@ -20,7 +20,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import G
-from calib.base.noise import noise_of, second_differences
+from calib.base.noise import second_differences, white_noise
 from calib.car.lag import integral
 from calib.run.filters import block_mean
 
@@ -138,7 +138,7 @@ class _Seen:
         if means.size < 20 or np.min(slowing) > -_BRAKES:
             return None
         h = size * step
-        white, walk = (max(noise_of(x) ** 2, 1e-12) for x in (means, h * slowing))
+        white, walk = (max(white_noise(x, 2) ** 2, 1e-12) for x in (means, h * slowing))
         usable = (means > 2.0) & (np.abs(slowing) < 1.5 * G)
         usable &= h * np.arange(means.size) >= _LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
