@@ -16,10 +16,10 @@ from calib.estimation.agreement import agreement
 from calib.estimation.validate import Validation
 from calib.line.station.golden import golden_metrics
 from calib.logs.log import Log
-from calib.run.driving_record import DrivingRecord, driving_record
+from calib.run.driving_record import DrivingRecord
 from calib.run.filters import block_mean
 from calib.run.limits import LIMITS
-from calib.run.wheels import axles_of, slips_of
+from calib.run.run import Run
 from calib.table.table import MEASURED, Table, TyreCurve
 
 METRICS: dict[str, str] = meanings("car")
@@ -41,18 +41,18 @@ def metrics_of(
     ``ramps`` the logs that ``table`` was fitted on, without coasts; ``results`` of its hold-outs;
     ``golden`` the table of its model.
     """
-    cal = table.calibration
+    cal, runs = table.calibration, [Run(log) for log in ramps]
     out: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
         "band_width": table.difference.band_width,
-        "ramp_eta_zero": _largest([_eta_zero(table.vehicle, log) for log in ramps]),
+        "ramp_eta_zero": _largest([_eta_zero(table.vehicle, run) for run in runs]),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
         "front_biased_up_to": _front_biased_up_to(table),
     }
     for axle in "fr":
-        sides = [side_difference(table, log, axle) for log in ramps]
+        sides = [side_difference(table, run, axle) for run in runs]
         out[f"side_difference_{axle}"] = _largest(sides)
     together = agreement(results)
     out["repeatability_f"] = together.largest_departure_f if together else None
@@ -62,9 +62,8 @@ def metrics_of(
     return {name: out.get(name) for name in METRICS}
 
 
-def _eta_zero(vehicle: Vehicle, log: Log) -> float | None:
-    driving = driving_record(log)
-    found = axles_of(log, driving, slips_of(log, driving)).front_rear
+def _eta_zero(vehicle: Vehicle, run: Run) -> float | None:
+    found = run.axles.front_rear if run.axles else None
     return None if found is None else vehicle.radius_mismatch(found.value)
 
 
@@ -85,7 +84,7 @@ def _largest(values: Sequence[float | None]) -> float | None:
     return max((v for v in values if v is not None), key=abs, default=None)
 
 
-def side_difference(table: Table, log: Log, axle: str) -> float | None:
+def side_difference(table: Table, run: Run, axle: str) -> float | None:
     """Brake force left less right over their mean [1], of ``axle`` "f" or "r".
 
     slip of each wheel, zeroed on the unbraked part, (20) --> the tyre curve g of the table
@@ -96,9 +95,9 @@ def side_difference(table: Table, log: Log, axle: str) -> float | None:
     speed, with too little braking between 0.1 and 0.4 g, or an interval wider than +-`_WIDEST`.
     A bend or a crowned road looks the same as a difference of the brakes.
     """
+    log, driving = run.log, run.driving
     if "v" not in log:
         return None
-    driving = driving_record(log)
     of = table.vehicle.front if axle == "f" else table.vehicle.rear
     speed = np.maximum(log["v"], 1.0)
     slips = [slip(of, log[f"omega_{axle}{side}"], speed) for side in "lr"]

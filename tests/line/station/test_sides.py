@@ -7,6 +7,7 @@ import pytest
 
 from calib.base.names import G
 from calib.line.station.metrics import side_difference
+from calib.run.run import Run
 from tests.support.made_runs import changed, made_run, ramp
 from tests.support.tables import made_table
 
@@ -28,8 +29,8 @@ def test_the_imbalance_is_found_on_a_straight_tyre(share, axle):
     log = with_imbalance(made_run(noise=0.0), share, axle)
     own = log[f"omega_{axle}l"]
     log = changed(log, **{f"omega_{axle}l": own * 1.003})  # a radius is no imbalance
-    found = side_difference(TABLE, log, axle)
-    other = side_difference(TABLE, log, "r" if axle == "f" else "f")
+    found = side_difference(TABLE, Run(log), axle)
+    other = side_difference(TABLE, Run(log), "r" if axle == "f" else "f")
     assert found == pytest.approx(share, abs=0.01)
     assert other == pytest.approx(0.0, abs=0.01)
 
@@ -38,14 +39,14 @@ def test_a_difference_of_the_pressures_is_not_one_of_the_pads():
     log = with_imbalance(made_run(noise=0.0), 0.2)
     p = log["p_mc"]
     log = changed(log, p_fl=1.1 * p, p_fr=0.9 * p)
-    assert side_difference(TABLE, log, "f") == pytest.approx(0.0, abs=0.01)
+    assert side_difference(TABLE, Run(log), "f") == pytest.approx(0.0, abs=0.01)
 
 
 def test_not_known_without_speed_without_braking_or_in_noise():
     log = made_run()
-    assert side_difference(TABLE, changed(log, v=None), "f") is None
-    assert side_difference(TABLE, made_run(lambda t: 0.0 * t), "f") is None
-    assert side_difference(TABLE, made_run(noise=30.0), "f") is None
+    assert side_difference(TABLE, Run(changed(log, v=None)), "f") is None
+    assert side_difference(TABLE, Run(made_run(lambda t: 0.0 * t)), "f") is None
+    assert side_difference(TABLE, Run(made_run(noise=30.0)), "f") is None
 
 
 C, B = 27.0, 20.0
@@ -76,4 +77,4 @@ def with_forces(log, share):
 @pytest.mark.parametrize("share", [-1.2, 0.2])
 def test_on_a_tyre_that_bends_it_is_the_force_that_differs(share):
     log = with_forces(made_run(ramp(top=30.0), noise=0.0), share)
-    assert side_difference(bent(0.024), log, "f") == pytest.approx(share, abs=0.01)
+    assert side_difference(bent(0.024), Run(log), "f") == pytest.approx(share, abs=0.01)
