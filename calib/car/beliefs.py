@@ -136,6 +136,7 @@ def _belief(name: str, of: list[Row]) -> Belief:
 
 
 def _mixture(name: str, of: list[Row]) -> Mixture:
+    of = sorted(of, key=lambda row: row["case"])  # what is drawn hangs on no order of rows
     names = tuple(row["case"] for row in of)
     if not all(names) or len(set(names)) != len(of) or not of:
         raise ValueError(f"each row of {name} is a case of its own: {of}")

@@ -1,16 +1,30 @@
-"""What a stop may bring, drawn onto an ensemble: the stops of `calib.car.beliefs`."""
+"""What a stop may bring, drawn onto an ensemble: the stops of `calib.car.beliefs`.
+
+Each quantity has random numbers of its own, by its name: they hang neither on the order of the rows
+nor on how many there are. Only the road of a stop decides two things, its peak and its stiffness.
+"""
 
 from dataclasses import dataclass
+from zlib import crc32
 
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.beliefs import STOP
+from calib.base.names import AXLES
+from calib.car.beliefs import STOP, Mixture
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
 
 SCENARIOS = 16384
+_EVEN = (
+    *("log_pad_ratio case", "log_pad_ratio", "road", "log_peak", "log_stiffness", "log_tyre_f"),
+    *("log_tyre_r", "log_mass case", "log_mass", "a_x_scale", "a_x_offset"),
+)
+"""What is spread evenly together: each name has its dimension, and a table rests on its place."""
+_ROADS = [dict(zip(of.cases, of.share, strict=True)) for of in (STOP.log_peak, STOP.log_stiffness)]
+if _ROADS[0] != _ROADS[1]:
+    raise ValueError(f"peak and stiffness are of the same roads, as often: {_ROADS}")
 
 
 @dataclass(frozen=True)
@@ -47,26 +61,37 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     """
     from scipy.special import ndtri
 
-    u = spread_evenly(count, 11)
-    x = ndtri(u)
+    even = dict(zip(_EVEN, spread_evenly(count, len(_EVEN)).T, strict=True))
+
+    def uniform(name: str) -> Array:
+        return even[name] if name in even else _in_any_order(count, name)
+
+    def drawn(name: str, case: str = "", axle: str = "") -> Array:
+        of: Mixture = getattr(STOP, name)
+        return of.drawn(uniform(case or f"{name}{axle} case"), ndtri(uniform(name + axle)))
+
     of = e.take(np.arange(count) % e.size)
-    log_peak = STOP.log_peak.drawn(u[:, 2], x[:, 3])
-    stiff = STOP.log_stiffness.drawn(u[:, 2], x[:, 4])
-    other = STOP.log_peak.is_case("other road", u[:, 2])  # it has a peak of its own
+    log_peak, stiff = (drawn(name, "road") for name in ("log_peak", "log_stiffness"))
+    other = STOP.log_peak.is_case("other road", uniform("road"))  # it has a peak of its own
     log_peak -= other * np.log(of.peak)
     stiff += 0.25 * other * (log_peak + np.log(of.peak / 0.9))
-    of_axles = np.stack([STOP.log_tyre.drawn(u[:, 0], x[:, k]) for k in (5, 6)])
-    load, known = STOP.log_mass.drawn(u[:, 7], x[:, 8]), car.mass_tolerance
-    stated = STOP.log_mass.is_case("as stated", u[:, 7])
+    stated = STOP.log_mass.is_case("as stated", uniform("log_mass case"))
+    mass = car.mass_tolerance * ndtri(uniform("log_mass"))
     return Scenarios(
         of=of,
-        change=STOP.log_pad_ratio.drawn(u[:, 0], x[:, 1]),
+        change=drawn("log_pad_ratio"),
         peak=np.exp(log_peak),
-        stiff=stiff + of_axles,
-        scale=STOP.a_x_scale.drawn(u[:, 7], x[:, 9]),
-        offset=STOP.a_x_offset.drawn(u[:, 8], x[:, 10]),
-        mass=np.where(stated | (known <= WEIGHED), known * x[:, 8], load),
+        stiff=stiff + np.stack([drawn("log_tyre", axle=f"_{axle}") for axle in AXLES]),
+        scale=drawn("a_x_scale"),
+        offset=drawn("a_x_offset"),
+        mass=np.where(stated | (car.mass_tolerance <= WEIGHED), mass, drawn("log_mass")),
     )
+
+
+def _in_any_order(count: int, name: str) -> Array:
+    """Uniform numbers (count,) of a ``name``: the middles of as many steps, in its own order."""
+    order = np.random.default_rng(crc32(name.encode())).permutation(count)
+    return np.asarray((order + 0.5) / count)
 
 
 def seen(car: Vehicle, s: Scenarios, z: Array, odds: Array | float = 0.0) -> Shown:

@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.beliefs import STOP
+from calib.base.plain import rows
+from calib.car.beliefs import STOP, Stop, beliefs_of
 from calib.car.mass import WEIGHED
+from calib.fitting import stops
 from calib.fitting.ensemble import DEPART_AT
 from calib.fitting.stops import scenarios, seen
 from tests.support.drawn_cars import one_car
@@ -23,6 +25,11 @@ def cases(name):
     """Shares, means and sigmas of the cases of a name."""
     of = getattr(STOP, name)
     return of.share / of.share.sum(), of.mean, of.sigma
+
+
+def case(name, of):
+    """Share, mean and sigma of a case."""
+    return [x[getattr(STOP, name).cases.index(of)] for x in cases(name)]
 
 
 def moments(name):
@@ -68,15 +75,33 @@ def test_the_ratio_in_the_stop_is_that_of_the_ramp_and_its_change():
     assert s.log_pad_ratio - s.change == pytest.approx(np.tile(ratio, 100))
 
 
+def test_a_further_case_of_one_quantity_leaves_all_others_as_they_are(monkeypatch, drawn):
+    """To the bit, in any order of rows; and a worn tyre comes with any pads and any load."""
+    table = rows("beliefs.csv", "calib.car")
+    tyre = next(r for r in table if (r["group"], r["quantity"]) == ("stop", "log_tyre"))
+    worn = tyre | {"case": "worn", "share": "0.25", "sigma": "0.15"}
+    monkeypatch.setattr(stops, "STOP", beliefs_of(Stop, [worn, *reversed(table)]))
+    more = scenarios(replace(CAR, mass_tolerance=WEIGHED), one_car(**TYRES), COUNT)
+    others = ("change", "peak", "scale", "offset", "mass")
+    for name in others:
+        assert np.array_equal(getattr(more, name), getattr(drawn, name)), name
+    worn = np.abs(more.stiff - drawn.stiff) > 1e-9
+    assert np.mean(worn, axis=1) == pytest.approx([0.2, 0.2], abs=0.01)
+    for x in [*(getattr(more, name) for name in others), worn[1]]:
+        far = np.abs(x - np.median(x))
+        assert abs(np.corrcoef(worn[0], far)[0, 1]) < 4.0 / math.sqrt(COUNT)
+
+
 def test_roads_are_the_ramp_s_or_others(drawn):
     """Another road has a peak of its own; 0.25 of its logarithm goes with the stiffness."""
-    share, mean, sigma = cases("log_peak")
-    far = np.abs(np.log(drawn.peak) - mean[0]) > 6.0 * sigma[0]
+    _, near, scatter = case("log_peak", "as on the ramp")
+    share, mean, sigma = case("log_peak", "other road")
+    far = np.abs(np.log(drawn.peak) - near) > 6.0 * scatter
     # few of the other roads are by chance as the ramp's
-    assert np.mean(far) == pytest.approx(share[1], abs=0.1)
+    assert np.mean(far) == pytest.approx(share, abs=0.1)
     own = np.log(0.95 * drawn.peak[far])
-    assert np.mean(own) == pytest.approx(mean[1], abs=0.15 * sigma[1])
-    assert np.std(own) == pytest.approx(sigma[1], rel=0.15)
+    assert np.mean(own) == pytest.approx(mean, abs=0.15 * sigma)
+    assert np.std(own) == pytest.approx(sigma, rel=0.15)
     stiff = drawn.stiff.mean(axis=0)[far]
     assert np.polyfit(np.log(0.95 * drawn.peak[far] / 0.9), stiff, 1)[0] == pytest.approx(
         0.25, abs=0.05
@@ -88,7 +113,7 @@ def test_the_peak_of_another_road_hangs_on_no_ramp():
     other = np.abs(np.log(here.peak * 0.7 / (there.peak * 1.1))) < 1e-12
     same = np.abs(np.log(here.peak / there.peak)) < 1e-12
     assert np.all(other | same)
-    assert np.mean(other) == pytest.approx(cases("log_peak")[0][1], abs=0.02)
+    assert np.mean(other) == pytest.approx(case("log_peak", "other road")[0], abs=0.02)
 
 
 def test_tyres_of_the_axles_move_apart_by_the_list(drawn):
@@ -102,9 +127,10 @@ def test_tyres_of_the_axles_move_apart_by_the_list(drawn):
 def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
     assert np.std(drawn.mass) == pytest.approx(WEIGHED, rel=0.05)
     assert np.mean(drawn.mass) == pytest.approx(0.0, abs=0.05 * WEIGHED)
-    share, mean, sigma = cases("log_mass")
+    share, mean, _ = cases("log_mass")
     stated = 0.02  # of the file; the row says: times it
-    variance = share @ (np.array([stated, sigma[1]]) ** 2 + mean**2) - (share @ mean) ** 2
+    sigma = np.array([stated, case("log_mass", "load nobody stated")[2]])
+    variance = share @ (sigma**2 + mean**2) - (share @ mean) ** 2
     assert np.mean(loose.mass) == pytest.approx(share @ mean, abs=0.001)
     assert np.std(loose.mass) == pytest.approx(math.sqrt(variance), rel=0.05)
 

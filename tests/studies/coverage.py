@@ -167,7 +167,7 @@ def tried_stop(rng: np.random.Generator, of: Car, name: str) -> Driven:
     carries = float(np.exp(peak)) * of.peak
     slippery = "peak < .3" if carries < 0.3 else "peak .3-.6" if carries < 0.6 else "peak > .6"
     groups = {
-        "road": road_is if road_is == "ramp's road" else f"other road, {slippery}",
+        "road": "ramp's road" if road_is == "as on the ramp" else f"other road, {slippery}",
         "pads": f"pads {pads_are}",
         "mass": "weighed" if of.vehicle.mass_tolerance <= WEIGHED else
                 "load unstated" if unstated else "mass of the file",
