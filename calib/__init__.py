@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from calib.help.samples import sample_logs
     from calib.logs.read import read_log
     from calib.model.simulate import simulate
-    from calib.run.check import check
+    from calib.plausibility.check import check
     from calib.store.store import Store
 
 __version__ = VERSION
@@ -47,7 +47,7 @@ __all__ = [
 
 _HOMES = {
     "Store": "calib.store.store",
-    "check": "calib.run.check",
+    "check": "calib.plausibility.check",
     "default_model": "calib.car.model",
     "diagnose": "calib.diagnosis.diagnose",
     "estimate": "calib.estimation.estimator",

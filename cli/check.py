@@ -9,18 +9,18 @@ from cli.logs import named, opened, tell
 from cli.options import Map, logs
 
 if TYPE_CHECKING:
-    from calib.run.check import Findings
+    from calib.plausibility.check import Findings
 
 
 @command("brake-cal check sample_logs/sedan/*.csv")
 def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answer:
-    """Say for what each log can be used.
+    """Say for what each log can be used, as far as can be told without a vehicle file.
 
     One line for each; -v shows what the log contains as well. Exit code 1 if a log is usable for
     nothing, 3 if one cannot be read.
     """
     from calib.base.errors import InputError
-    from calib.run.check import to_dict
+    from calib.plausibility.check import to_dict
     from calib.show.check import facts
 
     found: list[Findings] = []
@@ -45,7 +45,7 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
 
 def _findings(path: Path, mapping: Map) -> "Findings":
     from calib.logs.read import read_opened
-    from calib.run.check import check as look_at
+    from calib.plausibility.check import check as look_at
     from calib.run.copies import computed_channels
 
     with opened(path, mapping) as source:

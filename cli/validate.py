@@ -63,7 +63,7 @@ def validate(
     from calib.car.vehicle import require_same_car
     from calib.estimation.results import SUMMARY, to_dict, write_results
     from calib.estimation.validate import validate_one
-    from calib.run.gates import refuse_copy
+    from calib.run.same_run import refuse_copy
     from calib.show.validation import Validated
     from calib.table.generation import require_maps
 

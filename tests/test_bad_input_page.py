@@ -12,7 +12,7 @@ from calib.base import bounded
 from calib.base.errors import BrakeCalError, LogError
 from calib.base.names import CHANNELS as QUANTITIES
 from calib.logs.read import read_log
-from calib.run.check import check
+from calib.plausibility.check import check
 from calib.store.journal import Journal
 from calib.store.snapshot import Snapshot
 from tests.support.fuzzed import READERS, ROOT, SEDAN

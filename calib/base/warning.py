@@ -1,19 +1,78 @@
-"""One shape for a warning: what speaks against a result although it is given."""
+"""One shape for what speaks against a run or a result, and the one list of rules: `rules.csv`.
+
+figure of the run --Measured--> rows of its code that a purpose asks --outside the range--> warning
+
+A row refuses the run, makes its result void, or warns. Further rows of a code, for other purposes
+or consequences, leave out what they have from the first one.
+"""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from calib.base.errors import not_finite
 from calib.base.plain import listed, plain, rows
 
-_ROWS = {row["code"]: row for row in rows("warnings.csv")}
-UNITS = {code: row["unit"] for code, row in _ROWS.items()}
-"""The codes with the unit of what they measure, first those of a fit or an estimate, then those of
-a log by itself, then those of a vehicle file, whose ``log`` is the name of the vehicle; 1 of a code
-that measures nothing else says that it is so. A metric past its limit has its own name as code, and
-is a number without unit."""
+REFUSE, VOID, WARN = "refuse", "void", "warn"
+"""What a rule does outside its range: no result, a result of which no sample counts, a warning."""
+
+
+class Rule(NamedTuple):
+    """A row: what the ``figure`` named so gives as ``code`` is to lie from ``low`` to ``high``.
+
+    The range is no narrower than zero give or take ``sure`` of the sigmas. ``asked`` by these
+    purposes; ``needs`` a vehicle, other logs, a table or a fit; "" of a log alone. ``causes`` the
+    most likely first, ``below`` those of what is below the range.
+    """
+
+    code: str
+    means: str
+    figure: str
+    unit: str
+    asked: tuple[str, ...]
+    does: str
+    needs: str
+    low: float
+    high: float
+    sure: float
+    causes: tuple[str, ...]
+    below: tuple[str, ...]
+    do: str
+
+
+def _read(row: dict[str, str], first: dict[str, str]) -> Rule:
+    ends = row if row["low"] or row["high"] else first
+    told = row if row["causes"] or row["below"] else first
+    return Rule(
+        row["code"],
+        row["means"] or first["means"],
+        row["figure"],
+        first["unit"],
+        tuple(row["asked"].split()),
+        row["does"],
+        row["needs"],
+        float(ends["low"] or -math.inf),
+        float(ends["high"] or math.inf),
+        float(row["sure"] or 0.0),
+        listed(told["causes"]),
+        listed(told["below"]),
+        row["do"] or first["do"],
+    )
+
+
+def _rules() -> tuple[Rule, ...]:
+    read = rows("rules.csv")
+    first = {row["code"]: row for row in reversed(read)}
+    return tuple(_read(row, first[row["code"]]) for row in read)
+
+
+RULES = _rules()
+MEANS = {rule.code: rule.means for rule in reversed(RULES)}
+UNITS = {rule.code: rule.unit for rule in reversed(RULES)}
+"""The codes with the unit of what they measure. The ``log`` of those of a vehicle file is the name
+of the vehicle; 1 of a code that measures nothing else says that it is so. A metric past its limit
+has its own name as code, and is a number without unit."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +104,10 @@ class PlausibilityWarning:
     @property
     def text(self) -> str:
         """The warning as a sentence, without the log, and with the most likely cause alone."""
-        name = plain(self.code).name
+        name = MEANS.get(self.code) or plain(self.code).name
         named = self.code if name == self.code else f"{name} ({self.code})"
-        told = f"{named}: {self.amount}, expected {self.bounds}"
+        is_so = (UNITS.get(self.code), self.measured, self.expected) == ("1", 1.0, (0.0, 0.0))
+        told = named if is_so else f"{named}: {self.amount}, expected {self.bounds}"
         return "; ".join([told, *(f"likely {cause}" for cause in self.causes[:1]), self.do])
 
     @property
@@ -67,27 +127,9 @@ class PlausibilityWarning:
         return f"{low:.3g} to {high:.3g}"
 
 
-def warning(
-    code: str,
-    log: str,
-    measured: float,
-    expected: tuple[float | None, float | None] = (0.0, 0.0),
-    **words: object,
-) -> PlausibilityWarning:
-    """A warning whose causes and next step are those of `warnings.csv`, with these ``words``.
-
-    What is below its range may have causes of its own.
-    """
-    row = _ROWS[code]
-    low = -math.inf if expected[0] is None else expected[0]
-    told = row["below"] if measured < low and row["below"] else row["causes"]
-    causes = tuple(cause.format(**words) for cause in listed(told))
-    return PlausibilityWarning(code, log, measured, expected, causes, row["do"].format(**words))
-
-
 @dataclass(frozen=True)
 class Measured:
-    """What a run says of a code of `warnings.csv`, in the measure of the range of its row.
+    """What a run says of a code of `rules.csv`, in the measure of the range of its rows.
 
     ``value`` with its ``sigma``; ``shown`` that measure as the warning tells it, rising; ``words``
     for its causes.
@@ -105,24 +147,51 @@ def relative(code: str, value: float, usual: float) -> Measured:
     return Measured(code, value / usual - 1.0, shown=lambda change: (1.0 + change) * usual)
 
 
-def judged(log: str, measured: Iterable[Measured]) -> tuple[PlausibilityWarning, ...]:
-    """A warning of each that lies outside the range of its row.
+def judged(
+    log: str,
+    measured: Iterable[Measured],
+    purpose: str | None = None,
+    does: Collection[str] = (WARN,),
+) -> tuple[PlausibilityWarning, ...]:
+    """What the rules say of figures that lie outside their range.
 
-    The range is no narrower than zero give or take ``sure`` of the sigmas.
+    Those that a ``purpose`` asks, or all; with one of the consequences ``does``. The gravest row of
+    a code comes first, and is the one that tells.
     """
-    return tuple(one for m in measured if (one := _warned(log, m)) is not None)
+    found = []
+    for m in measured:
+        broken = (r for r in _OF[m.code] if purpose in (None, *r.asked) and not _within(r, m))
+        if (rule := next((r for r in broken if r.does in does), None)) is not None:
+            found.append(_warned(rule, log, m))
+    return tuple(found)
 
 
-def _warned(log: str, m: Measured) -> PlausibilityWarning | None:
-    row = _ROWS[m.code]
-    low, high = float(row["low"] or -math.inf), float(row["high"] or math.inf)
-    if row["sure"]:
-        sure = float(row["sure"]) * m.sigma
-        low, high = min(low, -sure), max(high, sure)
-    if not (m.value < low or m.value > high):
-        return None
-    ends = [m.shown(end) if math.isfinite(end) else None for end in (low, high)]
-    return warning(m.code, log, m.shown(m.value), (ends[0], ends[1]), **m.words)
+_OF: dict[str, list[Rule]] = {code: [r for r in RULES if r.code == code] for code in UNITS}
+
+
+def _ends(rule: Rule, m: Measured) -> tuple[float, float]:
+    sure = rule.sure * m.sigma
+    return (min(rule.low, -sure), max(rule.high, sure)) if sure else (rule.low, rule.high)
+
+
+def _within(rule: Rule, m: Measured) -> bool:
+    low, high = _ends(rule, m)
+    return not (m.value < low or m.value > high)
+
+
+def _warned(rule: Rule, log: str, m: Measured) -> PlausibilityWarning:
+    """With the words of the rule, and those of the figure in them."""
+    ends = _ends(rule, m)
+    low, high = (m.shown(end) if math.isfinite(end) else None for end in ends)
+    told = rule.below if m.value < ends[0] and rule.below else rule.causes
+    causes = tuple(one for cause in told for one in listed(cause.format(**m.words)))
+    do = rule.do.format(**m.words)
+    return PlausibilityWarning(m.code, log, m.shown(m.value), (low, high), causes, do)
+
+
+def bounds_of(code: str) -> tuple[float, float]:
+    """Range of the first row of a code: who needs the number elsewhere asks for it here."""
+    return _OF[code][0].low, _OF[code][0].high
 
 
 def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:

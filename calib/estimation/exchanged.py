@@ -14,20 +14,16 @@ from functools import lru_cache
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.warning import PlausibilityWarning, warning
+from calib.base.warning import Measured
 from calib.car.braking import BITE, MOVING
 from calib.estimation.estimator import Estimate
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
 from calib.fitting.stops import scenarios, seen
 from calib.run.blocks import braked_alone
-from calib.run.limits import LIMITS
 from calib.run.wheels import WheelParts, crossed_diagonal
 from calib.table.table import Table
 
-SURE = 5.0
-"""Logarithm of the odds of exchanged axles from which no sample is valid: 150 to 1. Weak front pads
-and light braking on any road have none above 0, swapped logs of cars as they are 8 and more."""
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
 """Decelerations [1] between which blocks are averaged."""
 _Z = np.geomspace(_BINS[0], _BINS[-1], 25)
@@ -38,17 +34,14 @@ _FINEST = 5e-5  # least error of a mean of eta - 1 [1]
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
 
 
-def exchanged(
-    log: str, table: Table, e: Estimate, parts: WheelParts | None
-) -> Iterator[PlausibilityWarning]:
-    """Warnings of columns of a log that fit better the other way round; ``parts`` of its wheels."""
-    if (odds := axles_exchanged(table, e)) > 0.0:
-        yield warning("axles_exchanged", log, odds, (None, 0.0))
+def exchanged(e: Estimate, parts: WheelParts | None) -> Iterator[Measured]:
+    """Columns of a log that fit better the other way round; ``parts`` of its wheels."""
+    table = e.table
+    yield Measured("axles_exchanged", axles_exchanged(table, e))
     if parts is not None:
         expected = float(np.interp(parts.z, table.paper.z, table.paper.eta)) - 1.0
         if crossed := crossed_diagonal(parts, expected):
-            least = LIMITS.crossed_least * parts.z
-            yield warning("wheels_crossed", log, crossed.part, (-least, least), found=crossed)
+            yield Measured("wheels_crossed", crossed.part, words={"found": crossed})
 
 
 def axles_exchanged(table: Table, e: Estimate) -> float:

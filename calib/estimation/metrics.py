@@ -64,7 +64,7 @@ _NAMES = {
 def score(e: Estimate) -> Figures:
     """All `METRICS` of one log; None where it cannot give one."""
     truth, counted = truth_of(e), counted_samples(e)
-    valid, by_ecu = e.valid & counted, e.ecu.valid & counted
+    valid, by_ecu = e.valid & counted, e.ecu.valid & counted & (not e.unfit)
     found: dict[str, Any] = {
         "eta_zero": e.car.radius_mismatch(e.zeros[0] - 1.0),
         "valid_share": share(valid, counted),

@@ -10,22 +10,17 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from calib.base.errors import LogError
 from calib.base.warning import PlausibilityWarning
 from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import Vehicle, require_same_car
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate_run, run_of
-from calib.estimation.exchanged import SURE, exchanged
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import Figures, baseline_errors, counted_samples, score, share
 from calib.estimation.readout import Readout
 from calib.estimation.warnings import warnings_of
 from calib.logs.log import Log
-from calib.plausibility.run import wrong_speed
-from calib.run.gates import require_same_wheels
-from calib.run.rules import problems
-from calib.run.warnings import clock_gaps, locked_wheels, saturated
+from calib.plausibility.rules import VALIDATE, makes_void, require
 from calib.store.evidence import CONSISTENT
 from calib.table.budget import Parts
 from calib.table.table import Table
@@ -167,26 +162,14 @@ def validate_one(
     ``coded`` is what the code of an ECU makes of it, if that counts.
     """
     run = run_of(table, log, vehicle, mass)
-    if reasons := problems(run, "validate"):
-        what = "this run cannot be used for a validation: " + "; ".join(reasons)
-        raise LogError(what, where=log.source, do="see `brake-cal check`")
     if vehicle is not None:
         require_same_car(table.vehicle, vehicle, weighed=mass is not None)
+    require(run, VALIDATE)
     result = estimate_run(table, run, vehicle, exported)
-    require_same_wheels(result.run)
     if coded is not None:
         result = replace(result, ecu=coded(result, log))
-    columns = tuple(exchanged(log.name, table, result, run.wheels))
-    warnings = (
-        *clock_gaps(log.name, run),
-        *warnings_of(result),
-        *locked_wheels(log.name, run),
-        *saturated(log.name, run),
-        *columns,
-    )
-    unfit = [w.causes[0] for w in columns if w.code != "axles_exchanged" or w.measured > SURE]
-    if wrong := wrong_speed(warnings):
-        unfit.append(wrong.what)
+    warnings = warnings_of(result, run)
+    unfit = (one.causes[0] for one in warnings if makes_void(one, VALIDATE))
     result = replace(result, unfit=tuple(unfit))
     figures = score(result)
     return Validation(

@@ -5,28 +5,39 @@ import math
 import numpy as np
 
 from calib.base.intervals import Z95
-from calib.base.warning import PlausibilityWarning, judged
+from calib.base.warning import VOID, WARN, PlausibilityWarning, judged
 from calib.estimation.estimator import Estimate
+from calib.estimation.exchanged import exchanged
 from calib.estimation.known import known_resistance
+from calib.plausibility.evidence import Evidence
 from calib.plausibility.pads import of_changes
-from calib.plausibility.run import run_warnings
+from calib.plausibility.rules import VALIDATE, warnings_on
 from calib.run.brake_response import brake_response
 from calib.run.resistance import Resistance
+from calib.run.run import Run
 from calib.table.budget import budget_of
 from calib.table.pad_levels import pad_levels
 
 
-def warnings_of(e: Estimate) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on one log, from what its whole run says."""
+def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarning, ...]:
+    """All that speaks against an estimate, also what makes it void.
+
+    ``run`` the log as read, if samples were filled into its gaps.
+    """
+    of = run or e.run
     known = known_resistance(e.table)
-    response = brake_response(e.read, e.forces)
-    of_run = run_warnings(e.run, e.car, e.run.accelerometer(known, e.noise), response)
-    if not e.valid.any():
-        return of_run
-    i = int(np.flatnonzero(e.valid)[-1])
-    middle, low, high = e.best.step.change[:, i].tolist()
-    apart = middle, (high - low) / (2.0 * Z95)
-    return (*of_run, *judged(e.run.log.name, of_changes(_together(e, known, i), apart)))
+    evidence = Evidence(of, e.run.accelerometer(known, e.noise), brake_response(e.read, e.forces))
+    of_table = [*exchanged(e, of.wheels)]
+    if e.valid.any():
+        i = int(np.flatnonzero(e.valid)[-1])
+        middle, low, high = e.best.step.change[:, i].tolist()
+        apart = middle, (high - low) / (2.0 * Z95)
+        of_table += of_changes(_together(e, known, i), apart)
+    does = VOID, WARN
+    return (
+        *warnings_on(evidence, VALIDATE, does),
+        *judged(of.log.name, of_table, VALIDATE, does),
+    )
 
 
 def _together(e: Estimate, known: Resistance, i: int) -> tuple[float, float]:

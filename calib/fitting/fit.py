@@ -32,7 +32,7 @@ from calib.model.ramp import RampRun, prepare
 from calib.model.roller_bench import RollerBench
 from calib.model.sort_logs import sort_runs
 from calib.plausibility.pads import of_calibration, require_possible_pads
-from calib.plausibility.run import wrong_speed
+from calib.plausibility.rules import FIT
 from calib.run.blocks import BLOCK
 from calib.run.noise import worst_noise
 from calib.run.resistance import RESISTANCE, Resistance
@@ -93,8 +93,6 @@ def fit(
     car = ramps[0].car
     runs, known = _ready(car, ramps, coasts)
     warnings = tuple(warnings_of(vehicle, ramps, coasts, known))
-    if (wrong := wrong_speed(warnings)) is not None:
-        raise wrong
     where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
     before = ratio_by_levels(car, runs, known, said)
@@ -135,8 +133,8 @@ def fit(
         remarks=tuple(remarks(driven, used, runs, held)),
         provenance=_provenance({"ramp": ramps, "coast": coasts}, bench, tyre, fleet or {}),
         warnings=(
-            *judged(vehicle.name, [Measured(one.code, p) for one, p in held]),
-            *judged(car.name, of_calibration(car, pads, of_tyre, said)),
+            *judged(vehicle.name, [Measured(one.code, p) for one, p in held], FIT),
+            *judged(car.name, of_calibration(car, pads, of_tyre, said), FIT),
             *valve,
             *warnings,
         ),

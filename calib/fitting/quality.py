@@ -25,7 +25,8 @@ from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.model.settings import SETTINGS
-from calib.plausibility.run import of_bend, run_warnings
+from calib.plausibility.evidence import Evidence
+from calib.plausibility.rules import COAST, FIT, warnings_on
 from calib.run.filters import runs as runs_of
 from calib.run.resistance import ROLLING, Resistance
 from calib.run.resistance import identify as identify_resistance
@@ -184,8 +185,8 @@ def warnings_of(
     if ROLLING[0] not in car.effects:
         yield from judged(car.name, [Measured("rolling_resistance", known.mean[1])])
     rolling = identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts)) if coasts else known
-    runs = [(run, rolling, coasts) for run in ramps] + [(run, known, ()) for run in coasts]
-    for run, resistance, straight in runs:
-        sensor = run.accelerometer(resistance)
-        yield from run_warnings(run, car, sensor, run.response(known.effects))
-        yield from judged(run.log.name, of_bend(run, straight))
+    straight = {FIT: coasts, COAST: ()}
+    runs = [(run, FIT, rolling) for run in ramps] + [(run, COAST, known) for run in coasts]
+    for run, purpose, resistance in runs:
+        sensor, response = run.accelerometer(resistance), run.response(known.effects)
+        yield from warnings_on(Evidence(run, sensor, response, straight[purpose]), purpose)

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from calib.base.errors import LogError
-from calib.run.gates import refuse_copies, require_right_slip, require_same_wheels
-from calib.run.rules import problems
+from calib.plausibility.rules import COAST, FIT, require
 from calib.run.run import Run
+from calib.run.same_run import refuse_copies
 
 
 def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run]]:
@@ -19,16 +19,7 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run]]:
     coasts: list[Run] = []
     for run in sorted(runs, key=lambda item: item.log.digest):
         coasting = not run.events
-        if reasons := problems(run, "coast" if coasting else "fit"):
-            raise LogError(
-                f"this {'coast' if coasting else 'run'} will not do for a fit: "
-                + "; ".join(reasons),
-                where=run.log.source,
-                do="see `brake-cal check`",
-            )
-        require_same_wheels(run)
-        if not coasting:
-            require_right_slip(run)
+        require(run, COAST if coasting else FIT)
         (coasts if coasting else ramps).append(run)
     if not ramps:
         raise LogError(

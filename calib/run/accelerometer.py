@@ -48,6 +48,10 @@ _OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
 of 110 Hz taken for 100 is 10 % off. One log in 3000; a scale that is sharp is then another cause
 from 9 % on, 4.6 sigma of a sensor."""
 
+_ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
+"""Resistance of a usual car over its weight: rolling [1], by the speed squared [s^2/m^2], 0.66 m^2
+of 1500 kg; its relative standard deviation [1]."""
+
 _LAG = 0.02  # how far v and a_x may be out of step [s]
 _GREATEST = 1.5  # deceleration that no road car reaches [1]: the block holds a glitch of a_x
 _SECOND = 1.0  # time over which a_x and v are compared [s]: the noise of v is then 0.002 g
@@ -66,10 +70,8 @@ class Accelerometer:
 
     ``scale`` c [1], ``bias`` [g] and their ``variance_scale``, ``variance_bias``, ``covariance``;
     ``drag`` [g] as far as it is told apart from a grade; ``lag`` [s] by which a_x comes after v,
-    with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``other_scale``
-    [1] the scale where it is likelier that of a unit or a clock than of a sensor, else 0.
-    ``disagrees`` [g] how much a_x and the slowing of v differ by turns, over a second, the scale
-    aside.
+    with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``disagrees``
+    [g] how much a_x and the slowing of v differ by turns, over a second, the scale aside.
     """
 
     scale: float
@@ -81,7 +83,6 @@ class Accelerometer:
     lag: float
     variance_lag: float
     wanders: float
-    other_scale: float
     disagrees: float
 
     def corrected(self, z: Array) -> Array:
@@ -124,8 +125,7 @@ class SpeedEvidence:
     """What v says of the accelerometer of a run, whatever resistance the car is taken to have.
 
     ``last`` blocks are judged; ``density_z`` noise [s^0.5]. ``even`` and ``changing``: on a steady
-    grade and on one that walks; ``slow`` both again by means of z over `_SECOND`, None where the
-    run cannot tell the scale of no sensor.
+    grade and on one that walks.
     """
 
     blocks: Blocks
@@ -133,23 +133,21 @@ class SpeedEvidence:
     density_z: float
     even: _AgainstSpeed
     changing: _AgainstSpeed
-    slow: tuple[_AgainstSpeed, _AgainstSpeed] | None
 
 
 def speed_evidence(b: Blocks, density_z: float, density_v: float) -> SpeedEvidence:
     """Compare a_x with v, ``density_z`` [s^0.5] and ``density_v`` [m/s s^0.5] their noise."""
-    last = (b.end.size - 1) // _STEP * _STEP
+    return _evidence(b, b.z, density_z, density_v)
 
-    smooth = [b.z]
-    if np.any(np.maximum(b.p_f, b.p_r) > BITE):  # rolling, z is noise for the most part
-        smooth.append(centred_mean(b.z, max(1, round(_SECOND / b.length))))
-    compared = _compared(b, smooth)
-    even, changing = (
+
+def _evidence(b: Blocks, smooth: Array, density_z: float, density_v: float) -> SpeedEvidence:
+    """The same where ``smooth`` z [1] (k,) tells scale and lag."""
+    last, compared = (b.end.size - 1) // _STEP * _STEP, _compared(b, [smooth])
+    (even,), (changing,) = (
         _against_speed(b.length, compared, last, walk, (density_z, density_v))
         for walk in (EVEN, CHANGING)
     )
-    slow = (even[1], changing[1]) if len(even) > 1 else None
-    return SpeedEvidence(b, last, density_z, even[0], changing[0], slow)
+    return SpeedEvidence(b, last, density_z, even, changing)
 
 
 def accelerometer(told: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
@@ -176,7 +174,6 @@ def accelerometer(told: SpeedEvidence, unexplained: Array, sigma: Array) -> Acce
         + wanders * other_variance
         + (1.0 - wanders) * wanders * (other_lag - lag) ** 2,
         wanders=wanders,
-        other_scale=_other_scale(told, rolling),
         disagrees=_disagreement(told.blocks, c, told.last),
     )
 
@@ -261,17 +258,22 @@ def _on_lead_in(told: SpeedEvidence, unexplained: Array, sigma: Array) -> tuple[
     return mean, told.density_z**2 / (count * b.length) + common**2
 
 
-def _other_scale(told: SpeedEvidence, rolling: tuple[float, float]) -> float:
-    """The scale over all of the run where it is likelier that of no sensor, else 0.
+def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
+    """The scale c [1] over all of a run where it is likelier that of no sensor, else 0.
 
-    Without a grade that walks, which explains what such a scale does. It takes no part in what is
-    corrected: a run with such a scale is not used. By means of z over `_SECOND`: the noise of a_x
-    is in the integral and in what a scale makes of it alike, and looks like a scale of 1.
+    0 without ``v`` or a braking: rolling, z is noise for the most part. Without a grade that walks,
+    which explains what such a scale does. It takes no part in what is corrected: a run with such a
+    scale is not used. By means of z over `_SECOND`: the noise of a_x is in the integral and in what
+    a scale makes of it alike, and looks like a scale of 1. No vehicle is needed: the resistance on
+    the lead-in is that of usual cars, and says little of the scale.
     """
-    if told.slow is None:
+    if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
-    other = _mixture(told.slow, rolling, _CASES[::2], _OTHER_SCALE)
-    sensor = _mixture(told.slow, rolling, _CASES, SENSOR.a_x_scale.sigma)
+    slow = centred_mean(b.z, max(1, round(_SECOND / b.length)))
+    told, usual = _evidence(b, slow, density_z, density_v), _ROLLING + _DRAG * b.speed**2
+    speeds, rolling = (told.even, told.changing), _on_lead_in(told, b.z - usual, _RESISTS * usual)
+    other = _mixture(speeds, rolling, _CASES[::2], _OTHER_SCALE)
+    sensor = _mixture(speeds, rolling, _CASES, SENSOR.a_x_scale.sigma)
     likelier = other.evidence + np.log(_ODDS_OTHER) > sensor.evidence
     return float(other.mean[0]) if likelier else 0.0
 

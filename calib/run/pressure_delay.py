@@ -62,7 +62,13 @@ class PressureDelay:
 
     def beyond(self, late: float) -> bool:
         """Whether p, which explains the deceleration, is surely ``late`` [s] or early by more."""
-        return self.explained > LIMITS.explained_late and (self.low > late or self.high < -late)
+        return abs(self.surely) > late
+
+    @property
+    def surely(self) -> float:
+        """The delay nearest to none that it may have [s]; 0 where it does not explain enough."""
+        known = self.explained > LIMITS.explained_late
+        return max(self.low, 0.0) + min(self.high, 0.0) if known else 0.0
 
     @property
     def words(self) -> str:

@@ -7,7 +7,8 @@
                                          |          +--> accelerometer, balance of forces
                                          +--> lead-in, delay of v, rolling radii, brake response
 
-Without a vehicle the first line can be asked for; so far as channels are missing it says nothing.
+Without a vehicle the first line can be asked for, and signals and blocks as they were read; so far
+as channels are missing it says nothing.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +22,13 @@ from calib.car.braking import BITE, MOVING
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.run.accelerometer import Accelerometer, SpeedEvidence, accelerometer, speed_evidence
+from calib.run.accelerometer import (
+    Accelerometer,
+    SpeedEvidence,
+    accelerometer,
+    other_scale,
+    speed_evidence,
+)
 from calib.run.axle_signals import Signals, causal_signals, rolling_radii, signals, wheels_held
 from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone, braked_alone_in
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
@@ -225,7 +232,13 @@ class Run:
     @cached_property
     def noise(self) -> SensorNoise:
         """Noise of the sensors, from the whole run."""
-        return sensor_noise(self.corrected.log, self.blocks)
+        log = self.log if self.vehicle is None else self.corrected.log
+        return sensor_noise(log, self.blocks)
+
+    @cached_property
+    def other_scale(self) -> float:
+        """Scale of a_x against v [1] where it is likelier that of no sensor, else 0."""
+        return other_scale(self.blocks, self.noise.z, self.noise.v)
 
     @cached_property
     def lead_in_noise(self) -> SensorNoise:

@@ -16,12 +16,14 @@ second differences of whole numbers. A run of 10 s takes about 5 kB.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import LogError
 from calib.base.names import WHEELS
 from calib.base.noise import white_noise
 from calib.car.lag import integral
@@ -242,3 +244,31 @@ def spread(x: Array) -> float:
 def _noise_of(x: Array) -> float:
     """Standard deviation of the noise of a channel and of its rounding, by third differences."""
     return max(white_noise(x), resolution_of(x) / math.sqrt(12.0))
+
+
+def refuse_copies(fitted: Sequence[Log], held: Sequence[Log] = ()) -> None:
+    """Raise LogError for a run that is given twice, also if it was cut, rounded or resampled.
+
+    ``fitted`` are the logs that something is made of, ``held`` those that are to prove it.
+    """
+    for i, log in enumerate(fitted):
+        refuse_copy(log, fitted[:i])
+    for i, log in enumerate(held):
+        refuse_copy(log, fitted, held[:i])
+
+
+def refuse_copy(log: Log, fitted: Sequence[Log], held: Sequence[Log] | None = None) -> None:
+    """Raise LogError if ``log`` is a run that is given already, see `calib.run.same_run`.
+
+    ``fitted`` as in `refuse_copies`; with ``held`` the log is one more of those.
+    """
+    first = next((k for k in (*fitted, *(held or ())) if same_run(k, log)), None)
+    if first is None:
+        return
+    told, do = "given twice", "give each run once"
+    if held is not None:
+        told = "held out twice"
+        if any(first is one for one in fitted):
+            told = "which is among the calibration logs: it is no hold-out and proves nothing"
+            do = "hold out a run of its own"
+    raise LogError(f"the same run as {first.source}, {told}", where=log.source, do=do)

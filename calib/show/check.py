@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from calib.run.check import Findings
-from calib.run.check import facts as contents
+from calib.plausibility.check import Findings
+from calib.plausibility.check import facts as contents
 from calib.show.facts import Facts, Row
 
 _FOR = {
@@ -41,7 +41,7 @@ def _why(findings: Findings) -> str:
     reasons = fit.reasons if findings.seen.events else fewest
     more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
     if findings.usable:  # what is missing for a table, not what to do about it
-        return f"no fit: {reasons[0].partition(': ')[0]}{more}"
+        return f"no fit: {reasons[0].partition('; ')[0]}{more}"
     return f"{reasons[0]}{more}"
 
 
@@ -50,6 +50,7 @@ def _rows(findings: Findings) -> list[Row]:
         *contents(findings),
         *(("read", note) for note in findings.notes),
         *(("warning", warning.text) for warning in findings.warnings),
+        ("usable", "as far as can be told without a vehicle file"),
         *(
             (v.purpose, "; ".join(["usable" if v.usable else "not usable", *v.reasons]))
             for v in findings.verdicts

@@ -4,9 +4,9 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
+from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.run.copies import factor_between, is_other_quantity
-from calib.run.limits import LIMITS
 from calib.run.pressure_delay import pressure_delay
 from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows
 from calib.suggest.words import (
@@ -135,7 +135,7 @@ def _wrong_size(
 ) -> bool:
     slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
     off, what = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
-    low, high = _SLOPES if metres else LIMITS.wheel_radius
+    low, high = _SLOPES if metres else bounds_of("a_x_unit")
     if low <= off <= high:
         return False
     meant = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if _SLOPES[0] < off / f < _SLOPES[1]]
@@ -218,13 +218,13 @@ def _brake_score(name: str) -> int:
 
 
 def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
-    if item.values.max() > LIMITS.pressure:
+    if item.values.max() > 1e5 * bounds_of("pressure_high")[1]:
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
     every = np.ones(braking.size, np.bool_)
     delay = pressure_delay(clock.time, braking / G, [item.values], [], every)
-    if delay and delay.beyond(LIMITS.pressure_late):
+    if delay and delay.beyond(bounds_of("pressure_late")[1]):
         return (
             f"a pressure that is {delay.words} against the deceleration: take it with --take, "
             f"and put it in time with {delay.entry}"

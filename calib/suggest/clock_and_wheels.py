@@ -6,10 +6,10 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import WHEELS
+from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
-from calib.run.limits import LIMITS
 from calib.suggest.columns import (
     ColumnClock,
     Doubt,
@@ -81,7 +81,8 @@ def _take_clock(search: Search, item: Series) -> None:
         search.clock = ColumnClock(time, step)
         return
     for unit, scale in _SCALES.items():
-        if LIMITS.rates[0] <= 1.0 / (step * scale) <= LIMITS.rates[1]:
+        low, high = bounds_of("clock_rate")
+        if low <= 1.0 / (step * scale) <= high:
             only = f"only {unit} gives a rate of 40 Hz to 1 kHz"
             search.propose("time", Mapping(item.name, unit), False, "name", order, only)
             search.clock = ColumnClock(time * scale, step * scale)
@@ -199,7 +200,9 @@ def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
 def find_wheel_pressures(search: Search) -> None:
     """Four columns of pressures that are named for the wheels."""
     found = _fours(search, "Pa")
-    if len(found) == 1 and all(s.values.max() <= LIMITS.pressure for s in found[0].values()):
+    if len(found) == 1 and all(
+        s.values.max() <= 1e5 * bounds_of("pressure_high")[1] for s in found[0].values()
+    ):
         for wheel, item in found[0].items():
             unit = f"unit {item.column.unit}"
             search.propose(f"p_{wheel}", Mapping(item.name), False, "name", unit)

@@ -7,9 +7,9 @@ from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.channels import CHANNELS
 from calib.diagnosis.written import to_dict
 from calib.logs.log import Log
-from calib.run.check import problems_for
 from tests.support.plant import Plant, as_log, drive
 from tests.support.reference_car import CAR, IDEAL, REAL
+from tests.support.refusals import why_not
 
 
 def braked(plant: Plant, name: str, pressure: float, rise: float, v0: float) -> Log:
@@ -37,7 +37,7 @@ def logs(plant: Plant) -> tuple[list[Log], list[Log]]:
 @pytest.fixture(scope="module")
 def ideal() -> Diagnosis:
     calibration, held = logs(IDEAL)
-    assert all(problems_for(log, "diagnose") == [] for log in (*calibration, *held))
+    assert all(why_not(log, "diagnose") == [] for log in (*calibration, *held))
     return diagnose(CAR, calibration, held)
 
 

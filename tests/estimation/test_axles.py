@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.base.warning import RULES, VOID
 from calib.car.bias import pressure_per_g
 from calib.estimation.estimator import estimate
-from calib.estimation.exchanged import SURE, axles_exchanged
+from calib.estimation.exchanged import axles_exchanged
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from calib.run.check import check
+from calib.plausibility.check import check
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import (
     CAR,
@@ -26,6 +27,8 @@ from tests.support.reference_car import (
     with_pads,
     without,
 )
+
+(SURE,) = (x.high for x in RULES if (x.code, x.does) == ("axles_exchanged", VOID))
 
 SOFT = replace(REAL, tyre=magic(15.0, 0.6))
 """The car on a road where its tyres are softer."""

@@ -8,7 +8,7 @@ from calib.base.errors import LogError
 from calib.logs.gaps import BRIDGE, fill, in_words
 from calib.logs.read import read_log
 from calib.logs.write import write_csv
-from calib.run.check import check, to_dict
+from calib.plausibility.check import check, to_dict
 from tests.support.recordings import CHANNELS, UNITS, ramp, times, write_map, written
 
 TIME = np.arange(0.0, 10.0, 0.02)

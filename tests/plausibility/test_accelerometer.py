@@ -1,25 +1,33 @@
 """What is said of an accelerometer, by numbers set by hand."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from calib.base.names import G
-from calib.base.warning import judged
-from calib.plausibility.run import of_accelerometer
+from calib.plausibility.evidence import Evidence
+from calib.plausibility.forces import accelerometer
+from calib.plausibility.wheels import v_scale
 from calib.run.accelerometer import Accelerometer
+from tests.support.refusals import broken
 
 
 def sensor(**values):
     """An accelerometer that is right, but for ``values``; sigma 0.1 %, 0.0005 g, 5 ms."""
     names = ("scale", "bias", "covariance", "drag", "lag", "wanders", "disagrees")
-    names = (*names, "other_scale")
     fields = dict.fromkeys(names, 0.0)
     known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7, "variance_lag": 2.5e-5}
     fields |= {**known, **values}
     return Accelerometer(**fields)
 
 
+def warned(sensor, other_scale=0.0):
+    run = SimpleNamespace(other_scale=other_scale)
+    return broken((v_scale, accelerometer), Evidence(run, sensor))
+
+
 def codes(sensor):
-    return [warning.code for warning in judged("log", of_accelerometer(sensor))]
+    return [one.code for one in warned(sensor)]
 
 
 def test_a_sensor_that_is_right_is_not_warned_about():
@@ -31,7 +39,6 @@ def test_a_sensor_that_is_right_is_not_warned_about():
     [
         ({"scale": 0.04}, "a_x_scale", 0.04 / 0.96),
         ({"scale": -0.04}, "a_x_scale", -0.04 / 1.04),
-        ({"scale": 0.06, "other_scale": 1 / 6}, "v_scale", 0.2),
         ({"bias": 0.03}, "a_x_offset", -0.03 * G),
         ({"bias": -0.03}, "a_x_offset", 0.03 * G),
         ({"drag": 0.03}, "unexplained_drag", 0.03 * G),
@@ -41,12 +48,17 @@ def test_a_sensor_that_is_right_is_not_warned_about():
 )
 def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
     """a_x is -g z: an offset of z has the other sign."""
-    (warning,) = judged("log", of_accelerometer(sensor(**wrong)))
+    (warning,) = warned(sensor(**wrong))
     assert warning.code == code
     assert warning.measured == pytest.approx(measured)
     assert not warning.expected[0] <= warning.measured <= warning.expected[1]
     assert warning.causes
     assert warning.do
+
+
+def test_a_scale_that_no_sensor_has_is_told_alone():
+    (warning,) = warned(sensor(scale=0.06), 1.0 / 6.0)
+    assert (warning.code, warning.measured) == ("v_scale", pytest.approx(0.2))
 
 
 def test_what_is_not_sure_is_not_warned_about():

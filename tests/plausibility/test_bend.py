@@ -5,11 +5,12 @@ from dataclasses import replace
 import pytest
 
 from calib.base.names import G
-from calib.base.warning import judged
-from calib.plausibility.run import of_bend
+from calib.plausibility.evidence import Evidence
+from calib.plausibility.forces import bend
 from calib.run.run import Run
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, ramp
+from tests.support.refusals import broken
 
 
 def unlike(log):
@@ -22,7 +23,8 @@ COAST = unlike(as_log(drive(REAL, lambda t: 0.0, 32.0, duration=6.0), "coast"))
 
 
 def found(log, straight=(COAST,)):
-    return list(judged(log.name, of_bend(Run(log, CAR), [Run(one, CAR) for one in straight])))
+    runs = [Run(one, CAR) for one in straight]
+    return broken([bend], Evidence(Run(log, CAR), straight=runs))
 
 
 @pytest.mark.parametrize("radius", [400.0, -250.0])

@@ -1,18 +1,30 @@
 """What is said of the pressure and of force without it."""
 
 from statistics import NormalDist
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from calib.base.names import WHEELS
-from calib.base.warning import judged
-from calib.plausibility.run import of_brakes, of_channels
+from calib.plausibility.channels import at_rest, pressure_sides
+from calib.plausibility.evidence import Evidence
+from calib.plausibility.forces import brakes
 from calib.run.brake_response import BrakeResponse, ForceStep
 from calib.run.run import Run
-from tests.support.reference_car import CAR, REAL, noisy, stop
+from tests.support.reference_car import REAL, noisy, stop
+from tests.support.refusals import broken
 
 ODDS = 0.1
+
+
+def codes_of(seen, odds=ODDS):
+    return [one.code for one in warned(seen, odds)]
+
+
+def warned(seen, odds=ODDS):
+    run = SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds))
+    return broken([brakes], Evidence(run, response=seen))
 
 
 def response(delay=0.0, share=0.0, sigma=0.01, **others):
@@ -39,7 +51,14 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
     ],
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):
-    assert [one.code for one in judged("log", of_brakes(seen, ODDS))] == codes
+    assert codes_of(seen) == codes
+
+
+def named_at_all(seen, odds):
+    """Whether a motor is likely, however small its force."""
+    run = SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds))
+    found = brakes(Evidence(run, response=seen))
+    return "unexplained_braking_force" in [one.code for one in found]
 
 
 def chance_by_counting(share, sigma, fading, fading_sigma, odds):
@@ -69,14 +88,13 @@ def test_a_motor_is_named_by_its_chance_as_by_counting_all_shares(odds, sigma, f
         response(share=share, sigma=sigma[0], fading=fading, fading_sigma=sigma[1])
         for share in tried
     ]
-    named = ["unexplained_braking_force" in [one.code for one in of_brakes(x, odds)] for x in seen]
+    named = [named_at_all(x, odds) for x in seen]
     clear = [abs(x - 0.4) > 0.01 for x in chance]
     assert np.array_equal(np.array(named)[clear], np.array(chance)[clear] > 0.4)
 
 
 def test_the_side_of_the_delay_decides_who_is_late():
-    (after,) = judged("log", of_brakes(response(delay=0.2), ODDS))
-    (before,) = judged("log", of_brakes(response(delay=-0.2), ODDS))
+    (after,), (before,) = warned(response(delay=0.2)), warned(response(delay=-0.2))
     assert "hydraulic" in after.causes[0]
     assert before.causes[0] == "the clock of p_mc, late"
 
@@ -85,7 +103,7 @@ def test_the_side_of_the_delay_decides_who_is_late():
 def test_the_zero_of_the_pressure_is_measured(zero):
     log = noisy(stop(REAL), 1)
     log.channels["p_mc"] = log["p_mc"] + zero
-    (warning,) = judged("log", of_channels(Run(log, CAR)))
+    (warning,) = broken([at_rest], Evidence(Run(log)))
     assert warning.code == "pressure_zero"
     assert warning.measured == pytest.approx(zero / 1e5, abs=0.1)
 
@@ -97,6 +115,6 @@ def test_wheel_pressures_of_an_axle_are_alike(scale, zero, codes):
     log = noisy(stop(REAL), 1)
     own = {"rl": scale * log["p_mc"] + zero, "rr": log["p_mc"]}
     log.channels.update({f"p_{wheel}": own.get(wheel, 0.7 * log["p_mc"]) for wheel in WHEELS})
-    found = judged("log", of_channels(Run(log, CAR)))
-    assert [one.code for one in found if one.code != "pressure_zero"] == codes
+    found = broken([pressure_sides], Evidence(Run(log)))
+    assert [one.code for one in found] == codes
     assert all(one.measured == pytest.approx(scale - 1.0, abs=0.02) for one in found if codes)

@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.warning import judged
-from calib.plausibility.run import of_channels, of_wheels
+from calib.plausibility.channels import at_rest, copied, held, late, pressure_sides
+from calib.plausibility.evidence import Evidence
+from calib.plausibility.wheels import car_wheels, lost_pulses, slip_of_v
 from calib.run.copies import made_of_wheels
 from calib.run.run import Run
 from tests.support.reference_car import CAR, REAL, noisy, stop
+from tests.support.refusals import broken
 
 
 @pytest.fixture(scope="module")
@@ -18,9 +20,12 @@ def clean():
 
 
 def found(log):
-    run = Run(log, CAR)
-    measured = (*of_channels(run), *of_wheels(run, CAR))
-    return [(one.code, one.causes[0]) for one in judged(log.name, measured)]
+    return [(one.code, one.causes[0]) for one in of(log, car_wheels, slip_of_v, lost_pulses)]
+
+
+def of(log, *more):
+    figures = copied, held, late, at_rest, pressure_sides
+    return broken((*figures, *more), Evidence(Run(log, CAR)))
 
 
 def changed(log, **channels):
@@ -62,17 +67,17 @@ def test_a_wrong_speed_shows_as_another_radius(clean, factor):
     assert codes == ["rolling_radius_f", "rolling_radius_r"]
 
 
-@pytest.mark.parametrize(("every", "held"), [(1, False), (8, False), (20, True), (40, True)])
-def test_a_speed_that_is_held_is_named_and_not_used(clean, every, held):
+@pytest.mark.parametrize(("every", "kept"), [(1, False), (8, False), (20, True), (40, True)])
+def test_a_speed_that_is_held_is_named_and_not_used(clean, every, kept):
     """At 200 Hz: a new value every 5, 40, 100, 200 ms."""
     log = noisy(clean, 0)
     stale = log["v"][np.arange(log.time.size) // every * every]
     run = changed(log, v=stale)
-    assert ("v_held" in [code for code, _ in found(run)]) == held
-    assert (Run(run, CAR).signals.v is None) == held
+    assert ("v_held" in [code for code, _ in found(run)]) == kept
+    assert (Run(run, CAR).signals.v is None) == kept
 
 
-def held(log, hertz, *channels):
+def sent_at(log, hertz, *channels):
     """Channels that a bus sends at a rate of its own, as a faster logger keeps them."""
     sent = {}
     for shift, name in enumerate(channels):
@@ -88,14 +93,14 @@ WHEEL_SPEEDS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
 
 @pytest.mark.parametrize(("hertz", "code"), [(20.0, ["wheels_held"]), (50.0, [])])
 def test_wheel_speeds_that_are_held_are_no_copies(clean, hertz, code):
-    log = held(noisy(clean, 3), hertz, *WHEEL_SPEEDS)
-    assert [one.code for one in judged("log", of_channels(Run(log, CAR)))] == code
-    assert not made_of_wheels(held(log, hertz, "v"))
+    log = sent_at(noisy(clean, 3), hertz, *WHEEL_SPEEDS)
+    assert [one.code for one in of(log)] == code
+    assert not made_of_wheels(sent_at(log, hertz, "v"))
 
 
 def test_how_long_wheel_speeds_are_held_is_measured(clean):
-    log = held(noisy(clean, 3), 20.0, *WHEEL_SPEEDS)
-    (one,) = judged("log", of_channels(Run(log, CAR)))
+    log = sent_at(noisy(clean, 3), 20.0, *WHEEL_SPEEDS)
+    (one,) = of(log)
     assert one.measured == pytest.approx(0.05, rel=0.1)
 
 

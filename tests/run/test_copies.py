@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from calib.logs.log import Log
 from calib.logs.source import Column, ColumnSource
-from calib.run.check import check
+from calib.plausibility.check import check
 from calib.run.copies import (
     came_at,
     computed_channels,

@@ -8,10 +8,10 @@ import pytest
 
 from calib.car.lag import first_order
 from calib.logs.read import read_log
-from calib.run.check import problems_for
+from calib.plausibility.check import check
 from calib.run.run import Run
-from calib.run.warnings import warnings_of
 from tests.support.made_runs import changed, made_run, ramp, stop
+from tests.support.refusals import why_not
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 RAMPS = (
@@ -63,16 +63,16 @@ def test_a_late_pressure_on_the_ramp_of_a_car(name, delay):
     answer = found(log)
     assert answer.value == pytest.approx(-delay, abs=0.11)
     assert answer.low < -delay < answer.high + 0.01
-    assert problems_for(log, "fit")
-    assert problems_for(log, "validate")
+    assert why_not(log, "fit")
+    assert why_not(log, "validate")
 
 
 @pytest.mark.parametrize("name", RAMPS[:2])
 def test_an_early_pressure_on_the_ramp_of_a_car(name):
     log = late(read_log(SAMPLES / name), -1.0)
     assert found(log).value == pytest.approx(1.0, abs=0.1)
-    assert problems_for(log, "fit")
-    assert problems_for(log, "diagnose")
+    assert why_not(log, "fit")
+    assert why_not(log, "diagnose")
 
 
 @pytest.mark.parametrize("delay", [-0.2, -0.1, 0.1, 0.2])
@@ -128,8 +128,8 @@ def test_each_pressure_is_told_by_its_name(name, late_ones, delay):
         true = -delay if channel in late_ones else 0.0
         assert answer.value == pytest.approx(true, abs=0.1)
         assert answer.beyond(BOUND) == (channel in late_ones)
-    assert problems_for(log, "fit")
-    assert not problems_for(with_wheels(RUNS["ramp"], lambda p: np.minimum(p, 20e5)), "fit")
+    assert why_not(log, "fit")
+    assert not why_not(with_wheels(RUNS["ramp"], lambda p: np.minimum(p, 20e5)), "fit")
 
 
 @pytest.mark.parametrize(("end", "duration"), [(4.5, 5.2), (9.0, 6.0)])
@@ -161,7 +161,7 @@ def test_wheels_that_do_not_follow_the_pedal_are_told_by_the_deceleration():
     parked = changed(with_wheels(log, lambda p: p + held), **still)
     for honest in (blended, parked):
         assert not any(x.beyond(BOUND) for x in Run(honest).pressures.values())
-        assert not [x for x in problems_for(honest, "validate") if "p_" in x]
+        assert not [x for x in why_not(honest, "validate") if "pressure" in x]
     for channel, answer in Run(with_wheels(log, p_fl=1.0)).pressures.items():
         assert answer.beyond(BOUND) == (channel == "p_fl")
 
@@ -175,7 +175,7 @@ def test_an_engine_that_drives_before_the_roll_is_no_delay():
 @pytest.mark.parametrize("early", [0.9, 1.4, 2.5])
 def test_a_pressure_that_comes_while_the_car_still_rolls(early):
     log = made_run(stop(start=1.5, end=4.0), duration=6.0, speed=40.0)
-    assert any("p_mc" in reason for reason in problems_for(late(log, -early), "validate"))
+    assert any("pressure" in code for code in why_not(late(log, -early), "validate"))
 
 
 @pytest.mark.parametrize("bar", [0.0, 2.0])
@@ -192,9 +192,9 @@ def test_where_a_log_does_not_tell_it_is_said():
     log = made_run(slow, duration=14.0, speed=40.0)
     bitten = made_run(lambda t: np.maximum(slow(t) - 3.0, 0.0), duration=14.0, speed=40.0)
     shifted = changed(log, a_x=bitten["a_x"])
-    assert not problems_for(shifted, "fit")
-    assert "pressure_clock" in [x.code for x in warnings_of("ramp", Run(shifted))]
-    assert "pressure_clock" not in [x.code for x in warnings_of("ramp", Run(log))]
+    assert not why_not(shifted, "fit")
+    assert "pressure_clock" in [x.code for x in check(shifted).warnings]
+    assert "pressure_clock" not in [x.code for x in check(log).warnings]
 
 
 def test_without_a_braking_or_a_lead_in_nothing_is_said():

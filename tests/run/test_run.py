@@ -7,10 +7,11 @@ from calib.line.fleet.rows import Command, columns_of
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import read_log
 from calib.logs.write import write_csv
-from calib.run.check import check, problems_for
+from calib.plausibility.check import check
 from calib.run.run import Run, figures
 from calib.run.sampling import sampling_of
 from tests.support.made_runs import changed, made_run, ramp, stop
+from tests.support.refusals import why_not
 
 RUN = made_run(stop())
 
@@ -63,24 +64,24 @@ def test_a_pressure_of_another_run_does_not(pressure):
     wrong = changed(RUN, p_mc=made_run(pressure)["p_mc"])
     assert share(wrong) < 0.85
     for purpose in ("fit", "validate", "diagnose"):
-        assert any("another run" in text for text in problems_for(wrong, purpose))
+        assert set(why_not(wrong, purpose)) & {"pressure_late", "pressure_foreign"}
 
 
 def test_a_late_pressure_is_refused_until_the_channel_map_puts_it_in_time(tmp_path):
     path, late = tmp_path / "late.csv", made_run(ramp(rate=12.0))
     write_csv(changed(late, p_mc=np.interp(late.time - 1.5, late.time, late["p_mc"])), path)
     for purpose in ("fit", "validate", "diagnose"):
-        assert problems_for(read_log(path), purpose)
+        assert why_not(read_log(path), purpose)
     mapped = ChannelMap("map", {"p_mc": Mapping("p_mc", delay=1.5)})
     moved = read_log(path, mapped)
-    assert problems_for(moved, "fit") == []
+    assert why_not(moved, "fit") == []
     assert moved.time[-1] == pytest.approx(late.time[-1] - 1.5)  # after it the pressure is unknown
     assert moved["p_mc"] == pytest.approx(late["p_mc"][: moved.time.size], abs=1e3)
 
 
 def test_a_motor_whose_torque_is_logged_brakes_without_pressure():
     motor = changed(RUN, p_mc=0.0 * RUN["p_mc"], T_drive_f=0.0 * RUN["p_mc"] - 300.0)
-    assert not any("another run" in text for text in problems_for(motor, "validate"))
+    assert not set(why_not(motor, "validate")) & {"pressure_late", "pressure_foreign"}
 
 
 def test_a_speed_made_of_wheels_is_none_for_a_diagnosis():
@@ -88,5 +89,5 @@ def test_a_speed_made_of_wheels_is_none_for_a_diagnosis():
     for made in (0.32 * wheels[2], 0.08 * sum(wheels)):
         run = changed(RUN, v=made)
         assert Run(run).v_of_wheels
-        assert problems_for(run, "diagnose")
-    assert problems_for(RUN, "diagnose") == []
+        assert why_not(run, "diagnose")
+    assert why_not(RUN, "diagnose") == []

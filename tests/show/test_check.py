@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.run.check import check
+from calib.plausibility.check import check
 from calib.show.check import line
 from tests.support.made_runs import changed, made_run, ramp, stop
 

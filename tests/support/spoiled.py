@@ -7,6 +7,7 @@ result, a document, a warning or a message.
 import io
 import json
 import re
+import sys
 import tempfile
 import traceback
 import warnings
@@ -18,17 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
-from calib.base.errors import BrakeCalError, NotFiniteError
+from calib.base.errors import BrakeCalError, LogError, NotFiniteError, VehicleError
 from calib.base.names import CHANNELS
 from calib.base.units import from_si
+from calib.base.warning import RULES
+from calib.diagnosis.runs.mistakes import checked
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.run.check import check, to_dict
+from calib.plausibility.check import check, to_dict
 from calib.table.table import Table
 from cli.console import json_text
-from tests.support.reference_car import CAR
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
 Spoil = Callable[[np.random.Generator, Array], Array]
 
@@ -92,6 +96,62 @@ def spoiled(log: Log, rng: np.random.Generator) -> tuple[str, str]:
     return ", ".join(done), text.getvalue()
 
 
+OTHERS = [noisy(ramp(REAL, name="other ramp"), 11), noisy(stop(REAL, 30e5, "other stop"), 12)]
+HELD = [noisy(stop(REAL, 35e5, "hold-out"), 13)]
+NEEDS_MORE = {rule.code for rule in RULES if rule.needs}
+"""Codes of rules that need more than the log: a vehicle, other logs, the table."""
+
+
+def disagreements(log: Log, table: Table) -> list[str]:
+    """Where `check` says another thing of a log than the uses themselves.
+
+    They may know more: their vehicle, the other logs, the table.
+    """
+    found = check(log)
+    coasts = not found.seen.events
+    with_ramp = [log, OTHERS[0]] if coasts else [log]
+    uses: dict[str, Callable[[], object]] = {
+        "coast" if coasts else "fit": lambda: fit(CAR, with_ramp),
+        "validate": lambda: _of_use(table, log),
+        "diagnose": lambda: checked(CAR, [log, *OTHERS], HELD),
+    }
+    usable = {one.purpose: one.usable for one in found.verdicts}
+    return [
+        f"{use}: check says {usable[use]}, and it is {why or 'used'}"
+        for use, act in uses.items()
+        if (why := _refused(act, usable[use])) is not None
+    ]
+
+
+def disagreements_of(text: str, table: Table) -> list[str]:
+    """`disagreements` of a log as CSV; none of one that cannot be read."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "spoiled.csv"
+        path.write_text(text)
+        try:
+            return disagreements(read_log(path), table)
+        except LogError:
+            return []
+
+
+def _of_use(table: Table, log: Log) -> None:
+    (result,) = validate(table, [log])
+    if result.estimate.unfit:
+        raise LogError(str(result.warnings))
+
+
+def _refused(act: Callable[[], object], usable: bool) -> str | None:
+    """What a use says against a log that `check` takes for usable or not; None if they agree."""
+    try:
+        act()
+    except VehicleError:
+        return None
+    except LogError as error:
+        more = set(re.findall(r"\w+", str(error))) & NEEDS_MORE
+        return str(error) if usable and not more else None
+    return None if usable else ""
+
+
 def findings(text: str, table: Table, ramp: bool) -> list[str]:
     """What is wrong in how the program takes a log: check, then fit or validate."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
@@ -138,3 +198,18 @@ def _place(error: Exception) -> str:
     frames = [f for f in traceback.extract_tb(error.__traceback__) if "/calib/" in f.filename]
     last = frames[-1] if frames else traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} at {last.filename}:{last.lineno}"
+
+
+def main(count: int) -> None:
+    """Spoil logs, and print each flaw and each disagreement."""
+    coast = as_log(drive(REAL, lambda t: 0.0, 33.0, duration=8.0), "coast")
+    runs = [noisy(log, i) for i, log in enumerate((ramp(REAL), stop(REAL), coast))]
+    table = fit(CAR, [runs[0]])
+    for number in range(count):
+        done, text = spoiled(runs[number % 3], np.random.default_rng([1, number]))
+        for flaw in (*findings(text, table, number % 3 == 0), *disagreements_of(text, table)):
+            sys.stdout.write(f"{number} {done}\n      {flaw}\n")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

@@ -183,7 +183,7 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
 
 
 def _check(job: Job, item: WorkItem, files: Files) -> Answer:
-    from calib.run.check import check
+    from calib.plausibility.check import check
     from calib.run.copies import computed_channels
     from calib.run.run import figures
 

@@ -16,7 +16,12 @@ Rows = list[Row | None]
 
 PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
-    *("scipy.special", "calib.run.check", "calib.fitting.fit", "calib.estimation.validate"),
+    *(
+        "scipy.special",
+        "calib.plausibility.check",
+        "calib.fitting.fit",
+        "calib.estimation.validate",
+    ),
     *("calib.diagnosis.diagnose", "calib.line.fleet.work"),
 )
 """What the library imports late; the server from which workers are forked imports it once."""

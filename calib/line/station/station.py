@@ -24,9 +24,8 @@ from calib.line.station.identity import NOBODY, Identity
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
-from calib.run.check import check
-from calib.run.gates import refuse_copies
-from calib.run.limits import LIMITS
+from calib.plausibility.check import check
+from calib.run.same_run import refuse_copies
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.store.version import Stored
@@ -113,9 +112,13 @@ class StationOutcome:
 
     @cached_property
     def caveats(self) -> list[PlausibilityWarning]:
-        """Warnings of `brake-cal check` on a log, which are no verdict on the car."""
-        logs = (*self.ramps, *self.coasts, *self.stops)
-        return [one for log in logs for one in log_warnings(self.table.vehicle, log)]
+        """Warnings of `brake-cal check` on a log that fit and estimate do not have.
+
+        They are no verdict on the car.
+        """
+        logs, known = (*self.ramps, *self.coasts, *self.stops), set(map(_place, self.warnings))
+        told = (one for log in logs for one in check(log, vehicle=self.table.vehicle).warnings)
+        return [one for one in told if _place(one) not in known]
 
     @property
     def golden_cars(self) -> int:
@@ -238,14 +241,8 @@ def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) ->
                 )
 
 
-def log_warnings(vehicle: Vehicle, log: Log) -> Iterator[PlausibilityWarning]:
-    """What `brake-cal check` warns of, but for radii of the axles that differ as the file says."""
-    for warning in check(log).warnings:
-        declared = warning.code == "eta_zero" and (
-            abs(vehicle.radius_mismatch(warning.measured)) <= LIMITS.tyres
-        )
-        if not declared:
-            yield warning
+def _place(warning: PlausibilityWarning) -> tuple[str, str]:
+    return warning.code, warning.log
 
 
 def car_warnings(table: Table, results: Sequence[Validation]) -> Iterator[PlausibilityWarning]:

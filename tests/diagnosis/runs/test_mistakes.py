@@ -63,9 +63,9 @@ def test_a_motor_on_the_rear_axle_is_warned_of_where_it_is_not_named():
 def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
     hot, radius = named(late, "hot"), late.vehicle.rear.rolling_radius
     for change, said in (
-        (lambda log: changed(log, a_x=-log["a_x"]), "a_x is positive while the wheels slow down"),
-        (lambda log: changed(log, p_mc=0.0 * log["p_mc"]), "p_mc does not change"),
-        (lambda log: changed(log, v=radius * log["omega_rl"]), "v is made of the wheel speeds"),
+        (lambda log: changed(log, a_x=-log["a_x"]), "a_x_sign"),
+        (lambda log: changed(log, p_mc=0.0 * log["p_mc"]), "stuck"),
+        (lambda log: changed(log, v=radius * log["omega_rl"]), "v_copied"),
         (lambda log: changed(log, p_mc=0.4 * log["p_mc"]), "level_changed"),
     ):
         text = refused(late, with_(late, "hot", change))
@@ -78,7 +78,7 @@ def test_a_pressure_of_another_run_is_refused(late):
     at = np.arange(named(late, "hot").time.size)
     taken = other[np.minimum(at, other.size - 1)]
     said = refused(late, with_(late, "hot", lambda log: changed(log, p_mc=taken)))
-    assert "look for a pressure of another run" in said
+    assert "pressure_foreign" in said or "pressure_late" in said
 
 
 def test_a_zero_of_the_pressure_is_warned_of_whatever_was_found(late):

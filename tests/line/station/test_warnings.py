@@ -7,8 +7,8 @@ import pytest
 
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from calib.line.station.station import car_warnings, level_change, log_warnings
-from calib.run.check import check
+from calib.line.station.station import car_warnings, level_change
+from calib.plausibility.check import check
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
 
@@ -48,6 +48,6 @@ def test_radii_that_differ_as_the_file_says_are_no_warning():
     log = noisy(ramp(REAL), 5)
     turned = {w: log[w] / 1.02 if w in ("omega_rl", "omega_rr") else log[w] for w in log.channels}
     log = replace(log, channels=turned)
-    assert "eta_zero" in [warning.code for warning in check(log).warnings]
-    assert "eta_zero" not in [warning.code for warning in log_warnings(wide, log)]
-    assert "eta_zero" in [warning.code for warning in log_warnings(CAR, log)]
+    for vehicle, named in ((None, True), (wide, False), (CAR, True)):
+        found = check(log, vehicle=vehicle).warnings
+        assert ("eta_zero" in [warning.code for warning in found]) == named

@@ -5,16 +5,18 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
-from calib.base.names import CHANNELS
+from calib.base.names import AXLE_NAMES, CHANNELS
 from calib.base.units import from_si, to_si
 from calib.base.warning import PlausibilityWarning
+from calib.car.vehicle import Vehicle
 from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
+from calib.plausibility.evidence import Evidence
+from calib.plausibility.rules import CHECK, PURPOSES, unusable, warnings_on
 from calib.run.driving_record import BrakeEvent
-from calib.run.rules import PURPOSES, problems, uses
+from calib.run.limits import LIMITS
 from calib.run.run import Run, figures
 from calib.run.sensors import FIGURES, Sensor
-from calib.run.warnings import impossible_samples, warnings_of
 from calib.run.wheels import IntervalEstimate
 
 
@@ -86,21 +88,23 @@ class Findings:
         return any(verdict.usable for verdict in self.verdicts)
 
 
-def check(log: Log, copies: Iterable[str] = ()) -> Findings:
-    """Check a log and judge it for each purpose.
+def check(log: Log, copies: Iterable[str] = (), vehicle: Vehicle | None = None) -> Findings:
+    """Check a log and judge it for each purpose, by the rules that the purpose asks itself.
 
     Channels may be missing (``require=()`` of `read_log`). ``copies`` name pressures that were
-    computed from another column: they make the log unusable.
+    computed from another column: they make the log unusable. Rules that need a vehicle, or other
+    logs, are asked by the purpose alone; with a ``vehicle`` those of the first kind here, too.
 
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
     >>> [verdict.purpose for verdict in findings.verdicts if verdict.usable]
     ['coast', 'diagnose']
-    >>> findings.verdicts[0].reasons
-    ('no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition',)
+    >>> findings.verdicts[0].reasons[0].partition(";")[0]
+    'no braking (no_braking)'
     """
-    seen, copies = Run(log), tuple(copies)
-    reasons = {name: (*copies, *problems(seen, name)) for name in PURPOSES}
+    seen, copies = Run(log, vehicle), tuple(copies)
+    reasons = {name: (*copies, *(one.text for one in unusable(seen, name))) for name in PURPOSES}
+    useless = all(reasons.values())
     return Findings(
         log=log.name,
         source=log.source,
@@ -109,12 +113,34 @@ def check(log: Log, copies: Iterable[str] = ()) -> Findings:
         ignored=log.ignored,
         seen=seen,
         notes=log.notes,
-        warnings=(*impossible_samples(log), *warnings_of(log.name, seen)),
+        warnings=warnings_on(Evidence(seen), CHECK, whole=not useless),
         verdicts=tuple(LogVerdict(name, not why, why) for name, why in reasons.items()),
         taken=tuple(_taken(log, one) for one in log.origins if one.channel in CHANNELS),
-        uses=tuple(uses(seen)),
+        uses=tuple(_uses(seen)),
         bridged=log.bridged,
     )
+
+
+def _uses(seen: Run) -> Iterator[str]:
+    """What can be determined from a log, with its accuracy, in words."""
+    axles = seen.axles
+    if axles is None:
+        return
+    zero = axles.front_rear
+    if zero is not None:
+        enough = "fine" if zero.half <= LIMITS.table_zero else "too coarse"
+        sharp = f"to {100 * zero.half:.3f} % ({enough} for a table)"
+        yield f"the zero of eta {sharp}, if the car rolled without its engine"
+    if axles.slope is not None and axles.slope > 0:
+        yield f"sign and size of a_x: with the wheels it makes a radius of {axles.slope:.2f} m"
+    logged = [name for name in ("T_drive_f", "T_drive_r") if name in seen.present]
+    if logged:
+        yield f"brake forces less the torque of engine or motor: {', '.join(logged)}"
+    if seen.alone:
+        what = f"the {AXLE_NAMES[seen.alone]} tyres' stiffness, and the pads' ratio"
+        yield f"{what}, in a fit with a ramp of both axles: the other axle has no pressure"
+    if seen.events and "p_mc" in seen.missing:
+        yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"
 
 
 def _taken(log: Log, origin: Origin) -> _Taken:
@@ -122,17 +148,12 @@ def _taken(log: Log, origin: Origin) -> _Taken:
     return _Taken(**asdict(origin), si=si, low=float(values.min()), high=float(values.max()))
 
 
-def problems_for(log: Log, purpose: str) -> list[str]:
-    """Reasons to refuse a log for one of `PURPOSES`; empty if it is usable."""
-    return problems(Run(log), purpose)
-
-
 def to_dict(findings: Findings) -> dict[str, Any]:
     """The findings as plain data, numbers in SI; ``figures`` as in the results of a batch."""
-    told = {name: x for name, x in vars(findings).items() if name != "seen"}
+    others = {name: x for name, x in vars(findings).items() if name != "seen"}
     return {
         "usable": findings.usable,
-        **{name: _plain(x) for name, x in told.items()},
+        **{name: _plain(x) for name, x in others.items()},
         "seen": {name: _plain(getattr(findings.seen, name)) for name in _SEEN},
         "figures": figures(findings.seen),
         "warned": list(dict.fromkeys(warning.code for warning in findings.warnings)),

@@ -1,0 +1,154 @@
+"""Figures of the channels: what is missing, hangs, is a copy, is late, or is in no range of a car.
+
+Each function is a figure of `rules.csv` by its name.
+"""
+
+import math
+from collections.abc import Iterator
+from itertools import groupby
+
+import numpy as np
+
+from calib.base.names import AXLES, WHEELS
+from calib.base.units import from_si
+from calib.base.warning import Measured, bounds_of
+from calib.plausibility.evidence import Evidence
+from calib.run.axle_signals import held_time
+from calib.run.copies import twice
+from calib.run.driving_record import BITE_Z
+from calib.run.pressure_delay import PressureDelay
+
+_OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
+_NEEDED = ("p_mc", "a_x", *_OMEGAS)
+_LATE, _EXPLAINED = bounds_of("pressure_late")[1], bounds_of("pressure_foreign")[0]
+_PRESSED = 20e5  # pressure from which sensors, left and right, agree as one to the other [Pa]
+
+
+def channels(e: Evidence) -> Iterator[Measured]:
+    """Channels that every log must have."""
+    for name in e.run.missing:
+        where = ", in bar, at the master cylinder" if name == "p_mc" else ""
+        yield Measured("channel_missing", 1.0, words={"channel": name, "where": where})
+
+
+def marked(e: Evidence) -> Iterator[Measured]:
+    """Samples that no car drives and that the reader left out."""
+    marked, count = e.run.log.marked, sum(one.count for one in e.run.log.marked)
+    yield Measured("impossible_samples", count, words={"samples": "|".join(map(str, marked))})
+
+
+def sensors(e: Evidence) -> Iterator[Measured]:
+    """Ranges, values that hang, and time at the end of a range."""
+    for one in e.run.sensors:
+        name, words = one.channel, {"channel": one.channel}
+        longest = max((end - start for start, end in one.stuck), default=0.0)
+        if name == "v":
+            yield Measured("v_stuck", longest)
+        elif name in _NEEDED:
+            times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in one.stuck)
+            yield Measured("stuck", longest, words={**words, "times": times})
+            yield Measured("end_of_range", one.saturated, words=words)
+        yield Measured("saturated", one.saturated, words=words)
+        kind = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars"}.get(name.split("_")[0])
+        if kind:
+            yield Measured(kind, max(one.high, one.low, key=abs), words=words)
+        if name.startswith("p_"):
+            yield Measured("pressure_high", from_si(one.high, "bar", "Pa"), words=words)
+            yield Measured("pressure_low", from_si(one.low, "bar", "Pa"), words=words)
+
+
+def noise(e: Evidence) -> Iterator[Measured]:
+    """Noise and steps of the wheel speeds, as eta has them; a pressure without any noise.
+
+    The standard deviation of eta in a mean over 0.2 s [1]: two wheels make an axle and two axles
+    make eta, so the factors cancel.
+    """
+    run = e.run
+    blur = [
+        math.hypot(s.noise, s.resolution / math.sqrt(12.0)) / s.high
+        for s in run.sensors
+        if s.channel in _OMEGAS and s.high > 0 and not math.isnan(s.noise)
+    ]
+    of_eta = max(blur, default=0.0) / math.sqrt(max(1.0, 0.2 * run.clock.rate))
+    yield Measured("coarse_wheel_speeds", of_eta)
+    pressure, a_x = run.sensor("p_mc"), run.sensor("a_x")
+    if pressure and a_x and run.events and pressure.low == 0.0 and a_x.noise > 0.01:
+        yield Measured("pressure_computed", pressure.flat)
+
+
+def pressure(e: Evidence) -> Iterator[Measured]:
+    """Pressure for each g, its clock, and how much of the deceleration it explains."""
+    run, master = e.run, e.run.sensor("p_mc")
+    if master is None:
+        return
+    if run.z > 2.5 * BITE_Z:
+        yield Measured("pressure_per_g", from_si(master.high / run.z, "bar", "Pa"))
+    for channel, delay in run.pressures.items():
+        most = max(delay.low, delay.high, key=abs)
+        if not delay.beyond(_LATE):
+            yield Measured("pressure_clock", most, words={"channel": channel})
+    if not master.saturated:
+        yield from _of_this_run(run.pressures, any(x.startswith("T_drive") for x in run.present))
+
+
+def _of_this_run(pressures: dict[str, PressureDelay], motor: bool) -> Iterator[Measured]:
+    """Pressures that are late, or of another run; nothing of the latter where a motor brakes."""
+
+    def told(name: str) -> tuple[float, str, str]:
+        return pressures[name].surely, pressures[name].words, pressures[name].entry
+
+    for (surely, words, entry), names in groupby(pressures, told):
+        all_of = ", ".join(names)
+        how = f"{all_of} {'are' if ',' in all_of else 'is'} {words}"
+        yield Measured("pressure_late", surely, words={"how": how, "entry": f"{entry} to {all_of}"})
+    if not motor and not any(x.beyond(_LATE) for x in pressures.values()):
+        weakest = min((x.in_time for x in pressures.values()), default=1.0)
+        weak = (x for x, delay in pressures.items() if delay.in_time < _EXPLAINED)
+        yield Measured("pressure_foreign", max(weakest, 0.0), words={"channels": ", ".join(weak)})
+
+
+def speed(e: Evidence) -> Iterator[Measured]:
+    """Whether there is a reference speed, of a sensor of its own."""
+    yield Measured("no_reference_speed", float("v" not in e.run.present))
+    yield Measured("v_copied", float(e.run.v_of_wheels))
+
+
+def copied(e: Evidence) -> Iterator[Measured]:
+    """One signal in two channels."""
+    log = e.run.log
+    names = [name for name in (*_OMEGAS, "v", "a_x", "p_mc") if name in log]
+    for one, other, same in twice(log, names):
+        yield Measured("same_signal", same, words={"one": one, "other": other})
+
+
+def held(e: Evidence) -> Iterator[Measured]:
+    """Values that a bus or a receiver repeats."""
+    yield Measured("v_held", held_time(e.run.log))
+    yield Measured("wheels_held", e.run.wheels_held)
+
+
+def late(e: Evidence) -> Iterator[Measured]:
+    """A reference speed that comes late."""
+    delay = e.run.signals.delay
+    if delay.late:
+        used = "v was put in time" if delay.sharp else "v is not used"
+        yield Measured("v_late", delay.value, words={"used": used})
+
+
+def at_rest(e: Evidence) -> Iterator[Measured]:
+    """Pressure while rolling."""
+    s = e.run.signals
+    if s.lead_in.any():
+        zero = max((float(np.mean(p[s.lead_in])) for p in (s.p_f, s.p_r)), key=abs)
+        yield Measured("pressure_zero", from_si(zero, "bar", "Pa"))
+
+
+def pressure_sides(e: Evidence) -> Iterator[Measured]:
+    """Highest pressures, left against right."""
+    log = e.run.log
+    for axle in AXLES:
+        words = {"left": f"p_{axle}l", "right": f"p_{axle}r"}
+        if set(words.values()) <= log.channels.keys():
+            left, right = (float(np.max(log[name])) for name in words.values())
+            apart = (left - right) / max(left, right, _PRESSED)
+            yield Measured("pressure_sides", apart, words=words)

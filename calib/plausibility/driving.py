@@ -1,0 +1,97 @@
+"""Figures of how a run was driven: speed, rolling before the brake, the ramp, ABS.
+
+Each function is a figure of `rules.csv` by its name.
+"""
+
+from collections.abc import Iterator
+
+from calib.base.warning import Measured, bounds_of
+from calib.plausibility.evidence import Evidence
+from calib.run.driving_record import BrakeEvent
+from calib.run.limits import LIMITS
+from calib.run.run import Run
+from calib.run.wheels import Slipping
+
+
+def clock(e: Evidence) -> Iterator[Measured]:
+    """Rate, jitter, and samples that are missing: what is between them is no measurement."""
+    of = e.run.clock
+    yield Measured("clock_rate", of.rate)
+    yield Measured("clock_jitter", of.jitter * of.rate)
+    when, length = max(of.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
+    yield Measured("clock_gaps", length, words={"when": when, "count": len(of.gaps)})
+
+
+def driving(e: Evidence) -> Iterator[Measured]:
+    """Speed, rolling at the start, standing, ABS and wheels that lock."""
+    run = e.run
+    slips = run.slipping or Slipping((), (), 0.0)
+    yield Measured("too_slow", run.speed)
+    if run.events:
+        yield Measured("lead_in", run.lead_in)
+    yield Measured("lead_in_driven", float(run.lead_in_driven))
+    yield Measured("standing", run.standing)
+    wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in slips.cycles))
+    when = slips.cycles[0][1] if slips.cycles else 0.0
+    yield Measured("abs", len(slips.cycles), words={"wheels": wheels, "when": when})
+    locked = ", ".join(slips.locked)
+    yield Measured("locked_wheels", len(slips.locked), words={"wheels": locked})
+
+
+def use(e: Evidence) -> Iterator[Measured]:
+    """What a ramp, a stop and a coast are to have."""
+    run = e.run
+    if run.missing:
+        return
+    yield Measured("no_braking", float(not run.events))
+    yield Measured("braked_coast", float(bool(run.events)))
+    if not run.events:
+        yield Measured("coasting", run.coasting)
+        return
+    yield Measured("begins_braked", float(run.events[0].first == 0))
+    if not (run.slipping and run.slipping.locked):  # of locked wheels the speed is not known
+        yield Measured("braking_time", sum(event.braking for event in run.events))
+    yield from _ramp(run)
+    yield from _eta(run)
+
+
+def _ramp(run: Run) -> Iterator[Measured]:
+    """The best ramp of a run, or its widest rise if none is one, and what disturbs it."""
+    alone = run.alone is not None
+    good = [e for e in run.events if e.braking >= _RAMP_TIME and e.rise >= _RAMP_RISE]
+    ramp = max(good, key=lambda e: e.rise_z, default=None)
+    if ramp is None or ramp.rise_z < (_SPAN_ALONE if alone else _SPAN):
+        ramp = max(run.events, key=lambda e: e.rise_z)
+    yield Measured("ramp_rise", ramp.rise)
+    yield Measured("ramp_time", ramp.braking)
+    in_pieces = ramp.z_high - ramp.z_low > 1.2 * ramp.rise_z
+    how = f"the braking reaches {ramp.z_high:.2f} g, but not in one rise" if in_pieces else ""
+    yield Measured("ramp_span_alone" if alone else "ramp_span", ramp.rise_z, words={"how": how})
+    yield from _disturbed(run, ramp)
+
+
+def _disturbed(run: Run, ramp: BrakeEvent) -> Iterator[Measured]:
+    slips = run.slipping or Slipping((), (), 0.0)
+    inside = [(wheel, t) for wheel, t in slips.cycles if ramp.start <= t <= ramp.end]
+    wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in inside))
+    when = inside[0][1] if inside else 0.0
+    yield Measured("abs_in_ramp", len(inside), words={"wheels": wheels, "when": when})
+    locked = ", ".join(slips.locked)
+    yield Measured("locked_in_ramp", len(slips.locked), words={"wheels": locked})
+    for when, length in run.clock.gaps:
+        if ramp.start <= when <= ramp.end:
+            yield Measured("gap_in_ramp", length, words={"when": when})
+
+
+def _eta(run: Run) -> Iterator[Measured]:
+    """A table is a curve over eta: its change under braking must be known."""
+    most = run.axles.eta_most if run.axles else None
+    if most is not None:
+        alike = max(abs(most.value), most.half) < LIMITS.eta_alike
+        sure = abs(most.value) / max(most.half, 1e-12)
+        yield Measured("eta_alike" if alike else "eta_unknown", sure)
+
+
+_RAMP_TIME, _RAMP_RISE, _SPAN, _SPAN_ALONE = (
+    bounds_of(code)[0] for code in ("ramp_time", "ramp_rise", "ramp_span", "ramp_span_alone")
+)

@@ -1,0 +1,94 @@
+"""Figures of the forces of a run with its vehicle: accelerometer, brakes, a bend.
+
+Each function is a figure of `rules.csv` by its name. Nothing here changes an estimate.
+"""
+
+import math
+from collections.abc import Iterator
+from statistics import median
+
+import numpy as np
+
+from calib.base.mixtures import likelihood_ratio
+from calib.base.names import G
+from calib.base.warning import Measured
+from calib.car.braking import MOVING
+from calib.plausibility.evidence import Evidence
+from calib.run.driving_record import NOMINAL_RADIUS
+from calib.run.lateral import lateral, sides
+
+_WANDERS = 0.5  # chance of a slope that changes from which it is named [1]
+_MOTOR, _STATED = 0.67, 0.01
+"""Odds of a motor from which it is named [1]: what is named too often costs a look, a motor that is
+not named stands in the pads. Least odds of one before the run: files that have none err, too."""
+_FORCE = 0.1  # spread of a motor's force over the usual brake force [1]: 0.01 to 0.1 g beside 0.3 g
+_USUAL, _FADING = 0.015, 0.02
+"""Spread of a force without pressure, and of one that goes with the speed, where nothing but the
+pads brakes [1]: the pressure at which pads bite and the zero of p_mc within 0.5 bar, over 30 bar;
+slow noise in the half second below 3 m/s. Pads that grip more as they get slow are below zero."""
+_UPRIGHT = 0.1
+"""Deceleration [1] past which left and right are not compared: the inner wheels of a bend bear less
+and slip more, which looks like a tighter one."""
+
+
+def bend(e: Evidence) -> Iterator[Measured]:
+    """Mean lateral acceleration [m/s^2] by runs of the same car that are ``straight``.
+
+    Without such runs a bend and wheels of unlike radius look the same.
+    """
+    s = e.run.signals
+    told = (s.speed > MOVING) & (s.z < _UPRIGHT)
+    if e.straight and told.any():
+        fast, logs = 2.0 * MOVING / NOMINAL_RADIUS, (run.log for run in e.straight)
+        equal = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in logs]
+        straight = float(np.mean(np.concatenate(equal)))
+        turned = lateral(e.run.log, s, e.run.car.track_width, straight)
+        yield Measured("bend", float(np.mean(turned[told])))
+
+
+def accelerometer(e: Evidence) -> Iterator[Measured]:
+    """Scale, slope, offset, drag and delay."""
+    sensor = e.accelerometer
+    if sensor is None:
+        return
+    if e.run.other_scale == 0.0:
+        scale = sensor.scale / (1.0 - sensor.scale)
+        yield Measured("a_x_scale", scale, math.sqrt(sensor.variance_scale))
+    if sensor.wanders > _WANDERS:
+        yield Measured("a_x_against_v", sensor.disagrees)
+    yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
+    yield Measured("unexplained_drag", G * sensor.drag)
+    yield Measured("a_x_late", sensor.lag, math.sqrt(sensor.variance_lag))
+
+
+def brakes(e: Evidence) -> Iterator[Measured]:
+    """Force without pressure, a step of it, and delay.
+
+    A motor shows as force without pressure where it brakes from the first pressure on, as a force
+    that goes with the speed where it hands over to the brakes before the car stands; each of them,
+    and both, are as likely. A run that is not braked down to 3 m/s says nothing of the second.
+    """
+    response = e.response
+    if response is None or e.run.vehicle is None:
+        return
+    share, late = response.share, response.fading
+    one = likelihood_ratio(share, math.hypot(response.share_sigma, _USUAL), _FORCE)
+    other = likelihood_ratio(late, math.hypot(response.fading_sigma, _FADING), _FORCE)
+    odds = max(e.run.vehicle.motor_odds, _STATED)
+    if odds * (one + other + one * other) / 3.0 > _MOTOR:
+        yield Measured("unexplained_braking_force", share if one > other else late)
+    yield Measured("braking_force_missing", share, response.share_sigma)
+    at, step, scatter = response.step
+    yield Measured("force_step", step, scatter, words={"at": at})
+    yield Measured("pressure_lag", response.delay, response.delay_sigma)
+
+
+def levels(e: Evidence) -> Iterator[Measured]:
+    """Brakes of a log of a diagnosis over those of the others (logarithm).
+
+    With fewer than two others that are braked nobody knows which one is wrong.
+    """
+    if e.response is not None and len(e.levels) >= 2:
+        yield Measured(
+            "level_changed", math.log(e.response.level / median(e.levels)), shown=math.expm1
+        )

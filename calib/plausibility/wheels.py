@@ -1,0 +1,195 @@
+"""Figures of the wheels: against a_x, v and each other, without a vehicle and with one.
+
+Each function is a figure of `rules.csv` by its name.
+"""
+
+import math
+from collections.abc import Iterator
+from itertools import permutations
+
+import numpy as np
+
+from calib.base.arrays import Array, Mask
+from calib.base.intervals import QUARTILE
+from calib.base.names import WHEELS
+from calib.base.warning import Measured, bounds_of, relative
+from calib.car.bias import front_biased_up_to
+from calib.car.braking import BITE, MOVING
+from calib.car.plausible import LEAST_FRONT_BIASED
+from calib.plausibility.evidence import Evidence
+from calib.run.blocks import Blocks
+from calib.run.driving_record import NOMINAL_RADIUS, SETTLE
+from calib.run.limits import LIMITS
+from calib.run.wheels import crossed_side
+
+_SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # taken for each other [m/s]
+_UNIT_KNOWN = 0.16
+"""Largest distance (logarithm) from the factor between two units at which they are named: half of
+that between the closest two, 1.61 and 2.24."""
+_STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
+_BRAKED = 0.05  # deceleration [1] from which slip is seen
+_MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
+"""Weights of the front and rear wheels that v may be made of."""
+_TIME = 1.0  # time of such braking, or of rolling, that is needed [s]
+_GREATEST = 1.5  # deceleration [1] that no road car reaches: a glitch of a_x
+_SPAN, _SIGMA = 11, 5.0
+"""Samples of the median from which a lost pulse stands out; the distance below it, in its usual
+scatter, or in 0.1 % of the speed, that noise does not have."""
+
+
+def wheels(e: Evidence) -> Iterator[Measured]:
+    """Sign and unit of a_x and v by the wheels, columns that have changed places."""
+    axles = e.run.axles
+    if axles is None:
+        return
+    if (slope := axles.slope) is not None:
+        yield Measured("a_x_sign", float(slope < 0.0))
+        yield Measured("a_x_unit", abs(slope))
+    if axles.radius is not None:
+        yield from _unit_of_v(axles.radius, slope or 0.0)
+    if (crossed := crossed_side(e.run.wheels, e.run.alone)) is not None:
+        yield Measured("wheels_crossed_side", crossed.part, words={"found": crossed})
+    if (eta := axles.eta_braked) is not None:
+        rise = -eta.value if e.run.alone == "r" else eta.value
+        yield Measured("axles_swapped", rise, eta.half, words=_sides(e.run.alone))
+
+
+def _sides(alone: str | None) -> dict[str, str]:
+    """Words for the axle that is to slip more, and for the other one."""
+    more, less = ("rear", "front") if alone == "r" else ("front", "rear")
+    return {"more": more, "less": less, "axle": less[0]}
+
+
+def _unit_of_v(radius: float, by_a_x: float) -> Iterator[Measured]:
+    """A ``v`` in another unit than it says: it makes wheels that no car has, or that a_x denies."""
+    low, high = bounds_of("v_unit")
+    known = low <= by_a_x <= high
+    words = {"unit": _read_as(radius / (by_a_x if known else NOMINAL_RADIUS))}
+    yield Measured("v_unit", radius, words=words)
+    if known:
+        yield Measured("v_unit_by_a_x", radius / by_a_x, words=words)
+
+
+def _read_as(factor: float) -> str:
+    """The units that make a ``v`` that is ``factor`` times too large [1]."""
+    for unit, read_as in permutations(_SPEEDS, 2):
+        if factor > 0.0 and abs(math.log(factor * _SPEEDS[unit] / _SPEEDS[read_as])) < _UNIT_KNOWN:
+            return f"v is in {unit} and was read as {read_as}"
+    return "the unit of v or of the wheel speeds"
+
+
+def radii(e: Evidence) -> Iterator[Measured]:
+    """Radii of the axles, and of both sides of an axle, against each other while rolling.
+
+    Those of the axles as they differ from the file's, where there is a vehicle.
+    """
+    axles, vehicle = e.run.axles, e.run.vehicle
+    if axles is None:
+        return
+    eta = axles.front_rear
+    yield Measured("eta_zero_unknown", float(eta is None))
+    if eta is not None:
+        apart = eta.value if vehicle is None else vehicle.radius_mismatch(eta.value)
+        yield Measured("eta_zero", apart, eta.half)
+        yield Measured("eta_zero_uncertain", eta.half)
+    for axle, sides in (("f", axles.left_right_f), ("r", axles.left_right_r)):
+        if sides is not None:
+            yield Measured(f"sides_{axle}", sides.value, sides.half)
+
+
+def slip(e: Evidence) -> Iterator[Measured]:
+    """Rise of eta under braking: the axle that brakes more must slip more.
+
+    That is the one that brakes alone by its pressures, or the front one: up to the deceleration to
+    which the car is front-biased, and without a vehicle to that of any car which may be released.
+    """
+    run, b = e.run, e.run.blocks
+    biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
+    end = np.inf if run.only else 0.8 * biased
+    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > bitten(b)))
+    yield Measured("eta_falls", -rise if run.only == "r" else rise, error, words=_sides(run.only))
+
+
+def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
+    """Median of eta over ``use`` minus that of the lead-in, and its standard error, both [1].
+
+    The median is robust against wheels that lock for a short time. NaN with fewer than four blocks
+    in one of the two parts, and where engine or motor changes between them: it moves eta too.
+    """
+    if min(np.count_nonzero(use), np.count_nonzero(b.lead_in)) < 4:
+        return np.nan, np.nan
+    for drive in (b.drive_f, b.drive_r):
+        if abs(float(np.median(drive[use]) - np.median(drive[b.lead_in]))) > LIMITS.steady_drive:
+            return np.nan, np.nan
+    sides = [b.eta[b.lead_in], b.eta[use]]
+    free, braked = (float(np.median(side)) for side in sides)
+    variance = sum(np.var(side, ddof=1) / side.size for side in sides)
+    return braked - free, float(np.sqrt(0.5 * np.pi * variance))
+
+
+def bitten(b: Blocks) -> float:
+    """Time after which the brakes are applied and settled [s]; infinite if they never are."""
+    braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
+    return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
+
+
+def car_wheels(e: Evidence) -> Iterator[Measured]:
+    """Rolling radii of the axles against those of the vehicle file."""
+    if e.run.vehicle is not None and (rolling := e.run.rolling_radii) is not None:
+        yield relative("rolling_radius_f", rolling[0], e.run.car.front.rolling_radius)
+        yield relative("rolling_radius_r", rolling[1], e.run.car.rear.rolling_radius)
+
+
+def slip_of_v(e: Evidence) -> Iterator[Measured]:
+    """Slip of an axle while it brakes, by v, over the least that any tyre has [1] (rms).
+
+    Of v from one axle that slip is zero, of v from all wheels the mean of both: the least of the
+    three. An axle that is not braked for long says nothing. The force of one that brakes is the
+    deceleration times its load, within a third, or more.
+    """
+    rolling, b, found = e.run.rolling_radii, e.run.blocks, []
+    if rolling is None:
+        return
+    told = (b.speed > MOVING) & (b.drive_f == 0.0) & (b.drive_r == 0.0)
+    told &= (b.z > _BRAKED) & (b.z < _GREATEST)
+    rims = np.stack([rolling[0] * b.omega_f, rolling[1] * b.omega_r])
+    slips = 1.0 - rims / np.maximum(b.speed, MOVING)
+    pressed = np.stack([b.p_f, b.p_r]) > BITE
+    for source, weights in _MADE_OF.items():
+        use = told & np.all(pressed[np.array(weights) > 0.0], axis=0)
+        if np.count_nonzero(use) * b.length >= _TIME:
+            rms = float(np.sqrt(np.mean((weights @ slips[:, use]) ** 2)))
+            found.append((_STIFFEST * rms / float(np.mean(b.z[use])), source))
+    if found:
+        share, source = min(found)
+        yield Measured("v_of_wheels", share, words={"source": f"the {source} wheels"})
+
+
+def v_scale(e: Evidence) -> Iterator[Measured]:
+    """Scale of a_x against v that no sensor has; 0 where it is likelier that of a sensor."""
+    other = e.run.other_scale
+    yield Measured("v_scale", other / (1.0 - other))
+
+
+def lost_pulses(e: Evidence) -> Iterator[Measured]:
+    """Share of the unbraked samples in which one wheel alone is far below its usual course [1].
+
+    A pulse that is lost lowers one reading by a tooth of 48 or so. Bumps lift and lower a wheel
+    alike, so twice the share above is taken off; a wheel that slips is below for longer than the
+    median spans.
+    """
+    s = e.run.signals
+    rolling = (s.lead_in | (np.maximum(s.p_f, s.p_r) < BITE)) & (s.speed > MOVING)
+    if np.count_nonzero(rolling) * s.sample_time < _TIME:
+        return
+    for name in (f"omega_{wheel}" for wheel in WHEELS):
+        yield Measured("lost_pulses", _lost(e.run.log[name][rolling]), words={"wheel": name})
+
+
+def _lost(omega: Array) -> float:
+    from scipy.ndimage import median_filter
+
+    away = omega - median_filter(omega, _SPAN)
+    usual = float(np.median(np.abs(away))) / QUARTILE
+    far = _SIGMA * max(usual, 1e-3 * float(np.mean(omega)))
+    return max(float(np.mean(away < -far) - 2.0 * np.mean(away > far)), 0.0)
