@@ -13,6 +13,7 @@ as channels are missing it says nothing.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,10 +41,8 @@ from calib.run.driving_record import (
     driving_record,
     standing,
 )
-from calib.run.known_effects import CorrectedRun, remove_known_effects
 from calib.run.noise import SensorNoise, lead_in_noise, sensor_noise
 from calib.run.pressure_delay import PressureDelay, delays_of
-from calib.run.resistance import Resistance
 from calib.run.sampling import Sampling, sampling_of
 from calib.run.sensors import Sensor, sensors_of
 from calib.run.wheels import (
@@ -55,6 +54,10 @@ from calib.run.wheels import (
     slips_of,
     wheel_parts,
 )
+
+if TYPE_CHECKING:
+    from calib.run.known_effects import CorrectedRun
+    from calib.run.resistance import Resistance
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,8 +208,10 @@ class Run:
     # --- the car, its known effects taken out -----------------------------------------------------
 
     @cached_property
-    def corrected(self) -> CorrectedRun:
+    def corrected(self) -> "CorrectedRun":
         """The run as the car without its known effects would have given it."""
+        from calib.run.known_effects import remove_known_effects
+
         assert self.vehicle is not None, "this view needs a vehicle"
         return remove_known_effects(self.vehicle, self.log)
 
@@ -260,7 +265,7 @@ class Run:
         """What v says of the accelerometer."""
         return speed_evidence(self.blocks, self.noise.z, self.noise.v)
 
-    def accelerometer(self, known: Resistance, noise: SensorNoise | None = None) -> Accelerometer:
+    def accelerometer(self, known: "Resistance", noise: SensorNoise | None = None) -> Accelerometer:
         """Scale and offset of the accelerometer with a ``known`` resistance.
 
         ``noise`` of the sensors if it is not that of the run.
