@@ -14,7 +14,7 @@ from calib.car.bias import front_share
 from calib.car.forces import axle_loads, speed_ratio
 from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
-from calib.table.maps import WIDE, Draws
+from calib.table.maps import Draws
 from calib.table.table import Calibration
 
 DEPART_AT = np.linspace(0.05, 0.95, 10)
@@ -78,8 +78,6 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
     kept, scale = e.take(np.linspace(0, e.size - 1, KEPT).astype(np.int64)), pads.pad_scale
     x = np.random.default_rng(42).standard_normal(KEPT)
     columns = vars(kept) | {name: getattr(kept, name) * getattr(car, name) for name in _LENGTHS}
-    for name, own in WIDE.items():
-        columns |= zip(own, columns.pop(name).T, strict=True)
     level = np.log(scale.value) + scale.sigma / scale.value * x
     return Draws(**columns, log_pad_level=level, weight=np.full(KEPT, car.weight))
 
@@ -87,8 +85,6 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
     """The ensemble of which a table of ``car`` kept these draws."""
     columns = vars(draws) | {name: getattr(draws, name) / getattr(car, name) for name in _LENGTHS}
-    for name, own in WIDE.items():
-        columns[name] = np.stack([columns[one] for one in own], axis=1)
     return Ensemble(**{one.name: columns[one.name] for one in fields(Ensemble)})
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
-from calib.table.maps import MAPS, Map
+from calib.table.maps import MAPS, Map, columns
 from calib.table.table import Array, Table, Value
 
 TOLERANCE = 1e-5
@@ -124,7 +124,7 @@ def diff(a: Table, b: Table) -> Difference:
 
 def _values(table: Table) -> dict[str, Value]:
     """The pads, and mean and standard deviation of the draws."""
-    draws = vars(table.draws) if table.draws else {}
+    draws = columns(table.draws) if table.draws else {}
     means = {f"draws {name}": Value(float(x.mean()), float(x.std())) for name, x in draws.items()}
     return {**vars(table.calibration), **means}
 

@@ -11,7 +11,7 @@ import numpy as np
 from calib.base.digest import canonical_json
 from calib.base.errors import not_finite
 from calib.car.forces import axle_loads
-from calib.table.maps import MAPS, Map
+from calib.table.maps import MAPS, Map, columns
 from calib.table.table import COLUMNS, Array, Table
 
 _TOLERANCE = 1e-9
@@ -30,7 +30,7 @@ def violations(table: Table) -> tuple[str, ...]:
 def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
     for name in COLUMNS:
         if (part := getattr(table, name)) is not None:
-            yield name, {key: np.asarray(column) for key, column in vars(part).items()}
+            yield name, columns(part)
 
 
 def _maps(table: Table) -> Iterator[tuple[str, Map]]:
@@ -40,8 +40,8 @@ def _maps(table: Table) -> Iterator[tuple[str, Map]]:
 
 
 def _shapes(table: Table) -> Iterator[str]:
-    for curve, columns in _columns(table):
-        shapes = {column.shape for column in columns.values()}
+    for curve, held in _columns(table):
+        shapes = {column.shape for column in held.values()}
         if len(shapes) != 1 or len(shapes.copy().pop()) != 1:
             yield f"{curve}: columns of different shapes {sorted(shapes)}"
         elif shapes.pop()[0] < 2:
@@ -55,8 +55,8 @@ def require_finite(table: Table) -> None:
 
 
 def _finite(table: Table) -> Iterator[str]:
-    for curve, columns in _columns(table):
-        for name, column in columns.items():
+    for curve, held in _columns(table):
+        for name, column in held.items():
             if not np.all(np.isfinite(column)):
                 yield f"{curve}.{name}: not finite in row {int(np.argmin(np.isfinite(column)))}"
     for key, part in table.content()[0].items():

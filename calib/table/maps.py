@@ -141,23 +141,21 @@ class LevelMap(Map):
     change_upper: Array
 
 
-WIDE = {"forms": tuple(f"form_{i}" for i in range(1, 6))} | {
-    name: tuple(f"{name}_{i}" for i in range(1, 11)) for name in ("depart_eta", "depart_slip")
-}
-"""Columns of `Draws` that are one thing: weights of the tyre forms, which add up to 1, and what a
-tyre departs from its form by, at ten decelerations."""
+_BLOCKS = {"forms": 5, "depart_eta": 10, "depart_slip": 10}
+"""Fields of `Draws` that have several numbers a row, and how many."""
 
 
 @dataclass(frozen=True)
 class Draws:
-    """Draws of all that the ramp left open, one a row, equally likely. Shapes (n,).
+    """Draws of all that the ramp left open, one a row, equally likely. Shapes (n,) or (n, k).
 
     ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
     ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
-    ``peak_load_exponent`` of the ``peak`` [1]; ``form_1`` and so on the forms; ``radius_load``
-    fall of the rolling radius per load [1]; ``v_late`` by which the speed comes after the wheels
-    [s]; ``weight`` M g of the vehicle [N]; lengths in m; ``depart_eta_1`` and so on the
-    departures of eta - 1 and of the slip, relative [1], see `WIDE`.
+    ``peak_load_exponent`` of the ``peak`` [1]; ``forms`` weights of the tyre forms (n, 5), which
+    add up to 1; ``radius_load`` fall of the rolling radius per load [1]; ``v_late`` by which the
+    speed comes after the wheels [s]; ``weight`` M g of the vehicle [N]; lengths in m;
+    ``depart_eta``, ``depart_slip`` what a tyre departs by from its form in eta - 1 and in slip, at
+    ten decelerations, relative [1], (n, 10).
     """
 
     log_pad_ratio: Array
@@ -167,36 +165,31 @@ class Draws:
     load_exponent: Array
     peak_load_exponent: Array
     peak: Array
-    form_1: Array
-    form_2: Array
-    form_3: Array
-    form_4: Array
-    form_5: Array
+    forms: Array
     radius_load: Array
     v_late: Array
     cg_to_front_axle: Array
     cg_height: Array
     weight: Array
-    depart_eta_1: Array
-    depart_eta_2: Array
-    depart_eta_3: Array
-    depart_eta_4: Array
-    depart_eta_5: Array
-    depart_eta_6: Array
-    depart_eta_7: Array
-    depart_eta_8: Array
-    depart_eta_9: Array
-    depart_eta_10: Array
-    depart_slip_1: Array
-    depart_slip_2: Array
-    depart_slip_3: Array
-    depart_slip_4: Array
-    depart_slip_5: Array
-    depart_slip_6: Array
-    depart_slip_7: Array
-    depart_slip_8: Array
-    depart_slip_9: Array
-    depart_slip_10: Array
+    depart_eta: Array
+    depart_slip: Array
+
+    @classmethod
+    def of(cls, **columns: Array) -> Self:
+        """The draws of `columns`. Raises KeyError or TypeError where one is missing or unknown."""
+        for name, count in _BLOCKS.items():
+            own = [columns.pop(f"{name}_{i}") for i in range(1, count + 1)]
+            columns[name] = np.stack(own, axis=1)
+        return cls(**columns)
+
+
+def columns(part: object) -> dict[str, Array]:
+    """Columns (n,) of a curve, map or draws; NAME_1, NAME_2 and so on of a field (n, k)."""
+    flat: dict[str, Array] = {}
+    for name, x in vars(part).items():
+        wide = {f"{name}_{i}": column for i, column in enumerate(x.T, 1)} if x.ndim > 1 else {}
+        flat |= wide or {name: x}
+    return flat
 
 
 MAPS: dict[str, type[Map]] = {"map": PadMap, "level_map": LevelMap}

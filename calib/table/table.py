@@ -26,7 +26,7 @@ from calib.car.tyre import Tyre
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.same_run import Fingerprint, same_as
-from calib.table.maps import MAPS, Draws, LevelMap, PadMap
+from calib.table.maps import MAPS, Draws, LevelMap, PadMap, columns
 
 Array = NDArray[np.float64]
 
@@ -127,7 +127,7 @@ class TyreCurve:
 CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
 """The curves that every table has, which are columns and no part of its record."""
 
-COLUMNS: dict[str, Any] = {**CURVES, **MAPS, "draws": Draws}
+COLUMNS: dict[str, Any] = {**CURVES, **MAPS, "draws": Draws.of}
 """All parts of a table that are columns; tables made before the maps have only the curves."""
 
 
@@ -326,6 +326,8 @@ class Table:
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves and maps (named float columns)."""
+        held = {name: getattr(self, name) for name in COLUMNS}
+        curves = {name: columns(part) for name, part in held.items() if part is not None}
         record = asdict(self)
         effects = record["vehicle"].pop("effects")
         record["vehicle"]["effects"] = effects["parameters"]
@@ -339,8 +341,8 @@ class Table:
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()
         }
-        held = {name: record.pop(name) for name in COLUMNS}
-        curves = {name: columns for name, columns in held.items() if columns is not None}
+        for name in COLUMNS:
+            del record[name]
         return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
 
     @property

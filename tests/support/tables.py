@@ -17,7 +17,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle, Vehicle
 from calib.store.record_file import Record, table_of
 from calib.store.version import Stored
-from calib.table.maps import WIDE, Draws, LevelMap, PadMap
+from calib.table.maps import Draws, LevelMap, PadMap
 from calib.table.table import (
     EXTRAPOLATED,
     INTERPOLATED,
@@ -140,8 +140,6 @@ def made_map(z=Z, shift=SHIFT, slip=SLIP):
 def made_draws(n=40):
     """Draws in equal steps about the middle of each prior, the forms alike."""
     u = np.linspace(-1.0, 1.0, n)
-    wide = {"forms": np.full(n, 0.2), "depart_eta": 0.01 * u, "depart_slip": -0.003 * u}
-    columns = {column: x for name, x in wide.items() for column in WIDE[name]}
     return Draws(
         log_pad_ratio=0.03 * u,
         log_pad_level=0.01 * u[::-1],
@@ -150,12 +148,14 @@ def made_draws(n=40):
         load_exponent=0.15 * u,
         peak_load_exponent=0.05 + 0.07 * u,
         peak=0.95 + 0.1 * u,
-        **columns,
+        forms=np.full((n, 5), 0.2),
         radius_load=0.002 + 0.001 * u,
         v_late=0.003 + 0.002 * u,
         cg_to_front_axle=1.1556 + 0.005 * u,
         cg_height=0.615 + 0.01 * u,
         weight=9.80665 * (1744.0 + 8.0 * u),
+        depart_eta=np.repeat(0.01 * u[:, None], 10, axis=1),
+        depart_slip=np.repeat(-0.003 * u[:, None], 10, axis=1),
     )
 
 
