@@ -68,7 +68,6 @@ class Inputs:
         from calib.estimation.limits import DEFAULTS
         from calib.line.fleet.results import NAME
         from calib.line.fleet.work import Job
-        from calib.table.generation import require_maps
 
         validates, fits = command is Command.VALIDATE, command is Command.FIT
         for name, value, taken, needed in (
@@ -84,7 +83,6 @@ class Inputs:
         stored = self.store.load(self.table) if self.table else None
         if stored is not None:
             say(f"{stored.id} is {stored.state.words}")
-            require_maps(stored.table, stored.id)
             if self.vehicle is not None:
                 require_same_car(stored.table.vehicle, self.vehicle, this_run().file("vehicle"))
         return Job(

@@ -65,14 +65,12 @@ def validate(
     from calib.estimation.validate import validate_one
     from calib.run.same_run import refuse_copy
     from calib.show.validation import Validated
-    from calib.table.generation import require_maps
 
     names = named(logs)
     if out is not None:
         check_folder(out, [*(f"{stem}.parquet" for stem in stems_of(names, "LOG")), SUMMARY])
     stored = store.load(table)
     signed.check(table, stored)
-    require_maps(stored.table, stored.id)
     if vehicle is not None:
         file = this_run().file("vehicle")
         require_same_car(stored.table.vehicle, vehicle, file, weighed=mass is not None)

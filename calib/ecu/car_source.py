@@ -37,7 +37,6 @@ from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise
 from calib.run.resistance import DRAG, RESISTANCE, ROLLING
 from calib.table.exported import Precision, as_exported
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
 SOURCE = Path(__file__).parent / "source"
@@ -138,8 +137,7 @@ def axes_of(grids: Iterable[Grid]) -> list[Axis]:
 
 
 def require_plain(table: Table) -> None:
-    """Raise StoreError for a table without maps, or effects that the code does not take out."""
-    require_maps(table)
+    """Raise StoreError for effects that the code does not take out."""
     more = [x for x in known_effects(table).described if x not in RESISTANCE]
     if more:
         raise StoreError(

@@ -59,13 +59,12 @@ def _starts(table: Table, of: Content) -> dict[str, float]:
 
 def simulated(table: Table) -> Model:
     """The car of a table as its ramp shows it; the peak of its tyres is that of wet asphalt."""
-    pads, tyre = table.calibration, table.posterior.tyre
-    stiffness, falls = 1.0 / float(tyre.gain(1.0)), tyre.load_exponent
+    pads, falls = table.calibration, float(table.draws.load_exponent.mean())
     return Model(
         table.vehicle,
         pads.pad_friction_f.value,
         pads.pad_friction_r.value,
-        replace(WET_ASPHALT, stiffness=stiffness, load_exponent=falls),
+        replace(WET_ASPHALT, stiffness=pads.slip_stiffness.value, load_exponent=falls),
         known_effects(table),
     )
 
@@ -78,8 +77,8 @@ def write_fmu(
     ``how`` the numbers inside are written, those of the variables are in double; ``sample_time`` of
     the ECU's task, and the fixed step of the FMU [s]. The bytes depend on nothing but these.
 
-    Raises StoreError for a table without maps, or with known effects that the code does not take
-    out; ExchangeError as `sources`; OSError.
+    Raises StoreError for a table with known effects that the code does not take out; ExchangeError
+    as `sources`; OSError.
     """
     car, step = stored.table.vehicle.name, repr(float(sample_time))
     name = f"{prefix(car)}_{of}"

@@ -131,7 +131,6 @@ def by_map(table: Table, eta: Array, b: ForceBalance) -> Pair:
     They are those of tyres at z + f1(z, eta) and z + f2(z, eta) under the live loads, and (18)
     holds exactly. ``eta`` zeroed (22) (n,). Beyond the ends of the map its last values.
     """
-    assert table.map is not None
     ratios = Reader(table.map, ("ratio",))
     z = np.clip(b.demanded / table.vehicle.weight, *ratios.axes[0][[0, -1]])
     (ratio,) = ratios(z, (eta - 1.0) / z, np.zeros_like(eta))

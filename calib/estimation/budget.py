@@ -31,7 +31,7 @@ def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
     i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the earlier one of an even number
     share = front_share(e.table.vehicle, float(step.ratio[0, i]))
     lever = (1.0 - share, share)[axle] ** 2
-    ramp = 0.0 if draws is None else lever * np.var(draws.log_pad_ratio)
+    ramp = lever * np.var(draws.log_pad_ratio)
     whole, level = (x.sigma[i] ** 2 for x in (pads, e.best.level))
     of_level = ("accelerometer", step.accelerometer[i]), ("noise", step.noise[i]), ("mass", np.inf)
     of_ratio = ("zeros", lever * step.zeros[i]), ("tyres", ramp), ("unlike_pads", np.inf)

@@ -87,10 +87,7 @@ class Constants:
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
-    """What the step takes from a ``table`` that has maps; ``noise`` of the sensors."""
-    assert table.map is not None
-    assert table.level_map is not None
-    assert table.draws is not None
+    """What the step takes from a ``table``; ``noise`` of the sensors."""
     radius = table.vehicle.front.rolling_radius
     return Constants(
         pads=Reader(table.map, PADS),

@@ -34,7 +34,6 @@ from calib.run.filters import low_pass
 from calib.run.known_effects import CorrectedRun
 from calib.run.noise import SensorNoise, worst_noise
 from calib.run.run import Run
-from calib.table.generation import require_maps
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -217,7 +216,6 @@ def estimate_run(
     table: Table, run: Run, vehicle: Vehicle | None = None, exported: Table | None = None
 ) -> Estimate:
     """Run the estimator on what `run_of` gives; as of `estimate`."""
-    require_maps(table)
     log, car = run.log, run.vehicle
     assert car is not None
     if log.time.size < max(2, samples_of_block(log.sample_time)):

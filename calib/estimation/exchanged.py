@@ -65,7 +65,6 @@ def axles_exchanged(table: Table, e: Estimate) -> float:
 @lru_cache(maxsize=2)  # a batch has one table
 def _shown(table: Table) -> Array:
     """Eta - 1 that stops with a table's car would show at `_Z` [1], (n, k)."""
-    assert table.draws is not None
     car = table.vehicle
     stops = scenarios(car, ensemble_of(car, table.draws), _COUNT)
     return seen(car, stops, _Z).shift

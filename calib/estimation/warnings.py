@@ -15,7 +15,6 @@ from calib.plausibility.rules import VALIDATE, warnings_on
 from calib.run.brake_response import brake_response
 from calib.run.resistance import Resistance
 from calib.run.run import Run
-from calib.table.budget import budget_of
 from calib.table.pad_levels import pad_levels
 
 
@@ -49,6 +48,6 @@ def _together(e: Estimate, known: Resistance, i: int) -> tuple[float, float]:
     resistance = float(known.sigma_z(e.car, e.read.speed[i : i + 1])[0])
     variance = float(best.step.noise[i] + best.step.accelerometer[i])
     variance += (resistance / max(float(e.read.z[i]), 0.02)) ** 2
-    variance += sum(x for part, x in budget_of(e.table).level.items() if part != "mass")
+    variance += sum(x for part, x in e.table.budget.level.items() if part != "mass")
     ramp = pad_levels(e.table.vehicle, e.table.calibration).level
     return math.log(best.level.value[i]) - ramp, math.sqrt(variance)

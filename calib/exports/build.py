@@ -128,8 +128,7 @@ def maps_of(
 ) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
     """Axes and columns of each map; those with more axes than a format holds in slices."""
     for part in MAPS:
-        if (held := getattr(table, part)) is None:
-            continue
+        held = getattr(table, part)
         made = written_map(held, how, label(first, part))
         axes = tuple(
             Axis(
@@ -177,9 +176,7 @@ def _slices(one: Grid) -> list[Grid]:
 
 
 def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator[Scalar]:
-    car, pads, tyre = table.vehicle, table.calibration, table.posterior
-    mapped = table.map is not None
-    wide = how.wide if mapped else how
+    car, pads, draws, wide = table.vehicle, table.calibration, table.draws, how.wide
 
     def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
         written = wide.numbers(np.array([float(value)]))
@@ -199,11 +196,16 @@ def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator
     for a, mu in (("f", pads.pad_friction_f), ("r", pads.pad_friction_r)):
         what = f"{AXLE_NAMES[a]} pad friction of the calibration"
         yield scalar(f"mu_{a}", what, "1", mu.value, mu.sigma)
-    for a, axle in (("f", car.front), ("r", car.rear)) if mapped else ():
+    for a, axle in (("f", car.front), ("r", car.rear)):
         what = f"{AXLE_NAMES[a]} pad friction of the vehicle file"
         yield scalar(f"mu_n_{a}", what, "1", axle.pad_friction)
-    for name in tyre.names:
-        yield scalar(name, f"{name} of the tyre", "1", tyre.value(name), tyre.sigma(name))
+    ratio, stiffness = pads.pad_log_ratio, pads.slip_stiffness
+    yield scalar("log_pad_ratio", "ln of mu_f/mu_r over the file's", "1", ratio.value, ratio.sigma)
+    what = "slip stiffness of the tyres of the calibration"
+    yield scalar("slip_stiffness", what, "1", stiffness.value, stiffness.sigma)
+    for name in ("load_exponent", "radius_load"):
+        x = getattr(draws, name)
+        yield scalar(name, f"{name} of the tyres", "1", np.mean(x), float(np.std(x)))
     for of in effect_figures(table):
         short = SHORT.get((of.effect, of.name), f"{of.effect}_{of.name}")
         value, what = of.value, f"{of.name} of {of.effect}"

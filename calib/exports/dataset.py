@@ -238,7 +238,7 @@ class Dataset:
         floating = "float" if self.single else "double"
         if self.bits is None:
             return floating
-        wide = "; scalars and axes of maps int16_t" * (self.maps != () and self.bits < LEAST_BITS)
+        wide = "; scalars and axes of maps int16_t" * (self.bits < LEAST_BITS)
         return f"int{self.bits}_t, value = origin + step * raw{wide}"
 
     def content(self) -> Content:

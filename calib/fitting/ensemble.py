@@ -60,6 +60,11 @@ class Ensemble:
         return int(self.peak.size)
 
     @property
+    def log_stiffness(self) -> Array:
+        """ln of the slip stiffness, the geometric mean of the axles, (n,)."""
+        return np.asarray(-0.5 * np.log(self.compliance_f * self.compliance_r))
+
+    @property
     def linear(self) -> Array:
         """Compliances and fall of the radii, (n, 3)."""
         return np.stack([self.compliance_f, self.compliance_r, self.radius_load], axis=1)
@@ -126,6 +131,15 @@ def unit_slips(
     )
 
 
+def turned(e: Ensemble, unit: UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
+    """Slips of the tyres of the axles (2, n, k) [1], and those that their wheel speeds show.
+
+    ``softer`` compliances over the ramp's, (2, n, 1). A wheel whose radius fell turns faster.
+    """
+    slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
+    return slips, 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
+
+
 class Shown(NamedTuple):
     """What wheels show of a braking that demands the decelerations ``z`` (k,), (n, k) [1].
 
@@ -166,8 +180,7 @@ def shown(
     slowed = brake / (1.0 + sum(turning_shares(car)))
     tyres = np.stack(braked_tyres(car, front_share(car, log_ratio), brake, slowed))
     unit = unit_slips(car, e, slowed, tyres, peak)
-    slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
-    turning = 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
+    slips, turning = turned(e, unit, softer)
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return Shown(
         z=z,

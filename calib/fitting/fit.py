@@ -18,7 +18,7 @@ from calib.car.braking import BITE
 from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
-from calib.fitting.curves import as_cubic, difference_curves, readable_up_to, ridge, tyre_curve
+from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
 from calib.fitting.known import known_before
@@ -27,7 +27,6 @@ from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated
 from calib.fitting.posterior import parts_of
 from calib.fitting.quality import explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
-from calib.model.parameters import RampParameters
 from calib.model.ramp import RampRun, prepare
 from calib.model.roller_bench import RollerBench
 from calib.model.sort_logs import sort_runs
@@ -40,7 +39,7 @@ from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
 from calib.run.same_run import fingerprint_of
 from calib.table.invariants import require_finite
-from calib.table.table import LogReference, Provenance, Table, TableReference, TyrePosterior, Value
+from calib.table.table import LogReference, Provenance, Table, TableReference, Value
 
 
 def fit(
@@ -73,7 +72,7 @@ def fit(
     Raises LogError when no log is a ramp that will do, with the reason and what to drive instead;
     BenchError for forces on rollers that are on no line; TyreError for a file of another tyre;
     VehicleError for a file that the logs contradict, and for a pad friction that no pad has;
-    StoreError for a ``fleet`` without draws; ModelError when an effect cannot be taken out of a
+    ModelError when an effect cannot be taken out of a
     log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
     which is not finite.
 
@@ -99,7 +98,8 @@ def fit(
     ensemble, figures, valve = explained(car, runs, before, told, refused)
     held = list(zip(told, ensemble.held.tolist(), strict=True))
     # curves over eta and the level of both axles' pads are of ramps on which both brake
-    both, some = [run for run in runs if run.only is None], ensemble.take(slice(None, None, 4))
+    both, fourth = [run for run in runs if run.only is None], slice(None, None, 4)
+    some, pulls = ensemble.take(fourth), {p: x[fourth] for p, x in ensemble.pulls.items()}
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in both)
     of = ridge(car, some, np.linspace(0.0, z_max, 201))
     z_end = readable_up_to(of)
@@ -110,22 +110,26 @@ def fit(
             f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
         )
-    drawn = as_cubic(ensemble, float(np.max(np.median(of.forces, axis=1))))
-    mean, covariance = np.mean(drawn, axis=1).tolist(), np.cov(drawn, bias=True).tolist()
-    of_tyre = TyrePosterior(RampParameters._fields, tuple(mean), tuple(map(tuple, covariance)))
-    ratio = Value(of_tyre.value("log_pad_ratio"), of_tyre.sigma("log_pad_ratio"))
+    asked = np.stack([ensemble.log_pad_ratio, ensemble.log_stiffness])
+    sigmas = np.sqrt(np.diag(np.cov(asked, bias=True))).tolist()
+    ratio, stiffness = map(Value, np.mean(asked, axis=1).tolist(), sigmas)
     scale, level = level_of(car, both, known, ratio.value)
-    pads, budget = calibration_of(car, scale, level, ratio, parts_of(drawn, ensemble))
+    parts = {part: of.tolist() for part, of in parts_of(asked, ensemble.pulls).items()}
+    variances = {
+        "level": level,
+        "ratio": {part: of[0] for part, of in parts.items()},
+        "stiffness": {part: of[1] for part, of in parts.items()},
+    }
+    pads, budget = calibration_of(car, scale, ratio, stiffness, variances)
     require_possible_pads(car, pads, warnings)
-    difference, paper = difference_curves(car, some, both, z_end)
+    difference, paper = difference_curves(car, some, pulls, both, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
         difference=difference,
         paper=paper,
-        tyre=tyre_curve(some, of, both),
-        posterior=of_tyre,
+        tyre=tyre_curve(some, pulls, of, both),
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
@@ -134,7 +138,7 @@ def fit(
         provenance=_provenance({"ramp": ramps, "coast": coasts}, bench, tyre, fleet or {}),
         warnings=(
             *judged(vehicle.name, [Measured(one.code, p) for one, p in held], FIT),
-            *judged(car.name, of_calibration(car, pads, of_tyre, said), FIT),
+            *judged(car.name, of_calibration(car, pads, said), FIT),
             *valve,
             *warnings,
         ),

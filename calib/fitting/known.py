@@ -23,7 +23,6 @@ from calib.car.tyre_file import TyreFile
 from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, Ensemble, ensemble_of, spread_evenly
-from calib.table.generation import require_maps
 from calib.table.table import Table, Value
 
 _LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
@@ -150,7 +149,7 @@ def weights_of(x: Array) -> Array:
 def known_before(
     car: Vehicle, tyres: Sequence[TyreFile], fleet: Mapping[str, Table]
 ) -> tuple[Known, ...]:
-    """What files of tyres and cars of the model say. Raises TyreError; StoreError without draws."""
+    """What files of tyres and cars of the model say. Raises TyreError."""
     of_cars = (_of_fleet(car, fleet),) if fleet else ()
     return (_of_tyres(car, tyres), *of_cars) if tyres else of_cars
 
@@ -192,9 +191,7 @@ def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
     """One more car of the model of these tables, by name@version."""
     one = np.eye(_CARS_APART.size)
     precision, pull = np.diag(1.0 / (1.0 - _CARS_APART)), np.zeros(_CARS_APART.size)
-    for id_, table in fleet.items():
-        require_maps(table, id_)
-        assert table.draws is not None
+    for table in fleet.values():
         x = coordinates(ensemble_of(car, table.draws))
         v, Q = np.linalg.eigh(np.cov(x.T) + 1e-6 * one)
         shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # of an inverse Wishart's mean

@@ -16,11 +16,10 @@ from calib.base.arrays import Array
 from calib.car.beliefs import CAR, LOG
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.model.parameters import AT
 from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.roller_bench import RollerBench
 from calib.run.resistance import Resistance
-from calib.table.budget import Variances, axle_parts
+from calib.table.budget import axle_parts
 from calib.table.table import Calibration, TableBudget, Value
 
 UNSAID = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
@@ -115,18 +114,22 @@ def level_of(
 
 
 def calibration_of(
-    vehicle: Vehicle, scale: float, level: Variances, ratio: Value, posterior: Mapping[str, Array]
+    vehicle: Vehicle,
+    scale: float,
+    ratio: Value,
+    stiffness: Value,
+    parts: Mapping[str, dict[str, float]],
 ) -> tuple[Calibration, TableBudget]:
-    """The pads, each with its sigma, and what they rest on by cause, see `calib.table.budget`.
+    """The pads and tyres, each with its sigma, and what they rest on, see `calib.table.budget`.
 
-    ``scale`` common factor of both axles' pads [1]; ``level`` variance of its logarithm by part;
-    ``ratio`` ln of theirs; ``posterior`` covariance of `RampParameters` (k, k) by part.
+    ``scale`` common factor of both axles' pads [1]; ``ratio`` ln of theirs; ``stiffness`` ln of
+    the slip stiffness; ``parts`` variances of level, ratio and stiffness as of `TableBudget`.
 
     The sum of forces fixes the mean of both axles weighed by their share. The scale, which is
     their geometric mean, moves against it with the ratio by half the difference of the shares.
     """
-    relative, share = np.sqrt(sum(level.values())), front_share(vehicle, ratio.value)
-    half = np.exp(0.5 * ratio.value)
+    relative, share = np.sqrt(sum(parts["level"].values())), front_share(vehicle, ratio.value)
+    half, stiff = np.exp(0.5 * ratio.value), math.exp(stiffness.value)
 
     def known_to(value: float, lever: float) -> Value:
         return Value(float(value), float(value * np.hypot(relative, lever * ratio.sigma)))
@@ -136,9 +139,7 @@ def calibration_of(
         pad_log_ratio=ratio,
         pad_friction_f=known_to(scale * vehicle.front.pad_friction * half, 1.0 - share),
         pad_friction_r=known_to(scale * vehicle.rear.pad_friction / half, share),
+        slip_stiffness=Value(stiff, stiff * stiffness.sigma),
     )
-    at = AT.log_pad_ratio
-    of_ratio = {part: float(of[at, at]) for part, of in posterior.items()}
-    shares = {part: tuple(map(tuple, of.tolist())) for part, of in posterior.items()}
-    axles = axle_parts(vehicle, ratio.value, level, of_ratio)
-    return pads, TableBudget(*axles, dict(level), shares)
+    axles = axle_parts(vehicle, ratio.value, parts["level"], parts["ratio"])
+    return pads, TableBudget(*axles, **parts)

@@ -9,7 +9,7 @@ the draws from prior to posterior in steps of equal loss (sequential Monte Carlo
 The sequence of draws is fixed: the same logs give the same table.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,7 +43,7 @@ class Posterior(Ensemble):
 
     ``pulls`` (n, m) by part of a budget (`calib.table.budget`): by how much ln of the probability
     of a draw grows when an error of that cause grows by one standard deviation. The mean of any x
-    then moves by cov(x, pull), and that of all causes is its covariance; see `parts_of`.
+    then moves by cov(x, pull), and that of all causes is its variance; see `parts_of`.
     ``held`` (k,) how likely what was known before is to hold for this car, each of it against the
     field alone, at even odds before the ramps [1]. ``misfit`` root mean square of what the draws
     leave of eta and slip, over the errors of sensors and form [1].
@@ -54,23 +54,17 @@ class Posterior(Ensemble):
     held: Array
 
 
-def parts_of(x: Array, e: Posterior) -> dict[str, Array]:
-    """Covariance (k, k) of ``x`` (k, n), a function of the draws, by the cause of the error.
+def parts_of(x: Array, pulls: Mapping[str, Array]) -> dict[str, Array]:
+    """Variance (k,) of each of ``x`` (k, n), functions of the draws, by the cause of the error.
 
     Each cause moves the mean of x by cov(x, pull). That is exact where all is normal and linear;
-    elsewhere the parts are stretched so that they add up to the covariance of the draws.
+    elsewhere the parts are scaled so that they add up to the variance of the draws.
     """
-    sigma = np.std(x, axis=1, keepdims=True)
-    unit = (x - np.mean(x, axis=1, keepdims=True)) / np.where(sigma > 0.0, sigma, 1.0)
-    moved = {part: unit @ pull / e.size for part, pull in e.pulls.items()}
-    together, whole = np.hstack([*moved.values()]), unit @ unit.T / e.size
-    stretch = sigma * (_even_root(whole) @ np.linalg.pinv(_even_root(together @ together.T)))
-    return {part: (stretch @ by) @ (stretch @ by).T for part, by in moved.items()}
-
-
-def _even_root(covariance: Array) -> Array:
-    values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
+    off = x - np.mean(x, axis=1, keepdims=True)
+    moved = {part: np.sum((off @ pull) ** 2, axis=1) for part, pull in pulls.items()}
+    whole = np.sum([*moved.values()], axis=0)
+    scale = np.divide(np.var(x, axis=1), whole, out=np.zeros(len(x)), where=whole > 0.0)
+    return {part: scale * by for part, by in moved.items()}
 
 
 def posterior(

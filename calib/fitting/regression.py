@@ -29,7 +29,6 @@ _ROUGH = 0.02  # share of the variance of that error that is not alike from poin
 
 _KINDS = ("eta", "slip")  # of rows, in their order
 _ERROR = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}
-_ALONE: dict[str | None, float] = {"f": np.inf, "r": -np.inf}  # ln of the odds of its pressure
 
 
 def _carried_on(
@@ -98,13 +97,11 @@ class _Ramp:
             "noise": np.diag((np.sqrt(2.0 / time) * wheels)[1:]),
             "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED) * zeros,
         }
-        B_f, B_r = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
-        # the loads of the run, as known effects move them, are those of this deceleration
-        moved = (run.load_f * car.wheelbase / car.weight - car.cg_to_rear_axle) / car.cg_height
+        pressures = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
         brake = mean(run.brake_sum)
-        self.z, self.brake = mean(moved), (brake - brake[0]) / car.weight
+        self.z, self.brake = mean(run.quasi_static(car)), (brake - brake[0]) / car.weight
         self.moments = np.stack([mean(x / car.weight) for x in (run.moment_f, run.moment_r)])
-        self.log_odds, self.only = np.log(B_f / B_r) + _ALONE.get(run.only, 0.0), run.only
+        self.log_odds, self.only = run.log_odds(*pressures), run.only
         self.rows, self.errors = np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
 
 

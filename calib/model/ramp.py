@@ -1,11 +1,7 @@
-r"""A ramp ready to fit, and what its sensors would show with given parameters.
+"""A ramp ready to fit: its blocks, and the forces of its axles.
 
 The pads' pressure gives the forces of both axles up to a common scale and the pads' ratio; the
-scale follows from the sum of forces. The forces give the slips through the compliance of
-`calib.car.tyre`, and the slips give what the sensors see:
-
-    p --(2)--> F_f, F_r --tyre--> slip_f, slip_r --(22)--> eta            always
-                                              \----------> mean slip     where v is known
+scale follows from the sum of forces.
 """
 
 from dataclasses import dataclass, replace
@@ -14,13 +10,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.names import G
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
-from calib.car.forces import mean_slip, speed_ratio
+from calib.car.forces import mean_slip
 from calib.car.vehicle import Vehicle
-from calib.model.parameters import RampParameters, tyres_of
 from calib.model.settings import SETTINGS
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Axle, Blocks, block_balance
@@ -64,6 +58,16 @@ class RampRun:
     def braked(self) -> NDArray[np.bool_]:
         """Blocks that take part and in which a brake bites (k,)."""
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
+
+    def log_odds(self, p_f: Array, p_r: Array) -> Array:
+        """ln of the front pressure over the rear one [1], infinite where one axle brakes alone."""
+        alone = {"f": np.inf, "r": -np.inf, None: 0.0}[self.only]
+        return np.asarray(np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0)) + alone)
+
+    def quasi_static(self, vehicle: Vehicle) -> Array:
+        """Deceleration [1] (k,) at which the axles have the loads of the run; effects move them."""
+        moved = self.load_f * vehicle.wheelbase / vehicle.weight - vehicle.cg_to_rear_axle
+        return np.asarray(moved / vehicle.cg_height)
 
     @cached_property
     def rolling(self) -> NDArray[np.int64]:
@@ -156,21 +160,6 @@ def normalised_forces(
     F_f = (scale * B_f + run.moment_f) / run.load_f
     F_r = (scale * B_r + run.moment_r) / run.load_r
     return F_f, F_r, scale
-
-
-def predict(
-    vehicle: Vehicle, run: RampRun, parameters: RampParameters[float]
-) -> tuple[Array, Array]:
-    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
-    F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    slip_f, slip_r = tyres_of(parameters).slips(
-        (F_f, F_r), (run.load_f, run.load_r), vehicle.static_loads
-    )
-    share = run.load_f / vehicle.weight
-    mean = share * slip_f + (1.0 - share) * slip_r
-    b = run.blocks
-    lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
-    return speed_ratio(slip_f, slip_r), mean + lag
 
 
 def _eta_density(run: RampRun) -> Array:

@@ -7,11 +7,6 @@ from dataclasses import dataclass
 class FitSettings:
     """What a fit takes as given. Those that decide a table's numbers are in its provenance."""
 
-    tyres_differ: float = 0.2
-    """Chance that the tyres of the axles differ in stiffness: other sizes, wear or pressures."""
-    tyre_tolerance: float = 0.02
-    """How equal tyres that are taken as equal are (standard deviation of the logarithm): what
-    cannot be told from that is given back as equal."""
     min_speed: float = 5.0
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0

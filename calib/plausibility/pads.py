@@ -16,7 +16,7 @@ from calib.base.warning import Measured, PlausibilityWarning, relative
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.pad_levels import pad_levels
-from calib.table.table import Calibration, TyrePosterior, Value
+from calib.table.table import Calibration, Value
 
 _POSSIBLE = (0.05, 1.0)
 """Pad friction [1] that a brake can have: soaked pads have 0.1, racing pads 0.7."""
@@ -71,7 +71,7 @@ def likely_entry(vehicle: Vehicle, found: Calibration) -> str:
 
 
 def of_calibration(
-    vehicle: Vehicle, found: Calibration, posterior: TyrePosterior, stated: Value | None = None
+    vehicle: Vehicle, found: Calibration, stated: Value | None = None
 ) -> Iterator[Measured]:
     """Pads against the file's, their ratio, the stiffness of the tyres.
 
@@ -81,7 +81,7 @@ def of_calibration(
     yield relative("pads_off_file_r", found.pad_friction_r.value, vehicle.rear.pad_friction)
     rho, known = found.pad_log_ratio, stated.value if stated else 0.0
     yield Measured("pad_ratio", rho.value - known, rho.sigma, lambda x: math.expm1(known + x))
-    yield Measured("tyre_stiffness", math.exp(-posterior.value("log_compliance")))
+    yield Measured("tyre_stiffness", found.slip_stiffness.value)
 
 
 def of_changes(level: tuple[float, float], apart: tuple[float, float]) -> Iterator[Measured]:

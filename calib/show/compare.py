@@ -28,16 +28,13 @@ def sheet(a: Table, b: Table, name_a: str, name_b: str) -> Sheet:
     maps = [
         read_at(table.map, _MAPPED, {**IDENTIFIED, **style}, name)
         for (name, table), style in zip(tables.items(), _STYLES, strict=True)
-        if table.map is not None
     ]
-    of_maps = (
-        [map_panel(f"Maps at {_MAPPED:g} g: pads over those of the ramp", maps)] if maps else []
-    )
+    of_maps = map_panel(f"Maps at {_MAPPED:g} g: pads over those of the ramp", maps)
     return Sheet(
         kind="comparison",
         name=f"{name_a}_{name_b}",
-        panels=(_pads(tables), *of_maps, _curves(tables)),
-        rows=(("pads", "map" if maps else "pads"), ("f1-f2", "f1-f2")),
+        panels=(_pads(tables), of_maps, _curves(tables)),
+        rows=(("pads", "map"), ("f1-f2", "f1-f2")),
         heights=(1.1,),
         title=f"{name_a} and {name_b}",
         note=f"{name_a}: digest {a.digest[:16]}. {name_b}: digest {b.digest[:16]}. Bands are 95 %.",

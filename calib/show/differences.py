@@ -53,7 +53,7 @@ def compared(found: Difference, first: Stored, second: Stored) -> Facts:
         tables=[Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves)],
         parts=[Facts("Values and texts", tables=both)],
         notes=[
-            *(f"{curve}: no common axis, or only in one of both" for curve in found.apart),
+            *(f"{curve}: no common axis" for curve in found.apart),
             *([f"also different: {', '.join(rest)}; --json prints them"] if rest else []),
         ],
     )

@@ -16,7 +16,7 @@ from calib.show.table import sheet
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, budget_of, limiting
+from calib.table.budget import advice_lines, limiting
 from calib.table.budget import summary as budget_summary
 
 _CURVES = "The curves of the table with their 95 % bands, and the measured points."
@@ -37,7 +37,7 @@ def facts(found: Fitted) -> Facts:
     stored, mass = found.stored, found.mass
     table, said, cal = stored.table, answer(stored), stored.table.calibration
     logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
-    budgets, count = budget_of(table).axles, len(table.warnings)
+    budgets, count = table.budget.axles, len(table.warnings)
     advice = advice_lines(budgets)
     details = Facts(
         "What was estimated",
@@ -99,7 +99,7 @@ def document(found: Fitted) -> dict[str, object]:
         "new": not stored.existed,
         "answer": answer(stored),
         "calibration": table.calibration,
-        "budget": budget_summary(*budget_of(table).axles),
+        "budget": budget_summary(*table.budget.axles),
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,

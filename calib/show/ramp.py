@@ -7,24 +7,19 @@ are the points that are compared with them:
     eta as measured, over that of the identified car on this run, times its eta without resistance
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from calib.base.names import G
-from calib.car.balance import moment_at_road
+from calib.car.balance import turning_shares
+from calib.car.bias import front_share
 from calib.car.braking import BITE
-from calib.car.forces import axle_loads, paper_curves, speed_ratio
+from calib.car.forces import paper_curves, speed_ratio
 from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import Ensemble, ensemble_of, shown, turned, unit_slips
 from calib.logs.log import Log
-from calib.model.parameters import RampParameters, parameters_of, tyres_of
-from calib.model.ramp import (
-    RampRun,
-    nominal_forces,
-    normalised_forces,
-    predict,
-    prepare,
-)
+from calib.model.ramp import RampRun, nominal_forces, normalised_forces, prepare
 from calib.model.settings import SETTINGS
 from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
@@ -66,27 +61,34 @@ class MeasuredRamp:
 
 
 def measure(table: Table, log: Log) -> MeasuredRamp:
-    """Evaluate a ramp with the pads, the resistance and the load exponent of ``table``.
+    """Evaluate a ramp with the pads, the resistance and the draws of ``table``.
 
     The forces are smooth, the noise is in eta and slip. Raises LogError as `signals` does.
     """
     read = Run(log, table.vehicle)
-    vehicle = read.car
-    sensor = read.accelerometer(identify_resistance(vehicle, ()))
-    run = prepare(read, table.effects.with_(vehicle.effects), sensor)
+    car = read.car
+    sensor = read.accelerometer(identify_resistance(car, ()))
+    run = prepare(read, table.effects.with_(car.effects), sensor)
     b = run.blocks
-    parameters = parameters_of(table.posterior)
-    F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    eta_model, _ = predict(vehicle, run, parameters)
+    F_f, F_r, scale = normalised_forces(car, run, table.calibration.pad_log_ratio.value)
+    brake = scale * np.add(*nominal_forces(car, run, table.calibration.pad_log_ratio.value))
+    # what a tyre departs by from its form acts on both alike, with resistance and without
+    e = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
+    ratio, share = e.log_pad_ratio[:, None] + run.log_odds(b.p_f, b.p_r), brake / car.weight
+    slips, turning = _slips(car, e, run, ratio, share)
+    eta_model = np.median(speed_ratio(*turning), axis=0)
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     # the same brake forces on the car of the table, which has no resistance
-    B_f, B_r = (scale * B for B in nominal_forces(vehicle, run, parameters.log_pad_ratio))
-    B_f, B_r = (np.where(B_f + B_r > 0.0, B, np.nan) for B in (B_f, B_r))
-    z_free, D, eta_free = _without_resistance(vehicle, parameters, B_f, B_r)
-    f1, f2 = paper_curves(vehicle, z_free, D)
-    slips = _slips(table, parameters, run, F_f, F_r)
+    z_free = np.where(brake > 0.0, share / (1.0 + sum(turning_shares(car))), np.nan)
+    of = shown(car, e, ratio, share, z_free)
+    D = np.where(brake > 0.0, np.median(np.subtract(*of.forces), axis=0), np.nan)
+    f1, f2 = paper_curves(car, z_free, D)
+    seen = _seen(run, np.median(turning, axis=1), float(np.mean(e.v_late)))
+    on_curve = (
+        None if seen is None else _on_the_curve(table, (F_f, F_r), slips, seen[:, None] - turning)
+    )
     return MeasuredRamp(
         name=log.name,
         time=b.end,
@@ -94,52 +96,56 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
         F_f=F_f,
         F_r=F_r,
         z_free=z_free,
-        eta=b.eta / zero / eta_model * eta_free,
+        eta=b.eta / zero / eta_model * of.eta,
         D=D,
         f1=f1,
         f2=f2,
-        slip_f=slips[0] if slips else None,
-        slip_r=slips[1] if slips else None,
+        slip_f=None if on_curve is None else on_curve[0],
+        slip_r=None if on_curve is None else on_curve[1],
         braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
         both=run.only is None,
     )
 
 
-def _without_resistance(
-    vehicle: Vehicle, parameters: RampParameters[float], B_f: Array, B_r: Array
-) -> tuple[Array, Array, Array]:
-    """z, D and eta [1] of a car that nothing slows but brake forces [N], (k,) each."""
-    rates = [-G / axle.rolling_radius for axle in (vehicle.front, vehicle.rear)]
-    wheels_f, wheels_r = (
-        moment_at_road(axle, 0.0, np.asarray(rate))
-        for axle, rate in zip((vehicle.front, vehicle.rear), rates, strict=True)
-    )
-    z = (B_f + B_r) / (vehicle.weight - wheels_f - wheels_r)
-    loads = axle_loads(vehicle, z)
-    F_f, F_r = (B_f + wheels_f * z) / loads[0], (B_r + wheels_r * z) / loads[1]
-    slips = tyres_of(parameters).slips((F_f, F_r), loads, vehicle.static_loads)
-    return z, F_f - F_r, speed_ratio(*slips)
-
-
 def _slips(
-    table: Table, parameters: RampParameters[float], run: RampRun, F_f: Array, F_r: Array
-) -> tuple[Array, Array] | None:
-    """Slips (19), (20) of the axles [1] (k,), converted to the load of the tyre curve.
+    car: Vehicle, e: Ensemble, run: RampRun, log_ratio: Array, brake: Array
+) -> tuple[Array, Array]:
+    """Slips of the tyres of the run, and those that wheels show (2, n, k), see `turned`.
 
-    The lead-in gives the radii: there a wheel has the slip of what slows it besides the brake.
+    ``log_ratio`` (n, k) of the brake forces, ``brake`` (k,) both over the weight.
     """
-    b, static = run.blocks, table.vehicle.static_loads
-    if b.v is None or not b.lead_in.any():
+    share = front_share(car, log_ratio)
+    moments = np.stack([run.moment_f, run.moment_r])[:, None] / car.weight
+    forces = np.stack([share, 1.0 - share]) * brake + moments
+    return turned(e, unit_slips(car, e, run.quasi_static(car), forces))
+
+
+def _seen(run: RampRun, turning: Array, late: float) -> Array | None:
+    """Slips (19), (20) that the wheels of the axles show, (2, k) [1]; None without v.
+
+    The lead-in gives the radii: there a wheel has the slip of what slows it besides the brake, as
+    ``turning`` has it. ``late`` by which v comes after the wheels [s].
+    """
+    b, lead = run.blocks, run.blocks.lead_in
+    if b.v is None or not lead.any():
         return None
-    loads, tyres = (run.load_f, run.load_r), tyres_of(parameters)
-    lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
-    rolling = tyres.slips((F_f, F_r), loads, static)
-    shown = []
-    for omega, model in zip((b.omega_f, b.omega_r), rolling, strict=True):
-        rim_speed = np.mean(b.v[b.lead_in]) * (1.0 - np.mean(model[b.lead_in]))
-        radius = rim_speed / np.mean(omega[b.lead_in])
-        shown.append(1.0 - radius * omega / np.maximum(b.v, SETTINGS.min_speed) - lag)
-    return tyres.on_the_curve((shown[0], shown[1]), loads, static)
+    omega, v = np.stack([b.omega_f, b.omega_r]), np.maximum(b.v, SETTINGS.min_speed)
+    rim_speed = np.mean(b.v[lead]) * (1.0 - np.mean(turning[:, lead], axis=1))
+    radius = rim_speed / np.mean(omega[:, lead], axis=1)
+    lag = G * b.z * late / np.maximum(b.speed, SETTINGS.min_speed)
+    return np.asarray(1.0 - radius[:, None] * omega / v - lag)
+
+
+def _on_the_curve(
+    table: Table, forces: tuple[Array, Array], slips: Array, left: Array
+) -> tuple[Array, Array]:
+    """Slips of the axles (k,) as the tyre of the table's curve would have them at the ``forces``.
+
+    What is ``left`` of the ``slips`` of the draws (2, n, k) is left of the curve in proportion.
+    """
+    curve = np.interp(np.stack(forces), table.tyre.force, table.tyre.slip)
+    front, rear = curve + np.median(left * curve[:, None] / slips, axis=1)
+    return front, rear
 
 
 def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:

@@ -35,7 +35,7 @@ from calib.store.evidence import read_quality
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, budget_of, ramp_pads
+from calib.table.budget import advice_lines, ramp_pads
 
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
 _SHOWN = 3
@@ -124,7 +124,7 @@ def _run(found: StationOutcome, date: str) -> Facts:
 
 def _pads(found: StationOutcome) -> Facts:
     """Pad friction from the ramp and by stop, and what its interval is made of."""
-    budgets = budget_of(found.table).axles
+    budgets = found.table.budget.axles
     rows: list[tuple[str, ...]] = [("the ramp", *ramp_pads(found.table))]
     rows += [
         (f"{i}: {r.log}", *(pads(r.figures, axle) for axle in "fr"))

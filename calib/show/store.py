@@ -15,7 +15,7 @@ from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
-from calib.table.budget import budget_of, limiting
+from calib.table.budget import limiting
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table as LookUp
 from calib.table.table import Value
@@ -50,7 +50,7 @@ def _listed(row: Listed) -> Sequence[str]:
 def shown(stored: Stored) -> Facts:
     """Whether a table may be used, how good it is, and what it is made of."""
     table, said = stored.table, answer(stored)
-    budgets = budget_of(table).axles
+    budgets = table.budget.axles
     logs = ", ".join(log.name for log in table.provenance.logs)
     parents = ", ".join(parent.id for parent in table.provenance.parents)
     return Facts(
@@ -85,9 +85,8 @@ def _made_of(stored: Stored) -> Facts:
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((of.effect.replace("_", " "), str(of)) for of in effect_figures(table)),
         ("pad scale", _interval(table.calibration.pad_scale)),
-        *budget_rows(budget_of(table).axles),
-        *((name.replace("_", " "), _map(part)) for name in MAPS
-          if (part := getattr(table, name)) is not None),
+        *budget_rows(table.budget.axles),
+        *((name.replace("_", " "), _map(getattr(table, name))) for name in MAPS),
         ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
         *((plain(key).name, plain(key).with_unit(x)) for key, x in table.quality.items()),
     ]  # fmt: skip

@@ -57,12 +57,12 @@ def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
     of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
     front, rear = ramp_pads(table)
-    last, of_map = table.paper.usable[1], [] if table.map is None else [_map(table.map)]
+    last = table.paper.usable[1]
     return Sheet(
         kind="table",
         name=name,
-        panels=(_curves(table, ramps), *of_map, _tyre(table, ramps), *of_ramps),
-        rows=(("f1-f2", "f1-f2"), ("map" if of_map else "tyre", "tyre")),
+        panels=(_curves(table, ramps), _map(table.map), _tyre(table, ramps), *of_ramps),
+        rows=(("f1-f2", "f1-f2"), ("map", "tyre")),
         heights=(1.4, 1.2),
         title=f"Table {name}",
         note=_note(table, bool(ramps)),

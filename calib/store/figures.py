@@ -7,7 +7,6 @@ import numpy as np
 
 from calib.base.random_effects import quantile95
 from calib.car.own_effects.own_effect import every_effect
-from calib.store.mean import stiffness
 from calib.table.pad_levels import pad_levels
 from calib.table.table import Scatter, Table, Value
 
@@ -46,7 +45,7 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
         figure(f"D at eta {eta:.5f}", D, spread.D[row], abs(D)),
         figure("pad level", float(np.exp(pads.level)), spread.pad_level),
         figure("pad ratio", float(np.exp(pads.ratio)), spread.pad_ratio),
-        figure("slip stiffness", float(np.exp(stiffness(table))), spread.stiffness),
+        figure("slip stiffness", table.calibration.slip_stiffness.value, spread.stiffness),
     )
 
 

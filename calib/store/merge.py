@@ -22,7 +22,6 @@ from calib.store.mean import inflated, mean_curves, mean_pads
 from calib.store.mixture import mean_maps
 from calib.store.version import Stored
 from calib.table.compare import changes
-from calib.table.generation import require_maps
 from calib.table.table import Array, FleetScatter, Provenance, Scatter, Table, TableReference
 
 _LEAST = ("deceleration_max", "eta_peak_is_real")
@@ -58,8 +57,6 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     twice, different vehicles, means, a range of eta far too short.
     StoreError names one made before the maps.
     """
-    for parent in parents:
-        require_maps(parent.table, parent.id)
     flaws = [*_each(parents), *_pairs(parents)]
     if len(parents) < 2:
         flaws = [f"a mean needs two cars or more, {len(parents)} was given"]
@@ -197,8 +194,6 @@ def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
             yield f"{a.id} and {b.id} are made of the same ramp"
         if apart := differ(a.table, b.table.vehicle):
             yield f"{a.id} and {b.id} are of different vehicles: {', '.join(apart[:4])}"
-        elif a.table.posterior.names != b.table.posterior.names:
-            yield f"{a.id} and {b.id} have other tyre parameters; fit the older one again"
 
 
 def _identity(stored: Stored, mark: str) -> str:

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 from calib.base.record import FileSchema, Section, section
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Vehicle
-from calib.table.table import COLUMNS, CURVES, Array, Table, Value
+from calib.table.table import COLUMNS, Array, Table, Value
 
 
 def _keys(of: type) -> dict[str, tuple[Any, Any]]:
@@ -123,8 +123,7 @@ def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
 
     Raises KeyError or TypeError for a curve or a column that is missing.
     """
-    held = [name for name in COLUMNS if name in CURVES or name in curves]
-    parts = {**dict(record), **{name: COLUMNS[name](**curves[name]) for name in held}}
+    parts = {**dict(record), **{name: of(**curves[name]) for name, of in COLUMNS.items()}}
     terms, own, found = parts.pop("empirical"), parts.pop("own_effects"), parts["effects"]
     named = record.vehicle.effects, terms if isinstance(terms, tuple) else (terms,)
     del parts["schema_version"]

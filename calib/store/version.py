@@ -4,7 +4,7 @@
           difference.parquet    D(eta)
           paper.parquet         f1(eta), f2(eta)
           tyre.parquet          g(slip)
-          map.parquet           and level_map, draws, where the table has them
+          map.parquet           and level_map, draws
 
 ``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
 the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed. ``states``
@@ -29,7 +29,7 @@ from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL
 from calib.store.state import OUTSIDE, UNJUDGED, VersionState
 from calib.table.maps import UNITS
-from calib.table.table import COLUMNS, CURVES, Array, Table
+from calib.table.table import COLUMNS, Array, Table
 
 
 @dataclass(frozen=True)
@@ -99,12 +99,7 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     except (StoreError, RecursionError) as error:
         raise damaged(str(error)) from error
     try:
-        held = {name: f"{name}.parquet" for name in COLUMNS}
-        curves = {
-            name: _curve_file(path / at, file.files)
-            for name, at in held.items()
-            if name in CURVES or at in file.files
-        }
+        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in COLUMNS}
         if content_digest(record, curves) != file.digest:
             raise damaged("the record or its digest was changed")
         table = table_of(file.record, curves)

@@ -13,13 +13,20 @@ from calib.base.names import AXLE_NAMES
 from calib.base.plain import NBSP, plus_minus, rows
 from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
-from calib.table.table import Table, TableBudget
+from calib.table.table import Table
 
 Parts = dict[str, float]
 """Standard deviation of ln of a pad friction [1] by its cause: the squares add up to the whole."""
 
 Variances = Mapping[str, float]
 """The squares, of ln of pad level or ratio too."""
+
+OWN = ("noise", "zeros")
+"""Parts that another run of the same car draws anew.
+
+All others are in every car of a line: mass, geometry, road, kind of sensor, method. What of those
+is not alike (a driver's weight, one car's accelerometer) is seen as spread between cars.
+"""
 
 RAMP, STOP = "ramp", "stop"
 """Whose budget it is: of a fit, or of a stop, whose ``tyres`` are what the ramp left open."""
@@ -60,6 +67,16 @@ def ramp_pads(table: Table) -> tuple[str, str]:
         for pad in (cal.pad_friction_f, cal.pad_friction_r)
     )
     return front, rear
+
+
+def own(variances: Variances) -> float:
+    """Variance by what another run of the same car would draw anew."""
+    return sum(variances.get(part, 0.0) for part in OWN)
+
+
+def shared(variances: Variances) -> dict[str, float]:
+    """The parts that another run of the same car, or of another car of the line, has alike."""
+    return {part: x for part, x in variances.items() if part not in OWN}
 
 
 def deviations(variances: Variances) -> Parts:
@@ -151,16 +168,3 @@ def axle_parts(
         for lever in (1.0 - share, share)
     )
     return deviations(front), deviations(rear)
-
-
-def budget_of(table: Table) -> TableBudget:
-    """What the pads of a table rest on; where it does not say, only the mass is known."""
-    if table.budget is not None:
-        return table.budget
-    car, scale, ratio = table.vehicle, table.calibration.pad_scale, table.calibration.pad_log_ratio
-    of_ratio = (front_share(car, ratio.value) - 0.5) * ratio.sigma
-    total = max((scale.sigma / scale.value) ** 2 - of_ratio**2, 0.0)
-    mass = min(car.mass_tolerance**2, total)
-    level = {"mass": mass, "ramp": total - mass}
-    front, rear = axle_parts(car, ratio.value, level, {"ramp": ratio.sigma**2})
-    return TableBudget(front, rear, level, {"ramp": table.posterior.covariance})

@@ -29,7 +29,7 @@ A value is compared over itself or its sigma, whichever is larger.
 _VALUE = {"value", "sigma"}
 """Keys of a fitted value in a record."""
 
-_RESULTS = ("calibration", "effects", "noise", "posterior", "quality")
+_RESULTS = ("calibration", "effects", "noise", "quality")
 """Sections of the record that hold numbers of the fit; its words follow from them."""
 
 _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
@@ -78,7 +78,7 @@ class _ValueGap:
 class Difference:
     """``curves`` with a common axis, the names of those ``apart``; ``values`` of pads and draws.
 
-    Apart are curves without a common axis, and maps or draws that only one of both has.
+    Apart are curves and maps without a common axis.
 
     ``changes`` by section of the record: vehicle, quality, provenance and so on, if not equal.
     """
@@ -112,8 +112,6 @@ def diff(a: Table, b: Table) -> Difference:
     gaps = {name: _gap(name, first, theirs[name]) for name, first in _axes(a).items()}
     gaps |= _map_gaps(a, b)
     ours, values = _values(a), _values(b)
-    if (a.draws is None) != (b.draws is None):
-        gaps["draws"] = None
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
@@ -124,8 +122,8 @@ def diff(a: Table, b: Table) -> Difference:
 
 def _values(table: Table) -> dict[str, Value]:
     """The pads, and mean and standard deviation of the draws."""
-    draws = columns(table.draws) if table.draws else {}
-    means = {f"draws {name}": Value(float(x.mean()), float(x.std())) for name, x in draws.items()}
+    draws = columns(table.draws).items()
+    means = {f"draws {name}": Value(float(x.mean()), float(x.std())) for name, x in draws}
     return {**vars(table.calibration), **means}
 
 
@@ -134,9 +132,6 @@ def _map_gaps(a: Table, b: Table) -> dict[str, _CurveGap | None]:
     gaps: dict[str, _CurveGap | None] = {}
     for name in MAPS:
         first, second = getattr(a, name), getattr(b, name)
-        if first is None or second is None:
-            gaps |= {} if first is second else {name: None}
-            continue
         axes = _common(first, second)
         for column in first.bounded:
             key = f"{name} {column}"

@@ -186,10 +186,10 @@ def as_exported(table: Table, how: Precision) -> Table:
     of_tyre = how.rows("slip", g.slip, g.force[None])
     maps = {}
     for name in MAPS:
-        if (held := getattr(table, name)) is not None:
-            made = written_map(held, how, name)
-            columns = {key: one.read for key, one in made.columns.items()}
-            maps[name] = held.of([axis.read for axis in made.axes.values()], **columns)
+        held = getattr(table, name)
+        made = written_map(held, how, name)
+        columns = {key: one.read for key, one in made.columns.items()}
+        maps[name] = held.of([axis.read for axis in made.axes.values()], **columns)
     return replace(
         table,
         paper=_curve(p, rows, how, "eta", 1.0, "f1", "f2"),

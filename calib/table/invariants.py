@@ -23,20 +23,18 @@ def violations(table: Table) -> tuple[str, ...]:
     shapes = tuple(_shapes(table))
     if shapes:  # the next checks need columns of equal length
         return shapes
-    checks = (_finite, _axes, _zero, _constraint, _covariance)
+    checks = (_finite, _axes, _zero, _constraint)
     return tuple(flaw for check in checks for flaw in check(table))
 
 
 def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
     for name in COLUMNS:
-        if (part := getattr(table, name)) is not None:
-            yield name, columns(part)
+        yield name, columns(getattr(table, name))
 
 
 def _maps(table: Table) -> Iterator[tuple[str, Map]]:
     for name in MAPS:
-        if (part := getattr(table, name)) is not None:
-            yield name, part
+        yield name, getattr(table, name)
 
 
 def _shapes(table: Table) -> Iterator[str]:
@@ -107,28 +105,3 @@ def _constraint(table: Table) -> Iterator[str]:
     worst = int(np.argmax(error))
     if not error[worst] <= _TOLERANCE:
         yield f"paper: (18) is off by {error[worst]:.3g} in row {worst}"
-
-
-def _covariance(table: Table) -> Iterator[str]:
-    posterior = table.posterior
-    n, held = len(posterior.names), (posterior.covariance, posterior.scatter)
-    sizes = [len(part) for matrix in held if matrix for part in (matrix, *matrix)]
-    if {n} != {len(posterior.mean), *sizes} or (n and not posterior.covariance):
-        yield f"posterior: {n} names, mean, covariance and scatter of other sizes"
-        return
-    covariance = np.asarray(posterior.covariance, dtype=np.float64)
-    scatter = np.asarray(posterior.scatter or np.zeros_like(covariance), dtype=np.float64)
-    if not n or not np.all(np.isfinite(covariance + scatter)):  # not finite: reported above
-        return
-    sigma = np.sqrt(np.abs(np.diag(covariance)))
-    scale = np.where(sigma > 0.0, sigma, 1.0)
-    named = ("covariance", covariance), ("scatter", scatter), ("rest", covariance - scatter)
-    for name, matrix in named if scatter.any() else named[:1]:
-        # Compared as correlations: a stiffness and an exponent differ by orders of magnitude.
-        unit = matrix / np.outer(scale, scale)
-        if not np.allclose(unit, unit.T, rtol=0.0, atol=1e-9):
-            yield f"posterior.{name}: not symmetric"
-            return
-        if np.min(np.linalg.eigvalsh(unit)) < -1e-9:
-            yield f"posterior.{name}: not positive semidefinite"
-            return

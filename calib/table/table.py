@@ -3,14 +3,12 @@
 `Table.content` gives it as one JSON-able record and named float columns. The digest is over that
 canonical content, so it does not depend on how a file format packs it.
 
-    record  {schema, name, vehicle, calibration, posterior, effects, noise, quality, provenance ...}
+    record  {schema, name, vehicle, calibration, budget, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
-             "tyre": {slip, force, ...}}
-            and "map", "level_map", "draws" where the table has them
+             "tyre": {slip, force, ...}, "map": ..., "level_map": ..., "draws": ...}
 """
 
 import json
-import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -21,8 +19,6 @@ from calib.base.digest import content_digest
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.effects import Effects
-from calib.car.tyre import PARAMETERS as TYRE
-from calib.car.tyre import Tyre
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.same_run import Fingerprint, same_as
@@ -31,8 +27,8 @@ from calib.table.maps import MAPS, Draws, LevelMap, PadMap, columns
 Array = NDArray[np.float64]
 
 _OPTIONAL = {
-    *("own_effects", "empirical", "notes", "fingerprint", "warnings", "budget", "spread"),
-    *("scatter", "identity", "parents", "pad_friction_tolerance"),
+    *("own_effects", "empirical", "notes", "fingerprint", "warnings", "spread"),
+    *("identity", "parents", "pad_friction_tolerance"),
 }
 """Keys that a record does not have where there is nothing to say."""
 
@@ -44,7 +40,8 @@ MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
 class DifferenceCurve:
     """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
 
-    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` as above.
+    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` as above; ``own``
+    share of the variance that another run of the same car would draw anew, 0 in a mean of cars.
     """
 
     eta: Array
@@ -53,6 +50,7 @@ class DifferenceCurve:
     upper: Array
     count: Array
     flag: Array
+    own: Array
 
     @property
     def peak(self) -> tuple[float, float]:
@@ -114,7 +112,10 @@ def _ends(x: Array) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class TyreCurve:
-    """g(slip) common to both axles, at the static mean wheel load. Shapes (n,), all [1]."""
+    """g(slip) common to both axles, at the static mean wheel load. Shapes (n,), all [1].
+
+    The columns are those of `DifferenceCurve`.
+    """
 
     slip: Array
     force: Array
@@ -122,13 +123,13 @@ class TyreCurve:
     upper: Array
     count: Array
     flag: Array
+    own: Array
 
 
 CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
-"""The curves that every table has, which are columns and no part of its record."""
 
 COLUMNS: dict[str, Any] = {**CURVES, **MAPS, "draws": Draws.of}
-"""All parts of a table that are columns; tables made before the maps have only the curves."""
+"""What makes the parts of a table that are columns and no part of its record."""
 
 
 @dataclass(frozen=True)
@@ -149,43 +150,17 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Pads from the ramps [1]: ``pad_scale`` common factor on those of the vehicle file.
+    """Pads and tyres from the ramps [1]: ``pad_scale`` common factor on the vehicle file's pads.
 
-    ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value.
+    ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value; ``slip_stiffness`` normalised force
+    per slip at small slip and half the weight, the geometric mean of the axles.
     """
 
     pad_scale: Value
     pad_log_ratio: Value
     pad_friction_f: Value
     pad_friction_r: Value
-
-
-@dataclass(frozen=True)
-class TyrePosterior:
-    """Posterior of tyre and pads, a Gaussian over ``names`` of `RampParameters`: (k,), (k, k).
-
-    ``scatter`` (k, k) is the part of it by which real pads, tyres and radii are less alike than the
-    mean takes them: no ramp can tell, and a stop that seems to tells of its own road.
-    """
-
-    names: tuple[str, ...]
-    mean: tuple[float, ...]
-    covariance: tuple[tuple[float, ...], ...]
-    scatter: tuple[tuple[float, ...], ...] = ()
-
-    def value(self, name: str) -> float:
-        """Mean of a parameter. Raises ValueError for an unknown one, as `sigma`."""
-        return self.mean[self.names.index(name)]
-
-    def sigma(self, name: str) -> float:
-        """Standard deviation of a parameter."""
-        at = self.names.index(name)
-        return math.sqrt(self.covariance[at][at])
-
-    @property
-    def tyre(self) -> Tyre:
-        """The tyre at the mean."""
-        return Tyre(**{name: self.value(name) for name in TYRE})
+    slip_stiffness: Value
 
 
 @dataclass(frozen=True)
@@ -235,16 +210,17 @@ class Provenance:
 
 @dataclass(frozen=True)
 class TableBudget:
-    """What the pads and the tyre of a table rest on, by part, see `calib.table.budget`.
+    """What the pads and the tyres of a table rest on, by part, see `calib.table.budget`.
 
-    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]; ``level``
-    variance of that of the pad level; ``posterior`` shares (k, k) that add up to its covariance.
+    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]; ``level``,
+    ``ratio``, ``stiffness`` variances of those of pad level, pads' ratio and slip stiffness.
     """
 
     front: dict[str, float]
     rear: dict[str, float]
     level: dict[str, float]
-    posterior: dict[str, tuple[tuple[float, ...], ...]]
+    ratio: dict[str, float]
+    stiffness: dict[str, float]
 
     @property
     def axles(self) -> tuple[dict[str, float], dict[str, float]]:
@@ -291,7 +267,7 @@ class Table:
     vehicle; ``noise`` long-run noise density of each sensor [unit * s^0.5]; ``quality`` metrics of
     the fit; ``budget`` what the pads rest on; ``spread`` how the cars of a mean table differ.
     ``map`` says what the pads are given what is seen, ``level_map`` what is known before, ``draws``
-    are a part of the ensemble that both are made of; all are None in tables made before them.
+    are a part of the ensemble that both are made of.
     """
 
     name: str
@@ -299,19 +275,18 @@ class Table:
     difference: DifferenceCurve
     paper: PaperCurves
     tyre: TyreCurve
-    posterior: TyrePosterior
+    map: PadMap
+    level_map: LevelMap
+    draws: Draws
     calibration: Calibration
+    budget: TableBudget
     effects: Effects
     noise: dict[str, float]
     quality: dict[str, float]
     remarks: tuple[str, ...]
     provenance: Provenance
     warnings: tuple[PlausibilityWarning, ...] = ()
-    budget: TableBudget | None = None
     spread: FleetScatter | None = None
-    map: PadMap | None = None
-    level_map: LevelMap | None = None
-    draws: Draws | None = None
 
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
@@ -326,8 +301,7 @@ class Table:
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves and maps (named float columns)."""
-        held = {name: getattr(self, name) for name in COLUMNS}
-        curves = {name: columns(part) for name, part in held.items() if part is not None}
+        curves = {name: columns(getattr(self, name)) for name in COLUMNS}
         record = asdict(self)
         effects = record["vehicle"].pop("effects")
         record["vehicle"]["effects"] = effects["parameters"]
@@ -348,7 +322,7 @@ class Table:
     @property
     def fleet(self) -> tuple[TableReference, ...]:
         """The cars of its model that the prior of a fit rests on."""
-        return () if self.spread is not None else self.provenance.parents
+        return self.provenance.parents if self.spread is None else ()
 
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:

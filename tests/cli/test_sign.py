@@ -10,7 +10,7 @@ from calib.store.minisign import generate
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.signing import ADA, EVE, secret_file
-from tests.support.tables import mapped_table
+from tests.support.tables import made_table
 
 pytestmark = pytest.mark.usefixtures("seen")
 
@@ -21,7 +21,7 @@ SAMPLES = "sample_logs/sedan"
 @pytest.fixture
 def table():
     """One that can be estimated with."""
-    return mapped_table()
+    return made_table()
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
 from calib.estimation import baselines as law
-from tests.support.tables import B_SHIFT, B_Z, VEHICLE, A, C, K, made_table, mapped_table
+from tests.support.tables import B_SHIFT, B_Z, VEHICLE, A, C, K, made_table
 
 DT = 0.005
 AXLE = VEHICLE.front
@@ -119,9 +119,9 @@ NOMINAL = np.log(28.84 * 130.9 / (11.34 * 124.0))
 
 
 def read(z, shift):
-    """By the map of `mapped_table`: ln of front over rear brake force, both, and the balance."""
+    """By the map of `made_table`: ln of front over rear brake force, both, and the balance."""
     b = balance(z)
-    front, rear = law.by_map(mapped_table(), 1.0 + shift * b.demanded / VEHICLE.weight, b)
+    front, rear = law.by_map(made_table(), 1.0 + shift * b.demanded / VEHICLE.weight, b)
     return np.log(front / rear), (front, rear), b
 
 

@@ -17,7 +17,7 @@ from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks
 from calib.run.noise import SensorNoise
 from tests.support.reference_car import CAR
-from tests.support.tables import mapped_table
+from tests.support.tables import made_table
 
 N = 1000
 TIME = np.arange(N) / 200.0
@@ -78,7 +78,7 @@ def made_estimate(
         lead_in=one < 0.0, samples=10, length=0.05,
     )  # fmt: skip
     values = {
-        "table": mapped_table(),
+        "table": made_table(),
         "car": CAR,
         "run": SimpleNamespace(blocks=means),
         "ran": SimpleNamespace(factor_f=1.0, factor_r=1.0, log=BLIND),
@@ -182,7 +182,7 @@ def test_shares_count_braked_samples_above_3_metres_a_second():
     pressure = np.where(np.arange(N) >= 100, 20e5, 1e5)
     speed = np.where(np.arange(N) < 700, 20.0, 2.0)
     covered = np.arange(N) < 300
-    force = np.where(covered, 0.9, 1.1) * mapped_table().tyre.force[-1]
+    force = np.where(covered, 0.9, 1.1) * made_table().tyre.force[-1]
     e = made_estimate(valid=valid, pressure=pressure, speed=speed, force=force)
     figures = scored(e, BLIND)
     assert figures["valid_share"] == pytest.approx(300 / 600)

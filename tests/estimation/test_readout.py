@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import StoreError
 from calib.base.names import WHEELS
 from calib.estimation.estimator import estimate
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, cut, noisy, stop, with_pads, without
-from tests.support.tables import made_table
 
 READ = ("best", "ecu")
 
@@ -122,8 +120,3 @@ def test_pads_that_are_unlike_are_told_with_a_speed(fitted):
     which = settled(e)
     assert inside(e.best.ratio, 0.28 / 0.38, which) > 0.85
     assert e.best.ratio.value[which][-1] < 0.9
-
-
-def test_a_table_without_maps_is_refused(wet):
-    with pytest.raises(StoreError, match="maps"):
-        estimate(made_table(), wet)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import LogError, StoreError, VehicleError
+from calib.base.errors import LogError, VehicleError
 from calib.base.intervals import Z95
 from calib.car.mass import MassUsed
 from calib.estimation.limits import DEFAULTS, Judgement
@@ -186,16 +186,6 @@ def test_a_table_in_single_precision_is_as_good_as_the_whole_one(fitted, wet, pa
         assert single.figures[name] == pytest.approx(passed.figures[name], rel=1e-4)
     told = to_dict(stored_as("t@1"), [single], how)["exported"]
     assert told == {"points": None, "bits": None, "single": True, "code": False}
-
-
-def test_a_table_without_maps_is_to_be_fitted_again(fitted, wet):
-    older = replace(fitted, map=None, level_map=None, draws=None)
-    with pytest.raises(StoreError) as error:
-        validate(older, [wet])
-    assert error.value.exit_code == 4
-    assert [log.digest in line for log, line in zip(
-        older.provenance.logs, error.value.lines, strict=True
-    )] == [True]  # fmt: skip
 
 
 def test_braking_too_soft_to_judge_does_not_pass(fitted):

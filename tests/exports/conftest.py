@@ -1,4 +1,3 @@
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +10,5 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(params=["sedan-2up", "sedan-sim", "escort"])
 def real(request) -> Stored:
-    """A table of the repository's own store, without its maps: they are those of `test_maps`."""
-    stored = Store(ROOT / "tables").load(request.param)
-    return replace(stored, table=replace(stored.table, map=None, level_map=None, draws=None))
+    """A table of the repository's own store."""
+    return Store(ROOT / "tables").load(request.param)

@@ -15,10 +15,10 @@ import pytest
 
 from calib.base.errors import ExchangeError
 from calib.exports.addresses import find_addresses
-from calib.exports.build import build
 from calib.exports.dataset import Addresses
 from calib.exports.write import FORMATS
 from tests.support.a2l import decoded, objects, read_a2l
+from tests.support.curves import built
 from tests.support.programs import linked, memory_of, needs_gcc
 from tests.support.refusals import refusal
 from tests.support.tables import made_table
@@ -45,7 +45,7 @@ def a2ltool(folder, content, *options):
 @needs_a2ltool
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_another_program_accepts_it_in_strict_mode(real, tmp_path, bits):
-    data = build(real, 8, bits=bits)
+    data = built(real, 8, bits=bits)
     read = a2ltool(tmp_path, FORMATS["a2l"].write(data))
     for label in (*(a.label for a in data.axes), *(c.label for c in data.curves)):
         assert re.search(rf"/begin (AXIS_PTS|CHARACTERISTIC) {label} ", read)
@@ -58,7 +58,7 @@ def test_another_program_accepts_it_in_strict_mode(real, tmp_path, bits):
 def test_another_program_finds_the_same_addresses_and_types_in_the_debug_information(
     stored, tmp_path, bits
 ):
-    data = build(stored, 8, bits=bits)
+    data = built(stored, 8, bits=bits)
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
     ours = a2ltool(
         tmp_path, FORMATS["a2l"].write(replace(data, addresses=find_addresses(elf, data)))
@@ -66,14 +66,14 @@ def test_another_program_finds_the_same_addresses_and_types_in_the_debug_informa
     update = ("--elffile", elf, "--update", "FULL", "--update-mode", "STRICT")
     assert a2ltool(tmp_path, FORMATS["a2l"].write(data), *update) == ours
     # It would have corrected a wrong type: the file of another width differs after the update.
-    other = build(stored, 8, bits=32 if bits == 16 else 16)
+    other = built(stored, 8, bits=32 if bits == 16 else 16)
     assert a2ltool(tmp_path, FORMATS["a2l"].write(other), *update) != ours
 
 
 @needs_gcc
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
-    data = build(real, 8, bits=bits)
+    data = built(real, 8, bits=bits)
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
     module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=find_addresses(elf, data)))).one(
         "MODULE"
@@ -92,7 +92,7 @@ def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
 
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
-    data = build(real, 8, bits=bits)
+    data = built(real, 8, bits=bits)
     module = read_a2l(FORMATS["a2l"].write(data)).one("MODULE")
     found = objects(module)
     for curve in data.curves:
@@ -110,10 +110,10 @@ def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
 
 
 def test_addresses_and_the_order_of_bytes_are_those_of_the_program(stored):
-    project = read_a2l(FORMATS["a2l"].write(build(stored)))
+    project = read_a2l(FORMATS["a2l"].write(built(stored)))
     assert project.given == ["sedan", '"sedan@1"']
     placed = Addresses({"sedan_f1": 0x80001234}, big_endian=True, remarks=())
-    text = FORMATS["a2l"].write(replace(build(stored), addresses=placed)).decode()
+    text = FORMATS["a2l"].write(replace(built(stored), addresses=placed)).decode()
     assert "all addresses" not in text
     assert "CURVE 0x80001234 " in text
     assert "BYTE_ORDER MSB_FIRST" in text
@@ -121,7 +121,7 @@ def test_addresses_and_the_order_of_bytes_are_those_of_the_program(stored):
 
 @pytest.mark.parametrize("name", ['2 Räder */ /* ??/ \\ // "車', "/begin PROJECT", "\x1b]0;x\x07"])
 def test_a_name_full_of_traps_is_read(stored, tmp_path, name):
-    data = build(replace(stored, name=name, table=made_table(name=name)))
+    data = built(replace(stored, name=name, table=made_table(name=name)))
     content = FORMATS["a2l"].write(data)
     assert read_a2l(content).given[0] == data.prefix
     assert b"\x1b" not in content
@@ -130,6 +130,6 @@ def test_a_name_full_of_traps_is_read(stored, tmp_path, name):
 
 
 def test_a_name_too_long_for_a_text_is_refused(stored):
-    data = build(replace(stored, name="a" * 200))
+    data = built(replace(stored, name="a" * 200))
     says = refusal(FORMATS["a2l"].write, data, kind=ExchangeError, names="aaaa")
     assert "at most 255" in says

@@ -16,9 +16,9 @@ import pyarrow.parquet as pq
 import pytest
 from lxml import etree
 
-from calib.exports.build import build
 from calib.exports.write import FORMATS, TEXTS
 from calib.store.evidence import UNPROVED, Quality
+from tests.support.curves import built
 
 DATE = "2026-05-04"
 TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
@@ -142,7 +142,7 @@ def bits(curve):
 @pytest.mark.parametrize("form", READERS)
 @pytest.mark.parametrize("points", [None, 16])
 def test_another_reader_sees_the_table_to_the_last_bit(real, tmp_path, form, points):
-    t, data = real.table, build(real, points)
+    t, data = real.table, built(real, points)
     curves, scalars = READERS[form](data, tmp_path)
     truth = {
         "f1": (t.paper.eta, t.paper.f1),
@@ -165,14 +165,14 @@ def test_another_reader_sees_the_table_to_the_last_bit(real, tmp_path, form, poi
 
 @pytest.mark.parametrize("form", sorted(FORMATS.keys() - {"parquet"}))
 def test_the_head_says_which_table_it_is_and_what_holds_at_the_ends(stored, form):
-    data = build(stored, 5)
+    data = built(stored, 5)
     text = FORMATS[form].write(data).decode()
     for part in ("sedan@1", stored.digest, "clamped", "5 of 21 rows", data.content().checksum):
         assert part in text
 
 
 def test_rows_have_their_bands_counts_and_flags(stored):
-    frame, paper = frame_of(build(stored)), stored.table.paper
+    frame, paper = frame_of(built(stored)), stored.table.paper
     part = frame[frame["label"] == "sedan_f2"]
     for column, name in (("lower", "f2_lower"), ("upper", "f2_upper"), ("count", "count")):
         assert part[column].tolist() == getattr(paper, name).tolist()
@@ -184,7 +184,7 @@ def test_rows_have_their_bands_counts_and_flags(stored):
 def test_no_text_of_a_csv_can_be_taken_for_a_number(stored):
     """Readers that guess types from the first rows would fail at a later one."""
     body = [
-        line for line in FORMATS["csv"].write(build(stored)).decode().splitlines() if line[0] != "#"
+        line for line in FORMATS["csv"].write(built(stored)).decode().splitlines() if line[0] != "#"
     ]
     for row in csv.DictReader(body):
         assert row["unit"]
@@ -202,7 +202,7 @@ def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, 
     library = pytest.importorskip(module)
     line = f'{module}.read_csv("car.csv", {option}="#")'
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "car.csv").write_bytes(FORMATS["csv"].write(build(stored)))
+    (tmp_path / "car.csv").write_bytes(FORMATS["csv"].write(built(stored)))
     assert f"`{line}`" in PAGE.read_text()
     frame = eval(line, {module: library})
     units = dict(zip(frame["label"], frame["unit"], strict=True))
@@ -210,7 +210,7 @@ def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, 
 
 
 def test_a_dcm_names_the_axis_of_each_curve_and_its_function(stored, tmp_path):
-    seen = dcm_reader(FORMATS["dcm"].write(build(stored)), tmp_path)
+    seen = dcm_reader(FORMATS["dcm"].write(built(stored)), tmp_path)
     assert seen["axes"]["sedan_D"] == seen["axes"]["sedan_f1"] == "sedan_eta"
     assert seen["functions"] == [["sedan_brake_torque", "1", "sedan@1"]]
 
@@ -228,7 +228,7 @@ ORDER = {
 
 
 def test_elements_of_a_cdf_stand_in_the_order_of_the_standard(stored):
-    root, found = cdf_of(build(stored))
+    root, found = cdf_of(built(stored))
     for element in root.iter(*ORDER):
         places = [ORDER[element.tag].index(child.tag) for child in element]
         assert places == sorted(places), element.tag
@@ -248,7 +248,7 @@ def test_elements_of_a_cdf_stand_in_the_order_of_the_standard(stored):
     ],
 )
 def test_every_object_of_a_cdf_has_its_history(stored, quality, states):
-    for instance in cdf_of(build(stored, None, quality))[1].values():
+    for instance in cdf_of(built(stored, None, quality))[1].values():
         entries = instance.findall("SW-CS-HISTORY/CS-ENTRY")
         assert [e.findtext("STATE") for e in entries] == states
         assert {e.findtext("DATE") for e in entries} == {DATE}

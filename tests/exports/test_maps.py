@@ -24,7 +24,7 @@ from calib.exports.build import build
 from calib.exports.compare import Difference, difference
 from calib.exports.export import export
 from calib.exports.read import read_back
-from calib.exports.write import COLUMNS, FORMATS, TEXTS
+from calib.exports.write import FORMATS, TEXTS
 from calib.store.store import Store
 from calib.table.exported import Precision, as_exported
 from tests.exports.test_a2l import a2ltool, needs_a2ltool
@@ -41,7 +41,7 @@ from tests.support.tables import (
     A,
     Z,
     made_map,
-    mapped_table,
+    made_table,
 )
 
 OFF = {"ratio": 0.0, "ratio_lower": -0.1, "ratio_upper": 0.2, "change": -0.05}
@@ -50,7 +50,7 @@ OFF = {"ratio": 0.0, "ratio_lower": -0.1, "ratio_upper": 0.2, "change": -0.05}
 
 @pytest.fixture
 def mapped(tmp_path):
-    return Store(tmp_path / "mapped").save(mapped_table())
+    return Store(tmp_path / "mapped").save(made_table())
 
 
 def truth(column="ratio"):
@@ -245,16 +245,6 @@ def test_a_program_holds_what_the_a2l_says(mapped, tmp_path, how):
     level = decoded(module, memory_of(elf))["sedan_level"]
     exported = as_exported(mapped.table, Precision(**how)).level_map
     assert level == exported.level.tolist()
-
-
-@pytest.mark.parametrize("form", FORMATS)
-def test_a_table_without_maps_has_nothing_of_them(stored, form):
-    data, content = written(stored, form)
-    assert data.grids == ()
-    for word in (b"sedan_ratio", b"sedan_mu_n_f", b"axis_2", b'"maps"', b"ROW_DIR", b"KENNFELD"):
-        assert word not in content
-    if form == "csv":
-        assert f"\n{','.join(COLUMNS)}\n" in content.decode()
 
 
 @pytest.mark.parametrize("form", ["dcm", "cdfx"])

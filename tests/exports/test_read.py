@@ -14,21 +14,27 @@ from calib.exports.read import read_back
 from calib.exports.write import FORMATS
 from calib.store.store import Store
 
-WRITERS = {"DCM": FORMATS["dcm"].write, "CDF": FORMATS["cdfx"].write}
+FORMS = {"DCM": FORMATS["dcm"], "CDF": FORMATS["cdfx"]}
+WRITERS = {form: of.write for form, of in FORMS.items()}
+
+
+def built(stored, form, points=None):
+    """The data set of a version for one of the formats."""
+    return build(stored, points, most_axes=FORMS[form].most_axes)
 
 
 @pytest.fixture(params=WRITERS)
 def written(request, stored, tmp_path):
     """A path and the file of the made table in one of the formats."""
     path = tmp_path / "table.out"
-    path.write_bytes(WRITERS[request.param](build(stored)))
+    path.write_bytes(WRITERS[request.param](built(stored, request.param)))
     return path
 
 
 @pytest.mark.parametrize("form", WRITERS)
-@pytest.mark.parametrize("points", [None, 2])
+@pytest.mark.parametrize("points", [None, 16])
 def test_it_comes_back_to_the_last_bit(real, tmp_path, form, points):
-    path, data = tmp_path / "table", build(real, points)
+    path, data = tmp_path / "table", built(real, form, points)
     path.write_bytes(WRITERS[form](data))
     found = read_back(path)
     assert (found.format, found.facts, found.unchanged) == (form, data.facts(), True)
@@ -99,7 +105,7 @@ WRONG = {
     ("form", "old", "new"), [(form, *row) for form, rows in WRONG.items() for row in rows]
 )
 def test_what_is_wrong_in_a_file_is_refused(stored, tmp_path, form, old, new):
-    text = WRITERS[form](build(stored)).decode()
+    text = WRITERS[form](built(stored, form)).decode()
     assert old in text
     (tmp_path / "a").write_text(text.replace(old, new))
     with pytest.raises(ExchangeError) as error:
@@ -142,7 +148,7 @@ def saved_again(path, data, form, way, changed=lambda text: text):
 @pytest.mark.parametrize("form", WRITERS)
 @pytest.mark.parametrize("way", WAYS)
 def test_what_a_tool_has_rounded_is_told_from_a_change(real, tmp_path, form, way):
-    data = build(real)
+    data = built(real, form)
     found = saved_again(tmp_path / "a", data, form, way)
     told = difference(found, real)
     assert found.unchanged is None
@@ -158,7 +164,7 @@ def test_what_a_tool_has_rounded_is_told_from_a_change(real, tmp_path, form, way
 
 
 def test_the_labels_name_a_table_of_the_store(stored, store, tmp_path):
-    found = saved_again(tmp_path / "a", build(stored), "DCM", "single")
+    found = saved_again(tmp_path / "a", built(stored, "DCM"), "DCM", "single")
     assert parent(found, Store(store)).id == stored.id
     with pytest.raises(ExchangeError):
         difference(found, None)

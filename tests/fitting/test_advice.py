@@ -12,7 +12,7 @@ from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.model.roller_bench_file import read_roller_bench
-from calib.table.budget import RAMP, STOP, advice_lines, budget_of
+from calib.table.budget import RAMP, STOP, advice_lines
 from tests.support.manual import BENCH
 from tests.support.reference_car import CAR, REAL, WET, noisy, one_axle, ramp, stop
 from tests.support.tyre_files import written
@@ -62,7 +62,7 @@ def promised(axles, of, word):
 
 @pytest.mark.parametrize("what", ["--mass", "--bench", "each axle", "--tyre"])
 def test_an_advice_on_a_fit_keeps_its_promise(plain, advised, what):
-    before, after = (budget_of(table).axles for table in (plain, advised[what]))
+    before, after = (table.budget.axles for table in (plain, advised[what]))
     for axle, (now, then) in promised(before, RAMP, what).items():
         assert now == pytest.approx(widths(before)[axle], abs=0.51)
         assert then == pytest.approx(widths(after)[axle], abs=1.0)

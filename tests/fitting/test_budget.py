@@ -12,7 +12,6 @@ from calib.fitting.fit import fit
 from calib.fitting.pads import level_of
 from calib.run.accelerometer import Accelerometer
 from calib.run.resistance import Resistance
-from calib.table.budget import budget_of
 from tests.support.reference_car import CAR, REAL, noisy, prepared, ramp, without
 
 UNWEIGHED = replace(CAR, mass_tolerance=0.03)
@@ -38,21 +37,19 @@ def test_parts_add_up_to_the_sigma_of_the_pads(tables):
     for table in tables:
         cal = table.calibration
         pads = (cal.pad_friction_f, cal.pad_friction_r)
-        for parts, value in zip(budget_of(table).axles, pads, strict=True):
+        for parts, value in zip(table.budget.axles, pads, strict=True):
             sigma = math.hypot(*parts.values())
             assert sigma == pytest.approx(value.sigma / value.value, rel=1e-9)
 
 
-def test_parts_of_the_posterior_are_covariances_and_add_up(tables):
+def test_parts_of_ratio_and_stiffness_add_up_to_their_variances(tables):
     for table in tables:
-        covariance = np.asarray(table.posterior.covariance)
-        sigma = np.sqrt(np.diag(covariance))
-        sigma = np.where(sigma > 0.0, sigma, 1.0)  # without v nobody asks for its clock
-        unit = np.outer(sigma, sigma)
-        shares = {part: np.asarray(x) / unit for part, x in table.budget.posterior.items()}
-        assert np.allclose(sum(shares.values()), covariance / unit, atol=1e-9)
-        for part, share in shares.items():
-            assert np.min(np.linalg.eigvalsh(share)) > -1e-9, part
+        cal = table.calibration
+        stiffness = cal.slip_stiffness.sigma / cal.slip_stiffness.value
+        pairs = (table.budget.ratio, cal.pad_log_ratio.sigma), (table.budget.stiffness, stiffness)
+        for parts, sigma in pairs:
+            assert sum(parts.values()) == pytest.approx(sigma**2, rel=1e-9)
+            assert min(parts.values()) >= 0.0
 
 
 def moved(right, wrong):
@@ -68,7 +65,7 @@ def test_a_wrong_mass_moves_the_pads_by_the_part_of_the_mass(clean):
     """
     heavy = ramp(replace(REAL, mass_scale=1.03))
     tables = [fit(UNWEIGHED, [noisy(log, 1)]) for log in (clean, heavy)]
-    for parts, error in zip(budget_of(tables[0]).axles, moved(*tables), strict=True):
+    for parts, error in zip(tables[0].budget.axles, moved(*tables), strict=True):
         assert abs(error) == pytest.approx(parts["mass"], rel=0.1)
 
 
@@ -81,7 +78,7 @@ def test_a_wrong_scale_of_the_accelerometer_moves_the_pads_by_its_part(clean, ta
     log = noisy(clean, 1)
     scaled = replace(log, channels={**log.channels, "a_x": (1.0 + off) * log["a_x"]})
     wrong = fit(UNWEIGHED, [without(scaled, "v")])
-    for parts, error in zip(budget_of(tables[1]).axles, moved(tables[1], wrong), strict=True):
+    for parts, error in zip(tables[1].budget.axles, moved(tables[1], wrong), strict=True):
         assert error == pytest.approx(off, rel=0.2)
         assert parts["accelerometer"] == pytest.approx(off, rel=0.01)
 
@@ -117,7 +114,7 @@ def test_level_parts_in_closed_form(clean):
 
 def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
     weighed = fit(replace(CAR, mass_tolerance=0.0), [noisy(clean, 1)])
-    for known, unknown in zip(budget_of(weighed).axles, budget_of(tables[0]).axles, strict=True):
+    for known, unknown in zip(weighed.budget.axles, tables[0].budget.axles, strict=True):
         assert "mass" not in known
         rest = {part: x for part, x in unknown.items() if part != "mass"}
         assert known == pytest.approx(rest, rel=1e-6)

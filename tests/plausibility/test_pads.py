@@ -7,25 +7,25 @@ import pytest
 from calib.base.errors import VehicleError
 from calib.base.warning import judged
 from calib.plausibility.pads import of_calibration, of_changes, require_possible_pads
-from calib.table.table import Calibration, TyrePosterior, Value
+from calib.table.table import Calibration, Value
 from tests.support.reference_car import CAR
 
 
-def calibration(front=1.0, rear=1.0, sigma=0.02):
+def calibration(front=1.0, rear=1.0, sigma=0.02, stiffness=25.0):
     """Pads as multiples of the file's."""
     f, r = front * CAR.front.pad_friction, rear * CAR.rear.pad_friction
     rho = math.log(front / rear)
     return Calibration(
-        Value(math.sqrt(front * rear), 0.02), Value(rho, sigma), Value(f, 0.01), Value(r, 0.01)
+        Value(math.sqrt(front * rear), 0.02),
+        Value(rho, sigma),
+        Value(f, 0.01),
+        Value(r, 0.01),
+        Value(stiffness, 0.1 * stiffness),
     )
 
 
-def posterior(stiffness=25.0, sigma=0.1):
-    return TyrePosterior(("log_compliance",), (-math.log(stiffness),), ((sigma**2,),))
-
-
-def codes(pads, tyre=None):
-    return [one.code for one in judged("car", of_calibration(CAR, pads, tyre or posterior()))]
+def codes(pads):
+    return [one.code for one in judged("car", of_calibration(CAR, pads))]
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_pads_far_from_the_file_are_named(pads, expected):
 
 @pytest.mark.parametrize(("stiffness", "named"), [(2.0, True), (10.0, False), (200.0, True)])
 def test_a_tyre_that_no_car_has(stiffness, named):
-    assert ("tyre_stiffness" in codes(calibration(), posterior(stiffness))) == named
+    assert ("tyre_stiffness" in codes(calibration(stiffness=stiffness))) == named
 
 
 @pytest.mark.parametrize("factor", [0.1, 10.0])

@@ -9,7 +9,7 @@ FIRST, SECOND = made_table(), made_table(28.0, rows=31)
 
 def test_both_tables_are_drawn_pads_first():
     sheet = compare.sheet(FIRST, SECOND, "sedan@1", "sedan@2")
-    assert sheet.names == ("pads", "f1-f2")
+    assert sheet.names == ("pads", "map", "f1-f2")
     pads = SECOND.calibration.pad_friction_r
     assert line(panel(sheet, "pads"), "rear, sedan@2")[1] == [pads.value]
     curves = panel(sheet, "f1-f2")

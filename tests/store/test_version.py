@@ -38,7 +38,7 @@ def test_pandas_reads_it_plainly_and_the_unit_is_in_the_field(path):
     found = pd.read_parquet(path / "difference.parquet")
     pd.testing.assert_frame_equal(found, pd.DataFrame(vars(made_table().difference)))
     units = [field.metadata for field in pq.read_schema(path / "difference.parquet")]
-    assert units == [{b"unit": b"1"}] * 6
+    assert units == [{b"unit": b"1"}] * 7
 
 
 @pytest.mark.parametrize("data", [b"", b"PAR1", b"no such file" * 20])

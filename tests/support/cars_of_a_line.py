@@ -9,20 +9,16 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from calib.model.parameters import RampParameters
 from calib.store.version import Stored
-from calib.table.table import Calibration, LogReference, Table, TyrePosterior, Value
-from tests.support.tables import VEHICLE, C, made_draws, made_table, mapped_table
+from calib.table.table import Calibration, LogReference, Table, Value
+from tests.support.tables import VEHICLE, C, made_draws, made_table
 
 
 def car_table(
     number: int, stiffness: float = C, level: float = 0.0, ratio: float = 0.0, rows: int = 21
 ) -> Table:
     """The table of car ``number``: a ramp and a serial number of its own."""
-    mapped, about = mapped_table(), made_draws()
-    table = made_table(stiffness, rows=rows)
+    about, table = made_draws(), made_table(stiffness, rows=rows)
     mu_f = VEHICLE.front.pad_friction * math.exp(level + 0.5 * ratio)
     mu_r = VEHICLE.rear.pad_friction * math.exp(level - 0.5 * ratio)
     digest = hashlib.sha256(f"ramp of {number}".encode()).hexdigest()
@@ -31,23 +27,16 @@ def car_table(
         logs=(LogReference(f"ramp_{number}.csv", digest, "ramp"),),
         identity={"serial": f"S{number}"},
     )
-    told = {
-        "log_compliance": (-math.log(stiffness), 1e-4),
-        "load_exponent": (0.1, 4e-4),
-        "log_pad_ratio": (ratio, 0.05**2),
-    }
-    names = RampParameters._fields
-    mean, variance = zip(*(told.get(name, (0.0, 0.0)) for name in names), strict=True)
-    posterior = TyrePosterior(names, mean, tuple(map(tuple, np.diag(variance).tolist())))
     return replace(
         table,
         provenance=origin,
-        posterior=posterior,
         calibration=Calibration(
-            Value(math.exp(level), 0.02), Value(ratio, 0.05), Value(mu_f, 0.01), Value(mu_r, 0.01)
+            Value(math.exp(level), 0.02),
+            Value(ratio, 0.05),
+            Value(mu_f, 0.01),
+            Value(mu_r, 0.01),
+            Value(stiffness, 0.01 * stiffness),
         ),
-        map=mapped.map,
-        level_map=mapped.level_map,
         draws=replace(
             about,
             log_pad_ratio=about.log_pad_ratio + ratio,

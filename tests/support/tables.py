@@ -28,8 +28,8 @@ from calib.table.table import (
     PaperCurves,
     Provenance,
     Table,
+    TableBudget,
     TyreCurve,
-    TyrePosterior,
     Value,
 )
 
@@ -63,6 +63,7 @@ def made_table(stiffness: float = C, name: str = "sedan", rows: int = 21) -> Tab
     flag[rows // 2], flag[-1] = INTERPOLATED, EXTRAPOLATED
     D, band = stiffness * (eta - 1.0), 2.0 * (eta - 1.0)
     z = K * (eta - 1.0)
+    none = np.zeros(rows)
     rear = (VEHICLE.cg_to_front_axle - z * VEHICLE.cg_height) / 2.805
     front = 1.0 - rear
     slip = np.linspace(0.0, 0.01, rows)
@@ -70,7 +71,7 @@ def made_table(stiffness: float = C, name: str = "sedan", rows: int = 21) -> Tab
     return Table(
         name=name,
         vehicle=replace(VEHICLE, name=name),
-        difference=DifferenceCurve(eta, D, D - band, D + band, count, flag),
+        difference=DifferenceCurve(eta, D, D - band, D + band, count, flag, none),
         paper=PaperCurves(
             eta=eta,
             z=z,
@@ -83,12 +84,23 @@ def made_table(stiffness: float = C, name: str = "sedan", rows: int = 21) -> Tab
             count=count,
             flag=flag,
         ),
-        tyre=TyreCurve(slip, force, 0.9 * force, 1.1 * force, count, flag),
-        posterior=TyrePosterior(
-            ("log_compliance", "load_exponent"), (-3.3, 0.1), ((1e-4, 2e-5), (2e-5, 4e-4))
-        ),
+        tyre=TyreCurve(slip, force, 0.9 * force, 1.1 * force, count, flag, none),
+        map=made_map(),
+        level_map=made_level_map(),
+        draws=made_draws(),
         calibration=Calibration(
-            Value(1.05, 0.01), Value(0.0, 0.05), Value(0.4, 0.01), Value(0.39, 0.02)
+            Value(1.05, 0.01),
+            Value(0.0, 0.05),
+            Value(0.4, 0.01),
+            Value(0.39, 0.02),
+            Value(stiffness, 0.01 * stiffness),
+        ),
+        budget=TableBudget(
+            {"mass": 0.01, "tyres": 0.02},
+            {"mass": 0.01, "tyres": 0.05},
+            {"mass": 1e-4},
+            {"tyres": 0.05**2},
+            {"tyres": 0.01**2},
         ),
         effects=Effects(
             {"aerodynamic_drag": {"drag_area": 0.66}},
@@ -159,20 +171,12 @@ def made_draws(n=40):
     )
 
 
-def mapped_table(**changes) -> Table:
-    """`made_table` with maps and draws; ``changes`` of other parts.
-
-    The level is 0.01 z, +- 0.02.
-    """
-    z = np.array([0.1, 0.4, 0.8])
-    before = _bounded(A + B_Z * z)
+def made_level_map(z=(0.1, 0.4, 0.8)):
+    """The ratio of `made_map` without a reading; the level is 0.01 z, +- 0.02."""
+    at = np.array(z)
+    before = _bounded(A + B_Z * at)
     del before["prior"]
-    maps = {
-        "map": made_map(),
-        "level_map": LevelMap(z, 0.01 * z, 0.01 * z - 0.02, 0.01 * z + 0.02, **before),
-        "draws": made_draws(),
-    }
-    return replace(made_table(), **maps | changes)
+    return LevelMap(at, 0.01 * at, 0.01 * at - 0.02, 0.01 * at + 0.02, **before)
 
 
 def stored_as(reference: str) -> Stored:

@@ -1,4 +1,4 @@
-"""Budgets as numbers and words, and what is known of tables that have none."""
+"""Budgets as numbers and words."""
 
 import math
 from dataclasses import replace
@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.plain import rows
-from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, budget_of, summary
-from calib.table.table import TableBudget, Value
+from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, own, shared, summary
+from calib.table.table import TableBudget
 from tests.support.tables import VEHICLE, from_content, made_table
 
 PARTS = [x for x in rows("budget.csv", "calib.table")[0] if x not in ("do", "of")]
@@ -53,27 +53,18 @@ def test_a_mass_that_was_stated_needs_no_scale():
         assert any("--mass" in line for line in lines) == weigh
 
 
-OLD = replace(
-    made_table(),
-    calibration=replace(
-        made_table().calibration, pad_scale=Value(1.0, 0.04), pad_log_ratio=Value(0.0, 0.0)
-    ),
-)
-
-
-def test_of_a_table_without_a_budget_only_the_mass_is_known():
-    assert budget_of(OLD).level == pytest.approx({"mass": 9e-4, "ramp": 16e-4 - 9e-4})
-    for parts in budget_of(OLD).axles:
-        assert math.hypot(*parts.values()) == pytest.approx(0.04)
+def test_own_and_shared_are_all_of_a_variance():
+    level = {"mass": 4e-4, "noise": 1e-5, "zeros": 2e-5, "cars": 3e-4}
+    assert own(level) == pytest.approx(3e-5)
+    assert shared(level) == {"mass": 4e-4, "cars": 3e-4}
+    assert own({}) == 0.0
 
 
 def test_a_budget_comes_back_from_the_record():
-    one = TableBudget(
-        {"mass": 0.03}, {"tyres": 0.02}, {"mass": 9e-4}, {"noise": ((1e-4, 0.0), (0.0, 2e-4))}
-    )
-    held = replace(OLD, budget=one)
-    assert held.digest != OLD.digest
+    one = TableBudget({"mass": 0.03}, {"tyres": 0.02}, {"mass": 9e-4}, {"noise": 1e-4}, {})
+    held = replace(made_table(), budget=one)
+    assert held.digest != made_table().digest
     read = from_content(*held.content())
     assert read.budget == one
     assert read.digest == held.digest
-    assert budget_of(read).axles == ({"mass": 0.03}, {"tyres": 0.02})
+    assert read.budget.axles == ({"mass": 0.03}, {"tyres": 0.02})

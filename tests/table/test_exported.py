@@ -11,7 +11,7 @@ from calib.exports.build import build
 from calib.table.breakpoints import place_weighted
 from calib.table.exported import Precision, as_exported, written_map
 from calib.table.maps import PadMap
-from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map, mapped_table, stored_as
+from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, made_map, made_table, stored_as
 
 WIDTHS = [{}, {"single": True}, {"bits": 8}, {"bits": 16}, {"bits": 32}]
 
@@ -29,7 +29,7 @@ def curved():
 
 
 def test_in_double_on_all_rows_nothing_changes():
-    table = mapped_table()
+    table = made_table()
     assert as_exported(table, Precision()).digest == table.digest
 
 
@@ -81,7 +81,7 @@ def test_the_placement_of_least_squares_is_the_best_there_is(points):
 def test_a_plane_costs_no_more_than_its_rounding(how):
     """Read at the rounded places, so that a coarse axis costs nothing within its ends."""
     plane = made_map(z=np.linspace(0.05, 0.85, 9), shift=np.linspace(-0.004, 0.02, 9))
-    held = as_exported(mapped_table(map=plane), Precision(points=5, **how)).map
+    held = as_exported(replace(made_table(), map=plane), Precision(points=5, **how)).map
     ends = ((name, x[0], x[-1]) for name, x in plane.axes.items())
     inside = np.logical_and.reduce(
         [(low <= getattr(held, name)) & (getattr(held, name) <= high) for name, low, high in ends]
@@ -97,8 +97,10 @@ def test_a_plane_costs_no_more_than_its_rounding(how):
 @pytest.mark.parametrize("points", [None, 7])
 def test_every_format_has_the_numbers_of_the_exported_table(how, points):
     table = stored_as("sedan@1").table
-    t = as_exported(mapped_table(map=curved()), Precision(points, **how))
-    data = build(replace(stored_as("sedan@1"), table=mapped_table(map=curved())), points, **how)
+    t = as_exported(replace(made_table(), map=curved()), Precision(points, **how))
+    data = build(
+        replace(stored_as("sedan@1"), table=replace(made_table(), map=curved())), points, **how
+    )
     held = {
         one.label: one.values if one.fixed is None else one.fixed.values for one in data.objects
     }
@@ -119,13 +121,13 @@ def test_every_format_has_the_numbers_of_the_exported_table(how, points):
 def test_600_bytes_hold_the_map():
     """6 by 6 by 4 cells in 8 bits: ratio and bounds, log_slip and sigma, and the axes."""
     how = Precision(points=6, bits=8)
-    table = replace(stored_as("sedan@1"), table=mapped_table(map=curved()))
+    table = replace(stored_as("sedan@1"), table=replace(made_table(), map=curved()))
     kept = ("z", "shift", "slip_apart", "ratio", "ratio_lower", "ratio_upper", "log_slip")
     labels = {f"sedan_{name}" for name in (*kept, "log_slip_sigma")}
     objects = [one for one in build(table, 6, bits=8).objects if one.label in labels]
     assert len(objects) == len(labels)
     assert sum(one.fixed.raw.size * one.fixed.bits // 8 for one in objects) <= 600
-    table = as_exported(mapped_table(map=curved()), how)
+    table = as_exported(replace(made_table(), map=curved()), how)
     draw = np.random.default_rng(1)
     places = [np.sort(draw.uniform(*ends, 30)) for ends in ((0.1, 0.8), (0.0, 0.04), (-1.0, 1.0))]
     gap = table.map.on(places).ratio - curved().on(places).ratio
@@ -141,7 +143,7 @@ def test_an_axis_that_no_longer_increases_is_refused():
     close = made_map(shift=(-0.004, 0.0, 1e-7, 0.02))
     for how in (Precision(bits=8), Precision(bits=12), Precision(bits=16)):
         with pytest.raises(ExchangeError):
-            as_exported(mapped_table(map=close), how)
+            as_exported(replace(made_table(), map=close), how)
     near = made_map(z=(0.1, 0.1 + 1e-9, 0.8))
     with pytest.raises(ExchangeError, match="map, z"):
-        as_exported(mapped_table(map=near), Precision(single=True))
+        as_exported(replace(made_table(), map=near), Precision(single=True))

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from calib.table.invariants import violations
-from calib.table.table import TyrePosterior
 
 
 def changed(curve, column, row, value):
@@ -61,46 +60,6 @@ def test_D_is_nought_at_eta_1(table):
 def test_columns_of_one_curve_have_one_length(table):
     short = replace(table.tyre, slip=table.tyre.slip[:-1])
     assert "different shapes" in violations(replace(table, tyre=short))[0]
-
-
-@pytest.mark.parametrize(
-    ("covariance", "says"),
-    [
-        (((1e-4, 2e-5), (1e-5, 4e-4)), "not symmetric"),
-        (((1e-4, 3e-4), (3e-4, 4e-4)), "not positive semidefinite"),
-        (((1e-4, 0.0), (0.0, -4e-4)), "not positive semidefinite"),
-        (((1e-4, float("nan")), (0.0, 4e-4)), "posterior: holds a number that is not finite"),
-        (((1e-4, 2e-5),), "of other sizes"),
-        (((1e-4,), (2e-5, 4e-4)), "of other sizes"),
-    ],
-)
-def test_a_covariance_that_is_none_is_named(table, covariance, says):
-    wrong = TyrePosterior(table.posterior.names, table.posterior.mean, covariance)
-    found = violations(replace(table, posterior=wrong))
-    assert len(found) == 1
-    assert says in found[0]
-
-
-@pytest.mark.parametrize(
-    ("scatter", "says"),
-    [
-        (((5e-5, 2e-5), (1e-5, 2e-4)), "posterior.scatter: not symmetric"),
-        (((5e-5, 0.0), (0.0, -2e-4)), "posterior.scatter: not positive semidefinite"),
-        (((2e-4, 0.0), (0.0, 2e-4)), "posterior.rest: not positive semidefinite"),
-        (((5e-5,),), "scatter of other sizes"),
-    ],
-)
-def test_a_scatter_that_is_none_is_named(table, scatter, says):
-    found = violations(replace(table, posterior=replace(table.posterior, scatter=scatter)))
-    assert len(found) == 1
-    assert says in found[0]
-
-
-def test_a_singular_covariance_is_sound(table):
-    # A parameter that is held fixed, and two that move together.
-    names, mean = ("a", "b", "c"), (1.0, 2.0, 3.0)
-    covariance = ((0.0, 0.0, 0.0), (0.0, 1.0, 2.0), (0.0, 2.0, 4.0))
-    assert violations(replace(table, posterior=TyrePosterior(names, mean, covariance))) == ()
 
 
 def test_a_figure_that_is_not_finite_is_named(table):

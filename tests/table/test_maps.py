@@ -13,7 +13,7 @@ from calib.store.store import Store
 from calib.table.compare import diff, same
 from calib.table.invariants import require_finite, violations
 from calib.table.maps import PadMap, columns
-from calib.table.table import COLUMNS, CURVES
+from calib.table.table import COLUMNS
 from tests.support.tables import (
     B_SHIFT,
     B_SLIP,
@@ -22,7 +22,6 @@ from tests.support.tables import (
     from_content,
     made_map,
     made_table,
-    mapped_table,
 )
 
 PARTS = ("map", "level_map", "draws")
@@ -51,33 +50,23 @@ def test_it_is_read_linearly_along_each_axis_and_clamped():
     np.testing.assert_allclose(made.on(at).grid("ratio"), true, atol=1e-12)
 
 
-def test_a_table_without_maps_has_no_key_of_them():
+def test_maps_come_back_to_the_bit(tmp_path):
     table = made_table()
-    assert not set(PARTS) & {*table.content()[0], *table.content()[1]}
-    assert set(table.content()[1]) == set(CURVES)
-    assert mapped_table().digest != table.digest
-    assert replace(mapped_table(), **dict.fromkeys(PARTS)).digest == table.digest
-
-
-@pytest.mark.parametrize("without", [(), ("draws",), ("draws", "level_map")])
-def test_maps_come_back_to_the_bit(tmp_path, without):
-    table = mapped_table(**dict.fromkeys(without))
     assert from_content(*table.content()).digest == table.digest
     saved = Store(tmp_path).save(table)
     read = Store(tmp_path).load(saved.id).table
     assert read.digest == table.digest
-    assert {p.stem for p in saved.path.glob("*.parquet")} == {*CURVES, *PARTS} - {*without}
+    assert {p.stem for p in saved.path.glob("*.parquet")} == {*COLUMNS}
     for name in PARTS:
-        if name not in without:
-            frame = pd.read_parquet(saved.path / f"{name}.parquet")
-            pd.testing.assert_frame_equal(frame, pd.DataFrame(columns(getattr(table, name))))
-    assert read.map is not None
+        frame = pd.read_parquet(saved.path / f"{name}.parquet")
+        pd.testing.assert_frame_equal(frame, pd.DataFrame(columns(getattr(table, name))))
     assert read.map.shape == (4, 5, 3)
+    assert read.draws.forms.shape == (40, 5)
     assert Store(tmp_path).save(table).version == 1
 
 
 def test_the_draws_state_their_units(tmp_path):
-    path = Store(tmp_path).save(mapped_table()).path
+    path = Store(tmp_path).save(made_table()).path
     schema = pq.read_schema(path / "draws.parquet")
     units = {field.name: field.metadata[b"unit"].decode() for field in schema}
     other = {name: unit for name, unit in units.items() if unit != "1"}
@@ -86,7 +75,7 @@ def test_the_draws_state_their_units(tmp_path):
 
 @pytest.mark.parametrize("part", PARTS)
 def test_a_map_that_is_missing_or_damaged_is_found(tmp_path, part):
-    path = Store(tmp_path).save(mapped_table()).path / f"{part}.parquet"
+    path = Store(tmp_path).save(made_table()).path / f"{part}.parquet"
     data = path.read_bytes()
     for damage in (lambda: path.write_bytes(data[:60] + b"?" + data[61:]), path.unlink):
         damage()
@@ -95,7 +84,7 @@ def test_a_map_that_is_missing_or_damaged_is_found(tmp_path, part):
 
 
 def test_sound_maps_have_no_violations():
-    assert violations(mapped_table()) == ()
+    assert violations(made_table()) == ()
 
 
 @pytest.mark.parametrize(
@@ -110,12 +99,12 @@ def test_a_wrong_cell_is_named(column, row, value, says):
     made = made_map()
     cells = np.array(getattr(made, column))
     cells[row] = value
-    assert violations(mapped_table(map=replace(made, **{column: cells}))) == (says,)
+    assert violations(replace(made_table(), map=replace(made, **{column: cells}))) == (says,)
 
 
 @pytest.mark.parametrize("part", PARTS)
 def test_every_number_of_a_map_must_be_finite(part):
-    table = mapped_table()
+    table = made_table()
     held = getattr(table, part)
     for name in vars(held):
         cells = np.array(getattr(held, name))
@@ -127,7 +116,7 @@ def test_every_number_of_a_map_must_be_finite(part):
 
 def test_two_maps_differ_by_their_closed_form():
     """On other axes, too: the other map is read exactly, and 0.04 z is largest at the end."""
-    table, other = mapped_table(), made_map((0.2, 0.6), (-0.002, 0.01), (-2.0, 0.0, 1.0))
+    table, other = made_table(), made_map((0.2, 0.6), (-0.002, 0.01), (-2.0, 0.0, 1.0))
     moved = ("ratio", "ratio_lower", "ratio_upper")
     tilt = {name: getattr(other, name) + 0.04 * other.z for name in moved}
     found = diff(table, replace(table, map=replace(other, **tilt)))
@@ -138,12 +127,9 @@ def test_two_maps_differ_by_their_closed_form():
     assert not found.identical
 
 
-def test_a_table_differs_from_one_without_maps_and_from_other_draws():
-    table = mapped_table()
-    assert diff(table, mapped_table()).identical
-    assert diff(table, made_table()).apart == PARTS
-    assert diff(made_table(), table).apart == PARTS
-    assert table.draws is not None
+def test_a_table_differs_from_one_with_other_draws():
+    table = made_table()
+    assert diff(table, made_table()).identical
     stiff = replace(table.draws, compliance_f=1.1 * table.draws.compliance_f)
     found = diff(table, replace(table, draws=stiff))
     assert not found.identical
@@ -152,15 +138,10 @@ def test_a_table_differs_from_one_without_maps_and_from_other_draws():
 
 
 def test_maps_are_compared_where_two_fits_are():
-    table = mapped_table()
+    table = made_table()
     near, far = (
-        mapped_table(map=replace(made_map(), ratio=made_map().ratio * (1.0 + by)))
+        replace(made_table(), map=replace(made_map(), ratio=made_map().ratio * (1.0 + by)))
         for by in (1e-6, 1e-4)
     )
     assert same(table, near)
     assert not same(table, far)
-    assert not same(table, made_table())
-
-
-def test_the_columns_are_curves_and_maps():
-    assert set(COLUMNS) == {*CURVES, *PARTS}

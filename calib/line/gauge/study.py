@@ -148,7 +148,7 @@ def metrics_of(table: Table, log: Log, reference: float = _REFERENCE) -> dict[st
         "pad_friction_f": pads.pad_friction_f.value,
         "pad_friction_r": pads.pad_friction_r.value,
         "eta_zero": float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0,
-        "slip_stiffness": float(np.exp(-table.posterior.value("log_compliance"))),
+        "slip_stiffness": pads.slip_stiffness.value,
         "difference": float(np.interp(eta, D.eta, D.D)),
         "f1": float(np.interp(eta, paper.eta, paper.f1)),
         "f2": float(np.interp(eta, paper.eta, paper.f2)),

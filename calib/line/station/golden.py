@@ -20,17 +20,9 @@ from calib.base.arrays import Array
 from calib.base.errors import StoreError
 from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
-from calib.store.mean import (
-    COMPLIANCE,
-    RATIO,
-    own_level,
-    own_share,
-    own_variance,
-    stiffness,
-)
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.generation import require_maps
+from calib.table.budget import own
 from calib.table.pad_levels import pad_levels
 from calib.table.table import FleetScatter, Scatter, Table
 
@@ -50,7 +42,6 @@ def golden_table(store: Store, reference: str) -> Stored:
             where=found.id,
             expected="a released version",
         )
-    require_maps(found.table, found.id)
     return found
 
 
@@ -60,11 +51,10 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
     Those of D need half of the golden range of eta; sigma needs a golden table of several cars.
     """
     ours, theirs = table.calibration, golden.calibration
-    compliance = [t.posterior.value("log_compliance") for t in (table, golden)]
     found = {
         "golden_pads_f": ours.pad_friction_f.value / theirs.pad_friction_f.value - 1.0,
         "golden_pads_r": ours.pad_friction_r.value / theirs.pad_friction_r.value - 1.0,
-        "golden_stiffness": math.exp(compliance[1] - compliance[0]) - 1.0,
+        "golden_stiffness": ours.slip_stiffness.value / theirs.slip_stiffness.value - 1.0,
     }
     golden_end = float(golden.difference.eta[-1])
     end = min(float(table.difference.eta[-1]), golden_end)
@@ -99,16 +89,15 @@ def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
 
 
 def _sigma_of_pads(table: Table, golden: Table, spread: FleetScatter) -> dict[str, float]:
-    ours = pad_levels(table.vehicle, table.calibration)
-    theirs = pad_levels(golden.vehicle, golden.calibration)
+    (ours, stiff), (theirs, usual) = (
+        (pad_levels(t.vehicle, t.calibration), t.calibration.slip_stiffness.value)
+        for t in (table, golden)
+    )
+    rests = table.budget
     parts = {
-        "level": (ours.level - theirs.level, spread.pad_level, own_level(table)),
-        "ratio": (ours.ratio - theirs.ratio, spread.pad_ratio, own_variance(table, RATIO)),
-        "stiffness": (
-            stiffness(table) - stiffness(golden),
-            spread.stiffness,
-            own_variance(table, COMPLIANCE),
-        ),
+        "level": (ours.level - theirs.level, spread.pad_level, own(rests.level)),
+        "ratio": (ours.ratio - theirs.ratio, spread.pad_ratio, own(rests.ratio)),
+        "stiffness": (math.log(stiff / usual), spread.stiffness, own(rests.stiffness)),
     }
     return {f"golden_sigma_{k}": _sigma(*part, spread.freedom) for k, part in parts.items()}
 
@@ -117,11 +106,11 @@ def _sigma_of_D(table: Table, golden: Table, spread: FleetScatter, end: float) -
     """At the row of the golden table with the largest D that both reach."""
     d, theirs = table.difference, golden.difference
     row = int(np.argmax(np.where(theirs.eta <= end, np.abs(theirs.D), -1.0)))
-    eta = theirs.eta[row : row + 1]
+    eta = theirs.eta[row]
     sigma = np.interp(eta, d.eta, d.upper - d.lower) / (2.0 * Z95)
-    own = float((sigma**2 * own_share(table, eta))[0])
-    apart = float((np.interp(eta, d.eta, d.D) - theirs.D[row])[0])
-    return _sigma(apart, spread.D[row], own, spread.freedom)
+    of_run = sigma**2 * np.interp(eta, d.eta, d.own)
+    apart = np.interp(eta, d.eta, d.D) - theirs.D[row]
+    return _sigma(float(apart), spread.D[row], float(of_run), spread.freedom)
 
 
 def _sigma(apart: float, of: Scatter, own: float, freedom: int) -> float:

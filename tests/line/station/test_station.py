@@ -110,18 +110,14 @@ def fleet(good):
 
 def changed(table, by, digest):
     """The table of another car: its pads and its tyres are ``by`` off, in logarithms."""
-    cal, posterior = table.calibration, table.posterior
+    cal = table.calibration
     pads = {
         name: Value(getattr(cal, name).value * math.exp(by), getattr(cal, name).sigma)
-        for name in ("pad_friction_f", "pad_friction_r")
+        for name in ("pad_friction_f", "pad_friction_r", "slip_stiffness")
     }
-    at = posterior.names.index("log_compliance")
     return replace(
         table,
         calibration=replace(cal, **pads),
-        posterior=replace(
-            posterior, mean=tuple(m + by * (i == at) for i, m in enumerate(posterior.mean))
-        ),
         provenance=replace(
             table.provenance, logs=(LogReference("other.csv", digest * 32, "ramp"),)
         ),
