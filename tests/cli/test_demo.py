@@ -125,7 +125,7 @@ BEFORE = (
     ("tables export", "tables release"),
     ("tables compare", "--out sedan.dcm"),
     ("--limits line.toml", "brake-cal limits"),
-    ("fleet runs", "--serial 0815"),
+    ("fleet runs", "--out runs/car-0815"),
     ("tables sign sedan", "--new-key"),
     ("fleet checked", "--out checked"),
     ("fleet validated", "--out validated"),
