@@ -11,7 +11,7 @@ from calib.car.effects.effect import acts_on_wheels
 from calib.car.effects.effects import Effects
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
-from calib.diagnosis.explanation.base import Base
+from calib.diagnosis.explanation.base import PADS, Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
 from calib.diagnosis.explanation.explanation import Explanation, innovations, runs_of
 from calib.diagnosis.explanation.hypothesis import based
@@ -28,7 +28,7 @@ def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
     than noise is left, and cut at what a fit allows. Pads are as uncertain as the mass besides.
     """
     half = Z95 * np.sqrt(np.maximum(np.diag(at.covariance), 0.0) * max(at.reduced, 1.0))
-    half[:2] = np.hypot(half[:2], Z95 * at.problem.vehicle.mass_tolerance)
+    half[PADS] = np.hypot(half[PADS], Z95 * at.problem.vehicle.mass_tolerance)
     low, high = at.prior.low[: half.size], at.prior.high[: half.size]
     ends = (np.clip(at.state.x + s * half, low, high) for s in (-1, 0, 1))
     return [based(at.problem, at.hypothesis, replace(at.state, x=x)) for x in ends]

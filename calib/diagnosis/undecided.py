@@ -140,8 +140,8 @@ def best_drives(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list
 def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
     """Inner products of each log, with what the ``others`` change behind its own columns."""
     changes = [
-        np.stack([innovations(at.problem, *other, run) - r for other in others])
-        for run, r in zip(at.runs, at.innovations, strict=True)
+        np.stack([innovations(at.problem, *other, run, lag) - r for other in others])
+        for run, lag, r in zip(at.runs, at.lags(), at.innovations, strict=True)
     ]
     return at.products_with(changes)
 

@@ -9,7 +9,7 @@ from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted
 from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
-from calib.diagnosis.explanation.own import FACTORS, OWN, sizes
+from calib.diagnosis.explanation.own import FACTOR_ON, OWN, sizes
 from calib.diagnosis.explanation.own import UNITS as OWN_UNITS
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
@@ -233,7 +233,7 @@ def _state(name: str, value: float) -> str:
     """A state of a log in the unit of its head: factors and slopes in per cent."""
     if OWN_UNITS[name] != "1":
         return f"{value:+.3g}"
-    return f"{100.0 * (math.expm1(value) if name in FACTORS else value):+z.1f}"
+    return f"{100.0 * (math.expm1(value) if name in FACTOR_ON else value):+z.1f}"
 
 
 def _uneven(found: Diagnosis) -> str:

@@ -13,10 +13,13 @@ from calib.base.arrays import Array
 from calib.base.plain import rows
 from calib.car.magic_formula import MagicFormula
 from calib.car.vehicle import Vehicle
+from calib.diagnosis.explanation.own import FACTOR_ON, OWN
 
 _ROWS = rows("base.csv", "calib.diagnosis.explanation")
 
-BASE = len(_ROWS)  # number of base parameters, the first ones of every vector
+NAMES = tuple(row["name"] for row in _ROWS)
+BASE = len(NAMES)  # number of base parameters, the first ones of every vector
+PADS = [NAMES.index(name) for name in ("pad_friction_f", "pad_friction_r")]
 
 LOW, HIGH, _SIGMA, _MIDDLE = (
     np.array([float(row[key]) for row in _ROWS]) for key in ("low", "high", "sigma", "middle")
@@ -25,7 +28,7 @@ LOW, HIGH, _SIGMA, _MIDDLE = (
 
 _LOGARITHM = np.array([row["scale"] == "log" for row in _ROWS])
 _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row in _ROWS])
-_TYRE = [row["name"] for row in _ROWS[2:-2]]
+_CLOCK = NAMES.index("clock")
 
 FORM_AT = np.linspace(0.05, 1.0, 8)  # normalised forces at which tyres depart from their form [1]
 _FORM = 0.06  # standard deviation of that departure [1]
@@ -53,24 +56,28 @@ class Base:
     form: Array = field(default_factory=lambda: np.zeros((2, FORM_AT.size)), compare=False)
 
     def of_log(self, own: Array) -> Self:
-        """As a log has it, whose pads and road may differ: by the first of its ``own`` (8,)."""
-        front, rear, *road = np.exp(own[:4]).tolist()
+        """As a log has it, whose pads and road may differ: by the factors of its ``own`` (8,)."""
+        factors = dict(zip(OWN, np.exp(own * np.isin(OWN, list(FACTOR_ON))).tolist(), strict=True))
+        on = {FACTOR_ON[name]: factors[name] for name in FACTOR_ON}
         return replace(
             self,
-            pad_friction_f=front * self.pad_friction_f,
-            pad_friction_r=rear * self.pad_friction_r,
-            tyre=self.tyre.on_surface(*road),
+            pad_friction_f=on["pad_friction_f"] * self.pad_friction_f,
+            pad_friction_r=on["pad_friction_r"] * self.pad_friction_r,
+            tyre=self.tyre.on_surface(on["stiffness"], on["peak"]),
         )
 
 
 def base_of(vehicle: Vehicle, x: Array) -> Base:
     """Base parameters from the first ones (11,) of the vector."""
     values = np.where(_LOGARITHM, _MIDDLE * np.exp(x), _MIDDLE + _SCALE * x)
-    front, rear, *tyre, radius, clock = values.tolist()
-    pads = front * vehicle.front.pad_friction, rear * vehicle.rear.pad_friction
-    return Base(*pads, MagicFormula(**dict(zip(_TYRE, tyre, strict=True))), radius, clock)
+    of = dict(zip(NAMES, values.tolist(), strict=True))
+    front = of.pop("pad_friction_f") * vehicle.front.pad_friction
+    rear = of.pop("pad_friction_r") * vehicle.rear.pad_friction
+    radius, clock = of.pop("radius"), of.pop("clock")
+    return Base(front, rear, MagicFormula(**of), radius, clock)
 
 
 def base_sigma(sample: float) -> Array:
     """Standard deviations (11,) of the priors on x, for logs of that sample time [s]."""
-    return np.append(_SIGMA[:-1], _SIGMA[-1] * sample / _SCALE[-1])
+    by_clock = np.arange(BASE) == _CLOCK
+    return np.where(by_clock, _SIGMA * sample / _SCALE, _SIGMA)

@@ -69,7 +69,8 @@ def columns_by_own(at: Explanation, which: Sequence[int]) -> list[Array]:
 
 def _differences(at: Explanation, moved: Sequence[State], steps: Array) -> list[Array]:
     """Derivatives (m, n) of the innovations of each log, each by a state that has moved."""
-    found = [of_all(at.problem, at.hypothesis, state) for state in moved]
+    lags = at.lags()
+    found = [of_all(at.problem, at.hypothesis, state, lags) for state in moved]
     return [
         (np.array([other[i] for other in found]).reshape(-1, r.size) - r) / steps[:, None]
         for i, r in enumerate(at.innovations)

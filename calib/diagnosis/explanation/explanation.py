@@ -6,20 +6,22 @@ The evidence is Laplace's about the state.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import repeat
 from typing import Self
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.base import Base
+from calib.diagnosis.explanation.base import NAMES, Base
 from calib.diagnosis.explanation.channels import CHANNELS, residuals, whiten
 from calib.diagnosis.explanation.gaussian import Marginal, Products
 from calib.diagnosis.explanation.hypothesis import Hypothesis, Prior, State, based, prior_of
-from calib.diagnosis.explanation.predict import ObservedRun, predict
+from calib.diagnosis.explanation.own import COURSES, FACTOR_ON, HEATS, OWN
+from calib.diagnosis.explanation.predict import ObservedRun, RunLag, lag_of, predict
 from calib.diagnosis.explanation.problem import Problem
 
 _BENT = 2.0  # mean square of pads and tyres over their priors' from which they are bent [1]
@@ -118,9 +120,16 @@ class Explanation:
         """The runs with what each has of its own."""
         return runs_of(self.problem, self.state.own)
 
+    def lags(self) -> list[RunLag]:
+        """How the wheels of each run follow, for predictions nearby."""
+        vehicle, base, effects = self.problem.vehicle, self.base, self.effects
+        return [lag_of(vehicle, base, effects, run) for run in self.runs]
+
     def own_columns(self, i: int) -> Array:
-        """Derivatives (8, n) of a log by its own states; the first ones are factors on the base."""
-        return np.vstack([self.columns[i][:4], self.rest[i]])
+        """Derivatives (8, n) of a log by its own states; of a factor those of what it is on."""
+        rest = dict(zip((*COURSES, *HEATS), self.rest[i], strict=True))
+        factors = {name: self.columns[i][NAMES.index(on)] for name, on in FACTOR_ON.items()}
+        return np.stack([(factors | rest)[name] for name in OWN])
 
     def products_with(self, further: Sequence[Array]) -> list[Products]:
         """Inner products of each log, with ``further`` columns (c, n) behind the shared ones."""
@@ -156,15 +165,24 @@ class Explanation:
         return np.asarray(np.linalg.inv(self.marginal().information)[:m, :m])
 
 
-def innovations(problem: Problem, base: Base, effects: Effects, run: ObservedRun) -> Array:
-    """Whitened residuals (n,) of a run, channel after channel."""
-    return whiten(residuals(run, predict(problem.vehicle, base, effects, run)), problem.noise)
+def innovations(
+    problem: Problem, base: Base, effects: Effects, run: ObservedRun, lag: RunLag | None = None
+) -> Array:
+    """Whitened residuals (n,) of a run, channel after channel; ``lag`` as `predict` knows it."""
+    made = predict(problem.vehicle, base, effects, run, lag)
+    return whiten(residuals(run, made), problem.noise)
 
 
-def of_all(problem: Problem, hypothesis: Hypothesis, state: State) -> list[Array]:
+def of_all(
+    problem: Problem,
+    hypothesis: Hypothesis,
+    state: State,
+    lags: Iterable[RunLag | None] = repeat(None),
+) -> list[Array]:
     """Innovations (n,) of each log."""
     base, effects = based(problem, hypothesis, state)
-    return [innovations(problem, base, effects, run) for run in runs_of(problem, state.own)]
+    pairs = zip(runs_of(problem, state.own), lags, strict=False)
+    return [innovations(problem, base, effects, run, lag) for run, lag in pairs]
 
 
 def runs_of(problem: Problem, own: Array) -> list[ObservedRun]:

@@ -9,8 +9,17 @@ from calib.base.arrays import Array
 from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.own_effects.own_effect import definition
-from calib.diagnosis.explanation.base import BASE, FORM_PRIOR, HIGH, LOW, Base, base_of, base_sigma
-from calib.diagnosis.explanation.own import OWN, PEAK, sizes
+from calib.diagnosis.explanation.base import (
+    BASE,
+    FORM_PRIOR,
+    HIGH,
+    LOW,
+    NAMES,
+    Base,
+    base_of,
+    base_sigma,
+)
+from calib.diagnosis.explanation.own import OWN, sizes
 from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
 FADE = "pad_thermal_fade"
@@ -208,7 +217,7 @@ def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base,
 def start_of(problem: Problem) -> State:
     """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
     return State(
-        _BEGIN * np.eye(problem.base_size)[PEAK],
+        _BEGIN * np.eye(problem.base_size)[NAMES.index("peak")],
         np.zeros(len(FORM_PRIOR)),
         np.zeros((len(problem.runs), len(OWN))),
     )

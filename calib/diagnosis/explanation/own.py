@@ -13,6 +13,9 @@ from calib.base.plain import rows
 
 _ROWS = rows("own.csv", "calib.diagnosis.explanation")
 
+FACTOR_ON = {row["name"]: row["factor_on"] for row in _ROWS if row["factor_on"]}
+"""States that are logarithms of factors, with the base parameters that they multiply."""
+
 OWN = tuple(row["name"] for row in _ROWS)  # names of the states of a log, in their order
 KINDS = tuple(dict.fromkeys(row["kind"] for row in _ROWS))
 UNITS = {row["name"]: row["unit"] for row in _ROWS}
@@ -21,14 +24,13 @@ _OF_KIND = np.array([row["kind"] for row in _ROWS])
 _ALIKE, _USUAL, _OTHER = (
     np.array([float(row[key]) for row in _ROWS]) for key in ("alike", "usual", "other")
 )
-"""Standard deviations (8,) of the states, in their units; logarithms of `FACTORS`."""
-
-FACTORS = frozenset(row["name"] for row in _ROWS if row["kind"] in ("pads", "road"))
-"""States that are logarithms of factors."""
+"""Standard deviations (8,) of the states, in their units; logarithms of factors."""
 
 SCATTERED = ("pads", "road")  # kinds in which logs usually differ a little
 
-PEAK, SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = range(3, len(OWN))
+COURSES = ("slope", "zero")  # states whose changes of a log hang on its time alone
+HEATS = ("front_heat", "rear_heat")
+SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = (OWN.index(name) for name in (*COURSES, *HEATS))
 
 GRADE, ZERO_OF_A_X = "road_grade", "accelerometer_bias"  # effects that a log may have of its own
 

@@ -50,8 +50,7 @@ class ObservedRun(RunHistory):
 
     Besides, ``step`` of its clock; ``v_read`` the speed as measured; ``omega`` (4, n) in the order
     of `WHEELS`; ``drive`` (2, n) torque of engine or motor [N m per axle], zero if not logged;
-    ``own`` (8,) what it has of its own, see `calib.diagnosis.explanation.own`; ``lag`` how its
-    wheels follow, behind the car and tyre of the last prediction: most have the same.
+    ``own`` (8,) what it has of its own, see `calib.diagnosis.explanation.own`.
     """
 
     step: float
@@ -59,11 +58,6 @@ class ObservedRun(RunHistory):
     omega: Array
     drive: Array
     own: Array = field(default_factory=lambda: np.zeros(len(OWN)))
-    lag: list[tuple[object, WheelLag]] = field(repr=False, compare=False, default_factory=list)
-
-    def __getstate__(self) -> dict[str, object]:
-        """A copy in another process begins without a lag: it has twice the size of all the rest."""
-        return self.__dict__ | {"lag": []}
 
     @property
     def a_x(self) -> Array:
@@ -74,6 +68,18 @@ class ObservedRun(RunHistory):
         """The same with other ``own`` (8,), and with its start heats."""
         front = START + float(own[FRONT_HEAT])
         return replace(self, own=own, start_heat=(front, front + float(own[REAR_HEAT])))
+
+
+@dataclass(frozen=True)
+class RunLag:
+    """How the wheels of a run follow, with the tyres of that log, behind a ``car`` of no effects.
+
+    Most predictions of a run have the same car and tyres, and it takes a third of their time.
+    """
+
+    car: Vehicle
+    tyre: MagicFormula
+    lag: WheelLag
 
 
 @dataclass(frozen=True)
@@ -131,8 +137,21 @@ def run_of(log: Log) -> ObservedRun:
     )
 
 
-def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
-    """Predict a run.
+def lag_of(
+    vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun, known: RunLag | None = None
+) -> RunLag:
+    """How the wheels of a run follow, as is ``known`` if car and tyres are the same."""
+    car = combined.as_driven(vehicle, effects).with_radii(base.radius)
+    car, tyre = replace(car, effects=Effects()), base.of_log(run.own).tyre
+    if known is not None and (known.car, known.tyre) == (car, tyre):
+        return known
+    return RunLag(car, tyre, _wheel_lag(car, tyre, run))
+
+
+def predict(
+    vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun, known: RunLag | None = None
+) -> Prediction:
+    """Predict a run; ``known`` is how its wheels follow behind a car and tyres that may be others.
 
     The deceleration acts on the tyre forces through the inertia of the wheels alone, so each pass
     leaves 3 % of its error. Where the second one finds the torques of the first, they depend on
@@ -141,8 +160,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
     car = combined.as_driven(vehicle, effects).with_radii(base.radius)
+    lag = lag_of(vehicle, base, effects, run, known).lag
     base = base.of_log(run.own)
-    lag = _wheel_lag(car, base.tyre, run)
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
     lines = combined.line_pressure(effects, pressed)
     clamps = np.stack(combined.caliper_pressure(effects, pressed, *lines))
@@ -199,15 +218,12 @@ def _torque(
 
 def _wheel_lag(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> WheelLag:
     """How the wheels of both axles follow, as if both used the road as the whole car does."""
-    of = replace(car, effects=Effects()), tyre
-    if not run.lag or run.lag[0][0] != of:
-        load = np.stack(axle_loads(car, run.z))
-        _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
-        axles = (car.front, car.rear)
-        heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
-        tau = heavy * run.v / (0.5 * load * slope)
-        run.lag[:] = [(of, WheelLag.of(tau, tyre.relaxation, run.v, run.step))]
-    return run.lag[0][1]
+    load = np.stack(axle_loads(car, run.z))
+    _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
+    axles = (car.front, car.rear)
+    heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
+    tau = heavy * run.v / (0.5 * load * slope)
+    return WheelLag.of(tau, tyre.relaxation, run.v, run.step)
 
 
 def _balance(

@@ -113,7 +113,7 @@ def _pulses(at: Explanation, place: str) -> list[Array]:
     Pulses of a comb are so far apart that each moves innovations of its own.
     """
     base, effects, out = at.base, at.effects, []
-    for run, r in zip(at.runs, at.innovations, strict=True):
+    for run, lag, r in zip(at.runs, at.lags(), at.innovations, strict=True):
         middles = _middles(run)
         time = thinned(run, run.time - run.time[0])
         rows = np.tile(time[-by_channel(r).shape[1] :], len(CHANNELS))
@@ -123,7 +123,7 @@ def _pulses(at: Explanation, place: str) -> list[Array]:
             comb = np.arange(middles.size) % _APART == first
             values = tuple((_STEP * comb).tolist())
             term = EmpiricalTerm(place, "elapsed", tuple(middles.tolist()), values)
-            moved = innovations(at.problem, base, replace(effects, terms=(term,)), run)
+            moved = innovations(at.problem, base, replace(effects, terms=(term,)), run, lag)
             own = (rows >= begin[comb]) & (rows < end[comb])
             found[comb] = np.where(own, (moved - r) / _STEP, 0.0)
         out.append(found)

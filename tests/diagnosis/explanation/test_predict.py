@@ -1,6 +1,5 @@
 """The prediction against the plant of the tests: what it says, a car does."""
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from calib.base.names import G
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.magic_formula import MagicFormula
-from calib.diagnosis.explanation.predict import Base, predict, run_of
+from calib.diagnosis.explanation.predict import Base, lag_of, predict, run_of
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
 from tests.support.reference_car import without
@@ -90,9 +89,19 @@ def test_a_term_over_the_deceleration_does_not_predict_noise_from_itself(run, pl
     assert np.std(told - clean) < 0.02 * 0.05
 
 
-def test_a_copy_in_another_process_begins_without_a_lag(run):
+def test_a_known_lag_of_the_wheels_serves_only_behind_the_same_tyres(run):
+    mu = SEDAN.front.pad_friction, SEDAN.rear.pad_friction
+    base, soft = (Base(*mu, MagicFormula(stiffness, 0.95)) for stiffness in (25.0, 18.0))
+    lag = lag_of(SEDAN, base, Effects(), run)
+    for one in (base, soft):
+        told = predict(SEDAN, one, Effects(), run, lag)
+        assert np.array_equal(told.omega, predict(SEDAN, one, Effects(), run).omega)
+
+
+def test_a_run_at_another_speed_has_wheels_that_follow_at_that_speed(run):
+    """Whatever was predicted before: nothing of a run is kept for its copies."""
     base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, MagicFormula(25.0, 0.95))
-    told = predict(SEDAN, base, Effects(), run)
-    copy = pickle.loads(pickle.dumps(run))
-    assert (len(run.lag), copy.lag) == (1, [])
-    assert np.array_equal(predict(SEDAN, base, Effects(), copy).omega, told.omega)
+    slow = replace(run, v=0.5 * run.v)
+    fresh = predict(SEDAN, base, Effects(), slow).omega
+    predict(SEDAN, base, Effects(), run)
+    assert np.array_equal(predict(SEDAN, base, Effects(), slow).omega, fresh)
