@@ -15,6 +15,7 @@ from typing import Any
 
 from calib.base.arrays import Array
 from calib.base.plain import rows
+from calib.car.beliefs import SENSOR
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 
@@ -120,7 +121,9 @@ class Effect:
 def _cards() -> dict[str, Card]:
     parameters: dict[str, list[Parameter]] = {}
     for row in rows("parameters.csv", "calib.car.effects"):
-        low, high, typical, spread = (float(row[k]) for k in ("low", "high", "typical", "spread"))
+        low, high, typical = (float(row[k]) for k in ("low", "high", "typical"))
+        of_sensor = row["spread"] in SENSOR._fields  # by its name
+        spread = float(getattr(SENSOR, row["spread"]).sigma if of_sensor else row["spread"])
         default = float(row["default"]) if row["default"] else None
         parameters.setdefault(row["effect"], []).append(
             Parameter(
