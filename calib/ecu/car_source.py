@@ -7,7 +7,7 @@ is what `calib.table.exported` reads back. What is the same in every block is co
 import math
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from importlib import resources
 from itertools import starmap
 from pathlib import Path
@@ -23,7 +23,7 @@ from calib.car.balance import turning_shares
 from calib.car.bias import force_per_pressure, front_share
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
-from calib.ecu.translation import translated
+from calib.ecu.translation import structure, translated
 from calib.estimation.channels import ANSWERS, CHANNELS, limits
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
@@ -96,6 +96,7 @@ def _header(state: dict[str, Member], numbers: dict[str, Member], how: Precision
         reasons=_enumeration((f"{x.name} = {int(x)}", x.words) for x in Reason),
         inputs=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in CHANNELS.values()),
         answers=_enumeration((x.name, f"{x.meaning} [{x.unit}]") for x in ANSWERS.values()),
+        filters="\n".join(_structures(state.values())),
         state="\n".join(f"    {_kind(x)} {_declared(name, x)};" for name, x in state.items()),
         numbers=indent(fill(", ".join(starmap(_declared, numbers.items())), 88), 8 * " ").lstrip(),
     )
@@ -162,7 +163,7 @@ def _remembered(c: Constants) -> dict[str, Member]:
     """What `bte_state` has of `State`, as it is before the first block, and of locked wheels."""
     s = started(c)
     own = {"kept": s.kept[:6:2], "since_lock": 2.0 * c.recover}
-    return {name: x for name, x in asdict(s).items() if name != "waiting"} | own
+    return {x.name: getattr(s, x.name) for x in fields(s) if x.name != "waiting"} | own
 
 
 def _numbers(c: Constants, table: Table, sample_time: float, code: str) -> dict[str, Member]:
@@ -213,8 +214,18 @@ def _enumeration(rows: Iterable[tuple[str, str]]) -> str:
     return "\n".join(f"    BTE_{name.upper()}, /* {meaning} */" for name, meaning in rows)
 
 
+def _structures(state: Iterable[Member]) -> Iterator[str]:
+    """Definitions of the structures of which a state has members, each once."""
+    for of in {type(x): x for x in state if is_dataclass(x)}.values():
+        members = fill(", ".join(x.name for x in fields(of)), 80)
+        body = indent(f"bte_real {members};", 4 * " ")
+        yield f"typedef struct {{\n{body}\n}} {structure(type(of).__name__)};"
+
+
 def _kind(x: Member) -> str:
-    return "bool" if isinstance(x, bool) else "bte_zero" if isinstance(x, dict) else "bte_real"
+    if is_dataclass(x):
+        return structure(type(x).__name__)
+    return "bool" if isinstance(x, bool) else "bte_real"
 
 
 def _declared(name: str, x: Member) -> str:
@@ -223,6 +234,8 @@ def _declared(name: str, x: Member) -> str:
 
 def initial(x: Member, bits: int) -> str:
     """The initial value of a member in C, to the last bit of a floating point of ``bits``."""
+    if is_dataclass(x) and not isinstance(x, type):
+        x = asdict(x)
     if isinstance(x, dict):
         return f"{{{', '.join(f'.{name} = {initial(y, bits)}' for name, y in x.items())}}}"
     if isinstance(x, list | tuple):

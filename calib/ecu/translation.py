@@ -3,18 +3,21 @@
     calib/estimation/equations.py --ast--> static functions of bte.c
 
 They are of numbers: assignments, if, calls and return. Parts of a tuple are assigned one by one; a
-NamedTuple that is returned is a structure; a docstring is a comment. What C would take in another
-meaning, as 1/2, is found by the tests, which hold both to the same numbers.
+NamedTuple that is returned is a structure; a name with a type is a pointer to a part of the state;
+a docstring is a comment. What C would take in another meaning, as 1/2, is found by the tests, which
+hold both to the same numbers.
 """
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from textwrap import wrap
 
 _TYPES = {
     "Constants": "const bte_car *", "State": "bte_state *", "Sample": "const bte_block *",
-    "Zero": "bte_zero *", "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
+    "Zero": "bte_zero *", "LevelFilter": "bte_level_filter *", "SpeedFilter": "bte_speed_filter *",
+    "Sums": "bte_sums *", "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
     "None": "void",
 }  # fmt: skip
 """Of parameters and what is returned; a NamedTuple has a type of its own."""
@@ -75,6 +78,8 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
                     times = new.pop(_text(target), 0)
                     declared = f"{'const ' if times == 1 else ''}{kind} " if times else ""
                     yield f"{declared}{_text(target)} = {_text(value)};"
+            case ast.AnnAssign(target, kind, ast.Attribute() as value) if _type(kind)[-1] == "*":
+                yield f"{_type(kind)} {_text(target)} = &{_text(value)};".replace(" * ", " *")
             case ast.AugAssign() | ast.Expr() | ast.Return():
                 yield f"{_text(node)};"
             case _:
@@ -100,7 +105,12 @@ def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
 
 def _type(of: ast.expr | str | None, pointer: str = "") -> str:
     name = (of if isinstance(of, str) else ast.unparse(of or ast.Name(""))).split("[")[0]
-    return _TYPES.get(name, f"{'const ' * bool(pointer)}bte_{name.lower()}{pointer}")
+    return _TYPES.get(name, f"{'const ' * bool(pointer)}{structure(name)}{pointer}")
+
+
+def structure(name: str) -> str:
+    """The structure in C of a class: `bte_block_state` of BlockState."""
+    return "bte" + re.sub("([A-Z])", r"_\1", name).lower()
 
 
 def _text(node: ast.AST) -> str:

@@ -20,10 +20,10 @@ from calib.base.arrays import Array, Mask
 from calib.base.names import G
 from calib.estimation.constants import Constants
 from calib.estimation.reasons import Reason
-from calib.estimation.state import Number, Sample, State, Zero
+from calib.estimation.state import LevelFilter, Number, Sample, SpeedFilter, State, Sums, Zero
 
 
-class Seen(NamedTuple, Generic[Number]):
+class BlockState(NamedTuple, Generic[Number]):
     """What is known of brakes and tyres once a block is taken in."""
 
     level: Number  # of the pads [1], its variance
@@ -40,7 +40,7 @@ class Seen(NamedTuple, Generic[Number]):
     scale_variance: Number
     demand_variance: Number  # of the zeros
     eta_variance: Number
-    acts: Number  # share of the pressure that acts [1]
+    effective_pressure_share: Number  # share of the pressure that acts [1]
     innovation: Number  # of the wheels where they count, in standard deviations
     braked: Number  # time of this stop [s]
     zero_eta: Number  # as they stand [1]
@@ -48,7 +48,7 @@ class Seen(NamedTuple, Generic[Number]):
     counts: Number  # 1 where the wheels tell the speed, else 0
 
 
-class Weighed(NamedTuple):
+class SlipEvidence(NamedTuple):
     """Slip, one of what was measured and what the map has, and level, of blocks (k,)."""
 
     slip: Array  # how far ln(slip/z) is from that of the map, in its sigma
@@ -59,8 +59,8 @@ class Weighed(NamedTuple):
     accelerometer: Array  # and by a_x
 
 
-def measure(zero: Zero, x: float, variance: float) -> None:
-    """Take in a reading with its variance."""
+def update_zero(zero: Zero, x: float, variance: float) -> None:
+    """Update what a signal reads while nothing brakes by a reading with its variance."""
     gain = zero.variance / (zero.variance + variance)
     zero.value += gain * (x - zero.value)
     zero.variance *= 1.0 - gain
@@ -71,23 +71,23 @@ def shift(s: State, x: Sample[float]) -> float:
     return (x.eta_less_1 - s.eta_less_1.value) / (1.0 + s.eta_less_1.value)
 
 
-def rim(s: State, x: Sample[float]) -> float:
+def rim_speed(s: State, x: Sample[float]) -> float:
     """Speed of all wheels' rims [m/s], weighted by load, radii made equal."""
     return x.rim + x.rim * x.rear_share * shift(s, x)
 
 
-def forget_stop(c: Constants, s: State) -> None:
-    """What is only of the last stop; the lag is the car's."""
-    lag, variance = s.level[1], s.level[6]
-    s.level = 1.0, lag, 0.0, c.level_sigma**2, 0.0, 0.0, variance, 0.0, c.fade**2
-    s.sums = 0.0, 0.0, 0.0, 0.0
-    s.braked = 0.0
-    s.mean_z = 0.0
+def reset_stop(c: Constants, s: State) -> None:
+    """Forget what is only of the last stop; the lag is the car's."""
+    f: LevelFilter = s.level
+    f.level, f.rate, f.var_level, f.var_rate = 1.0, 0.0, c.level_sigma**2, c.fade**2
+    f.cov_level_lag, f.cov_level_rate, f.cov_lag_rate = 0.0, 0.0, 0.0
+    s.sums.blocks, s.sums.z, s.sums.shift, s.sums.z_squared = 0.0, 0.0, 0.0, 0.0
+    s.braked, s.mean_z = 0.0, 0.0
 
 
-def press(c: Constants, s: State, nominal: float) -> None:
+def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
-    dt, lag = c.block, max(s.level[1], c.least_lag)
+    dt, lag = c.block, max(s.level.lag, c.least_lag)
     left = math.exp(-dt / lag)
     rate = (nominal - s.nominal) / dt
     behind = s.acting - s.nominal + lag * rate
@@ -96,128 +96,155 @@ def press(c: Constants, s: State, nominal: float) -> None:
     s.nominal = nominal
 
 
-def brake(c: Constants, s: State, x: Sample[float]) -> None:
-    """Level and lag; means of what goes into the map."""
+def update_level(c: Constants, s: State, x: Sample[float]) -> None:
+    """Level and lag by the brake force of a block; sums of what goes into the map."""
+    f: LevelFilter = s.level
+    sums: Sums = s.sums
     y, dt = x.demand - s.demand.value, c.block
-    a, lag, rate, aa, al, ar, ll, lr, rr = s.level
-    a += rate * dt
-    aa += dt * (2.0 * ar + dt * rr) + (c.level_walk * a) ** 2 * dt
-    al += dt * lr
-    ar += dt * rr
-    rr += (c.fade_walk * a) ** 2 * dt
-    h, k = s.acting, a * s.by_lag
-    pa, pl, pr = h * aa + k * al, h * al + k * ll, h * ar + k * lr
-    rough = (c.level_rough * y) ** 2 + (c.lag_rough * a * (x.nominal - h)) ** 2
-    spread = h * pa + k * pl + c.noise_z**2 / dt + rough
-    jump = min((y - a * h) ** 2 - c.jump**2 * spread, (c.level_sigma * h) ** 2)
+    f.level += f.rate * dt
+    f.var_level += dt * (2.0 * f.cov_level_rate + dt * f.var_rate) + (c.q_level * f.level) ** 2 * dt
+    f.cov_level_lag += dt * f.cov_lag_rate
+    f.cov_level_rate += dt * f.var_rate
+    f.var_rate += (c.q_rate * f.level) ** 2 * dt
+    h, k = s.acting, f.level * s.by_lag  # of the reading h level + k lag
+    p_level = h * f.var_level + k * f.cov_level_lag
+    p_lag = h * f.cov_level_lag + k * f.var_lag
+    p_rate = h * f.cov_level_rate + k * f.cov_lag_rate
+    rough = (c.r_level * y) ** 2 + (c.r_lag * f.level * (x.nominal - h)) ** 2
+    spread = h * p_level + k * p_lag + c.noise_z**2 / dt + rough
+    residual = y - f.level * h
+    jump = min(residual**2 - c.jump**2 * spread, (c.level_sigma * h) ** 2)
     keep = math.exp(-dt / c.memory)
     if jump > 0.0:  # pads that change at once: what no noise explains, and the means are of others
-        aa += jump / h**2
-        pa += jump / h
+        f.var_level += jump / h**2
+        p_level += jump / h
         keep *= spread / (spread + jump)
         spread += jump
     gain = 1.0 / spread
-    off, ga, gl = gain * (y - a * h), gain * pa, gain * pl
-    s.level = (
-        a + off * pa, max(lag + off * pl, 0.0), rate + off * pr,
-        aa - ga * pa, al - ga * pl, ar - ga * pr, ll - gl * pl, lr - gl * pr, rr - gain * pr * pr,
-    )  # fmt: skip
-    n, z, eta, zz = s.sums
-    s.sums = keep * n + 1.0, keep * z + y, keep * eta + shift(s, x), keep * zz + y * y
-    s.mean_z = max(s.sums[1] / s.sums[0], c.least_mean_z)
+    step, g_level, g_lag = gain * residual, gain * p_level, gain * p_lag
+    f.level += step * p_level
+    f.lag = max(f.lag + step * p_lag, 0.0)
+    f.rate += step * p_rate
+    f.var_level -= g_level * p_level
+    f.cov_level_lag -= g_level * p_lag
+    f.cov_level_rate -= g_level * p_rate
+    f.var_lag -= g_lag * p_lag
+    f.cov_lag_rate -= g_lag * p_rate
+    f.var_rate -= gain * p_rate * p_rate
+    sums.blocks = keep * sums.blocks + 1.0
+    sums.z = keep * sums.z + y
+    sums.shift = keep * sums.shift + shift(s, x)
+    sums.z_squared = keep * sums.z_squared + y * y
+    s.mean_z = max(sums.z / sums.blocks, c.least_mean_z)
 
 
-def observe(s: State, h: float, k: float, rest: float, variance: float) -> float:
-    """Take in a reading of ``h`` v + ``k`` ln(slip/z), and its variance.
+def update(s: State, h: float, k: float, residual: float, variance: float) -> float:
+    """Update the speed's filter by a reading of ``h`` v + ``k`` ln(slip/z) with its variance.
 
-    ``rest`` is what is left of it over the prediction; it comes back in standard deviations. No
-    tyre slips by more than z, or by less than 1/3000 of it.
+    Return the ``residual`` in standard deviations. No tyre slips by more than z, or by less than
+    1/3000 of it.
     """
-    v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee = s.speed
-    pv, ps, po, pe = h * vv + k * vs, h * vs + k * ss, h * vo + k * so, h * ve + k * se
-    gain = 1.0 / (h * pv + k * ps + variance)
-    y, gv, gs, go = gain * rest, gain * pv, gain * ps, gain * po
-    s.speed = (
-        v + y * pv, min(max(log_slip + y * ps, -8.0), 0.0), o + y * po, e + y * pe,
-        vv - gv * pv, vs - gv * ps, vo - gv * po, ve - gv * pe,
-        ss - gs * ps, so - gs * po, se - gs * pe,
-        oo - go * po, oe - go * pe, ee - gain * pe * pe,
-    )  # fmt: skip
-    return rest * math.sqrt(gain)
+    f: SpeedFilter = s.speed
+    p_v = h * f.var_v + k * f.cov_v_slip
+    p_slip = h * f.cov_v_slip + k * f.var_slip
+    p_offset = h * f.cov_v_offset + k * f.cov_slip_offset
+    p_scale = h * f.cov_v_scale + k * f.cov_slip_scale
+    gain = 1.0 / (h * p_v + k * p_slip + variance)
+    step, g_v, g_slip, g_offset = gain * residual, gain * p_v, gain * p_slip, gain * p_offset
+    f.v += step * p_v
+    f.slip = min(max(f.slip + step * p_slip, -8.0), 0.0)
+    f.offset += step * p_offset
+    f.scale += step * p_scale
+    f.var_v -= g_v * p_v
+    f.cov_v_slip -= g_v * p_slip
+    f.cov_v_offset -= g_v * p_offset
+    f.cov_v_scale -= g_v * p_scale
+    f.var_slip -= g_slip * p_slip
+    f.cov_slip_offset -= g_slip * p_offset
+    f.cov_slip_scale -= g_slip * p_scale
+    f.var_offset -= g_offset * p_offset
+    f.cov_offset_scale -= g_offset * p_scale
+    f.var_scale -= gain * p_scale * p_scale
+    return residual * math.sqrt(gain)
 
 
-def move(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
+def reset_speed(c: Constants, s: State) -> None:
+    """Take the speed of the rims, with a_x as it usually is."""
+    f: SpeedFilter = s.speed
+    f.v, f.slip, f.offset, f.scale = 0.0, 0.0, 0.0, c.scale
+    f.var_v, f.var_slip, f.var_offset, f.var_scale = 1.0, 0.0, c.offset**2, c.scale_sigma**2
+    f.cov_v_slip, f.cov_v_offset, f.cov_v_scale = 0.0, 0.0, 0.0
+    f.cov_slip_offset, f.cov_slip_scale, f.cov_offset_scale = 0.0, 0.0, 0.0
+
+
+def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
     """The speed by a_x, until it is measured.
 
     ``bends`` by how much the mean deceleration changed [1].
     """
-    rims = rim(s, x)
+    f: SpeedFilter = s.speed
+    rims = rim_speed(s, x)
     if not s.anchored:  # radii that are made equal now would look like a speed that jumps
-        s.speed = (
-            0.0, 0.0, 0.0, c.scale,
-            1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, c.offset**2, 0.0, c.scale_sigma**2,
-        )  # fmt: skip
+        reset_speed(c, s)
         s.rim = rims
         s.anchored = braking or s.eta_less_1.variance < 0.5 * c.zero**2
     dt = c.block
-    v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee = s.speed  # v less rims
-    lost = G * dt * (0.5 * (x.z + s.z) - o)
-    by_o = G * dt * (1.0 - e) if braking else G * dt
-    by_e = lost if braking else 0.0
-    v += s.rim - rims
-    v -= lost * (1.0 - e) if braking else lost
+    lost = G * dt * (0.5 * (x.z + s.z) - f.offset)
+    by_offset = G * dt * (1.0 - f.scale) if braking else G * dt
+    by_scale = lost if braking else 0.0
+    f.v += s.rim - rims
+    f.v -= lost * (1.0 - f.scale) if braking else lost
     s.rim = rims
-    pv = vv + by_o * vo + by_e * ve
-    vs += by_o * so + by_e * se
-    vo += by_o * oo + by_e * oe
-    ve += by_o * oe + by_e * ee
-    vv = pv + by_o * vo + by_e * ve
-    vv += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
-    oo += c.grade_walk**2 * dt
+    var_v = f.var_v + by_offset * f.cov_v_offset + by_scale * f.cov_v_scale
+    f.cov_v_slip += by_offset * f.cov_slip_offset + by_scale * f.cov_slip_scale
+    f.cov_v_offset += by_offset * f.var_offset + by_scale * f.cov_offset_scale
+    f.cov_v_scale += by_offset * f.cov_offset_scale + by_scale * f.var_scale
+    f.var_v = var_v + by_offset * f.cov_v_offset + by_scale * f.cov_v_scale
+    f.var_v += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
+    f.var_offset += c.q_grade**2 * dt
     if s.braked > dt:
-        ss += c.slip_walk**2 * dt + c.slip_bends * bends
-        s.speed = v, log_slip, o, e, vv, vs, vo, ve, ss, so, se, oo, oe, ee
+        f.var_slip += c.q_slip**2 * dt + c.q_bends * bends
     else:
-        ss = c.log_slip_sigma**2
-        s.speed = v, c.log_slip, o, e, vv, 0.0, vo, ve, ss, 0.0, 0.0, oo, oe, ee
+        f.slip, f.var_slip = c.log_slip, c.log_slip_sigma**2
+        f.cov_v_slip, f.cov_slip_offset, f.cov_slip_scale = 0.0, 0.0, 0.0
 
 
-def see_rims(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
+def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
     """The speed by the wheels; what does not fit is offset, scale and slip."""
-    v, over = s.rim + s.speed[0], max(x.demand - s.demand.value, 0.0)
-    slip = over * math.exp(s.speed[1]) if braking else 0.0
-    variance = c.noise_rim**2 / c.block + (c.slip_rough * slip * v) ** 2
-    s.innovation = observe(s, 1.0 - slip, -v * slip, v * slip - s.speed[0], variance)
+    v, over = s.rim + s.speed.v, max(x.demand - s.demand.value, 0.0)
+    slip = over * math.exp(s.speed.slip) if braking else 0.0
+    variance = c.noise_rim**2 / c.block + (c.r_slip * slip * v) ** 2
+    s.innovation = update(s, 1.0 - slip, -v * slip, v * slip - s.speed.v, variance)
 
 
-def take_in(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
+def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """What a block tells of brakes and speed."""
     dt, braking, before = c.block, x.pressure > c.bite, s.mean_z
-    press(c, s, x.nominal)
+    brake_line_lag(c, s, x.nominal)
     if braking:
         s.braked += dt
         s.released = 0.0
         if counts:
-            brake(c, s, x)
+            update_level(c, s, x)
     else:
         s.released += dt
         if s.braked > 0.0 and s.released > 1.0 + 0.5 * dt:
-            forget_stop(c, s)
-    move(c, s, x, abs(s.mean_z - before), braking=braking)
+            reset_stop(c, s)
+    predict(c, s, x, abs(s.mean_z - before), braking=braking)
     if counts:
-        see_rims(c, s, x, braking=braking)
+        update_wheels(c, s, x, braking=braking)
     s.z = x.z
 
 
-def seen_of(c: Constants, s: State, x: Sample[float], *, counts: bool) -> Seen[float]:
+def block_state(c: Constants, s: State, x: Sample[float], *, counts: bool) -> BlockState[float]:
     """What is known of brakes and tyres."""
-    level, _, _, level_variance, _, _, _, _, _ = s.level
-    blocks, _, eta, zz = s.sums
-    n = blocks if blocks > 0.0 else 1.0
-    v, log_slip, _, scale, _, _, _, _, ss, _, se, _, _, ee = s.speed
-    return Seen(
-        level, level_variance, blocks, s.mean_z, eta / n, zz / n,
-        s.rim + v, log_slip, scale, ss, se, ee, s.demand.variance, s.eta_less_1.variance,
+    f: SpeedFilter = s.speed
+    n = s.sums.blocks if s.sums.blocks > 0.0 else 1.0
+    return BlockState(
+        s.level.level, s.level.var_level, s.sums.blocks, s.mean_z,
+        s.sums.shift / n, s.sums.z_squared / n,
+        s.rim + f.v, f.slip, f.scale, f.var_slip, f.cov_slip_scale, f.var_scale,
+        s.demand.variance, s.eta_less_1.variance,
         s.acting / x.nominal if x.pressure > c.bite else 1.0, s.innovation, s.braked,
         1.0 + s.eta_less_1.value, s.slip.value, 1.0 if counts else 0.0,
     )  # fmt: skip
@@ -243,23 +270,25 @@ def renewed(c: Constants, s: State, level: float, share: float) -> float:
     return aged(c, s, level)
 
 
-def weighed(c: Constants, seen: Seen[Array], z: Array, usual: Array, sigma: Array) -> Weighed:
+def weighed(
+    c: Constants, seen: BlockState[Array], z: Array, usual: Array, sigma: Array
+) -> SlipEvidence:
     """Slip and level (k,); ``usual`` is ln(slip/z) by the map, with its ``sigma``."""
     known, rest = seen.slip_variance, usual - seen.log_slip
     gain = 1.0 / (known + sigma**2)
     scale_variance = np.maximum(seen.scale_variance - gain * seen.slip_scale**2, 0.0)
     steady = np.maximum(seen.level, c.least_share)
-    return Weighed(
+    return SlipEvidence(
         -gain * sigma * rest,
         np.sqrt(gain * known),
         np.maximum(1.0 - seen.scale - gain * seen.slip_scale * rest, c.least_share),
-        steady * np.clip(seen.acts, c.least_share, 1.0 / c.least_share),
+        steady * np.clip(seen.effective_pressure_share, c.least_share, 1.0 / c.least_share),
         np.minimum(np.maximum(seen.level_variance, 0.0) / steady**2, 1.0),
         seen.demand_variance / z**2 + scale_variance,
     )
 
 
-def eta_error(c: Constants, seen: Seen[Array], z: Array) -> Array:
+def eta_error(c: Constants, seen: BlockState[Array], z: Array) -> Array:
     """Standard deviation of the mean of eta - 1 (k,) by wheels, zero and a changing z."""
     wheels = c.noise_rim / np.maximum(seen.speed, 1.0)
     wheels = wheels / np.sqrt(c.block * np.maximum(seen.blocks, 1.0))
@@ -269,7 +298,7 @@ def eta_error(c: Constants, seen: Seen[Array], z: Array) -> Array:
 
 
 def reason_of(
-    c: Constants, x: Sample[Array], seen: Seen[Array], level: Array, of_map: Mask
+    c: Constants, x: Sample[Array], seen: BlockState[Array], level: Array, of_map: Mask
 ) -> Array:
     """The first `Reason` that applies to blocks (k,); ``level`` of the pads [1]."""
     why = np.where(of_map, Reason.VALID, Reason.BEYOND_MAP)

@@ -35,8 +35,49 @@ class Zero:
     variance: float
 
 
-Numbers = tuple[float, ...]
-"""Of a Kalman filter: its states, then the upper half of their covariance, row by row."""
+@dataclass(slots=True)
+class LevelFilter:
+    """Kalman filter of the brakes: states, then their variances and covariances."""
+
+    level: float = 1.0  # of the pads [1]
+    lag: float = 0.0  # of the brakes [s]
+    rate: float = 0.0  # of the level [1/s]
+    var_level: float = 0.0
+    cov_level_lag: float = 0.0
+    cov_level_rate: float = 0.0
+    var_lag: float = 0.0
+    cov_lag_rate: float = 0.0
+    var_rate: float = 0.0
+
+
+@dataclass(slots=True)
+class SpeedFilter:
+    """Kalman filter of the speed: states, then their variances and covariances."""
+
+    v: float = 0.0  # above that of the rims [m/s]: a small number
+    slip: float = 0.0  # ln(slip/z)
+    offset: float = 0.0  # of a_x [1]
+    scale: float = 0.0  # of a_x [1]
+    var_v: float = 0.0
+    cov_v_slip: float = 0.0
+    cov_v_offset: float = 0.0
+    cov_v_scale: float = 0.0
+    var_slip: float = 0.0
+    cov_slip_offset: float = 0.0
+    cov_slip_scale: float = 0.0
+    var_offset: float = 0.0
+    cov_offset_scale: float = 0.0
+    var_scale: float = 0.0
+
+
+@dataclass(slots=True)
+class Sums:
+    """Sums over the blocks of a braking, which forget."""
+
+    blocks: float = 0.0
+    z: float = 0.0  # brake force that z demands, from its zero [1]
+    shift: float = 0.0  # eta over its zero, less 1
+    z_squared: float = 0.0
 
 
 @dataclass(slots=True)
@@ -46,9 +87,8 @@ class State:
     demand: Zero
     eta_less_1: Zero
     slip: Zero
-    level: Numbers  # of the pads [1], lag of the brakes [s], rate of the level [1/s]
-    # speed above that of the rims [m/s], a small number; ln(slip/z), offset and scale of a_x [1]
-    speed: Numbers = (0.0,) * 14
+    level: LevelFilter = field(default_factory=LevelFilter)
+    speed: SpeedFilter = field(default_factory=SpeedFilter)
     rim: float = 0.0  # of all wheels [m/s]
     anchored: bool = False  # once the speed no longer moves with the zero of eta
     waiting: deque[Sample[float]] = field(default_factory=deque)
@@ -58,7 +98,7 @@ class State:
     z: float = 0.0
     braked: float = 0.0  # time of this stop [s]
     released: float = 0.0  # [s]
-    sums: Numbers = (0.0,) * 4  # that forget: of 1, of z and eta - 1 from their zeros, of z squared
+    sums: Sums = field(default_factory=Sums)
     mean_z: float = 0.0
     innovation: float = 0.0
     # the best informed ratio and its change, their lower and upper bounds, variance by reading

@@ -18,21 +18,21 @@ from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.estimation.constants import Constants
 from calib.estimation.equations import (
-    Seen,
+    BlockState,
     aged,
+    block_state,
     eta_error,
-    forget_stop,
-    measure,
-    observe,
     reason_of,
     renewed,
-    rim,
-    seen_of,
+    reset_stop,
+    rim_speed,
     share_of,
-    take_in,
+    step_filters,
+    update,
+    update_zero,
     weighed,
 )
-from calib.estimation.state import Sample, State, Zero
+from calib.estimation.state import LevelFilter, Sample, State, Zero
 
 
 class Answer(NamedTuple):
@@ -59,53 +59,53 @@ class Answer(NamedTuple):
 def started(c: Constants) -> State:
     """The state before the first block: radii of the car within 1 %, pads of any level."""
     demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, c.radii - 1.0, 0.0))
-    s = State(demand, eta, slip, level=(1.0, c.lag, *(0.0,) * 4, c.lag_sigma**2, 0.0, 0.0))
-    forget_stop(c, s)
+    s = State(demand, eta, slip, LevelFilter(lag=c.lag, var_lag=c.lag_sigma**2))
+    reset_stop(c, s)
     return s
 
 
-def follow(c: Constants, s: State, x: Sample[float]) -> Seen[float]:
+def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
     """Take in a block. Changes the state."""
     counts = x.rim > c.moving and not x.disturbed
     _roll(c, s, x, counts=counts)
-    take_in(c, s, x, counts=counts)
+    step_filters(c, s, x, counts=counts)
     if counts and x.v == x.v:  # not where v is missing: NaN is not
-        _see_v(c, s, x)
-    return seen_of(c, s, x, counts=counts)
+        _update_speed(c, s, x)
+    return block_state(c, s, x, counts=counts)
 
 
 def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    a_x, radii, most = c.bias_walk**2 * c.block, c.radius_walk**2 * c.block, c.zero**2
+    a_x, radii, most = c.q_bias**2 * c.block, c.q_radius**2 * c.block, c.zero**2
     for zero, grows in ((s.demand, a_x), (s.eta_less_1, radii), (s.slip, radii)):
         variance = zero.variance + grows
         zero.variance = variance if variance < most else most
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.noise_rim / old.rim
-        measure(s.demand, old.demand, (c.noise_z**2 + 1e-8) / c.block)
-        measure(s.eta_less_1, old.eta_less_1, 2.0 * wheels**2 / c.block)
+        update_zero(s.demand, old.demand, (c.noise_z**2 + 1e-8) / c.block)
+        update_zero(s.eta_less_1, old.eta_less_1, 2.0 * wheels**2 / c.block)
         if old.v > c.moving:
-            slip = 1.0 - rim(s, old) / old.v
-            measure(s.slip, slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
+            slip = 1.0 - rim_speed(s, old) / old.v
+            update_zero(s.slip, slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
     if counts and not x.driven and x.pressure < c.untouched and abs(x.z) < c.steady:
         s.waiting.append(x)
     else:
         s.waiting.clear()
 
 
-def _see_v(c: Constants, s: State, x: Sample[float]) -> None:
+def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
     """The speed by v."""
-    v = s.rim + s.speed[0]
+    v = s.rim + s.speed.v
     variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
     in_time = x.v - G * x.z * c.late
-    observe(s, 1.0, 0.0, in_time * (1.0 - s.slip.value) - v, variance)
+    update(s, 1.0, 0.0, in_time * (1.0 - s.slip.value) - v, variance)
 
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:
     """Take in a block, and answer. Changes the state."""
-    seen = Seen(*np.array([follow(c, s, x)]).T)
+    seen = BlockState(*np.array([follow(c, s, x)]).T)
     return _answers(c, s, Sample(*np.array([x]).T), seen).at(0)
 
 
@@ -113,10 +113,10 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
     """The answers of `step` to each block of a run (k,), from the start."""
     s = started(c)
     rows = zip(*(column.tolist() for column in x), strict=True)
-    return _answers(c, s, x, Seen(*np.array([follow(c, s, Sample(*row)) for row in rows]).T))
+    return _answers(c, s, x, BlockState(*np.array([follow(c, s, Sample(*row)) for row in rows]).T))
 
 
-def _answers(c: Constants, s: State, x: Sample[Array], seen: Seen[Array]) -> Answer:
+def _answers(c: Constants, s: State, x: Sample[Array], seen: BlockState[Array]) -> Answer:
     """Answer each block (k,), as `follow` left it."""
     new = seen.blocks == 0.0
     z = np.where(new, c.usual_z, seen.z)

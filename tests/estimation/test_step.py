@@ -1,15 +1,16 @@
 """The step on blocks whose truth is a closed form: level, lag, zeros, look-up, reset, reasons."""
 
 import math
+from dataclasses import astuple
 
 import numpy as np
 import pytest
 
 from calib.base.names import G
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
-from calib.estimation.equations import observe
+from calib.estimation.equations import update
 from calib.estimation.reasons import Reason
-from calib.estimation.state import Sample
+from calib.estimation.state import Sample, SpeedFilter
 from calib.estimation.step import run as run_all
 from calib.estimation.step import started, step
 from calib.table.maps import LevelMap, Reader
@@ -105,9 +106,9 @@ def test_a_reading_is_taken_in_as_the_textbook_has_it():
     H = np.array([*rng.normal(size=2), 0.0, 0.0])
     S, upper = H @ P @ H + R, np.triu_indices(4)
     s = started(constants())
-    s.speed = (*x, *P[upper])
-    assert observe(s, H[0], H[1], y, R) == pytest.approx(y / np.sqrt(S))
-    out = s.speed
+    s.speed = SpeedFilter(*x, *P[upper])
+    assert update(s, H[0], H[1], y, R) == pytest.approx(y / np.sqrt(S))
+    out = astuple(s.speed)
     assert out[:4] == pytest.approx(x + P @ H / S * y)
     assert out[4:] == pytest.approx((P - np.outer(P @ H, H @ P) / S)[upper])
 
@@ -152,20 +153,20 @@ def test_without_a_speed_the_slip_is_that_of_the_map():
 
 def test_a_lag_of_the_brakes_is_found():
     answers, s = run(stop(lag=0.15), constants(noise_z=1e-3))
-    assert s.level[1] == pytest.approx(0.15, abs=0.04)
-    then = s.level[1]
+    assert s.level.lag == pytest.approx(0.15, abs=0.04)
+    then = s.level.lag
     assert answers[-1].level[0] == pytest.approx(math.log(0.8), abs=0.015)
     # it is the car's, and outlives the stop
     rolled = [replace_sample(x, pressure=0.0, nominal=0.0) for x in stop(rolling=3.0, last=0.0)]
     _, s = run(rolled, state=s)
-    assert s.level[1] == then
+    assert s.level.lag == then
 
 
 @pytest.mark.parametrize("noise", [1e-6, 1e-4, 1e-3])
 @pytest.mark.parametrize("lag", [0.001, 0.08, 0.15])
 def test_a_lag_is_found_however_quiet_the_sensors_are(lag, noise):
     _, s = run(stop(lag=lag), constants(noise_z=noise))
-    assert s.level[1] == pytest.approx(lag, abs=0.02)
+    assert s.level.lag == pytest.approx(lag, abs=0.02)
 
 
 def test_pads_that_step_are_followed_within_three_blocks():

@@ -105,12 +105,12 @@ static void roll(bte_state *s, const bte_block *x, bool counts) {
     const bte_car *c = s->car;
     const bte_real dt = c->block, most = square(c->zero);
     bte_block *oldest = &s->waiting[s->waits % c->waiting];
-    s->demand.variance = smallest(s->demand.variance + square(c->bias_walk) * dt, most);
-    s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->radius_walk) * dt, most);
+    s->demand.variance = smallest(s->demand.variance + square(c->q_bias) * dt, most);
+    s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->q_radius) * dt, most);
     if (x->pressure <= c->bite && s->waits >= c->waiting) {
         const bte_real wheels = c->noise_rim / oldest->rim;
-        measure(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
-        measure(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
+        update_zero(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
+        update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
     }
     if (counts && !s->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
         *oldest = *x;
@@ -182,15 +182,15 @@ static void take(bte_state *s, const bte_block *x) {
     const bte_car *c = s->car;
     const bool counts = x->rim > c->moving && s->worst == BTE_VALID;
     roll(s, x, counts);
-    take_in(c, s, x, counts);
-    const bte_seen seen = seen_of(c, s, x, counts);
+    step_filters(c, s, x, counts);
+    const bte_block_state seen = block_state(c, s, x, counts);
     const bool is_new = seen.blocks == R(0.0);
     const bte_real z = is_new ? c->usual_z : seen.z, shifted = seen.shift / z;
     bte_real at[BTE_MAP_AXES] = {z, shifted, R(0.0)};
     bte_real by_map[BTE_BOUNDS], ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS], *level = ln[BTE_LEVEL];
     look_up(&c->slip, at, by_map);
     look_up(&c->level, at, level);
-    const bte_weighed w = weighed(c, &seen, z, by_map[0], by_map[1]);
+    const bte_slip_evidence w = weighed(c, &seen, z, by_map[0], by_map[1]);
     const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
     widen(level, logarithm(w.pads * w.scaled), wider, wider);
     /* ratio */

@@ -77,10 +77,8 @@ typedef struct {
 bte_place BTE_FIND(const bte_axis *axis, bte_real x);
 #endif
 
-/* A Gaussian that walks: what a signal reads while nothing brakes. */
-typedef struct {
-    bte_real value, variance;
-} bte_zero;
+/* What a signal reads while nothing brakes, Kalman filters of brakes and speed, and their sums. */
+$filters
 
 /* Means over a block [SI], as the estimator takes them in; forces over the weight. */
 typedef struct {
