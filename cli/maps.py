@@ -29,7 +29,12 @@ def map_(
         "CHANNEL=NAME",
         make=_pairs,
     ),
-    radius: float | None = option("Radius [m] for wheel speeds in km/h.", "M", min=0.1, max=1.0),
+    radius: list[float] = option(
+        "Radius [m] for wheel speeds in km/h; given twice, of front and rear.",
+        "M",
+        min=0.1,
+        max=1.0,
+    ),
     channel_map: "ChannelMap | None" = channel_map(
         "Its file format and DBC; not that of the settings."
     ),
@@ -47,10 +52,13 @@ def map_(
     from calib.show.facts import Facts
     from calib.suggest.propose import suggest, to_lines, to_toml, tried
 
+    if len(radius) > 2:
+        raise misuse(f"{len(radius)} radii; one, or one of front and one of rear", "--radius")
+    radii = (radius[0], radius[-1]) if radius else None
     told = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
     with open_log(log, channel_map) as opened:
         source = opened.table()
-    found = tried(suggest(source, str(log), told=told, radius=radius), log, channel_map)
+    found = tried(suggest(source, str(log), told=told, radii=radii), log, channel_map)
     toml = to_toml(found, channel_map, None if out is None else out.absolute().parent)
     certain = not found.doubts and bool(found.proposals)
     if certain and out is not None:

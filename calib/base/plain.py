@@ -6,6 +6,7 @@ have, and at the station its limits, the reason for them and the next step where
 
 import csv
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any, NamedTuple
@@ -21,6 +22,16 @@ def counted(number: int, what: str) -> str:
     ('1 log', '2 logs')
     """
     return f"{number} {what}{'s' * (number != 1)}"
+
+
+def quoted(names: Sequence[str], most: int = 10) -> str:
+    """Names in quotes: the first ones, and how many more there are.
+
+    >>> quoted(["p", "v", "a"], 2)
+    "'p', 'v' and 1 more"
+    """
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(map(repr, names[:most])) + more
 
 
 def plus_minus(value: float, half: float) -> str:

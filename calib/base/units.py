@@ -38,7 +38,8 @@ ONE = Unit()
 
 QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     # SI unit: (quantity, {written unit: meaning})
-    "s": ("time", {"s": ONE, "ms": Unit(per=1e3), "us": Unit(per=1e6), "min": Unit(60)}),
+    "s": ("time", {"s": ONE, "ms": Unit(per=1e3), "us": Unit(per=1e6), "min": Unit(60),
+        "h": Unit(3600), "d": Unit(86400)}),
     "Pa": ("pressure", {
         "Pa": ONE, "hPa": Unit(100), "kPa": Unit(1e3), "MPa": Unit(1e6), "bar": Unit(1e5),
         "mbar": Unit(100),
@@ -50,7 +51,8 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
         "U/min": Unit(_TURN, per=60), "1/min": Unit(_TURN, per=60), "Hz": Unit(_TURN),
     }),
     "m/s": ("speed", {
-        "m/s": ONE, "km/h": Unit(10, per=36), "kph": Unit(10, per=36), "mph": Unit(0.44704),
+        "m/s": ONE, "km/h": Unit(10, per=36), "mm/s": Unit(per=1e3),
+        "cm/s": Unit(per=100), "kph": Unit(10, per=36), "mph": Unit(0.44704),
         "kn": Unit(1852, per=3600),
     }),
     "degC": ("temperature", {
@@ -79,7 +81,8 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
 }  # fmt: skip
 
 _SPELT = (
-    ("s", "sec secs Secs"), ("ms", "msec"), ("us", "µs μs"), ("degC", "C °C"), ("degF", "°F"),
+    ("s", "sec secs Secs seconds"), ("ms", "msec milliseconds"), ("d", "day days"),
+    ("us", "µs μs"), ("degC", "C °C"), ("degF", "°F"),
     ("deg", "°"), ("degC", "℃"), ("deg", "degree degrees Degrees"),
     ("deg/s", "°/s °/sec deg/sec degrees/s"), ("rad/s", "rad/sec"), ("1/degC", "1/°C"),
     ("m/s^2", "m/s/s m/sec^2 m/s2 ms^-2 m*s^-2"), ("g", "G g's"), ("Hz", "rps"),

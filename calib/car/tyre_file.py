@@ -39,7 +39,7 @@ _KEYS = {
 _UNITS = {"FORCE": ("newton", "newtons", "n"), "LENGTH": ("meter", "meters", "metre", "m")}
 _FAR = 3.0  # times the nominal load, or a part of it, where the polynomials say nothing
 _WHAT = "a tyre property file (.tir) of the Magic Formula 5.2, 6.1 or 6.2 (PAC2002, MF-Tyre)"
-_LINE = re.compile(r"^\s*(\w+)\s*=\s*'?([^\s$!']+)", re.MULTILINE)
+_LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS, TRUTH_UNITS
+from calib.base.plain import quoted
 from calib.base.toml import nearest
-from calib.base.units import UnknownUnit, si_of, unit_of
+from calib.base.units import UnknownUnit, is_unit, si_of, unit_of
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.log import Origin
 from calib.logs.source import ChannelTrace, Column, address_of, called
@@ -73,16 +74,19 @@ def assign(
 
 
 def _is_spare(column: Column, require: tuple[str, ...] = ()) -> bool:
-    """Whether a column is an optional channel without a unit."""
-    known = column.name in CHANNELS and not CHANNELS[column.name].required
-    return known and not column.unit and column.name not in require
+    """Whether a column is an optional channel without a unit, or with one that is not known."""
+    known = CHANNELS.get(column.name)
+    if known is None or known.required or column.name in require:
+        return False
+    return not column.unit or not is_unit(column.unit, known.si)
 
 
 def without_unit(columns: tuple[Column, ...], taken: list[Assigned]) -> tuple[str, ...]:
-    """A note on each optional channel that was left out because it has no unit."""
+    """A note on each optional channel that was left out because it has no known unit."""
     used = {item.channel for item in taken}
     return tuple(
-        f"{column.name} has no unit and was left out: name it in the header or in a channel map"
+        f"{column.name} has {f'the unknown unit {column.unit!r}' if column.unit else 'no unit'} "
+        "and was left out: name its unit in the header or in a channel map"
         for column in columns
         if _is_spare(column) and column.name not in used
     )
@@ -97,7 +101,7 @@ def _mapped(
         raise ChannelMapError(
             f"{where} has no column {entry.source!r} for {name}",
             where=map_path,
-            expected=f"one of {', '.join(map(repr, names))}",
+            expected=f"one of {quoted(names)}",
             do=_suggestion(entry.source, names),
         )
     if len(found) > 1:
@@ -171,8 +175,7 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
     if not missing:
         return
     hints = [hint for name in missing if (hint := _suggestion(name, list(ignored), name))]
-    others = ", ".join(repr(name) for name in ignored)
-    have = f"; the log also has {others}" if others else ""
+    have = f"; the log also has {quoted(ignored)}" if ignored else ""
     raise LogError(
         f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
         where=where,

@@ -66,7 +66,9 @@ def evened(time: Array) -> tuple[Array, float] | None:
     step = _slope(time, steps)
     counts = np.round(steps / step)
     single = np.unique(np.round(steps[counts == 1] / step, 6)) * step
-    if not 2 <= single.size <= VALUES or single[-1] - single[0] < _FINE * step:
+    if counts.min() < 1.0 or not 2 <= single.size <= VALUES:
+        return None
+    if single[-1] - single[0] < _FINE * step:
         return None
     row = np.concatenate([[0.0], np.cumsum(counts)])
     slope, start = np.polynomial.polynomial.Polynomial.fit(row, time, 1).convert().coef[::-1]

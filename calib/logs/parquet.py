@@ -53,11 +53,18 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         raise too_large(where)
 
     def read(indices: Sequence[int]) -> list[Array]:
+        for i in indices:
+            _require_numbers(fields[i].type, f"{where}: {columns[i].name}")
+        names = [fields[i].name for i in indices]
+        several = len({field.name for field in fields}) < len(fields)
         try:
-            table = file.read(use_threads=False)
+            table = file.read(None if several else names, use_threads=False)
         except (pa.ArrowException, OSError, ValueError) as cause:
             raise damaged(where, f"damaged: {cause}") from cause
-        return [_numbers(table.column(i), f"{where}: {columns[i].name}") for i in indices]
+        found = [table.column(i if several else fields[i].name) for i in indices]
+        return [
+            _numbers(x, f"{where}: {columns[i].name}") for i, x in zip(indices, found, strict=True)
+        ]
 
     return ColumnSource(columns, read)
 
@@ -112,6 +119,17 @@ def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Arra
     if pa.types.is_time(column.type):
         time = over_midnight(time)
     return from_first(time, where)
+
+
+def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
+    """Refuse what is no number by its type, before its values take any memory."""
+    import pyarrow.types as of
+
+    value = kind.value_type if of.is_dictionary(kind) else kind
+    numeric = of.is_integer(value) or of.is_floating(value) or of.is_decimal(value)
+    if numeric or of.is_boolean(value) or of.is_null(value) or _clock_unit(value) is not None:
+        return
+    raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
 
 
 def _numbers(column: "pyarrow.ChunkedArray", where: str) -> Array:

@@ -13,6 +13,7 @@ from calib.base.arrays import Array
 from calib.base.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
+from calib.base.plain import quoted
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.channel_map import ChannelMap, Databases
 from calib.logs.clock import is_ascending, on_line
@@ -20,7 +21,7 @@ from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_o
 from calib.logs.gaps import fill_rows
 from calib.logs.impossible import without_impossible
 from calib.logs.log import Log
-from calib.logs.resample import on_one_clock
+from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
 from calib.logs.source import ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
 from calib.logs.verify import check_clock, complete_channels, refuse_absurd, without_open_ends
@@ -142,6 +143,9 @@ def read_opened(
 def _rows(log: Log, source: ColumnSource, taken: list[Assigned]) -> Log:
     written = source.read([item.index for item in taken])
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
+    others = {name: x for name, x in values.items() if name != "time"}
+    if of_several_clocks(values["time"], others):
+        return _rows_of_several_clocks(log, source, taken, values["time"], others)
     rounded: tuple[str, ...] = ()
     if is_ascending(values["time"]):
         values["time"], rounded = on_line(values["time"])
@@ -151,13 +155,29 @@ def _rows(log: Log, source: ColumnSource, taken: list[Assigned]) -> Log:
     return replace(log, channels=values | filled, notes=told, bridged=tuple(bridged))
 
 
+def _rows_of_several_clocks(
+    log: Log, source: ColumnSource, taken: list[Assigned], time: Array, columns: dict[str, Array]
+) -> Log:
+    methods = {item.channel: item for item in taken}
+    traces = [methods[trace.name].named(trace) for trace in traces_of(time, columns)]
+    found = on_one_clock(traces, log.source)
+    note = "the rows are those of several clocks: each channel was put on one clock"
+    return replace(
+        log,
+        channels={"time": found.time, **dict(zip(columns, found.values, strict=True))},
+        notes=(*log.notes, *without_unit(source.columns, taken), note, *found.notes),
+        bridged=found.bridged,
+        interpolated=found.interpolated,
+    )
+
+
 def _recorded(
     log: Log, source: Recording, taken: list[Assigned], channel_map: ChannelMap | None
 ) -> Log:
     clock = recorded_clock(taken, channel_map)
     others = [item for item in taken if item is not clock]
     if not others:
-        have = ", ".join(map(repr, log.ignored)) or "no channels"
+        have = quoted(log.ignored) or "no channels"
         raise LogError(
             f"no channel of the log is known; it has {have}",
             where=log.source,
@@ -182,7 +202,8 @@ def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
     possible, moved = _in_time(possible, taken, log.source)
     cut, cut_notes = without_open_ends(possible)
     values, notes = complete_channels(cut, needed, log.source)
-    check_clock(values["time"], log.source)
+    unit = next(item.unit for item in taken if item.channel == "time")
+    check_clock(values["time"], log.source, unit)
     return replace(
         log,
         channels={name: values[name] for name in CHANNELS if name in values},

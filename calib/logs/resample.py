@@ -6,7 +6,7 @@ v        .........|...................      10 Hz   linear
 time         |----|----|----|              only where all required channels have values
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
-from calib.logs.clock import on_line, running, step_of
+from calib.logs.clock import is_ascending, on_line, running, step_of
 from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, in_words
 from calib.logs.source import ChannelTrace
 
@@ -43,6 +43,30 @@ class _Resampled:
     bridged: tuple[ChannelHole, ...]
     rates: dict[str, float]
     interpolated: tuple[str, ...]
+
+
+def of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
+    """Whether rows at ``time`` [s] (n,) are those of several clocks, one row for each time stamp.
+
+    The rows are uneven then, and a column (n,), NaN where it has no value, has even times of its
+    own. Required channels decide, or all columns where none is one.
+    """
+    if not is_ascending(time) or _even(time):
+        return False
+    own = {name: x for name, x in columns.items() if name in CHANNELS and CHANNELS[name].required}
+    known = [np.isfinite(x) for x in (own or columns).values()]
+    return any(3 <= np.count_nonzero(k) < k.size and _even(time[k]) for k in known)
+
+
+def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
+    """Each column (n,) at those of the times [s] (n,) at which it has a value, by its name."""
+    clocks: dict[bytes, str] = {}
+    traces = []
+    for name, x in columns.items():
+        known = ~np.isnan(x)
+        clock = clocks.setdefault(known.tobytes(), f"rows of {name}")
+        traces.append(ChannelTrace(clock, time[known], x[known], name=name))
+    return traces
 
 
 def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:

@@ -8,6 +8,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import counted
+from calib.base.units import spelling
 from calib.logs.gaps import ONLY
 
 _MIN_SAMPLES = 50
@@ -77,8 +78,8 @@ def complete_channels(
             first = int(bad[0])
             kind = "no value" if np.isnan(values[first]) else "an infinite value"
             raise LogError(
-                f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1} at "
-                f"{channels['time'][first]:.3f} s",
+                f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1}, "
+                f"{channels['time'][first] - channels['time'][0]:.3f} s after the start",
                 where=f"{where}: {name}",
                 expected="a finite value in every row",
                 do="export all channels on one clock, or cut the log before the gap: a gap is "
@@ -107,13 +108,78 @@ def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
             )
 
 
-def check_clock(time: Array, where: str) -> None:
-    """Check ``time`` [s], shape (n,): increasing, enough samples. Raises LogError."""
+_RATES = 40.0, 1000.0
+"""Sample rates that a log can have [Hz]."""
+_UNITS = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+"""Units that a time is written in [s]."""
+_BURST = 0.25
+"""A step shorter than this share of the mean one follows at once: what is handed out together."""
+_BURSTS = 0.1
+"""Largest share of such steps [1]: frames of a bus wait for each other by a tenth of a step."""
+_STANDING = 0.3
+"""Share of a log that its clock jumps over, every second, where it has too many digits [1]."""
+
+
+def check_clock(time: Array, where: str, unit: str = "s") -> None:
+    """Check ``time`` [s], shape (n,): enough samples, increasing, and `check_steps`."""
     if time.size < _MIN_SAMPLES:
         raise LogError(
             f"only {time.size} samples", where=where, expected=f"at least {_MIN_SAMPLES}"
         )
     check_increasing(time, where)
+    check_steps(time, where, unit)
+
+
+def check_steps(time: Array, where: str, unit: str = "s") -> None:
+    """Check that an increasing time [s] (n,) has steps that a recorder makes.
+
+    ``unit`` is that in which it was written. Raises LogError for another unit, for a clock that
+    jumps over a part of each second, and for samples that come in bursts.
+    """
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    _refuse_other_unit(usual, unit, where)
+    _refuse_jumps(time, steps, usual, where)
+    if np.mean(steps < _BURST * np.mean(steps)) > _BURSTS:
+        long = float(np.median(steps[steps > np.mean(steps)]))
+        raise LogError(
+            f"samples come in bursts, every {1e3 * long:.3g} ms: their times are those at which an "
+            "adapter handed them out",
+            where=f"{where}: time",
+            expected="the time at which each was sent or measured",
+            do="record with time stamps of the hardware, or lower the latency of the adapter",
+        )
+
+
+def _refuse_other_unit(step: float, unit: str, where: str) -> None:
+    written = step / _UNITS.get(spelling(unit), 1.0)
+    low, high = (1.0 / rate for rate in reversed(_RATES))
+    if 0.2 * low <= step <= 5.0 * high:
+        return
+    meant = [other for other, size in _UNITS.items() if low <= written * size <= high]
+    if meant:
+        raise LogError(
+            f"the unit of the time is {unit}: the step would be {step:.3g} s",
+            where=f"{where}: time",
+            expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
+            do=f"is it in {meant[0]}? correct the header, or give the unit in a channel map",
+        )
+
+
+def _refuse_jumps(time: Array, steps: Array, usual: float, where: str) -> None:
+    """Of milliseconds with four digits the clock counts a tenth of each second, and jumps."""
+    jumps = np.flatnonzero(steps > 10.0 * usual)
+    between = np.diff(time[jumps])
+    if jumps.size < 2 or steps[jumps].sum() < _STANDING * (time[-1] - time[0]):
+        return
+    if np.allclose(between, 1.0, atol=0.05):
+        jump = float(np.median(steps[jumps]))
+        raise LogError(
+            f"the clock counts {1.0 - jump:.2g} s of every second, and jumps by {jump:.2g} s",
+            where=f"{where}: time",
+            expected="parts of a second that go up to the next one",
+            do="are its milliseconds written with more than three digits? export the time in s",
+        )
 
 
 def check_increasing(time: Array, where: str) -> None:
@@ -124,8 +190,9 @@ def check_increasing(time: Array, where: str) -> None:
     row = int(wrong[0]) + 1
     back = time[row] < time[row - 1]
     raise LogError(
-        f"time {'goes back' if back else 'does not increase'} in row {row + 1}: "
-        f"{time[row]:.6g} s after {time[row - 1]:.6g} s ({counted(wrong.size, 'such row')})",
+        f"time {'goes back' if back else 'does not increase'} in row {row + 1}, to "
+        f"{time[row] - time[0]:.6f} s after {time[row - 1] - time[0]:.6f} s since the start "
+        f"({counted(wrong.size, 'such row')})",
         where=f"{where}: time",
         expected="strictly increasing time",
         do="export again, or delete the repeated rows",

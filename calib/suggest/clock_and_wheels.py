@@ -5,11 +5,15 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import LogError
 from calib.base.names import WHEELS
+from calib.base.units import from_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
+from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
+from calib.logs.verify import check_steps
 from calib.suggest.columns import (
     ColumnClock,
     Doubt,
@@ -18,11 +22,12 @@ from calib.suggest.columns import (
     moving,
     rim_mapping,
     rising,
+    signs_of,
     together,
 )
 from calib.suggest.words import TIME, loose_corner, words
 
-_SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+_SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "d": 86400.0}
 """Possible units of a time column without a unit [s]; the sample rate decides between them."""
 _REPEATED = 0.01
 """Largest share of rows that repeat the time of the row before them [1]."""
@@ -38,6 +43,13 @@ def find_clock(search: Search) -> None:
         given = given[rising(given)]
         search.clock = ColumnClock(given, step_of(given))
     if search.clock is None:
+        return
+    try:
+        check_steps(search.clock.time, "time")
+    except LogError as error:
+        search.doubt("time", [], error.what, error.do or "record the log again")
+        search.proposals.pop("time", None)
+        search.clock = None
         return
     source = search.proposals["time"].mapping.source
     written = next((s.values for s in search.series if s.name == source), None)
@@ -75,25 +87,42 @@ def _take_clock(search: Search, item: Series) -> None:
     step, order = step_of(time), "increasing"
     if time.size < item.values.size:
         order += f", but {_disorder(item.values)}: the log is refused until they are deleted"
-    if item.si == "s":
+    low, high = bounds_of("clock_rate")
+    if item.si == "s" and low <= 1.0 / step <= high:
         unit = f"unit {item.column.unit}"
         search.propose("time", Mapping(item.name), True, "name", unit, order)
         search.clock = ColumnClock(time, step)
         return
+    if item.si == "s" and item.column.unit:
+        time = from_si(time, item.column.unit, "s")
+        step = step_of(time)
     for unit, scale in _SCALES.items():
-        low, high = bounds_of("clock_rate")
         if low <= 1.0 / (step * scale) <= high:
-            only = f"only {unit} gives a rate of 40 Hz to 1 kHz"
+            written = f", and its header says {item.column.unit}" if item.column.unit else ""
+            only = f"only {unit} gives a rate of 40 Hz to 1 kHz{written}"
             search.propose("time", Mapping(item.name, unit), False, "name", order, only)
             search.clock = ColumnClock(time * scale, step * scale)
             return
     do = "give the unit: --take 'time=NAME [s]'"
-    search.doubt("time", [item], f"no unit, and steps of {step:.4g}", do)
+    why = f"unit {item.column.unit}" if item.column.unit else "no unit"
+    search.doubt("time", [item], f"{why}, and steps of {step:.4g}", do)
 
 
-def bridge(search: Search, clock: ColumnClock) -> None:
-    """Bridge the short gaps of columns; leave those with longer ones."""
+def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
+    """Bridge the short gaps of columns; leave those with longer ones.
+
+    Where the rows are those of several clocks, all columns are put on one, which is returned.
+    """
     time = clock.time
+    columns = {s.name: s.values for s in (*search.series, *search.gapped)}
+    if of_several_clocks(time, columns):
+        found = on_one_clock(traces_of(time, columns), "the log")
+        put = dict(zip(columns, found.values, strict=True))
+        every = [replace(s, values=put[s.name]) for s in (*search.series, *search.gapped)]
+        search.series = [s for s in every if not np.isnan(s.values).any()]
+        search.gapped = [s for s in every if np.isnan(s.values).any()]
+        search.clock = clock = ColumnClock(found.time, step_of(found.time))
+        time = clock.time
     for item in search.gapped:
         filled, _, _ = fill_rows({item.name: item.values}, time)
         values, rate = filled[item.name], 1.0 / step_of(time[~np.isnan(item.values)])
@@ -104,6 +133,7 @@ def bridge(search: Search, clock: ColumnClock) -> None:
         else:
             search.series.append(replace(item, values=values, rate=item.rate or rate))
     search.series = [replace(s, rate=s.rate or 1.0 / clock.step) for s in search.series]
+    return clock
 
 
 def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Array | None:
@@ -149,13 +179,18 @@ def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
 
 def find_wheels(search: Search) -> tuple[Array | None, bool]:
     """Four speeds named for the wheels and alike; their mean, and whether it is in rad/s."""
-    good = []
+    good, mirrored = [], set[str]()
     for four in _fours(search, "rad/s", "m/s", None):
-        if together([four[w].values for w in WHEELS]):
-            good.append([four[w] for w in WHEELS])
+        signs = signs_of([four[w].values for w in WHEELS])
+        turned = [
+            replace(four[w], values=s * four[w].values) for w, s in zip(WHEELS, signs, strict=True)
+        ]
+        if together([item.values for item in turned]):
+            good.append(turned)
+            mirrored |= {item.name for item, s in zip(turned, signs, strict=True) if s < 0}
         elif four["fl"].si is not None:
             for item in four.values():
-                search.refuse(item, "does not agree with the other three wheels")
+                search.refuse(item, "it does not agree with the other three wheels")
     angular = [each for each in good if each[0].si == "rad/s"]
     fit = [each for each in angular if each[0].name == "omega_fl"] or angular or good
     if len(fit) != 1:
@@ -173,18 +208,24 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     if si is None:
         why = "the file gives no unit"
         do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
-    elif si == "m/s" and search.radius is None:
+    elif si == "m/s" and search.radii is None:
         why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
-        do = "give the radius with which the car computes them: --radius 0.31"
+        do = (
+            "give the radius with which the car computes them: --radius 0.31, "
+            "twice where front and rear have others"
+        )
     if why:
         _doubt_wheels(search, names, why, do)
         return mean, False
     if not _wheels_told(search):
         for channel, one in zip(_ALL_WHEELS, chosen, strict=True):
-            at_rim = rim_mapping(channel, one.name, unit, search.radius)
-            reasons = ("name", f"unit {unit}", "the four wheels agree")
-            search.propose(channel, at_rim or Mapping(one.name), True, *reasons)
-    return mean / search.radius if si == "m/s" and search.radius else mean, True
+            at_rim = rim_mapping(channel, one.name, unit, search.radii) or Mapping(one.name)
+            reasons = ["name", f"unit {unit}", "the four wheels agree"]
+            if one.name in mirrored:
+                at_rim = replace(at_rim, sign=-1)
+                reasons.append("counts backwards: sign reversed")
+            search.propose(channel, at_rim, True, *reasons)
+    return mean / float(np.mean(search.radii)) if si == "m/s" and search.radii else mean, True
 
 
 def _wheels_told(search: Search) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.names import CHANNELS
+from calib.base.names import AXLES, CHANNELS
 from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of
@@ -99,6 +99,11 @@ class ColumnClock:
         return self.smooth(np.gradient(self.smooth(speed), self.time))
 
 
+def signs_of(four: list[Array]) -> list[int]:
+    """1 or -1 by which each of four speeds is positive: mirrored wheels count backwards."""
+    return [-1 if float(np.median(x)) < 0.0 else 1 for x in four]
+
+
 def together(four: list[Array]) -> bool:
     """Whether four speeds are of one car: similar means, high correlation."""
     means = [float(np.mean(x)) for x in four]
@@ -137,6 +142,9 @@ def moving(speed: Array, clock: ColumnClock) -> slice:
     return slice(start + margin, end - margin) if whole else slice(start, end)
 
 
+Radii = tuple[float, float]
+"""Radii [m] of front and rear wheels, with which a car computes speeds at the rim."""
+
 SURE, LIKELY = "sure", "likely"
 """Sure: name, unit and physics agree. Likely: one is missing, and none contradicts."""
 
@@ -165,12 +173,11 @@ class Doubt:
         return f"{self.why}{names}; {self.do}"
 
 
-def rim_mapping(
-    channel: str, source: str, unit: str | None, radius: float | None
-) -> Mapping | None:
+def rim_mapping(channel: str, source: str, unit: str | None, radii: Radii | None) -> Mapping | None:
     """The mapping of a wheel speed that is written as a speed at the rim; None for any other."""
-    if not channel.startswith("omega_") or not unit or radius is None or not is_unit(unit, "m/s"):
+    if not channel.startswith("omega_") or not unit or radii is None or not is_unit(unit, "m/s"):
         return None
+    radius = radii[AXLES.index(channel[6])]
     return Mapping(source, "rad/s", scale=to_si(1.0, unit, "m/s") / radius)
 
 
@@ -182,7 +189,7 @@ class Search:
     gapped: list[Series]
     left: dict[str, str]
     told: dict[str, str]
-    radius: float | None
+    radii: Radii | None
     proposals: dict[str, Proposal] = field(default_factory=dict)
     doubts: list[Doubt] = field(default_factory=list)
     clock: ColumnClock | None = None

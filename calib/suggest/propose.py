@@ -10,6 +10,7 @@ from pathlib import Path
 
 from calib.base.errors import BrakeCalError, InputError
 from calib.base.names import CHANNELS
+from calib.base.plain import quoted
 from calib.base.printable import one_line
 from calib.base.units import UnknownUnit, is_unit, unit_of
 from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
@@ -37,6 +38,7 @@ from calib.suggest.columns import (
     SURE,
     Doubt,
     Proposal,
+    Radii,
     Search,
     read_series,
     rim_mapping,
@@ -60,17 +62,17 @@ def suggest(
     where: str,
     *,
     told: Named[str, str] | None = None,
-    radius: float | None = None,
+    radii: Radii | None = None,
 ) -> Suggestion:
     """Propose a channel map for an opened log.
 
     ``told`` are sources given by the user, by channel, such as ``Brake [bar]``; empty for a channel
-    without one. ``radius`` [m] turns speeds at the rim into wheel speeds. Raises InputError for a
-    channel or column in ``told`` that does not exist.
+    without one. ``radii`` [m] of front and rear turn speeds at the rim into wheel speeds. Raises
+    InputError for a channel or column in ``told`` that does not exist.
     """
-    search = Search(*read_series(source), dict(told or {}), radius)
+    search = Search(*read_series(source), dict(told or {}), radii)
     for channel, cell in search.told.items():
-        if proposal := _told(channel, cell, source, where, radius):
+        if proposal := _told(channel, cell, source, where, radii):
             search.proposals[channel] = proposal
     _find(search)
     proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
@@ -79,9 +81,9 @@ def suggest(
     left = {name: why for name, why in {**search.left, **left}.items() if name not in taken}
     asked = {doubt.channel[:6] for doubt in search.doubts}  # a doubt of one wheel is of all
     none = "no column fits by name, unit and values"
-    none = none if search.clock else "not looked for, since the time is not known"
+    none = none if search.clock else _NO_CLOCK
     missing = {
-        name: f"the column of that name is {left[name]}" if name in left else none
+        name: f"its column: {left[name]}" if name in left and search.clock else none
         for name in REQUIRED
         if name not in search.proposals and name[:6] not in asked
     }
@@ -89,13 +91,17 @@ def suggest(
     return Suggestion(where, proposals, tuple(search.doubts), missing, left, ignore)
 
 
+_NO_CLOCK = "not looked for, since the time is not known"
+
+
 def _find(search: Search) -> None:
     find_clock(search)
     clock = search.clock
     if clock is None:
-        search.left.update({s.name: "has missing values" for s in search.gapped})
+        others = (*search.series, *search.gapped)
+        search.left.update({s.name: _NO_CLOCK for s in others if s.name not in search.left})
         return
-    bridge(search, clock)
+    clock = bridge(search, clock)
     mean, angular = find_wheels(search)
     speed = find_speed(search, mean)
     metres = speed is not None or not (angular or "omega_fl" in search.told)
@@ -110,7 +116,7 @@ def _find(search: Search) -> None:
 
 
 def _told(
-    channel: str, cell: str, source: ColumnSource, where: str, radius: float | None
+    channel: str, cell: str, source: ColumnSource, where: str, radii: Radii | None
 ) -> Proposal | None:
     """The proposal for a channel whose source the user names; None for an empty name."""
     if channel not in CHANNELS:
@@ -120,9 +126,9 @@ def _told(
     column, given = _column_called(cell, source, where), column_from_cell(cell)
     address = address_of(column, source.columns)
     unit = given.unit if column.name != cell and given.unit != column.unit else None
-    mapping = rim_mapping(channel, address, unit or column.unit, radius)
-    if mapping is not None and radius is not None:
-        return Proposal(channel, mapping, SURE, (f"given, with a radius of {radius:g} m",))
+    mapping = rim_mapping(channel, address, unit or column.unit, radii)
+    if mapping is not None:
+        return Proposal(channel, mapping, SURE, ("given, with the radius of its axle",))
     _check_unit(unit or column.unit, channel, cell)
     return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
@@ -134,7 +140,7 @@ def _column_called(cell: str, source: ColumnSource, where: str) -> Column:
         return columns[found[0]]
     has = f"{where} has {len(found) or 'no'} column{'s' * bool(found)} {cell!r}"
     names = [address_of(columns[i], columns) for i in found] or [c.name for c in columns]
-    raise InputError(has, expected=f"one of {', '.join(map(repr, names))}")
+    raise InputError(has, expected=f"one of {quoted(names)}")
 
 
 def _check_unit(unit: str | None, channel: str, cell: str) -> None:
@@ -146,7 +152,12 @@ def _check_unit(unit: str | None, channel: str, cell: str) -> None:
         unit_of(unit, si)
     except UnknownUnit as cause:
         rim = channel.startswith("omega_") and is_unit(unit, "m/s")
-        radius = "give the radius with which the car computes it: --radius 0.31" if rim else ""
+        radius = (
+            "give the radius with which the car computes it: --radius 0.31, twice where front and "
+            "rear have others"
+            if rim
+            else ""
+        )
         raise InputError(f"{cell!r}: {cause}", where=channel, do=radius) from cause
 
 

@@ -12,7 +12,14 @@ from calib.base.units import QUANTITIES, SPELLINGS, UnknownUnit, from_si, si_of,
 # Pint's names. Its own reading of three of ours would be wrong: "Nm" is a nanometre to it, "g" a
 # gram, and a Hz one radian per second.
 PINT = {
-    "s": {"s": "second", "ms": "millisecond", "us": "microsecond", "min": "minute"},
+    "s": {
+        "s": "second",
+        "ms": "millisecond",
+        "us": "microsecond",
+        "min": "minute",
+        "h": "hour",
+        "d": "day",
+    },
     "Pa": {u: u for u in ("Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi")},
     "m/s^2": {"m/s^2": "m/s^2", "g": "standard_gravity"},
     "rad/s": {
@@ -23,7 +30,15 @@ PINT = {
         "1/min": "turn/minute",
         "Hz": "turn/second",
     },
-    "m/s": {"m/s": "m/s", "km/h": "km/h", "kph": "km/h", "mph": "mile/hour", "kn": "knot"},
+    "m/s": {
+        "m/s": "m/s",
+        "mm/s": "mm/s",
+        "cm/s": "cm/s",
+        "km/h": "km/h",
+        "kph": "km/h",
+        "mph": "mile/hour",
+        "kn": "knot",
+    },
     "degC": {"degC": "degC", "K": "kelvin", "degF": "degF"},
     "rad": {"rad": "radian", "mrad": "milliradian", "deg": "degree"},
     "N": {"N": "newton", "daN": "decanewton", "kN": "kilonewton"},

@@ -186,7 +186,7 @@ RIM = without(foreign(), *(f"nRad_{w}" for w in ("VL", "VR", "HL", "HR"))) | {
             {"told": {"p_mc": "Brake pressure [bar]"}},
             ("Brake pressure", "bar", 1.0),
         ),
-        (RIM, "omega_fl", {"radius": 0.3}, ("WheelSpeed_FL", "rad/s", 1 / 3.6 / 0.3)),
+        (RIM, "omega_fl", {"radii": (0.3, 0.3)}, ("WheelSpeed_FL", "rad/s", 1 / 3.6 / 0.3)),
         # 17 could be rad/s or km/h: a radius of 0.278 m makes both alike
         ({(n, None if n[:4] == "nRad" else u): x for (n, u), x in foreign().items()},
          "omega_fl", {}, None),
@@ -210,7 +210,7 @@ def test_a_doubt_is_asked_and_told(columns, doubtful, told, expected):
 def test_wheels_that_are_told_respect_the_radius():
     columns = {(n.replace("WheelSpeed", "Rim"), unit): x for (n, unit), x in RIM.items()}
     told = {f"omega_{wheel}": f"Rim_{wheel.upper()}" for wheel in WHEELS}
-    mapping = found(columns, told=told, radius=0.3)["omega_fl"].mapping
+    mapping = found(columns, told=told, radii=(0.3, 0.3))["omega_fl"].mapping
     assert (mapping.unit, mapping.scale) == ("rad/s", pytest.approx(1 / 3.6 / 0.3))
     with pytest.raises(InputError):
         suggestion(columns, told=told)
@@ -321,3 +321,19 @@ def test_databases_and_source_addresses_are_kept(tmp_path, sources, by_bus):
     written = tmp_path / "map.toml"
     written.write_text(to_toml(found, used, tmp_path) + '[channels.v]\nsource = "speed"\n')
     assert read_channel_map(written).databases == known
+
+
+def test_mirrored_wheels_get_a_sign():
+    columns = foreign()
+    for name in ("VR", "HR"):
+        columns[f"nRad_{name}", "U/min"] = -columns[f"nRad_{name}", "U/min"]
+    signs = {w: found(columns)[f"omega_{w}"].mapping.sign for w in WHEELS}
+    assert signs == {"fl": 1, "fr": -1, "rl": 1, "rr": -1}
+
+
+def test_each_axle_may_have_a_radius():
+    columns = {key: x for key, x in foreign().items() if not key[0].startswith("nRad")}
+    columns |= {(f"Wheel_{w.upper()}", "km/h"): 3.6 * 0.3 * RUN[f"omega_{w}"] for w in WHEELS}
+    proposals = found(columns, radii=(0.3, 0.315))
+    scales = [proposals[f"omega_{w}"].mapping.scale for w in WHEELS]
+    assert scales == pytest.approx([1 / 1.08, 1 / 1.08, 1 / 1.134, 1 / 1.134])

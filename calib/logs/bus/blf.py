@@ -73,7 +73,7 @@ def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
             what = f"{size} of {promised} bytes: {promised - size} are missing ({share})"
             raise damaged(path, f"the file has {what}", f"the {count} objects of its header")
         file.seek(first)
-        found = _walk(file, path)
+        found = _walk(file, size, path)
     objects = found.kinds.total()
     # Writers may count the bytes that fill the space between objects or not.
     short = unpacked - first - found.unpacked - found.padding
@@ -101,15 +101,15 @@ class _Found:
     rest: bytes = b""
 
 
-def _walk(file: BinaryIO, path: Path) -> _Found:
-    """All objects from the position of ``file`` on, also those in containers."""
+def _walk(file: BinaryIO, end: int, path: Path) -> _Found:
+    """All objects from the position of ``file`` to its ``end``, also those in containers."""
     found = _Found()
     while (head := file.read(_OBJECT.size)).strip(b"\0"):
         whole = len(head) == _OBJECT.size and head[:4] == b"LOBJ"
         size, kind = _OBJECT.unpack(head)[3:] if whole else (0, 0)
-        content = file.read(max(size - _OBJECT.size, 0))
-        if not whole or len(content) < size - _OBJECT.size:
+        if not whole or size - _OBJECT.size > end - file.tell():
             raise damaged(path, f"damaged near byte {file.tell()}", "an object")
+        content = file.read(max(size - _OBJECT.size, 0))
         file.read(size % 4)
         found.unpacked += _OBJECT.size
         found.padding += len(content) % 4

@@ -7,6 +7,7 @@ name_unit      if the ending can only be a unit, or if the name is a canonical c
                ending a unit of it: ``time_s`` but not ``valve_s``
 
 14:03:07,120       2026-03-14T14:03:07.120+01:00       14-Mar-2026 2:03:07.120 PM       03:07.120
+0.12 sec           number and unit of time
 
 Only the time of day is used: a date in any language changes at midnight, and a run is shorter than
 half a day.
@@ -20,7 +21,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
-from calib.base.units import is_unit, spelling
+from calib.base.units import is_unit, spelling, to_si
 from calib.logs.source import Column
 
 _ENDINGS = {
@@ -142,12 +143,30 @@ _TIME = re.compile(
 )
 
 
+_COUNTED = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE)
+"""A number with its unit behind."""
+
+
+def _counted(cell: str) -> float | None:
+    """Seconds of a number with a unit of time, or None."""
+    found = _COUNTED.fullmatch(cell)
+    if found is None or not is_unit(found[2], "s"):
+        return None
+    return to_si(float(found[1].replace(",", ".")), found[2], "s")
+
+
 def is_clock(cell: str) -> bool:
-    """Whether a cell is a time of day with seconds; without hours, with parts of a second.
+    """Whether a cell is a time of day with seconds, or a number with a unit of time.
+
+    Without hours a time of day has parts of a second.
 
     >>> [is_clock(cell) for cell in ("14:03:07,120", "2026-03-14T14:03:07Z", "03:07.1", "14:03")]
     [True, True, True, False]
+    >>> is_clock("0.12 sec"), is_clock("0.12 bar")
+    (True, False)
     """
+    if _counted(cell) is not None:
+        return True
     found = _TIME.fullmatch(cell)
     return found is not None and (found["h"] is not None or not found["s"].isdigit())
 
@@ -164,10 +183,13 @@ def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str)
         text = (cell or "").strip()
         if text in empty or not text:
             continue
+        if (counted := _counted(text)) is not None:
+            values[row] = counted
+            continue
         found = _TIME.fullmatch(text)
         if found is None:
             raise LogError(
-                f"row {row + 1}: {text!r} is not a time of day",
+                f"row {row + 1}: {text[:60]!r} is not a time of day",
                 where=where,
                 expected="the form of the other rows, such as 14:03:07.120",
             )

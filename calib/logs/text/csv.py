@@ -208,7 +208,7 @@ class TextRows:
                 if cell not in EMPTY and not is_number(cell, decimal):
                     mark = {".": "point", ",": "comma"}[decimal]
                     return LogError(
-                        f"row {row}: {cell!r} is not a number",
+                        f"row {row}: {cell[:60]!r} is not a number",
                         where=f"{self.where}: {self.columns[index].name}",
                         expected=f"a number with a decimal {mark}, or an empty cell",
                     )

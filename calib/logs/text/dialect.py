@@ -16,6 +16,7 @@ channel map that decides: ``separator`` and ``decimal`` of [text].
 
 import csv
 import re
+import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,8 +28,13 @@ SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "vertical bar"}
 EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")
 """Cells without a value."""
 
-_POINT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?inf(inity)?", re.IGNORECASE)
-_COMMA = re.compile(r"[-+]?(\d+,?\d*|,\d+)([eE][-+]?\d+)?|[-+]?inf(inity)?", re.IGNORECASE)
+csv.field_size_limit(sys.maxsize)  # of cells in memory; what is no number is refused as that
+
+_POINT, _COMMA = (
+    re.compile(rf"[-+]?(\d++({mark}\d*+)?|{mark}\d++)(e[-+]?\d++)?|[-+]?inf(inity)?", re.IGNORECASE)
+    for mark in (r"\.", ",")
+)
+"""Possessive: a cell of many digits that is no number costs no more than its length."""
 _NUMBER = {".": _POINT, ",": _COMMA}
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
 """Numbers such as ``1,234``: the comma is a decimal mark or separates thousands."""
@@ -60,10 +66,9 @@ class Dialect:
     decimal: str
 
     def cells(self, lines: list[str]) -> list[list[str]]:
-        """The cells of some lines, without blanks around them."""
-        return [
-            [cell.strip() for cell in row] for row in csv.reader(lines, delimiter=self.separator)
-        ]
+        """The cells of some lines, each by itself, without blanks around them."""
+        rows = (next(csv.reader([line], delimiter=self.separator), []) for line in lines)
+        return [[cell.strip() for cell in row] for row in rows]
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
@@ -184,6 +189,10 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
         end = len(data) if end < 0 else end
         line = data[start:end].rstrip(b"\r")
         start = end + 1
+        if lines and lines[-1].count(b'"') % 2 == 1:  # a cell with a line break
+            lines[-1] += b" " + line
+            starts[-1] = start
+            continue
         if not lines and not line.strip():
             starts[0] = start  # blank lines above everything
             continue
