@@ -184,6 +184,14 @@ def _refuse_jumps(time: Array, steps: Array, usual: float, where: str) -> None:
 
 def check_increasing(time: Array, where: str) -> None:
     """Check that ``time`` [s], shape (n,), is strictly increasing. Raises LogError."""
+    lost = np.flatnonzero(~np.isfinite(time))
+    if lost.size:
+        raise LogError(
+            f"no time in row {lost[0] + 1} ({counted(lost.size, 'such row')})",
+            where=f"{where}: time",
+            expected="a number in every row",
+            do="export again",
+        )
     wrong = np.flatnonzero(~(np.diff(time) > 0))
     if wrong.size == 0:
         return
