@@ -145,10 +145,10 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
 
 
 def _name(name: str) -> str:
-    from calib.store.folders import NAME
+    from calib.base.names import TABLE_NAMES, names_a_table
 
-    if not NAME.fullmatch(name) or ".." in name:
-        raise misuse(f"{name!r} cannot name a table; letters, digits and . _ - only")
+    if not names_a_table(name):
+        raise misuse(f"{name!r} cannot name a table; {TABLE_NAMES}")
     return name
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 
 import typer
 
-from calib.base.errors import AnswerError, BrakeCalError
+from calib.base.errors import AnswerError, BrakeCalError, FolderGone, program_failure
 from calib.base.program import PROGRAM
 from cli.command import Quiet, Verbose, group
 from cli.console import begin, complain, emit_json, say, this_run
@@ -110,7 +110,8 @@ def options(
     """Calibrate and validate a brake-torque estimator from one ramped braking run.
 
     Exit codes: 0 done or passed; 1 it ran, and the result fails its limits; 2 usage; 3 bad input; 4
-    the store or a table is damaged or refused; 5 the answer could not be written.
+    the store or a table is damaged or refused; 5 the answer could not be written; 6 the program
+    itself failed.
     """
 
 
@@ -146,6 +147,34 @@ def _code(words: Sequence[str]) -> int:
     except typer.Abort:
         complain("stopped")
         return 1
+    except _NotWritten:
+        raise
+    except Exception as error:
+        return _crashed(words, error)
+
+
+def _crashed(words: Sequence[str], error: Exception) -> int:
+    """Exit code of an error that nobody caught: never that of a verdict; where, with -v."""
+    if isinstance(error, FileNotFoundError) and not _has_folder():
+        failure: BrakeCalError = FolderGone("the working folder is gone", do="change to another")
+    else:
+        failure = program_failure(error)
+    if this_run().verbose:
+        import traceback
+
+        say("".join(traceback.format_exception(error)).rstrip())
+    _fail(words, failure.to_dict())
+    complain(str(failure))
+    return failure.exit_code
+
+
+def _has_folder() -> bool:
+    """Whether the folder that the program runs in is still there."""
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        return False
+    return True
 
 
 def _fail(words: Sequence[str], error: dict[str, Any]) -> None:
@@ -238,7 +267,7 @@ def _guarded(stream: Any, number: int) -> Any:
         return stream
     stream.flush()
     guard = io.BufferedWriter(_Descriptor(number, "w", closefd=False))
-    how = {"errors": stream.errors, "line_buffering": stream.line_buffering}
+    how = {"errors": "backslashreplace", "line_buffering": stream.line_buffering}
     return io.TextIOWrapper(guard, stream.encoding, **how)
 
 

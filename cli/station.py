@@ -132,14 +132,17 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
 
     Not of a mistake in what was typed, nor of a store that is damaged: they say nothing of a car.
     """
-    from calib.base.errors import InputError
+    from calib.base.errors import InputError, program_failure
     from calib.line.station.files import REFUSED, write_refusal
 
     try:
         yield
-    except InputError as error:
+    except Exception as error:
+        if hasattr(error, "exit_code") and not isinstance(error, InputError):
+            raise
+        told = error if isinstance(error, InputError) else program_failure(error)
         with writing(out):
-            write_refusal(error, identity, logs, out)
+            write_refusal(told, identity, logs, out)
         say(f"no verdict; {out / REFUSED} tells the index why")
         raise
 

@@ -27,9 +27,8 @@ def list_(
     from calib.show.store import listed
     from calib.store.listing import chosen, row_of
 
-    every = [row_of(entry) for entry in store.list()]
-    rows = chosen(every, since, state=state, serial=serial, vin=vin)
-    none = f"{store.folder} holds no {'such table' if every else 'table'}"
+    rows = chosen(map(row_of, store.entries(state)), since, serial=serial, vin=vin)
+    none = f"{store.folder} holds no {'such table' if store.now().names else 'table'}"
     return Answer({"store": store.folder, "tables": rows}, listed(rows) if rows else none)
 
 

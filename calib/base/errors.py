@@ -164,6 +164,32 @@ class SignatureRefused(StoreError):
     """A signature does not hold, is of another key or is malformed."""
 
 
+class FolderGone(BrakeCalError):
+    """The folder in which the program runs was deleted."""
+
+    exit_code = 2
+
+
+class ProgramFailure(BrakeCalError):
+    """The program itself failed: an error that nobody foresaw, or no memory."""
+
+    exit_code = 6
+
+
+def program_failure(error: BaseException) -> ProgramFailure:
+    """The error for one that nobody caught; no verdict and no file follows from it."""
+    memory = isinstance(error, MemoryError)
+    text = " ".join(str(error).split())[:200]
+    return ProgramFailure(
+        "not enough memory"
+        if memory
+        else f"the program itself failed: {type(error).__name__}" + (f": {text}" if text else ""),
+        do="give it more memory, or smaller logs"
+        if memory
+        else "run it again with -v to see where, and report it with the files",
+    )
+
+
 class AnswerError(BrakeCalError):
     """The answer could not be written: the disk is full, or the stream is closed."""
 

@@ -5,6 +5,7 @@ torques and slips are positive magnitudes when they brake. ``a_x`` keeps the sig
 forward positive, so that braking is negative; ``z = -a_x/g`` is positive when braking.
 """
 
+import re
 from typing import NamedTuple
 
 G = 9.80665
@@ -42,3 +43,20 @@ CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
 """SI unit of each truth channel of a simulation, by prefix. Fit, estimator and diagnosis never read
 them."""
+
+_TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+_TAKEN = ("journal.jsonl", "journal.head")
+"""Files of a store, beside which tables are folders."""
+TABLE_NAMES = (
+    "letters, digits and . _ - only, at most 100, a letter or digit first, and no file of the store"
+)
+"""What can name a vehicle and its table, in words."""
+
+
+def names_a_table(name: str) -> bool:
+    """Whether a vehicle's name can be that of its table, which is a folder of a store.
+
+    >>> names_a_table("sedan-2up"), names_a_table("a b"), names_a_table("journal.head")
+    (True, False, False)
+    """
+    return bool(_TABLE_NAME.fullmatch(name)) and ".." not in name and name.lower() not in _TAKEN

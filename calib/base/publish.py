@@ -76,7 +76,7 @@ def publish(
     for path in work.rglob("*"):
         sync(path)
     with locked_folder(out):
-        left = {name for name in stale(out) if _is_inside(name)} - {*names}
+        left = {name for name in stale(out) if _is_inside(out, name)} - {*names}
         _remove(out, [verdict])
         sync(out)
         _remove(out, left)
@@ -99,10 +99,11 @@ def _move(work: Path, out: Path, names: list[str]) -> None:
     sync(out)
 
 
-def _is_inside(name: str) -> bool:
-    """Whether a name is a path that stays within a folder."""
+def _is_inside(out: Path, name: str) -> bool:
+    """Whether a name is a path that stays within the folder ``out``, also where links lead."""
     path = PurePosixPath(name)
-    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+    plain = bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+    return plain and (out / name).parent.resolve().is_relative_to(out.resolve())
 
 
 def refuse_obstacles(out: Path, names: Iterable[str]) -> None:

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field, model_validator
 
 from calib.base.errors import VehicleError
+from calib.base.names import TABLE_NAMES, names_a_table
 from calib.base.record import (
     FileSchema,
     QuantityMark,
@@ -22,14 +23,11 @@ from calib.car.effects.effects import Effects
 from calib.car.keys import CHASSIS, FRONT, KEYS
 from calib.car.vehicle import Axle, Vehicle
 
-_FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
-
 
 def _name(name: str) -> str:
     """A table has the name of its vehicle, so it must be valid as a folder and before an ``@``."""
-    bad = not name.strip() or name.startswith(".") or name != name.strip()
-    if bad or not name.isprintable() or _FORBIDDEN_IN_NAME & set(name):
-        raise wrong(f"{name!r} cannot name a table", 'letters, digits, "-", "_" or "."')
+    if not names_a_table(name):
+        raise wrong(f"{name!r} cannot name a table", TABLE_NAMES)
     return name
 
 

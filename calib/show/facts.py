@@ -11,6 +11,7 @@ stderr, and pictures only to a page.
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,7 @@ class Table:
     verdicts: Sequence[str] = ()
     links: Sequence[str] = ()
 
-    @property
+    @cached_property
     def numeric(self) -> tuple[bool, ...]:
         """Whether each column but the first holds numbers, by the first words of its cells.
 

@@ -11,8 +11,8 @@ import re
 from pathlib import Path
 
 from calib.base.errors import StoreError, TableNotFound
+from calib.base.names import TABLE_NAMES, names_a_table
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 _FOLDER = re.compile(r"v(\d{4,6})")
 RECORD = "record.json"
 NEW = ".new-"
@@ -22,10 +22,10 @@ SIGNATURE = ".minisig"
 
 def checked_name(name: str) -> str:
     """Return ``name`` if it is a valid name of a table, which is always a folder of the store."""
-    if not NAME.fullmatch(name) or ".." in name:
+    if not names_a_table(name):
         raise StoreError(
             f"{name!r} cannot name a table",
-            expected="letters, digits and . _ - only, at most 100, a letter or digit first",
+            expected=TABLE_NAMES,
             do="a table has the name of its vehicle: change name in the vehicle file",
         )
     return name
@@ -58,13 +58,25 @@ def names_in(folder: Path) -> list[str]:
     """Names of the tables that have a folder with versions in a store, in order."""
     if not folder.is_dir():
         return []
-    homes = (p for p in folder.iterdir() if NAME.fullmatch(p.name) and p.is_dir())
+    homes = (p for p in folder.iterdir() if names_a_table(p.name) and p.is_dir())
     return sorted(p.name for p in homes if versions_in(p))
+
+
+def refuse_links(folder: Path) -> None:
+    """Raise StoreError where a folder of a table is a link: what is written would lie elsewhere."""
+    for path in folder.iterdir():
+        if names_a_table(path.name) and path.is_symlink():
+            raise StoreError(
+                "the folder of a table is a link",
+                where=path,
+                expected="a folder of its own",
+                do="put the folder in its place, or withdraw its versions",
+            )
 
 
 def unplaced(folder: Path) -> list[Path]:
     """Versions that a writer has begun, or whose writer was stopped, in order."""
-    return sorted(p for p in folder.glob(f"*/{NEW}*") if NAME.fullmatch(p.parent.name))
+    return sorted(p for p in folder.glob(f"*/{NEW}*") if names_a_table(p.parent.name))
 
 
 def signature_files(home: Path, version: int) -> list[Path]:

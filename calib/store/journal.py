@@ -35,6 +35,12 @@ from calib.store.state import (
 )
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
+ATTRIBUTES = ".gitattributes"
+"""Says to git that the bytes of a store are to stay as they are."""
+CRLF = (
+    "its line ends are CRLF, which are not its own: git makes them of a store without the line "
+    "`* -text` in its .gitattributes; add it and check the files out again"
+)
 
 EVENTS = STORED, CHANGED, SIGNED = "stored", "changed", "signed"
 
@@ -173,6 +179,7 @@ def read_journal(folder: Path) -> Journal:
 def write_journal(folder: Path, journal: Journal) -> None:
     """Replace the journal by a longer one. Raises OSError."""
     if not (folder / HEAD).exists():  # a journal without a head is one whose head was lost
+        write_whole(folder / ATTRIBUTES, b"* -text\n")
         write_whole(folder / HEAD, Journal().head_line)
     write_whole(folder / JOURNAL, journal.lines)
     write_whole(folder / HEAD, journal.head_line)
@@ -198,6 +205,8 @@ def _bytes(path: Path) -> bytes | None:
 
 def _entries(data: bytes) -> list[Entry]:
     """The entries of the journal's file. Raises ValueError."""
+    if b"\r\n" in data:
+        raise ValueError(CRLF)
     if data and not data.endswith(b"\n"):
         raise ValueError("torn: its last line has no end")
     entries: list[Entry] = []

@@ -169,9 +169,9 @@ class Snapshot:
 
     def identical(self, table: Table) -> Stored | None:
         """The newest version that holds the same table; one that is damaged does not count."""
-        given = inputs(table.content()[0])
+        given, digest = inputs(table.content()[0]), table.digest
         for version, history in reversed(self.journal.of(table.name).items()):
-            if history[0].digest == table.digest or history[0].inputs == given:
+            if history[0].digest == digest or history[0].inputs == given:
                 stored = self.entry(table.name, version).stored
                 if stored and same(stored.table, table):
                     return replace(stored, existed=True)

@@ -23,6 +23,7 @@ from calib.store.folders import (
     path_of,
     place,
     placed_in,
+    refuse_links,
     unplaced,
 )
 from calib.store.journal import (
@@ -132,8 +133,18 @@ class Store:
 
     def list(self) -> tuple[StoreEntry, ...]:
         """Every version in the store, by name and version. Raises TableNotFound, DamagedTable."""
+        return tuple(self.entries())
+
+    def entries(self, state: str | None = None) -> Iterator[StoreEntry]:
+        """Each version of the store in turn, or each in a ``state``; raises as `list`.
+
+        One table is held at a time, and none is read whose state is another.
+        """
         with self._reading() as now:
-            return tuple(now.entry(name, v) for name in now.names for v in now.journal.of(name))
+            for name in now.names:
+                for version in now.journal.of(name):
+                    if state in (None, now.journal.state(name, version).word):
+                        yield now.entry(name, version)
 
     def verify(self, name: str | None = None) -> tuple[StoreEntry, ...]:
         """Compare versions with digests, invariants and journal, of one table or of all.
@@ -205,13 +216,16 @@ class Store:
     def _writing(self) -> Iterator[Snapshot]:
         try:
             with locked_folder(self.folder):
+                refuse_links(self.folder)
                 now = Snapshot(self.folder, read_journal(self.folder))
                 _ = now.names  # refuses versions without a journal
                 _tidy(self.folder, now.journal)
                 yield now
         except OSError as error:
             raise StoreError(
-                f"cannot be written ({error.strerror})", where=self.folder, do="nothing was stored"
+                f"cannot be written ({error.strerror or error})",
+                where=error.filename or self.folder,
+                do="nothing was stored",
             ) from error
 
     @contextmanager
@@ -237,7 +251,9 @@ def _tidy(folder: Path, journal: Journal) -> None:
     for path in unplaced(folder):
         home, name = path.parent, path.name.removeprefix(NEW)
         known = {folder_of(version) for version in journal.of(home.name)}
-        if name in known and not (home / name).exists():
+        if path.is_symlink():
+            path.unlink()  # nobody knows where it leads
+        elif name in known and not (home / name).exists():
             os.rename(path, home / name)
         else:
             shutil.rmtree(path)

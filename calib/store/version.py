@@ -26,7 +26,7 @@ from calib.base.digest import content_digest
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.write import sync
 from calib.store.folders import RECORD
-from calib.store.journal import JOURNAL
+from calib.store.journal import CRLF, JOURNAL
 from calib.store.state import OUTSIDE, UNJUDGED, VersionState
 from calib.table.maps import UNITS
 from calib.table.table import COLUMNS, Array, Table
@@ -93,6 +93,8 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
         return DamagedTable(f"{RECORD}: {what}", where=path)
 
     data = _bytes(path / RECORD)
+    if b"\r\n" in data:
+        raise damaged(CRLF)
     try:
         file = validated(data, RecordFile, None, StoreError)
         record = json.loads(data)["record"]
