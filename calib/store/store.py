@@ -140,10 +140,11 @@ class Store:
 
         One table is held at a time, and none is read whose state is another.
         """
+        wanted = state.lower() if state else None
         with self._reading() as now:
             for name in now.names:
                 for version in now.journal.of(name):
-                    if state in (None, now.journal.state(name, version).word):
+                    if wanted in (None, now.journal.state(name, version).word):
                         yield now.entry(name, version)
 
     def verify(self, name: str | None = None) -> tuple[StoreEntry, ...]:
