@@ -8,7 +8,8 @@ doi:10.1088/0266-5611/30/11/114007): no tyre is a mean of published ones, and it
 a range of forces.
 """
 
-from collections.abc import Callable
+import copy
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -113,7 +114,7 @@ class Regression:
     """
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
-        self.car, self.ramps = car, [_Ramp(car, run, most) for run in runs]
+        self.car, self.most, self.ramps = car, most, [_Ramp(car, run, most) for run in runs]
         self.errors = {
             "noise": self._of("noise"),
             "tyres": np.asarray(np.linalg.cholesky(self._form())),
@@ -122,6 +123,12 @@ class Regression:
         }
         covariance = sum(error @ error.T for error in self.errors.values())
         self.white = np.linalg.inv(np.linalg.cholesky(np.asarray(covariance)))
+
+    def with_forces_of(self, runs: Sequence[RampRun]) -> "Regression":
+        """The regression of the same ramps with other forces and pressures; errors are kept."""
+        other = copy.copy(self)
+        other.ramps = [_Ramp(self.car, run, self.most) for run in runs]
+        return other
 
     def _of(self, cause: str) -> Array:
         from scipy.linalg import block_diag

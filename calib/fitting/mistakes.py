@@ -1,0 +1,255 @@
+"""Which mistake explains a ramp better than pads, tyres and car alone do: motors, their torque.
+
+A mistake is a hypothesis with a forward model of one or two numbers, and odds before the ramp. The
+ramp is asked how well each of them predicts it, over all sizes that it may have:
+
+    brakes = level N(pressure) (1 + departure) + force of the mistake       the sum, (5), (17)
+    tyres of the axles -> slips -> eta                                      the split, (13) to (22)
+
+    ln odds = ln odds before + ln of the evidence of both, less that of no mistake
+
+Pads that are not those of the vehicle file, in front, behind or on both axles, are hypotheses too:
+a mistake is named only where it explains more than they do. Where even the best of all explains
+badly, nothing on the list is the cause, and nothing is named. Two mistakes at once are not asked
+for; a gain of p_mc is one with pads of another friction.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.names import AXLES
+from calib.car.balance import brake_forces
+from calib.car.bias import front_share
+from calib.car.effects.line import limited
+from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import Ensemble, spread_evenly
+from calib.fitting.known import OWN, drawn
+from calib.fitting.regression import Regression
+from calib.model.ramp import RampRun
+
+SURE = 3.0
+"""ln of the odds over all else from which a mistake is named: 20 to 1."""
+
+_EXPLAINED = 2.5
+"""Mean square of what the best leaves of eta, slip and sum, over their errors, past which nothing
+on the list explains the ramp."""
+
+_DRAWS = 512
+_BROAD = 0.5  # sigma of ln of the pads' ratio of the draws: any pads
+_PADS = 0.1  # sigma of ln of the friction of an axle's pads against the file
+_OTHER = 0.5  # the same where the file is not that of the car
+_POINTS = 14  # of the sum of forces of a ramp
+_TREND = 0.05  # sigma of how the level of the pads changes over a ramp [1]
+_DEPARTS, _LENGTH = 0.015, 0.15
+"""How far pads depart from a friction that is constant [1], alike over this deceleration [1]."""
+_ZERO = 0.002  # sigma of the zero of the sum of forces over the weight [1]
+
+_FACTORS = (-2.0, -1.0, 0.0, 0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, *map(float, range(6, 13)), 14.0)
+"""Factors on a logged torque: another sign, one motor of two or three, the shaft of a gear."""
+_TORQUES = (150.0, 250.0, 400.0, 600.0, 900.0, 1300.0)  # of a motor, at the wheels of an axle [N m]
+_FULL = (4e5, 10e5, 20e5)  # pressures at which it gives them [Pa]
+_HANDS_OVER = (1.0, 4.0)  # speeds between which it hands over to the brakes [m/s]
+_KNEES, _SLOPES = (10e5, 15e5, 20e5, 25e5, 30e5), (0.2, 0.45)  # of a valve [Pa], [1]
+_LEAST_DRIVE = 20.0  # torque that is logged while a car brakes [N m]: less is noise
+
+Size = tuple[float, ...]
+
+
+def _as_read(run: RampRun, size: Size) -> RampRun:
+    return run
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A mistake by its ``code`` of `warnings.csv`; empty of nothing wrong, and of other pads.
+
+    ``odds`` before the ramp [1]; ``sizes`` that it may have, equally likely; ``undo`` makes of a
+    run what it is without the mistake; ``pads`` sigma of ln of the friction of the front and the
+    rear pads against the file [1].
+    """
+
+    code: str
+    odds: float
+    sizes: tuple[Size, ...] = ((),)
+    undo: Callable[[RampRun, Size], RampRun] = _as_read
+    pads: tuple[float, float] = (_PADS, _PADS)
+    axle: str = ""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A hypothesis with its ``log_odds`` over nothing wrong, and the likeliest ``size``.
+
+    ``misfit`` mean square of what it leaves over its errors [1].
+    """
+
+    hypothesis: Hypothesis
+    log_odds: float
+    size: Size
+    misfit: float
+
+
+def causes_of(car: Vehicle, runs: Sequence[RampRun]) -> tuple[Cause, ...]:
+    """The hypotheses on ramps ``runs`` with both axles, most probable first.
+
+    Raises ValueError where nothing is left of a ramp.
+    """
+    evidence = _Evidence(car, runs)
+    found = [evidence.cause(h) for h in _hypotheses(car, runs)]
+    found = [replace(c, log_odds=c.log_odds - found[0].log_odds) for c in found]
+    return tuple(sorted(found, key=lambda c: -c.log_odds))
+
+
+def named(causes: Sequence[Cause]) -> tuple[Cause, ...]:
+    """The mistakes that the ramps leave, most probable first; none where pads explain as well."""
+    best = causes[0]
+    left = tuple(c for c in causes if c.log_odds > best.log_odds - SURE)
+    explained = best.misfit < _EXPLAINED and best.log_odds > SURE
+    return left if explained and all(c.hypothesis.code for c in left) else ()
+
+
+def _hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
+    yield Hypothesis("", 1.0)  # nothing wrong: all others are compared with it
+    for pads in ((_OTHER, _PADS), (_PADS, _OTHER), (_OTHER, _OTHER)):
+        yield Hypothesis("", 0.1, pads=pads)
+    for axle, radius in zip(
+        AXLES, (car.front.rolling_radius, car.rear.rolling_radius), strict=True
+    ):
+        logged = [np.abs(getattr(run.blocks, f"drive_{axle}")[run.braked]) for run in runs]
+        if max(float(np.max(x, initial=0.0)) for x in logged) > _LEAST_DRIVE:
+            factors = tuple((factor,) for factor in _FACTORS)
+            undo = _without(axle, _scaled(axle, radius))
+            yield Hypothesis("drive_torque_scale", 0.1, factors, undo, axle=axle)
+        if car.motor_odds > 0.0:
+            torques = tuple((torque, full) for torque in _TORQUES for full in _FULL)
+            undo = _without(axle, _motor(radius))
+            yield Hypothesis("motor_not_logged", car.motor_odds, torques, undo, axle=axle)
+    if "rear_proportioning" not in car.effects:
+        knees = tuple((knee, slope) for knee in _KNEES for slope in _SLOPES)
+        yield Hypothesis("rear_pressure_limited", 0.1, knees, _limited, axle="r")
+
+
+_Force = Callable[[RampRun, Size], Array]
+"""Force [N] at the road (k,) that slows the wheels of an axle, and that the log does not have."""
+
+
+def _without(axle: str, force: _Force) -> Callable[[RampRun, Size], RampRun]:
+    """Count a ``force`` on the wheels of an axle as one that is known."""
+
+    def undo(run: RampRun, size: Size) -> RampRun:
+        own, name = force(run, size), f"moment_{axle}"
+        more = {name: getattr(run, name) + own, "brake_sum": run.brake_sum - own}
+        return replace(run, **more)
+
+    return undo
+
+
+def _scaled(axle: str, radius: float) -> _Force:
+    """Of a logged torque that is another one by a factor."""
+
+    def force(run: RampRun, size: Size) -> Array:
+        drive: Array = getattr(run.blocks, f"drive_{axle}")
+        return np.asarray((1.0 - size[0]) * drive * run.braked / radius)
+
+    return force
+
+
+def _motor(radius: float) -> _Force:
+    """Of a motor that brakes along with the pedal, up to a torque, and hands over to the brakes."""
+
+    def force(run: RampRun, size: Size) -> Array:
+        b, (torque, full), (low, high) = run.blocks, size, _HANDS_OVER
+        share = np.clip(np.maximum(b.p_f, b.p_r) / full, 0.0, 1.0)
+        share *= np.clip((b.speed - low) / (high - low), 0.0, 1.0)
+        return np.asarray(torque / radius * share * run.braked)
+
+    return force
+
+
+def _limited(run: RampRun, size: Size) -> RampRun:
+    """With the rear pressure that a valve leaves."""
+    return replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, *size)))
+
+
+@cache
+def _draws() -> tuple[Ensemble, Array, Array]:
+    """Draws of the field whose pads have any ratio, with centre and root of what is linear."""
+    from scipy.special import ndtri
+
+    x = ndtri(spread_evenly(_DRAWS, OWN + 1))
+    e, centre, root = drawn(x[:, :OWN], ())
+    return replace(e, log_pad_ratio=_BROAD * x[:, -1]), centre, root
+
+
+class _Evidence:
+    """The evidence of hypotheses on the ramps of a car."""
+
+    def __init__(self, car: Vehicle, runs: Sequence[RampRun]) -> None:
+        self.car, self.runs = car, runs
+        self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
+
+    def cause(self, h: Hypothesis) -> Cause:
+        """The hypothesis with ln of its odds times its evidence, and the size that has most."""
+        from scipy.special import logsumexp
+
+        found = [self._of(h, size) for size in h.sizes]
+        each = np.array([log for log, _ in found])
+        best = int(np.argmax(each))
+        log = float(logsumexp(each)) - math.log(each.size) + math.log(h.odds)
+        return Cause(h, log, h.sizes[best], found[best][1])
+
+    def _of(self, h: Hypothesis, size: Size) -> tuple[float, float]:
+        """ln of the evidence of one size, and the mean square that its best draw leaves."""
+        from scipy.special import logsumexp
+
+        runs = [h.undo(run, size) for run in self.runs]
+        sums = [self._sum(run) for run in runs]
+        level = float(np.mean([level for _, level, _ in sums]))
+        e, centre, root = _draws()
+        regression = self.regression.with_forces_of(runs)
+        split, mean, _ = regression.solve(e, centre, root)
+        each = split + self._prior(level, e.log_pad_ratio, h.pads)
+        best = int(np.argmax(each))
+        front, rear, fall = (centre[best] + root[best] @ mean[best])[:, None]
+        one = replace(
+            e.take(np.array([best])), compliance_f=front, compliance_r=rear, radius_load=fall
+        )
+        rest = regression.left(one)[0] @ regression.white.T
+        square = sum(square for _, _, square in sums) + float(rest @ rest)
+        log = float(logsumexp(each)) - math.log(each.size) + sum(log for log, _, _ in sums)
+        return log, square / (rest.size + _POINTS * len(runs))
+
+    def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
+        """ln of the density of pads of a ``level`` and ``ratio`` (n,), over that of the draws."""
+        front = (level + (1.0 - self.share) * ratio) / pads[0]
+        rear = (level - self.share * ratio) / pads[1]
+        less = 0.5 * (ratio / _BROAD) ** 2 + math.log(_BROAD)
+        return np.asarray(less - 0.5 * (front**2 + rear**2) - math.log(pads[0] * pads[1]))
+
+    def _sum(self, run: RampRun) -> tuple[float, float, float]:
+        """ln of the evidence of the sum of forces, ln of the level of the pads, and the rest."""
+        b, at = run.blocks, np.flatnonzero(run.braked)
+        groups = np.array_split(at, min(_POINTS, at.size))
+        front, rear = brake_forces(self.car, b.p_f, b.p_r)
+        means = (front + rear, run.braking, b.z * self.car.weight, b.end)
+        N, y, z, time = (
+            np.array([float(np.mean(x[g])) for g in groups]) / scale
+            for x, scale in zip(means, (*[self.car.weight] * 3, 1.0), strict=True)
+        )
+        length = np.array([g.size for g in groups]) * b.length
+        near = np.exp(-0.5 * ((z[:, None] - z) / _LENGTH) ** 2)
+        along = (time - time.mean()) / max(float(np.ptp(time)), b.length) * N
+        covariance = np.diag(run.noise.z**2 / length) + np.outer(N, N) * _DEPARTS**2 * near
+        covariance += np.outer(along, along) * _TREND**2 + _ZERO**2
+        root = np.linalg.cholesky(covariance)
+        w, v = np.linalg.solve(root, N), np.linalg.solve(root, y)
+        level = float(w @ v / (w @ w))
+        left = v - level * w
+        square = float(left @ left)
+        log = -0.5 * (square + math.log(w @ w)) - float(np.log(np.diag(root)).sum())
+        return log, math.log(max(level, 1e-2)), square

@@ -1,0 +1,95 @@
+"""Motors and valves that the log lacks or has wrong are named, on a plant that knows them."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from calib.fitting.mistakes import causes_of, named
+from calib.logs.log import Log
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL, noisy, prepared, ramp
+
+TORQUE, FULL = 450.0, 8e5
+"""Of a motor on the front wheels [N m], and the pressure at which it has that [Pa]."""
+
+
+def pressure(t: float) -> float:
+    return 5e5 * max(t - 1.5, 0.0)
+
+
+def torque(t: float) -> float:
+    return -TORQUE * min(pressure(t) / FULL, 1.0)
+
+
+@cache
+def electric() -> Log:
+    """A ramp in which a motor brakes the front wheels along; its torque is in the log."""
+    plant = replace(REAL, motor=lambda t: (torque(t), 0.0))
+    return noisy(as_log(drive(plant, pressure, 33.0, duration=9.5, stop_speed=8.0), "ramp"), 4)
+
+
+@cache
+def valved() -> Log:
+    """A ramp of a car with a valve behind: p_mc alone is in the log."""
+    rear = lambda t: min(pressure(t), 15e5 + 0.3 * max(pressure(t) - 15e5, 0.0))  # noqa: E731
+    own = {"fl": pressure, "fr": pressure, "rl": rear, "rr": rear}
+    run = drive(REAL, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=own)
+    log = noisy(as_log(run, "ramp"), 5)
+    return replace(log, channels={k: x for k, x in log.channels.items() if k[:3] not in WHEELS})
+
+
+WHEELS = ("p_f", "p_r")
+
+
+def scaled(factor: float | None) -> Log:
+    """The electric car with T_drive times a factor; without the channel for None."""
+    channels = {k: x for k, x in electric().channels.items() if not k.startswith("T_drive")}
+    if factor is not None:
+        channels["T_drive_f"] = factor * electric()["T_drive_f"]
+    return replace(electric(), channels=channels)
+
+
+def causes(log: Log):
+    return causes_of(CAR, [prepared(log)])
+
+
+@pytest.mark.parametrize(
+    ("factor", "undone"), [(0.5, (2.0,)), (0.1, (9.0, 12.0)), (-1.0, (-1.0,)), (1 / 3, (2.5, 4.0))]
+)
+def test_a_wrong_torque_is_named_with_the_factor_that_fits(factor, undone):
+    first = named(causes(scaled(factor)))[0]
+    assert (first.hypothesis.code, first.hypothesis.axle) == ("drive_torque_scale", "f")
+    assert undone[0] <= first.size[0] <= undone[-1]
+
+
+def test_a_motor_that_is_not_logged_is_named_with_its_torque():
+    first, *others = named(causes(scaled(None)))
+    assert (first.hypothesis.code, first.hypothesis.axle) == ("motor_not_logged", "f")
+    assert 0.5 * TORQUE < first.size[0] < 1.5 * TORQUE
+    assert not others
+
+
+def test_a_car_without_motors_is_not_asked_for_one():
+    car = replace(CAR, motor_odds=0.0)
+    codes = {c.hypothesis.code for c in causes_of(car, [prepared(scaled(None))])}
+    assert "motor_not_logged" not in codes
+
+
+def test_a_valve_is_named_with_its_knee():
+    first = named(causes(valved()))[0]
+    assert first.hypothesis.code == "rear_pressure_limited"
+    assert first.size[0] == pytest.approx(15e5, rel=0.4)
+
+
+@pytest.mark.parametrize("log", [lambda: noisy(ramp(REAL), 6), lambda: scaled(1.0)])
+def test_nothing_is_named_where_nothing_is_wrong(log):
+    assert named(causes(log())) == ()
+
+
+def test_nothing_is_named_where_nothing_explains_the_ramp():
+    log = noisy(ramp(REAL), 7)
+    shaken = {w: log[w] * (1.0 + 0.01 * np.sin(3.0 * log.time)) for w in ("omega_fl", "omega_fr")}
+    spoilt = replace(log, channels={**log.channels, **shaken})
+    assert named(causes(spoilt)) == ()
