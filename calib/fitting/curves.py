@@ -71,9 +71,18 @@ def difference_curves(
     """
     of = ridge(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(of.eta[-1]), SETTINGS.rows)
-    seen = [1.0 + run.since_rolling(run.blocks.eta)[run.braked] for run in runs]
+    seen = [_seen(car, run, of) for run in runs]
     d = DifferenceCurve(*_columns(eta, differences(of, eta), pulls, seen))
     return d, paper_of(car, d, np.interp(eta, of.eta, of.z))
+
+
+def _seen(car: Vehicle, run: RampRun, of: Shown) -> Array:
+    """Eta [1] of the braked blocks (m,); where a motor brakes along, that of the brakes alone."""
+    b, braked = run.blocks, run.braked
+    if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
+        z = run.braking[braked] / car.weight / (1.0 + sum(turning_shares(car)))
+        return np.interp(z, of.z, of.eta)
+    return np.asarray(1.0 + run.since_rolling(b.eta)[braked])
 
 
 def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:

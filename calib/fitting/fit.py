@@ -3,7 +3,7 @@
 logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table, warnings
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.base.errors import LogError
 from calib.base.program import PROGRAM
-from calib.base.warning import Measured, judged
+from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged
 from calib.car.beliefs import CAR, LOG
 from calib.car.bias import front_biased_up_to
 from calib.car.braking import BITE
@@ -23,6 +23,7 @@ from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
 from calib.fitting.known import known_before
 from calib.fitting.maps import maps, pressure_odds
+from calib.fitting.mistakes import CERTAIN, Cause, causes_of, measured, motor_in
 from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
 from calib.fitting.quality import explained, metrics, remarks, warnings_of
@@ -95,10 +96,13 @@ def fit(
     where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
     before = ratio_by_levels(car, runs, known, said)
-    ensemble, figures, valve = explained(car, runs, before, told, refused)
+    both = [run for run in runs if run.only is None]
+    causes = causes_of(car, both)
+    mistakes = _mistakes(causes, both, refused)
+    ensemble, figures = explained(car, runs, before, told, refused, bool(mistakes))
     held = list(zip(told, ensemble.held.tolist(), strict=True))
     # curves over eta and the level of both axles' pads are of ramps on which both brake
-    both, fourth = [run for run in runs if run.only is None], slice(None, None, 4)
+    fourth = slice(None, None, 4)
     some, pulls = ensemble.take(fourth), {p: x[fourth] for p, x in ensemble.pulls.items()}
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in both)
     of = ridge(car, some, np.linspace(0.0, z_max, 201))
@@ -121,7 +125,7 @@ def fit(
         "stiffness": {part: of[1] for part, of in parts.items()},
     }
     pads, budget = calibration_of(car, scale, ratio, stiffness, variances)
-    require_possible_pads(car, pads, warnings)
+    require_possible_pads(car, pads, warnings, motor_in(causes))
     difference, paper = difference_curves(car, some, pulls, both, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
@@ -139,7 +143,7 @@ def fit(
         warnings=(
             *judged(vehicle.name, [Measured(one.code, p) for one, p in held], FIT),
             *judged(car.name, of_calibration(car, pads, said), FIT),
-            *valve,
+            *mistakes,
             *warnings,
         ),
         budget=budget,
@@ -149,6 +153,19 @@ def fit(
     )
     require_finite(table)
     return table
+
+
+def _mistakes(
+    causes: Sequence[Cause], runs: Sequence[RampRun], refused: Callable[..., LogError]
+) -> tuple[PlausibilityWarning, ...]:
+    """Warnings of the mistakes that ramps name; raises LogError for one that is believed."""
+    found, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
+    if found and causes[0].log_odds > CERTAIN and (why := judged(logs, found, FIT, (REFUSE,))):
+        raise refused(
+            "; or ".join(one.text for one in why),
+            expected="forces that the pressure and the logged torques make",
+        )
+    return judged(logs, found, FIT)
 
 
 def _ready(

@@ -22,7 +22,8 @@ from functools import cache
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import AXLES
+from calib.base.names import AXLE_NAMES, AXLES
+from calib.base.warning import Measured
 from calib.car.balance import brake_forces
 from calib.car.bias import front_share
 from calib.car.effects.line import limited
@@ -32,8 +33,9 @@ from calib.fitting.known import OWN, drawn
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 
-SURE = 3.0
-"""ln of the odds over all else from which a mistake is named: 20 to 1."""
+SURE, CERTAIN = 3.0, 5.0
+"""ln of the odds over all else from which a mistake is named, and from which it is believed: 20 and
+150 to 1."""
 
 _EXPLAINED = 2.5
 """Mean square of what the best leaves of eta, slip and sum, over their errors, past which nothing
@@ -56,6 +58,13 @@ _FULL = (4e5, 10e5, 20e5)  # pressures at which it gives them [Pa]
 _HANDS_OVER = (1.0, 4.0)  # speeds between which it hands over to the brakes [m/s]
 _KNEES, _SLOPES = (10e5, 15e5, 20e5, 25e5, 30e5), (0.2, 0.45)  # of a valve [Pa], [1]
 _LEAST_DRIVE = 20.0  # torque that is logged while a car brakes [N m]: less is noise
+_FIRST = {1: ((-1.0,), (2.0,), (9.0,)), 2: ((250.0, 8e5), (700.0, 12e5))}
+_FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
+"""Sizes that are tried first: of a factor, of a motor, of a valve."""
+_NEAR = 6.0  # ln of the odds against a mistake from which on no other size of it is tried
+
+SCALE, MOTOR, VALVE = "drive_torque_scale", "motor_not_logged", "rear_pressure_limited"
+"""Codes of `rules.csv`."""
 
 Size = tuple[float, ...]
 
@@ -66,16 +75,17 @@ def _as_read(run: RampRun, size: Size) -> RampRun:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A mistake by its ``code`` of `warnings.csv`; empty of nothing wrong, and of other pads.
+    """A mistake by its ``code`` of `rules.csv`; empty of nothing wrong, and of other pads.
 
-    ``odds`` before the ramp [1]; ``sizes`` that it may have, equally likely; ``undo`` makes of a
-    run what it is without the mistake; ``pads`` sigma of ln of the friction of the front and the
-    rear pads against the file [1].
+    ``odds`` before the ramp [1]; ``sizes`` that it may have, equally likely, of which the ``first``
+    are tried before all; ``undo`` makes of a run what it is without the mistake; ``pads`` sigma of
+    ln of the friction of the front and the rear pads against the file [1].
     """
 
     code: str
     odds: float
     sizes: tuple[Size, ...] = ((),)
+    first: tuple[Size, ...] = ((),)
     undo: Callable[[RampRun, Size], RampRun] = _as_read
     pads: tuple[float, float] = (_PADS, _PADS)
     axle: str = ""
@@ -113,6 +123,41 @@ def named(causes: Sequence[Cause]) -> tuple[Cause, ...]:
     return left if explained and all(c.hypothesis.code for c in left) else ()
 
 
+def motor_in(causes: Sequence[Cause]) -> str:
+    """A motor that explains ramps nearly as well as other pads do, in words; "" where none does."""
+    best = max(c.log_odds for c in causes if not c.hypothesis.code)
+    near = (c for c in causes if c.hypothesis.code == MOTOR and c.log_odds > best - SURE)
+    for cause in near:
+        axle, torque = AXLE_NAMES[cause.hypothesis.axle], cause.size[0]
+        return f"a motor that brakes the {axle} wheels by up to {torque:.0f} N m, and is not logged"
+    return ""
+
+
+def measured(causes: Sequence[Cause]) -> Iterator[Measured]:
+    """What the rules are told of the mistakes that are named."""
+    for cause in named(causes):
+        axle, size = cause.hypothesis.axle, cause.size
+        words = {"axle": AXLE_NAMES[axle], "channel": f"T_drive_{axle}"}
+        if cause.hypothesis.code == SCALE:
+            words |= {"factor": f"{size[0]:.3g}", "cause": _why(size[0])}
+            yield Measured(SCALE, size[0], words=words)
+        elif cause.hypothesis.code == MOTOR:
+            yield Measured(MOTOR, size[0], words=words | {"bar": f"{size[1] / 1e5:.0f}"})
+        else:
+            yield Measured(VALVE, 1.0, words={"bar": f"{size[0] / 1e5:.0f}"})
+
+
+def _why(factor: float) -> str:
+    """What makes of a torque at the wheels another one by a factor."""
+    if factor < 0.0:
+        return "another sign: what slows the car is negative"
+    if factor < 1.0:
+        return "a torque that is asked for, not the one that acts"
+    several = "one motor of several, where the torque of all is meant"
+    shaft = "the torque at the shaft of a motor, where that at the wheels is meant"
+    return several if factor < 3.5 else shaft
+
+
 def _hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
     yield Hypothesis("", 1.0)  # nothing wrong: all others are compared with it
     for pads in ((_OTHER, _PADS), (_PADS, _OTHER), (_OTHER, _OTHER)):
@@ -124,14 +169,15 @@ def _hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
         if max(float(np.max(x, initial=0.0)) for x in logged) > _LEAST_DRIVE:
             factors = tuple((factor,) for factor in _FACTORS)
             undo = _without(axle, _scaled(axle, radius))
-            yield Hypothesis("drive_torque_scale", 0.1, factors, undo, axle=axle)
+            yield Hypothesis(SCALE, 0.1, factors, _FIRST[1], undo, axle=axle)
         if car.motor_odds > 0.0:
             torques = tuple((torque, full) for torque in _TORQUES for full in _FULL)
             undo = _without(axle, _motor(radius))
-            yield Hypothesis("motor_not_logged", car.motor_odds, torques, undo, axle=axle)
-    if "rear_proportioning" not in car.effects:
+            yield Hypothesis(MOTOR, car.motor_odds, torques, _FIRST[2], undo, axle=axle)
+    apart = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
+    if not apart and "rear_proportioning" not in car.effects:
         knees = tuple((knee, slope) for knee in _KNEES for slope in _SLOPES)
-        yield Hypothesis("rear_pressure_limited", 0.1, knees, _limited, axle="r")
+        yield Hypothesis(VALVE, 0.1, knees, _FIRST_KNEES, _limited, axle="r")
 
 
 _Force = Callable[[RampRun, Size], Array]
@@ -176,6 +222,21 @@ def _limited(run: RampRun, size: Size) -> RampRun:
     return replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, *size)))
 
 
+def _top(sizes: Sequence[Size], log: Array, best: int) -> float:
+    """The first number of the best size, where a parabola through its neighbours has its top."""
+    x = np.array([size[0] for size in sizes if size[1:] == sizes[best][1:]])
+    y = np.array(
+        [each for size, each in zip(sizes, log, strict=True) if size[1:] == sizes[best][1:]]
+    )
+    order = np.argsort(x)
+    at = int(np.flatnonzero(x[order] == sizes[best][0])[0])
+    near = order[max(at - 1, 0) : at + 2]
+    if near.size < 3:
+        return float(sizes[best][0])
+    bend, slope, _ = np.polyfit(x[near] - sizes[best][0], y[near], 2)
+    return float(sizes[best][0] - 0.5 * slope / bend) if bend < 0.0 else float(sizes[best][0])
+
+
 @cache
 def _draws() -> tuple[Ensemble, Array, Array]:
     """Draws of the field whose pads have any ratio, with centre and root of what is linear."""
@@ -192,16 +253,22 @@ class _Evidence:
     def __init__(self, car: Vehicle, runs: Sequence[RampRun]) -> None:
         self.car, self.runs = car, runs
         self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
+        self.nothing, _ = self._of(Hypothesis("", 1.0), ())
 
     def cause(self, h: Hypothesis) -> Cause:
         """The hypothesis with ln of its odds times its evidence, and the size that has most."""
         from scipy.special import logsumexp
 
-        found = [self._of(h, size) for size in h.sizes]
+        sizes = h.first
+        found = [self._of(h, size) for size in sizes]
+        if h.sizes != sizes and max(found)[0] > self.nothing - _NEAR:
+            sizes = h.sizes
+            found = [self._of(h, size) for size in sizes]
         each = np.array([log for log, _ in found])
         best = int(np.argmax(each))
         log = float(logsumexp(each)) - math.log(each.size) + math.log(h.odds)
-        return Cause(h, log, h.sizes[best], found[best][1])
+        size = (_top(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
+        return Cause(h, log, size, found[best][1])
 
     def _of(self, h: Hypothesis, size: Size) -> tuple[float, float]:
         """ln of the evidence of one size, and the mean square that its best draw leaves."""

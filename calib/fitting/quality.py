@@ -5,16 +5,13 @@ ramp that no draw carries, or that all leave far more of than the sensors err by
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, judged
 from calib.car.bias import front_biased_up_to
-from calib.car.effects.line import limited
 from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
@@ -39,11 +36,6 @@ _MOST = 3.0
 """Root mean square of the residuals of eta past which a ramp is not explained: foreign tyres leave
 0.5 to 1.4, a wheel speed that is held for 0.1 s, and moves the ratio of the pads by a sixth, 5."""
 
-_KNEES = (15e5, 20e5, 25e5, 30e5, 35e5)  # of usual valves [Pa]
-_SLOPE = 0.4  # of the rear pressure above the knee, of a usual valve [1]
-_DOUBT = 1.2  # misfit past which a knee is asked for: 1.0 to 1.3 without a valve, to 2.8 with one
-_DRAWS = 512  # enough for a misfit
-
 
 def explained(
     car: Vehicle,
@@ -51,11 +43,12 @@ def explained(
     ratio: Value,
     known: Sequence[Known],
     refused: Callable[..., LogError],
-) -> tuple[Posterior, dict[str, float], tuple[PlausibilityWarning, ...]]:
+    excused: bool,
+) -> tuple[Posterior, dict[str, float]]:
     """The ensemble of the ramps, ``ratio`` known of the pads before, and figures of what it leaves.
 
-    With a warning where a valve of the rear pressure explains them better; what ``refused`` makes
-    of the reason is raised where nothing does.
+    What ``refused`` makes of the reason is raised where nothing explains them; a misfit is
+    ``excused`` where its cause is named.
     """
     try:
         found = posterior(car, runs, ratio, known=known)
@@ -67,8 +60,7 @@ def explained(
         ) from error
     left = [residuals(car, found, run) for run in runs if run.only is None]
     worst = max(_rms(eta) for eta, _ in left)
-    valve = judged(", ".join(run.name for run in runs), _valve(car, found, runs, ratio))
-    if worst > _MOST and not valve:
+    if worst > _MOST and not excused:
         raise refused(
             f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
             expected=f"up to {_MOST:.0f} times",
@@ -80,7 +72,7 @@ def explained(
         "residual_slip_rms_sigma": _rms(slip),
         "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
     }
-    return found, figures, valve
+    return found, figures
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
@@ -104,31 +96,6 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
 
 def _rms(x: Array) -> float:
     return float(np.linalg.norm(x) / np.sqrt(max(x.size, 1)))
-
-
-def _valve(car: Vehicle, found: Posterior, runs: list[RampRun], ratio: Value) -> Iterator[Measured]:
-    """By how much the mean square that is left of the ramps falls with a knee of the rear pressure.
-
-    The pads' ratio would bend at a knee, which no tyre does. Not asked where a valve is declared or
-    the pressures of both axles are logged.
-    """
-    measured = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
-    if found.misfit < _DOUBT or measured or "rear_proportioning" in car.effects:
-        return
-
-    def misfit(knee: float) -> float:
-        behind = [
-            replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, knee, _SLOPE)))
-            for run in runs
-        ]
-        try:
-            return posterior(car, behind, ratio, _DRAWS).misfit
-        except ValueError:  # no tyre carries these forces
-            return np.inf
-
-    left, knee = min((misfit(knee), knee) for knee in _KNEES)
-    words = {"bar": f"{from_si(knee, 'bar', 'Pa'):g}"}
-    yield Measured("rear_pressure_limited", found.misfit**2 - left**2, words=words)
 
 
 def metrics(vehicle: Vehicle, runs: list[RampRun], of: Shown, nominal: float) -> dict[str, float]:

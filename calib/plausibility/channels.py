@@ -14,7 +14,7 @@ from calib.base.units import from_si
 from calib.base.warning import Measured, bounds_of
 from calib.plausibility.evidence import Evidence
 from calib.run.axle_signals import held_time
-from calib.run.copies import twice
+from calib.run.copies import shares_of_speed, twice
 from calib.run.driving_record import BITE_Z
 from calib.run.pressure_delay import PressureDelay
 
@@ -119,6 +119,8 @@ def copied(e: Evidence) -> Iterator[Measured]:
     names = [name for name in (*_OMEGAS, "v", "a_x", "p_mc") if name in log]
     for one, other, same in twice(log, names):
         yield Measured("same_signal", same, words={"one": one, "other": other})
+    for source, share in shares_of_speed(log):
+        yield Measured("a_x_of_speed", share, words={"source": source})
 
 
 def held(e: Evidence) -> Iterator[Measured]:

@@ -29,22 +29,27 @@ seats and the boot are a quarter of a car's mass. Pads that are soaked lose half
 
 
 def require_possible_pads(
-    vehicle: Vehicle, found: Calibration, warnings: tuple[PlausibilityWarning, ...]
+    vehicle: Vehicle,
+    found: Calibration,
+    warnings: tuple[PlausibilityWarning, ...],
+    motor: str = "",
 ) -> None:
     """Raise VehicleError for a friction that no pad has, or a ratio that no two of a car have.
 
-    The interval of the ratio counts. ``warnings`` on file and logs are told beside it.
+    The interval of the ratio counts. ``warnings`` on file and logs are told beside it; so is a
+    ``motor``, in words, that explains the ramps as well.
     """
     pads = (found.pad_friction_f.value, found.pad_friction_r.value)
     (low, high), rho = _POSSIBLE, found.pad_log_ratio
     apart = abs(rho.value) - Z95 * rho.sigma > _GRADES
     if not apart and low <= min(pads) and max(pads) <= high:
         return
+    entry = likely_entry(vehicle, found) if apart else ""
     cause = "the unit or the scale of p_mc or a_x, areas, faces, radii or mass in the file"
     raise VehicleError(
         f"the pads come out at {pads[0]:.3g} in front and {pads[1]:.3g} behind, and the file has "
         f"{vehicle.front.pad_friction:g} and {vehicle.rear.pad_friction:g}: it is not that of the "
-        f"car of these logs; most likely {likely_entry(vehicle, found) if apart else cause}",
+        f"car of these logs; most likely {'; or '.join(filter(None, (motor, entry))) or cause}",
         where=vehicle.name,
         expected=f"pads of {low:g} to {high:g}, whose ratio differs from the file's by less than "
         f"{100 * math.expm1(_GRADES):.0f} %",

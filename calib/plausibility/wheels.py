@@ -18,7 +18,7 @@ from calib.car.braking import BITE, MOVING
 from calib.car.plausible import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
 from calib.run.blocks import Blocks
-from calib.run.driving_record import NOMINAL_RADIUS, SETTLE
+from calib.run.driving_record import NOMINAL_RADIUS, SETTLE, SMOOTH, DrivingRecord
 from calib.run.limits import LIMITS
 from calib.run.wheels import crossed_side
 
@@ -26,6 +26,10 @@ _SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # taken for each othe
 _UNIT_KNOWN = 0.16
 """Largest distance (logarithm) from the factor between two units at which they are named: half of
 that between the closest two, 1.61 and 2.24."""
+_FEWEST, _SPREAD, _LASTING = 20, 0.3, 2.0
+"""Means over which an offset is told, share of the speed that must change [1], and how much longer
+than one of them its errors last [1]."""
+_PLAIN = 8.0  # sigmas from which an offset is plain [1]
 _STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
@@ -45,13 +49,41 @@ def wheels(e: Evidence) -> Iterator[Measured]:
     if (slope := axles.slope) is not None:
         yield Measured("a_x_sign", float(slope < 0.0))
         yield Measured("a_x_unit", abs(slope))
-    if axles.radius is not None:
+    plain = False
+    if "v" in e.run.log and (offset := speed_offset(e.run.driving)) is not None:
+        value, sigma, radius = offset
+        plain = abs(value) > max(_PLAIN * sigma, bounds_of("wheel_offset")[1])
+        words = {"km_h": f"{3.6 * value * radius:+.1f}"}
+        yield Measured("wheel_offset", value, sigma, words=words)
+    if axles.radius is not None and not plain:
         yield from _unit_of_v(axles.radius, slope or 0.0)
     if (crossed := crossed_side(e.run.wheels, e.run.alone)) is not None:
         yield Measured("wheels_crossed_side", crossed.part, words={"found": crossed})
     if (eta := axles.eta_braked) is not None:
         rise = -eta.value if e.run.alone == "r" else eta.value
         yield Measured("axles_swapped", rise, eta.half, words=_sides(e.run.alone))
+
+
+def speed_offset(driving: DrivingRecord) -> tuple[float, float, float] | None:
+    """Offset of the wheel speeds against v [rad/s], its sigma, and the radius without it [m].
+
+    omega = v/R + offset + what slips, which is in proportion to z. None where the speed hardly
+    changes, or no wheel of a car has that radius. A tyre that is no line makes up to 3.5 rad/s, a
+    wheel of another size none.
+    """
+    use = np.flatnonzero(driving.moving)[:: max(1, round(SMOOTH / driving.step))]
+    v, z, omega = driving.speed[use], driving.z[use], driving.wheel[use]
+    if use.size < _FEWEST or np.ptp(v) < _SPREAD * np.max(v):
+        return None
+    A = np.stack([v, np.ones_like(v), z * v, z], axis=1)
+    found = np.linalg.lstsq(A, omega, rcond=None)[0]
+    left = omega - A @ found
+    variance = _LASTING * float(left @ left) / (use.size - A.shape[1])
+    sigma = math.sqrt(variance * np.linalg.pinv(A.T @ A)[1, 1])
+    low, high = bounds_of("v_unit")
+    if sigma == 0.0 or not 1.0 / high < found[0] < 1.0 / low:
+        return None
+    return float(found[1]), sigma, float(1.0 / found[0])
 
 
 def _sides(alone: str | None) -> dict[str, str]:

@@ -24,6 +24,8 @@ from calib.run.least_squares import squares_left
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
+_WIDEST, _MOST_LAGS = 0.15, 40  # reach of a derivative [s], and at most [samples]
+_ENOUGH = 4000  # samples that tell where a noise comes from
 _HELD = 1.5  # samples for which a channel keeps its values, from which it is held
 
 
@@ -34,6 +36,29 @@ def made_of_wheels(log: Log) -> bool:
         return False
     wheels, v = np.array([[_rough(log, f"omega_{w}") for w in WHEELS]]), _rough(log, "v")
     return float(squares_left(wheels, v)[0]) < (1.0 - LIMITS.copy_correlation**2) * float(v @ v)
+
+
+def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
+    """How much of the noise of a_x is that of a speed [1], of v and of the mean wheel speed.
+
+    A derivative is a sum of values of the speed before and after, whatever its width: all of its
+    noise is then one of the speed, and none of it where a_x has a sensor of its own.
+    """
+    if not _is_noise(log, "a_x"):
+        return  # smooth, as of a simulation: it says nothing of where it comes from
+    reach = min(max(2, round(_WIDEST / log.sample_time)), _MOST_LAGS)
+    wheels = np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0)
+    speeds = {"v": log["v"]} if "v" in log else {}
+    a_x = np.diff(log["a_x"][:_ENOUGH], 2)
+    for name, speed in {**speeds, "the wheel speeds": wheels}.items():
+        x, n = np.diff(speed[:_ENOUGH], 2), a_x.size - 2 * reach
+        count = 2 * reach + 1
+        if n < 4 * count or not (np.any(x) and np.any(a_x)):
+            continue
+        A = np.lib.stride_tricks.sliding_window_view(x, count)
+        y = a_x[reach : reach + n]
+        left = y - A @ np.linalg.lstsq(A, y, rcond=None)[0]
+        yield name, 1.0 - n / (n - count) * float(left @ left) / float(y @ y)
 
 
 def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:

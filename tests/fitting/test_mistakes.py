@@ -56,7 +56,8 @@ def causes(log: Log):
 
 
 @pytest.mark.parametrize(
-    ("factor", "undone"), [(0.5, (2.0,)), (0.1, (9.0, 12.0)), (-1.0, (-1.0,)), (1 / 3, (2.5, 4.0))]
+    ("factor", "undone"),
+    [(0.5, (1.7, 2.3)), (0.1, (8.5, 12.0)), (-1.0, (-1.2, -0.8)), (1 / 3, (2.5, 3.6))],
 )
 def test_a_wrong_torque_is_named_with_the_factor_that_fits(factor, undone):
     first = named(causes(scaled(factor)))[0]

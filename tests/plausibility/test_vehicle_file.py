@@ -27,7 +27,9 @@ def pads(vehicle, torque_f=1.0, torque_r=1.0, sigma=0.05):
         )
     )
     rho = math.log(f / vehicle.front.pad_friction * vehicle.rear.pad_friction / r)
-    return Calibration(Value(1.0, 0.02), Value(rho, sigma), Value(f, 0.01), Value(r, 0.02))
+    return Calibration(
+        Value(1.0, 0.02), Value(rho, sigma), Value(f, 0.01), Value(r, 0.02), Value(25.0, 2.0)
+    )
 
 
 EXCHANGED = replace(CAR, front=CAR.rear, rear=CAR.front)

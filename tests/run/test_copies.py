@@ -1,5 +1,7 @@
 """Channels that are sent seldom, and pressures that were computed from something else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -13,13 +15,14 @@ from calib.run.copies import (
     computed_channels,
     factor_between,
     period_of,
+    shares_of_speed,
     twice,
     without_holds,
 )
 from tests.support.made_runs import changed, made_run, stop
 from tests.support.measuring_chain import Message, chained
 from tests.support.plant import as_log, drive
-from tests.support.reference_car import IDEAL
+from tests.support.reference_car import IDEAL, REAL, noisy, ramp
 
 RUN = made_run(stop())
 
@@ -120,3 +123,20 @@ def test_factor(factor):
     x = np.random.default_rng(2).normal(size=50)
     assert factor_between(factor * x, x) == pytest.approx(factor)
     assert factor_between(factor * (x + 0.1), x) is None
+
+
+@pytest.mark.parametrize("width", [2, 16])
+def test_a_derivative_of_v_has_the_noise_of_v_and_no_other(width):
+    log = noisy(ramp(REAL), 9)
+    shift = width // 2
+    derived = (
+        np.gradient(log["v"], log.time)
+        if width == 2
+        else (
+            (np.roll(log["v"], -shift) - np.roll(log["v"], shift)) / (2 * shift * log.sample_time)
+        )
+    )
+    derived[:shift], derived[-shift:] = derived[shift], derived[-shift - 1]
+    made = replace(log, channels={**log.channels, "a_x": derived})
+    assert dict(shares_of_speed(made))["v"] > 0.95
+    assert max(share for _, share in shares_of_speed(log)) < 0.1
