@@ -168,6 +168,7 @@ def withdraw(table: options.Version, *, decision: _Decision) -> Answer:
 
 
 def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -> Answer:
+    from calib.base.errors import StoreError
     from calib.store.evidence import CONSISTENT, read_evidence
     from calib.store.state import StateDecision
 
@@ -175,6 +176,14 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     proof, verdict = read_evidence(evidence, before) if evidence else (None, "")
     if word == "released" and verdict == "failed":
         raise misuse(f"{evidence} says that {table} failed, which releases nothing", "--evidence")
+    lost = before.table.not_sensed.get("wheel_pressures")
+    if word == "released" and lost:
+        raise StoreError(
+            f"is for no ECU: it would have to know {lost}",
+            where=table,
+            expected="a table of pressures that an ECU has",
+            do="declare rear_proportioning in the vehicle file, or fit the ramp without them",
+        )
     proofs = (proof,) if proof else ()
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)

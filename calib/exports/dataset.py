@@ -10,7 +10,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
-from calib.car.effects.combined import not_sensed, sensed
+from calib.car.effects.combined import sensed
 from calib.exports.content import Content
 from calib.store.evidence import Quality
 from calib.store.version import Stored
@@ -254,7 +254,7 @@ class Dataset:
         """Facts that every file states, by key."""
         stored, table, content = self.stored, self.stored.table, self.content()
         effects = table.vehicle.effects
-        beyond = not_sensed(effects)
+        beyond = table.not_sensed
         may_be_empty = {
             "parents": ", ".join(parent.id for parent in table.provenance.parents),
             "effects to take out": ", ".join(sensed(effects).described),

@@ -10,7 +10,6 @@ from typing import Any
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
-from calib.car.effects.combined import not_sensed
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.dataset import Axis, Dataset, Grid
@@ -123,7 +122,7 @@ def require_handed_out(
             do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "
             "...`, or hand it out as it is with --unreleased: the file then says so",
         )
-    beyond = not_sensed(stored.table.vehicle.effects)
+    beyond = stored.table.not_sensed
     if unknown := [name for name in without_effects if name not in beyond]:
         raise ExchangeError(
             f"{unknown[0]} is no known effect of {stored.id} that an ECU cannot sense",

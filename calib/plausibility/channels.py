@@ -154,3 +154,18 @@ def pressure_sides(e: Evidence) -> Iterator[Measured]:
             left, right = (float(np.max(log[name])) for name in words.values())
             apart = (left - right) / max(left, right, _PRESSED)
             yield Measured("pressure_sides", apart, words=words)
+    yield from _from_master(e)
+
+
+def _from_master(e: Evidence) -> Iterator[Measured]:
+    """How far the pressures of the wheels are from p_mc, rms over its mean; not of one axle."""
+    log, s = e.run.log, e.run.signals
+    pressed = log["p_mc"] > _PRESSED / 2.0
+    if e.run.alone is None and np.any(pressed):
+        master = log["p_mc"][pressed]
+        apart = {
+            name: float(np.sqrt(np.mean((p[pressed] - master) ** 2)) / np.mean(master))
+            for name, p in (("front", s.p_f), ("rear", s.p_r))
+        }
+        axle = max(apart, key=apart.__getitem__)
+        yield Measured("wheel_pressures", apart[axle], words={"axle": axle})

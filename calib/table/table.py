@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from calib.base.digest import content_digest
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
+from calib.car.effects.combined import not_sensed
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
@@ -318,6 +319,13 @@ class Table:
         for name in COLUMNS:
             del record[name]
         return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
+
+    @property
+    def not_sensed(self) -> dict[str, str]:
+        """What an ECU cannot take out, with what it would have to know; see `not_sensed`."""
+        apart = {"wheel_pressures": "the pressures of the wheels, which are not p_mc"}
+        needed = any(one.code in apart for one in self.warnings)
+        return not_sensed(self.vehicle.effects) | (apart if needed else {})
 
     @property
     def fleet(self) -> tuple[TableReference, ...]:

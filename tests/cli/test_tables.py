@@ -2,9 +2,11 @@
 
 import hashlib
 import json
+from dataclasses import replace
 
 import pytest
 
+from calib.base.warning import PlausibilityWarning
 from calib.store.store import Store
 from tests.cli.conftest import told
 from tests.support.cars_of_a_line import car_table
@@ -232,3 +234,15 @@ def test_a_file_is_compared_with_the_table_that_it_names(brake_cal, tables, expo
     assert (ran.code, told(ran)["unchanged"]) == (4, False)
     out.write_bytes(out.read_bytes()[: out.stat().st_size // 2])
     assert tables("compare", out).code == 3
+
+
+def test_a_table_of_wheel_pressures_that_are_not_p_mc_is_released_to_no_ecu(tables, store):
+    table = made_table(28.0)
+    apart = PlausibilityWarning("wheel_pressures", "ramp", 0.3, (None, 0.06), (), "")
+    Store(store).save(replace(table, warnings=(apart,)))
+    ran = tables("release", "sedan@2", "--reason", "good")
+    assert ran.code == 4
+    assert Store(store).load("sedan@2").state.word == "draft"
+    out = store.parent / "x.dcm"
+    ran = tables("export", "sedan@2", "--unreleased", "--format", "dcm", "--out", out)
+    assert (ran.code, out.exists()) == (4, False)

@@ -23,7 +23,6 @@ from calib.base.program import PROGRAM
 from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import write_whole
-from calib.car.effects.combined import not_sensed
 from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
@@ -55,7 +54,7 @@ def why_not_exported(stored: Stored) -> str:
     """Why the station hands this table to no ECU; "" if it does."""
     if not stored.state.released:
         return "only a released table may reach an ECU"
-    beyond = ", ".join(not_sensed(stored.table.vehicle.effects))
+    beyond = ", ".join(stored.table.not_sensed)
     return f"an ECU cannot sense {beyond}; see `brake-cal tables export`" if beyond else ""
 
 
