@@ -211,7 +211,7 @@ def test_logs_that_cannot_give_an_answer_are_refused(drag):
         (drag.vehicle, logs, [], "no hold-out"),
         (drag.vehicle, logs, [logs[0]], "among the calibration logs"),
         (drag.vehicle, [*logs, logs[0]], held, "given twice"),
-        (replace(drag.vehicle, front=larger), logs, held, "the front wheels roll with a radius"),
+        (replace(drag.vehicle, front=larger), logs, held, "rolling_radius_f"),
         (drag.vehicle, logs[:1], held, "two or more"),
         (drag.vehicle, coasts, held, "nothing is braked"),
         (drag.vehicle, blind, held, "no reference speed"),

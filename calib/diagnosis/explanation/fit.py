@@ -55,15 +55,19 @@ def _fallen(at: Explanation, least: float, damping: float) -> tuple[State, float
     """The state after a step that falls, and the damping to go on with (Levenberg 1944).
 
     Between them the fall over what was promised [1]: none where less than ``least`` is promised, or
-    hardly anything falls.
+    hardly anything falls. The step without damping is asked: a damped one that ends at its bounds
+    may promise nothing, and a smaller one still falls.
     """
     state, promised = _step(at, 0.0)
-    while promised >= least and damping < _MOST_DAMPED:
+    if promised < least:
+        return at.state, 0.0, 0.0
+    while damping < _MOST_DAMPED:
         if damping:
             state, promised = _step(at, damping)
         fall = at.squares - _squares(at, state)
         if fall > 0.0:
-            return state, fall / promised if fall > 0.5 * least else 0.0, 0.1 * damping
+            share = fall / max(promised, least) if fall > 0.5 * least else 0.0
+            return state, share, 0.1 * damping
         damping = max(10.0 * damping, _DAMPING)
     return at.state, 0.0, 0.0
 
