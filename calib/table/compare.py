@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
-from calib.table.maps import MAPS, Map, columns
+from calib.table.maps import MAPS, Map, PadMap, columns
 from calib.table.table import Array, Table, Value
 
 TOLERANCE = 1e-5
@@ -31,6 +31,8 @@ _VALUE = {"value", "sigma"}
 
 _RESULTS = ("calibration", "effects", "noise", "quality")
 """Sections of the record that hold numbers of the fit; its words follow from them."""
+
+_SURE = 0.95  # share of the stops on which the verdict on a map rests [1]
 
 _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
 """Verdicts on two tables; the second where nothing differs by more than the 95 % bands of both."""
@@ -150,7 +152,11 @@ def _common(a: Map, b: Map) -> list[Array]:
 
 
 def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
-    """Both are linear along each axis between their cells, so the largest gap is at one of them."""
+    """Both are linear along each axis between their cells, so the largest gap is at one of them.
+
+    ``in_bands`` is what 95 % of the stops do not exceed, as bands of 95 % promise no more: a cell
+    counts by the share of the stops that are seen there, and one that no stop shows is all prior.
+    """
     gap = getattr(b, column) - getattr(a, column)
     ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
     band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
@@ -162,8 +168,20 @@ def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
         largest=float(gap[worst]),
         at=float(a.z[worst]),
         rms=float(np.sqrt(np.mean(gap**2))),
-        in_bands=_in_bands(gap, band),
+        in_bands=_usual(_over(gap, band), np.minimum(*(_shares(m) for m in (a, b)))),
     )
+
+
+def _shares(m: Map) -> Array:
+    """How many of the stops are seen at each cell (n,) [1]; alike where the map does not say."""
+    return m.share if isinstance(m, PadMap) else np.ones_like(m.z)
+
+
+def _usual(x: Array, weights: Array) -> float:
+    """What 95 % of the ``weights`` (n,) do not exceed of ``x`` (n,)."""
+    order = np.argsort(x)
+    below = np.cumsum(weights[order])
+    return float(x[order][np.searchsorted(below, _SURE * below[-1])]) if below[-1] > 0.0 else 0.0
 
 
 def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:
@@ -173,9 +191,14 @@ def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:
 
 def _in_bands(gap: Array, band: Array) -> float:
     """Largest gap over its band; at eta = 1 both are zero, and so is their ratio."""
-    over = np.full_like(gap, math.inf)
-    np.divide(np.abs(gap), band, out=over, where=band > 0.0)
-    return float(np.max(over, initial=0.0, where=gap != 0.0))
+    return float(np.max(_over(gap, band), initial=0.0))
+
+
+def _over(gap: Array, band: Array) -> Array:
+    """Gaps over their bands (n,); 0 where both are, infinite without a band."""
+    over = np.where(gap == 0.0, 0.0, math.inf)
+    np.divide(np.abs(gap), band, out=over, where=(band > 0.0) & (gap != 0.0))
+    return over
 
 
 def _axes(table: Table) -> dict[str, tuple[Array, Array, Array]]:
