@@ -21,7 +21,7 @@ UsageError: Any = typer.BadParameter.__base__
 
 SUBJECTS = {
     "One car": {
-        "check": "Say for what each log can be used",
+        "check": "Say for what each log can be used, as far as can be told without a vehicle file",
         "fit": "Make the look-up table of a car from ramped brakings",
         "validate": "Run the estimator with a table on other logs, and judge what an ECU makes of "
         "it",

@@ -139,7 +139,7 @@ def test_a_tyre_file_that_the_ramp_contradicts_is_told_and_not_followed(run, alo
 def fleet():
     """Draws of five cars of one tyre whose pads scatter by 7 % in ratio."""
     exact = Value(1.0, 0.01)
-    pads = Calibration(exact, exact, exact, exact)
+    pads = Calibration(exact, exact, exact, exact, exact)
 
     def car(seed, ratio):
         log = without(noisy(ramp(plant(ratio=ratio)), seed), "v")

@@ -125,12 +125,10 @@ def test_a_ramp_with_both_axles_is_needed(clean):
 
 def test_swapped_axles_are_seen_on_one_axle_too(clean):
     normal = noisy(clean["n"], 0)
-    for axle, more in (("f", "front"), ("r", "rear")):
-        message = refused(normal, swapped(noisy(clean[axle], 1)))
-        assert f"only the {more} brakes have pressure" in message
-        assert "are the axles swapped?" in message
+    for axle in "fr":
+        assert "(eta_falls)" in refused(normal, swapped(noisy(clean[axle], 1)))
 
 
 def test_a_rear_ramp_without_its_pressures_is_refused(clean):
     alone = without(noisy(clean["r"], 1), *PRESSURES)
-    assert "the ramp spans" in refused(noisy(clean["n"], 0), alone)
+    assert "(ramp_span)" in refused(noisy(clean["n"], 0), alone)
