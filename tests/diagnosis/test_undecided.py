@@ -42,12 +42,11 @@ def squares(at: Explanation) -> float:
     return sum(float(r @ r) for r in at.innovations)
 
 
-def refitted(rivals: list[Explanation], run: ObservedRun) -> float:
-    """How much worse the second model explains logs and a drive that the first one made [sigma].
+def refitted(rivals: list[Explanation], made: Explanation, run: ObservedRun) -> float:
+    """How much worse the second explains logs and a drive that the first ``made`` [sigma].
 
     Both are fitted anew to logs and drive together; priors count.
     """
-    made = without_form(rivals[0])
     model = model_of(made.problem.vehicle, made.base, made.effects)
     driven = simulate(model, run.time, run.p_mc, float(run.v[0]))
     if run.temperature_f is not None:
@@ -66,7 +65,9 @@ def refitted(rivals: list[Explanation], run: ObservedRun) -> float:
 def test_the_test_that_is_proposed_separates_most(rivals):
     one, other = rivals
     ((name, sigma),) = best_drives(one, [(other.base, other.effects)])
-    shown = {n: refitted(rivals, run) for n, run in by_name(one).items()}
+    made = without_form(one)
+    some = {n: run for n, run in by_name(one).items() if n.startswith(("coast", "hard", "light"))}
+    shown = {n: refitted(rivals, made, run) for n, run in some.items()}
     assert "coast" in name
     assert sigma > 10.0
     assert shown[name] > 0.8 * max(shown.values())

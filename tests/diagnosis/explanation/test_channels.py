@@ -57,7 +57,7 @@ def test_the_mean_squared_innovation_of_noise_alone_scatters_as_told():
     """The same runs as a car without any effect and with white noise would have given them."""
     base = based(draw("none", 32, only=("coast", "ramp", "step_low", "hot")))
     problem, rng, drawn = base.problem, np.random.default_rng(8), []
-    for _ in range(8):
+    for _ in range(6):
         runs = []
         for run in problem.runs:
             made = predict(problem.vehicle, base.base, Effects(), run)

@@ -9,11 +9,13 @@ import pytest
 import calib
 from calib.base.processes import side_by_side
 from calib.car.effects.effects import Effects
+from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.search.rank import promises
 from calib.diagnosis.search.search import Search
+from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
-from tests.support.explained import searched
+from tests.support.explained import asked, fitted, searched
 from tests.support.hidden.cases import HiddenCase, draw
 
 FEW = ("coast", "coast_slow", "hot", "stop_a")
@@ -52,6 +54,7 @@ def test_the_true_pair_is_promised_first_and_keeps_its_promise(pair):
     assert kept == pytest.approx(promised, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_lag_with_a_delay_is_no_oscillation():
     names = ("hydraulic_lag", "hydraulic_delay")
     found = search_of(draw("double", 7, names, only=(*FEW, "ramp_fast", "step_high")))
@@ -81,25 +84,44 @@ def test_a_known_effect_is_named_only_where_its_size_is_wrong(share, names):
     assert found.base.radius == pytest.approx(1.0 / 1.003, abs=2e-4)
 
 
-def test_discs_that_begin_unlike_are_found_with_the_fade_where_no_temperature_is_logged():
-    """Heats and onset count from each other alone, so what is above the onset is compared."""
-    fade = {"fade_slope": 0.0012, "fade_onset": 150.0}
-    effects = Effects({"pad_thermal_fade": fade})
-    model = replace(calib.default_model(SEDAN), effects=effects)
+HEATS = {(60.0, 60.0): 18, (300.0, 140.0): 22, (180.0, 260.0): 26, (380.0, 240.0): 34}
+"""First heats of discs [degC], front and rear, with the pressure of the stop [bar]."""
+
+
+@pytest.fixture(scope="module")
+def hot_stops() -> list[Log]:
+    """Stops that begin with these heats, and one more to hold out; no temperature is logged."""
+    effects = Effects({"pad_thermal_fade": {"fade_slope": 0.0012, "fade_onset": 150.0}})
+    model, logs = replace(calib.default_model(SEDAN), effects=effects), []
     time = np.arange(0.0, 9.0, 0.005)
-    heats = {(60.0, 60.0): 18, (300.0, 140.0): 22, (180.0, 260.0): 26, (380.0, 240.0): 34}
-    logs = []
-    for heat, pressure in {**heats, (240.0, 200.0): 30}.items():
+    for heat, pressure in {**HEATS, (240.0, 200.0): 30}.items():
         p = np.clip(20e5 * (time - 1.5), 0.0, 1e5 * pressure)
         log = calib.simulate(model, time, p, 35.0, start_heat=heat, name=f"at {pressure} bar")
         logs.append(add_noise(log, pressure))
-    found = searched(SEDAN, logs[:4], logs[4:]).best
-    assert (found.names, found.hypothesis.kinds) == (("pad_thermal_fade",), {"heat"})
+    return logs
+
+
+def require_heats(found: Explanation) -> None:
+    """Heats and onset count from each other alone, so what is above the onset is compared."""
     told = found.effects.parameters["pad_thermal_fade"]
     assert told["fade_slope"] == pytest.approx(0.0012, rel=0.05)
     # pads repeat to 2 %, which is 17 K of such a fade
     above = np.array([run.start_heat for run in found.runs]) - told["fade_onset"]
-    assert above[1:] == pytest.approx(np.array(list(heats))[1:] - 150.0, abs=50.0)
+    assert above[1:] == pytest.approx(np.array(list(HEATS))[1:] - 150.0, abs=50.0)
+
+
+def test_discs_that_begin_unlike_are_told_by_their_fade(hot_stops):
+    problem, fade = asked(SEDAN, hot_stops[:4]), ("pad_thermal_fade",)
+    found = fitted(problem, fade, ["heat"])
+    assert found.log_evidence > 100.0 + fitted(problem, fade).log_evidence
+    require_heats(found)
+
+
+@pytest.mark.slow
+def test_discs_that_begin_unlike_are_found_with_the_fade_where_no_temperature_is_logged(hot_stops):
+    found = searched(SEDAN, hot_stops[:4], hot_stops[4:]).best
+    assert (found.names, found.hypothesis.kinds) == (("pad_thermal_fade",), {"heat"})
+    require_heats(found)
 
 
 def test_two_processes_find_what_one_does(pair):
