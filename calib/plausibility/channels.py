@@ -154,10 +154,9 @@ def pressure_sides(e: Evidence) -> Iterator[Measured]:
             left, right = (float(np.max(log[name])) for name in words.values())
             apart = (left - right) / max(left, right, _PRESSED)
             yield Measured("pressure_sides", apart, words=words)
-    yield from _from_master(e)
 
 
-def _from_master(e: Evidence) -> Iterator[Measured]:
+def from_master(e: Evidence) -> Iterator[Measured]:
     """How far the pressures of the wheels are from p_mc, rms over its mean; not of one axle."""
     log, s = e.run.log, e.run.signals
     pressed = log["p_mc"] > _PRESSED / 2.0

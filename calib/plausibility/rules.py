@@ -48,7 +48,13 @@ _OF_MOTION = _named(
 )
 """Those that need a_x and the wheel speeds."""
 _OF_SIGNALS = _named(
-    *(channels.copied, channels.late, channels.at_rest, channels.pressure_sides),
+    *(
+        channels.copied,
+        channels.late,
+        channels.at_rest,
+        channels.pressure_sides,
+        channels.from_master,
+    ),
     *(wheels.car_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale, wheels.lost_pulses),
     *(forces.accelerometer, forces.brakes, forces.bend, forces.levels),
 )

@@ -68,7 +68,7 @@ def speed_offset(driving: DrivingRecord) -> tuple[float, float, float] | None:
     """Offset of the wheel speeds against v [rad/s], its sigma, and the radius without it [m].
 
     omega = v/R + offset + what slips, which is in proportion to z. None where the speed hardly
-    changes, or no wheel of a car has that radius. A tyre that is no line makes up to 3.5 rad/s, a
+    changes, or no wheel of a car has that radius. A tyre that is no line makes up to 4.4 rad/s, a
     wheel of another size none.
     """
     use = np.flatnonzero(driving.moving)[:: max(1, round(SMOOTH / driving.step))]
