@@ -49,19 +49,32 @@ def wheels(e: Evidence) -> Iterator[Measured]:
     if (slope := axles.slope) is not None:
         yield Measured("a_x_sign", float(slope < 0.0))
         yield Measured("a_x_unit", abs(slope))
-    plain = False
-    if "v" in e.run.log and (offset := speed_offset(e.run.driving)) is not None:
-        value, sigma, radius = offset
-        plain = abs(value) > max(_PLAIN * sigma, bounds_of("wheel_offset")[1])
-        words = {"km_h": f"{3.6 * value * radius:+.1f}"}
-        yield Measured("wheel_offset", value, sigma, words=words)
-    if axles.radius is not None and not plain:
-        yield from _unit_of_v(axles.radius, slope or 0.0)
+    if axles.radius is not None:
+        yield from _of_v(e.run.driving, axles.radius, slope or 0.0)
     if (crossed := crossed_side(e.run.wheels, e.run.alone)) is not None:
         yield Measured("wheels_crossed_side", crossed.part, words={"found": crossed})
     if (eta := axles.eta_braked) is not None:
         rise = -eta.value if e.run.alone == "r" else eta.value
         yield Measured("axles_swapped", rise, eta.half, words=_sides(e.run.alone))
+
+
+def _of_v(driving: DrivingRecord, radius: float, by_a_x: float) -> Iterator[Measured]:
+    """An offset of the wheel speeds where v makes wheels of no car and a_x agrees with it; else
+    the unit of v.
+    """
+    low, high = bounds_of("v_unit")
+    least, most = bounds_of("v_unit_by_a_x")
+    known = low <= by_a_x <= high
+    wrong = not low <= radius <= high or (known and not least <= radius / by_a_x <= most)
+    offset = speed_offset(driving) if wrong else None
+    if offset is not None and known:
+        value, sigma, without = offset
+        agrees = abs(math.log(without / by_a_x)) < _UNIT_KNOWN
+        if agrees and abs(value) > max(_PLAIN * sigma, bounds_of("wheel_offset")[1]):
+            words = {"km_h": f"{3.6 * value * without:+.1f}"}
+            yield Measured("wheel_offset", value, sigma, words=words)
+            return
+    yield from _unit_of_v(radius, by_a_x)
 
 
 def speed_offset(driving: DrivingRecord) -> tuple[float, float, float] | None:
