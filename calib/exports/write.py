@@ -126,8 +126,10 @@ def _columns(data: Dataset) -> tuple[str, ...]:
 
 def _write_csv(data: Dataset) -> bytes:
     text = io.StringIO()
+    # a spreadsheet splits at commas, and takes what follows for a formula
+    facts = ((key, filters.printable(fact).replace(",", ";")) for key, fact in data.facts().items())
+    text.writelines(f"# {key}: {fact}\n" for key, fact in facts)
     table = csv.writer(text, lineterminator="\n")
-    table.writerows([f"# {key}: {filters.printable(fact)}"] for key, fact in data.facts().items())
     table.writerow(_columns(data))
     table.writerows([_BARE if cell == UNIT else cell for cell in row] for row in _rows(data))
     return text.getvalue().encode()

@@ -108,10 +108,10 @@ def test_a_misspelt_name_is_answered_with_the_one_that_is_meant(brake_cal, words
 def test_an_error_is_a_line_on_stderr_a_document_and_an_exit_code(
     brake_cal, monkeypatch, error, kind, code
 ):
-    def fail(self):
+    def fail(self, state):
         raise error
 
-    monkeypatch.setattr(Store, "list", fail)
+    monkeypatch.setattr(Store, "entries", fail)
     ran = brake_cal("tables", "list", "--json")
     document = json.loads(ran.out)
     jsonschema.validate(document, json_schema(ErrorFile))
@@ -122,10 +122,10 @@ def test_an_error_is_a_line_on_stderr_a_document_and_an_exit_code(
 
 
 def test_a_bug_is_not_dressed_up_and_an_interrupt_ends_with_130(brake_cal, monkeypatch):
-    def fail(self):
+    def fail(self, state):
         raise raised
 
-    monkeypatch.setattr(Store, "list", fail)
+    monkeypatch.setattr(Store, "entries", fail)
     raised = KeyboardInterrupt()
     assert brake_cal("tables", "list").code == 130
     raised = ZeroDivisionError()

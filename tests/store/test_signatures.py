@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import calib.store.journal
 from calib.base.errors import DamagedTable, SignatureRefused, StoreError
-from calib.store.folders import NAME
+from calib.base.names import names_a_table
 from calib.store.signature import (
     Statement,
     key_ids,
@@ -75,7 +75,7 @@ def by_hand(store, version, line, key=ADA):
 HEX = st.binary(min_size=32, max_size=32).map(bytes.hex)
 STATEMENTS = st.builds(
     Statement,
-    st.from_regex(NAME, fullmatch=True),  # every name that the store allows
+    st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", fullmatch=True).filter(names_a_table),
     st.integers(1, 999_999),
     st.sampled_from(STATES),
     HEX,
