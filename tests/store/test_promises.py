@@ -112,7 +112,9 @@ def test_only_a_released_version_is_handed_out(three, tmp_path):
             export(refused, path, form)
         assert not path.exists()
         export(refused, path, form, unreleased=True)
-        assert b"NOT RELEASED, not for use in a vehicle: rejected" in path.read_bytes()
+        text = path.read_bytes()
+        assert b"NOT RELEASED" in text
+        assert b"rejected" in text
         export(three.released("sedan"), path, form)
         assert b"NOT RELEASED" not in path.read_bytes()
     assert b"SEDAN_RELEASED (1U)" in (tmp_path / "car.h").read_bytes()
