@@ -110,9 +110,11 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun]) -> tuple[Cause, ...]:
     Raises ValueError where nothing is left of a ramp.
     """
     evidence = _Evidence(car, runs)
-    found = [evidence.cause(h) for h in _hypotheses(car, runs)]
-    found = [replace(c, log_odds=c.log_odds - found[0].log_odds) for c in found]
-    return tuple(sorted(found, key=lambda c: -c.log_odds))
+    nothing = evidence.cause(Hypothesis("", 1.0), -math.inf)
+    base = nothing.log_odds
+    causes = (nothing, *(evidence.cause(h, base) for h in _hypotheses(car, runs)))
+    compared = (replace(cause, log_odds=cause.log_odds - base) for cause in causes)
+    return tuple(sorted(compared, key=lambda cause: -cause.log_odds))
 
 
 def named(causes: Sequence[Cause]) -> tuple[Cause, ...]:
@@ -159,7 +161,7 @@ def _why(factor: float) -> str:
 
 
 def _hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
-    yield Hypothesis("", 1.0)  # nothing wrong: all others are compared with it
+    """All but the one that nothing is wrong, with which they are compared."""
     for pads in ((_OTHER, _PADS), (_PADS, _OTHER), (_OTHER, _OTHER)):
         yield Hypothesis("", 0.1, pads=pads)
     for axle, radius in zip(
@@ -224,17 +226,18 @@ def _limited(run: RampRun, size: Size) -> RampRun:
 
 def _top(sizes: Sequence[Size], log: Array, best: int) -> float:
     """The first number of the best size, where a parabola through its neighbours has its top."""
-    x = np.array([size[0] for size in sizes if size[1:] == sizes[best][1:]])
-    y = np.array(
-        [each for size, each in zip(sizes, log, strict=True) if size[1:] == sizes[best][1:]]
+    first, *others = sizes[best]
+    line = sorted(
+        (size[0], each)
+        for size, each in zip(sizes, log.tolist(), strict=True)
+        if [*size[1:]] == others
     )
-    order = np.argsort(x)
-    at = int(np.flatnonzero(x[order] == sizes[best][0])[0])
-    near = order[max(at - 1, 0) : at + 2]
-    if near.size < 3:
-        return float(sizes[best][0])
-    bend, slope, _ = np.polyfit(x[near] - sizes[best][0], y[near], 2)
-    return float(sizes[best][0] - 0.5 * slope / bend) if bend < 0.0 else float(sizes[best][0])
+    middle = line.index((first, float(log[best])))
+    near = np.array(line[max(middle - 1, 0) : middle + 2])
+    if len(near) < 3:
+        return first
+    bend, slope, _ = np.polyfit(near[:, 0] - first, near[:, 1], 2)
+    return float(first - 0.5 * slope / bend) if bend < 0.0 else first
 
 
 @cache
@@ -253,22 +256,22 @@ class _Evidence:
     def __init__(self, car: Vehicle, runs: Sequence[RampRun]) -> None:
         self.car, self.runs = car, runs
         self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
-        self.nothing, _ = self._of(Hypothesis("", 1.0), ())
 
-    def cause(self, h: Hypothesis) -> Cause:
-        """The hypothesis with ln of its odds times its evidence, and the size that has most."""
+    def cause(self, h: Hypothesis, nothing: float) -> Cause:
+        """The hypothesis with ln of its odds times its evidence, and the size that has most.
+
+        ``nothing`` is ln of the evidence of nothing wrong.
+        """
         from scipy.special import logsumexp
 
-        sizes = h.first
-        found = [self._of(h, size) for size in sizes]
-        if h.sizes != sizes and max(found)[0] > self.nothing - _NEAR:
-            sizes = h.sizes
-            found = [self._of(h, size) for size in sizes]
-        each = np.array([log for log, _ in found])
+        fits = {size: self._of(h, size) for size in h.first}
+        if h.sizes != h.first and max(fits.values())[0] > nothing - _NEAR:
+            fits = {size: fits.get(size) or self._of(h, size) for size in h.sizes}
+        sizes, each = tuple(fits), np.array([log for log, _ in fits.values()])
         best = int(np.argmax(each))
         log = float(logsumexp(each)) - math.log(each.size) + math.log(h.odds)
         size = (_top(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
-        return Cause(h, log, size, found[best][1])
+        return Cause(h, log, size, fits[sizes[best]][1])
 
     def _of(self, h: Hypothesis, size: Size) -> tuple[float, float]:
         """ln of the evidence of one size, and the mean square that its best draw leaves."""
