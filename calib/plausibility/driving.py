@@ -3,7 +3,7 @@
 Each function is a figure of `rules.csv` by its name.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from calib.base.warning import Measured, bounds_of
 from calib.plausibility.evidence import Evidence
@@ -31,11 +31,8 @@ def driving(e: Evidence) -> Iterator[Measured]:
         yield Measured("lead_in", run.lead_in)
     yield Measured("lead_in_driven", float(run.lead_in_driven))
     yield Measured("standing", run.standing)
-    wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in slips.cycles))
-    when = slips.cycles[0][1] if slips.cycles else 0.0
-    yield Measured("abs", len(slips.cycles), words={"wheels": wheels, "when": when})
-    locked = ", ".join(slips.locked)
-    yield Measured("locked_wheels", len(slips.locked), words={"wheels": locked})
+    yield _cycled("abs", slips.cycles)
+    yield _locked("locked_wheels", slips)
 
 
 def use(e: Evidence) -> Iterator[Measured]:
@@ -73,14 +70,22 @@ def _ramp(run: Run) -> Iterator[Measured]:
 def _disturbed(run: Run, ramp: BrakeEvent) -> Iterator[Measured]:
     slips = run.slipping or Slipping((), (), 0.0)
     inside = [(wheel, t) for wheel, t in slips.cycles if ramp.start <= t <= ramp.end]
-    wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in inside))
-    when = inside[0][1] if inside else 0.0
-    yield Measured("abs_in_ramp", len(inside), words={"wheels": wheels, "when": when})
-    locked = ", ".join(slips.locked)
-    yield Measured("locked_in_ramp", len(slips.locked), words={"wheels": locked})
+    yield _cycled("abs_in_ramp", inside)
+    yield _locked("locked_in_ramp", slips)
     for when, length in run.clock.gaps:
         if ramp.start <= when <= ramp.end:
             yield Measured("gap_in_ramp", length, words={"when": when})
+
+
+def _cycled(code: str, cycles: Sequence[tuple[str, float]]) -> Measured:
+    """Cycles of ABS, with their wheels and the time of the first."""
+    wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in cycles))
+    when = cycles[0][1] if cycles else 0.0
+    return Measured(code, len(cycles), words={"wheels": wheels, "when": when})
+
+
+def _locked(code: str, slips: Slipping) -> Measured:
+    return Measured(code, len(slips.locked), words={"wheels": ", ".join(slips.locked)})
 
 
 def _eta(run: Run) -> Iterator[Measured]:
