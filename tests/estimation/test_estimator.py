@@ -17,7 +17,7 @@ from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
 from calib.run.blocks import BLOCK
-from tests.studies.ensemble import cases
+from tests.studies import plant_r
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
     CAR,
@@ -210,9 +210,10 @@ def test_dry_roads_are_left_alone(fitted):
 
 
 def test_a_small_ensemble_is_held_by_its_intervals():
-    """Three cars that nobody tuned for, on roads and pads drawn at random."""
+    """Two cars that nobody tuned for, on roads and pads drawn at random."""
     held, shares = [], []
-    for case in cases(3, seed=5, stops=2):
+    for number in range(2):
+        case = plant_r.drawn(5, number)
         table = fit(case.vehicle, [case.ramp])
         for drawn in case.stops:
             e = estimate(table, drawn.log)

@@ -10,12 +10,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from calib.base.names import WHEELS
-from calib.car.vehicle import Vehicle
+from calib.base.names import WHEELS, G
+from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
-from tests.studies.ensemble import car, tyre
-from tests.support.plant import Plant, Pressure, as_log, drive, per_pascal
+from tests.support.plant import (
+    Plant,
+    Pressure,
+    Tyre,
+    as_log,
+    brush,
+    drive,
+    magic,
+    per_pascal,
+)
 
 RATE = 100.0
 """Sample rate of the logs [Hz]."""
@@ -72,7 +80,7 @@ class Line:
 
 def line(rng: np.random.Generator, seed: int) -> Line:
     """Draw a good line; ``seed`` is that of its noise."""
-    true = with_usual_wheels(replace(car(rng), name="car"))
+    true = with_usual_wheels(drawn_car(rng))
     plant = Plant(
         vehicle=true,
         tyre=tyre(rng),
@@ -92,6 +100,41 @@ def line(rng: np.random.Generator, seed: int) -> Line:
         for name, run in drives(rng, plant).items()
     }
     return Line(on_paper(rng, true), runs, sensors(rng, seed))
+
+
+def tyre(rng: np.random.Generator) -> Tyre:
+    """Magic Formula or brush, 18 to 32 per slip, a peak of a wet road, load exponent 0 to 0.08."""
+    stiffness, peak = float(rng.uniform(18.0, 32.0)), float(rng.uniform(0.8, 1.0))
+    load = float(rng.uniform(0.0, 0.08))
+    if rng.random() < 0.3:
+        return brush(stiffness, peak * 1.1, load)
+    return magic(stiffness, peak, curvature=float(rng.uniform(-0.5, 0.3)), load_exponent=load)
+
+
+def drawn_car(rng: np.random.Generator) -> Vehicle:
+    """A passenger car, front-biased at rest."""
+    mass = float(rng.uniform(1100.0, 2200.0))
+    wheelbase = float(rng.uniform(2.45, 2.95))
+    front = float(rng.uniform(0.40, 0.47)) * wheelbase
+    radius = float(rng.uniform(0.29, 0.36))
+    share = float(rng.uniform(0.70, 0.80))
+    total = mass * G * radius / 70e5  # N m per Pa for 70 bar a g
+    mu = float(rng.uniform(0.34, 0.44))
+
+    def axle(part: float, disc: float) -> Axle:
+        area = total * part / (4.0 * mu * disc)
+        return Axle(radius, float(rng.uniform(0.8, 1.8)), area, disc, 2, mu)
+
+    return Vehicle(
+        name="car",
+        mass=mass,
+        cg_to_front_axle=front,
+        cg_to_rear_axle=wheelbase - front,
+        cg_height=float(rng.uniform(0.5, 0.68)),
+        track_width=1.5,
+        front=axle(share, 0.13),
+        rear=axle(1.0 - share, 0.12),
+    )
 
 
 def with_usual_wheels(drawn: Vehicle) -> Vehicle:

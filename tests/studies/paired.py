@@ -1,26 +1,21 @@
 """Estimators side by side on the same stops, over all braked samples: which is better, and where.
 
     python tests/studies/paired.py --cars 12 --seed 11 [--only n] [--within] [--scatter 2]
-    python tests/studies/paired.py --cars 6 --seed 11 [--warned] [--bench]
     python tests/studies/paired.py --logs DIR... [--keep FILE] [--beside FILE]
 
 For each car: a table from ramp and coast with the reference speed and one without, then all stops
-with that table. Cars are drawn (``--plant`` R, M or integrated), or read from folders that hold
-their truth. What is counted, and the figures, are those of `tests.studies.scored_stop`; stops weigh
-alike, and parts of stops by deceleration. An estimator is a set of columns of an estimate: those
-without prefix, and those of the ECU (``ecu_``) where there are any. ``--keep`` writes the figures
-of each stop as a CSV file; ``--beside`` reads such a file of another program and prints our rms,
-its own and the quotient, on the stops that both answered.
+with that table. Cars are drawn from `plant_r`, or read from folders that hold their truth. What is
+counted, and the figures, are those of `tests.studies.scored_stop`; stops weigh alike, and parts of
+stops by deceleration. An estimator is a set of columns of an estimate: those without prefix, and
+those of the ECU (``ecu_``) where there are any. ``--keep`` writes the figures of each stop as a CSV
+file; ``--beside`` reads such a file of another program and prints our rms, its own and the
+quotient, on the stops that both answered.
 
 ``only`` n or v: without or with v. ``within`` adds the stops of `tests.studies.brakings.WITHIN`.
-``warned`` validates each stop and says how many are warned of, by the stop or by the ramp, and how
-often the bounds of the others hold. ``bench`` gives `fit` a roller brake tester whose forces are
-known to 1 %.
 """
 
 import sys
 import time
-from collections import Counter
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
@@ -33,79 +28,38 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from calib.base.errors import BrakeCalError
 from calib.estimation.estimator import COLUMNS as OF_ESTIMATE
 from calib.estimation.estimator import estimate
-from calib.estimation.limits import DEFAULTS
-from calib.estimation.validate import validate_one
 from calib.fitting.fit import fit
-from calib.logs.log import Log
-from calib.model.roller_bench import AxleOnRollers, RollerBench
 from calib.table.table import Table
-from tests.studies import ensemble, plant_m, plant_r
-from tests.studies.brakings import WITHIN, BeyondPeakError
-from tests.studies.ensemble import Case, Stop
+from tests.studies.brakings import WITHIN
+from tests.studies.plant_r import Case, Stop, drawn
 from tests.studies.recorded_cars import folders, recorded
 from tests.studies.scored_stop import BITE, DECELERATIONS, Truth, estimators, scored
 from tests.studies.study import arguments, carried_out
 from tests.support.reference_car import without
 
 Row = dict[str, float | str]
-Job = tuple[str, str, int, int, float, bool, tuple[str, ...], bool, bool]
+Job = tuple[str, int, int, float, bool, tuple[str, ...]]
 
-PLANTS = {"R": plant_r, "M": plant_m}
 WITH = {"v": "with v", "n": "without v"}
-ON_ROLLERS = 0.01
-"""How well a roller brake tester knows the force of an axle, one sigma, relative [1]."""
 COLUMNS = ("car", "tyre", "v", "stop", "number", "estimator", "deceleration", "refused", "seconds",
-           "ramp error", "file error", "ramp held", "warned", "codes")  # fmt: skip
-
-
-def drawn(plant: str, seed: int, number: int, scatter: float, within: bool) -> Case:
-    """Car ``number`` of a plant; it is the same for any count. Another one is drawn for a car whose
-    ramp is beyond the peak."""
-    rng = np.random.default_rng([seed, number])
-    if plant == "integrated":
-        return ensemble.case(rng, 5, 1000 * seed + number)
-    while True:
-        try:
-            return PLANTS[plant].case(rng, scatter, within)
-        except BeyondPeakError:
-            continue
+           "ramp error", "file error", "ramp held")  # fmt: skip
 
 
 def tried(job: Job) -> list[Row]:
-    """All stops of one car: (plant, folder, seed, number, scatter, within, with or without v,
-    warned, bench)."""
-    plant, folder, seed, number, scatter, within, only, warned, bench = job
-    of = recorded(Path(folder)) if folder else drawn(plant, seed, number, scatter, within)
-    name = Path(folder).name if folder else f"{plant} {seed}.{number}"
-    rollers = on_rollers(of, np.random.default_rng([seed, number, 1])) if bench else None
-    out = []
-    for mode in only:
-        rows = stops_of(of, mode, warned, rollers)
-        out += [{"car": name, "tyre": of.tyre, "v": mode, **row} for row in rows]
-    return out
+    """All stops of one car: (folder, seed, number, scatter, within, with or without v)."""
+    folder, seed, number, scatter, within, only = job
+    of = recorded(Path(folder)) if folder else drawn(seed, number, scatter, within)
+    about = {"car": Path(folder).name if folder else f"R {seed}.{number}", "tyre": of.tyre}
+    return [{**about, "v": mode, **row} for mode in only for row in stops_of(of, mode)]
 
 
-def on_rollers(of: Case, rng: np.random.Generator) -> RollerBench:
-    """The pads of the ramp on rollers: ten rows an axle, half of the machine's error its own."""
-    pressure = tuple(np.linspace(8e5, 40e5, 10))
-    common, *own = rng.normal(0.0, ON_ROLLERS * np.sqrt(0.5), 3)
-    axles = []
-    for side, error in zip("fr", own, strict=True):
-        axle = of.vehicle.front if side == "f" else of.vehicle.rear
-        pads = float(np.mean(of.ramp.truth[f"true_mu_pad_{side}"][of.ramp["p_mc"] > BITE]))
-        slope = 2.0 * axle.torque_gain * pads / axle.rolling_radius * np.exp(common + error)
-        rows = slope * np.array(pressure) * np.exp(rng.normal(0.0, 0.3 * ON_ROLLERS, 10))
-        axles.append(AxleOnRollers(pressure, tuple(rows)))
-    return RollerBench("rollers", "", "", ON_ROLLERS, *axles)
-
-
-def stops_of(of: Case, mode: str, warned: bool, rollers: RollerBench | None) -> Iterator[Row]:
+def stops_of(of: Case, mode: str) -> Iterator[Row]:
     """Fit once, estimate every stop; a refusal is a stop without an answer."""
     hidden = () if mode == "v" else ("v",)
     runs = [without(log, *hidden) for log in (of.ramp, of.coast) if log]
     begun = time.process_time()
     try:
-        table = fit(of.vehicle, runs, bench=rollers)
+        table = fit(of.vehicle, runs)
     except BrakeCalError as error:
         for stop in of.stops:
             yield from refused(stop, f"fit: {error}")
@@ -117,23 +71,14 @@ def stops_of(of: Case, mode: str, warned: bool, rollers: RollerBench | None) -> 
         try:
             found = estimate(table, without(stop.log, *hidden))
             spent = time.process_time() - begun
-            told = codes(table, without(stop.log, *hidden)) if warned else None
         except BrakeCalError as error:
             yield from refused(stop, f"estimate: {error}")
             continue
         about: Row = {"stop": stop.surface, "number": number, "seconds": spent}
-        if told is not None:
-            about |= {"warned": float(bool(told)), "codes": " ".join(told)}
         frame, truth = found.to_frame(), Truth.of(stop.log, of.vehicle)
         for name, prefix in estimators(frame.columns).items():
             for figures in scored(frame, prefix, of.vehicle, truth):
                 yield {**about, "estimator": name, **figures}
-
-
-def codes(table: Table, log: Log) -> list[str]:
-    """Codes of the warnings on a stop and on the ramp of its table."""
-    found = validate_one(table, log, None, DEFAULTS).warnings
-    return sorted({one.code for one in (*table.warnings, *found) if one.log != "coast"})
 
 
 def refused(stop: Stop, why: str) -> Iterator[Row]:
@@ -171,16 +116,8 @@ def summary(part: pd.DataFrame) -> str:
         f"{len(part):5} {part['answered'].mean():5.2f} {part['valid'].mean():5.2f}  "
         f"{'/'.join(f'{x:.1f}' for x in rms[:2]):>9} {rms.iloc[2]:5.1f}  "
         f"{'/'.join(f'{x:.1f}' for x in half):>9}  "
-        f"{' '.join(share(x) for x in held)}  {'/'.join(map(share, within)):>9}{quiet(part)}"
+        f"{' '.join(share(x) for x in held)}  {'/'.join(map(share, within)):>9}"
     )
-
-
-def quiet(part: pd.DataFrame) -> str:
-    """Share of the stops that are warned of, and coverage of the others."""
-    if part["warned"].isna().all():
-        return ""
-    of = part.loc[part["warned"] == 0.0, ["held front", "held rear"]].mean()
-    return f"   {part['warned'].mean():4.2f} {'/'.join(map(share, of)):>9}"
 
 
 def share(x: float) -> str:
@@ -190,7 +127,7 @@ def share(x: float) -> str:
 
 HEAD = (
     f"{'':23} stops  ans. valid  rms f/r % total  half f/r %  "
-    "cover: level ratio front rear torque, of valid (warned, of the others f/r)"
+    "cover: level ratio front rear torque, of valid"
 )
 
 
@@ -230,9 +167,6 @@ def told(mode: str, rows: pd.DataFrame) -> None:
               f"{error.sem():.3f}, rms {np.sqrt((error**2).mean()):.3f}, the file's "
               f"{np.sqrt((file**2).mean()):.3f}, held {ramps['ramp held'].mean():.2f}")  # fmt: skip
     whole = rows[rows["deceleration"] == "all"].drop_duplicates(["car", "number"])
-    told = Counter(code for text in whole["codes"].dropna() for code in str(text).split())
-    if told:
-        print("  warned of: " + ", ".join(f"{code} {n}" for code, n in told.most_common()))
     print(f"  seconds of the processor, median and most: fit {ramps['seconds'].median():.2f} "
           f"{ramps['seconds'].max():.2f}, estimate {whole['seconds'].median():.3f} "
           f"{whole['seconds'].max():.3f}")  # fmt: skip
@@ -264,12 +198,11 @@ def compared(rows: pd.DataFrame, before: pd.DataFrame) -> None:
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(__doc__, "within", "warned", "bench", cars=12, seed=11, scatter=1.0, jobs=1,
-                      plant="R", only=["v", "n"], logs=(), keep="", beside="")  # fmt: skip
-    how = tuple(asked.only), asked.warned, asked.bench
-    jobs: list[Job] = [("", str(f), 0, 0, 1.0, False, *how) for f in folders(asked.logs)] or [
-        (asked.plant, "", asked.seed, i, asked.scatter, asked.within, *how)
-        for i in range(asked.cars)
+    asked = arguments(__doc__, "within", cars=12, seed=11, scatter=1.0, jobs=1, only=["v", "n"],
+                      logs=(), keep="", beside="")  # fmt: skip
+    only = tuple(asked.only)
+    jobs: list[Job] = [(str(f), 0, 0, 1.0, False, only) for f in folders(asked.logs)] or [
+        ("", asked.seed, i, asked.scatter, asked.within, only) for i in range(asked.cars)
     ]
     found = [row for part in carried_out(tried, jobs, asked.jobs) for row in part]
     rows = pd.DataFrame(found).reindex(columns=list(dict.fromkeys([*COLUMNS, *chain(*found)])))

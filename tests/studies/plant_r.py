@@ -19,7 +19,6 @@ from calib.car.mass import WEIGHED
 from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from tests.studies.brakings import STEP, STOPS, WITHIN, BeyondPeakError, Braking, Demand, brakings
-from tests.studies.ensemble import Case, Stop
 
 G, AIR = 9.80665, 1.2
 
@@ -54,6 +53,27 @@ class Car:
     a_x_scale: float
     a_x_zero: float
     pitch: float
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One stop with its truth: the log, the road, and how the pads differ from the ramp's."""
+
+    log: Log
+    surface: str
+    alike: bool
+
+
+@dataclass(frozen=True)
+class Case:
+    """One car: what the program is told, its ramp, its stops, its coast; ``tyre`` names its
+    form."""
+
+    vehicle: Vehicle
+    ramp: Log
+    stops: tuple[Stop, ...]
+    coast: Log | None
+    tyre: str = ""
 
 
 def curve(form: str, slip: Array, stiffness: float, peak: float) -> Array:
@@ -213,3 +233,12 @@ def case(rng: np.random.Generator, scatter: float = 1.0, within: bool = False) -
         raise BeyondPeakError("ramp")
     stops = [Stop(log, name, runs[name].alike) for name, log in logs.items() if name in STOPS]
     return Case(of.vehicle, logs["ramp"], tuple(stops), logs["coast"], of.form)
+
+
+def drawn(seed: int, number: int, scatter: float = 1.0, within: bool = False) -> Case:
+    """Car ``number`` as `case` has it, the same for any count; another one is drawn for a car whose
+    ramp is beyond the peak."""
+    rng = np.random.default_rng([seed, number])
+    while True:
+        with suppress(BeyondPeakError):
+            return case(rng, scatter, within)

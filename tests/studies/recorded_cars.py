@@ -16,7 +16,7 @@ import pandas as pd
 from calib.car.vehicle_file import read_vehicle
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from tests.studies.ensemble import Case, Stop
+from tests.studies.plant_r import Case, Stop
 
 
 def recorded(folder: Path) -> Case:

@@ -109,13 +109,11 @@ class Plant:
     pitch_damping: float = 0.3  # its damping ratio [1]
     pitch_felt: float = 0.0  # angle by which the nose dips per g [rad]; it tilts the accelerometer
     grade: float = 0.0  # sine of the slope [1], positive uphill; the accelerometer feels it
-    hills: Callable[[float], float] | None = None  # what is added to it at a distance [m]
     # Factor on the load of an axle [1] at a distance [m].
     bumps: Callable[[float], float] | None = None
     # Torque of a motor at both wheels of the front and of the rear axle together [N m], negative
-    # where it slows, at a time [s]; and the share of it that is left at a speed [m/s].
+    # where it slows, at a time [s].
     motor: Callable[[float], tuple[float, float]] | None = None
-    motor_share: Callable[[float], float] | None = None
     hydraulic_lag: float = 0.0  # time constant of the wheels' pressures [s]
     curvature: Callable[[float], float] | None = None  # of the path [1/m] at a time [s], + left
     # Way [m] over which a tyre builds up its force: sigma d lambda'/dt = v (lambda - lambda'), and
@@ -139,13 +137,6 @@ class Moment:
     deflecting: tuple[float, ...]
 
 
-def motor_torque(plant: Plant, t: float, v: float) -> tuple[float, float]:
-    """Torque of a motor at both wheels of each axle [N m], at a time [s] and a speed [m/s]."""
-    front, rear = plant.motor(t) if plant.motor else (0.0, 0.0)
-    share = plant.motor_share(v) if plant.motor_share else 1.0
-    return share * front, share * rear
-
-
 def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) -> Moment:
     """Forces at one instant. Without a pitch mode the load transfer is solved for, not lagged."""
     car, v = plant.vehicle, max(state[V], 0.1)
@@ -166,7 +157,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     turn = STRAIGHT
     if plant.curvature:
         turn = cornering(car, plant.tyre, plant.curvature(t), v)
-    motor = [0.5 * torque for torque in motor_torque(plant, t, v)]
+    motor = [0.5 * torque for torque in (plant.motor(t) if plant.motor else (0.0, 0.0))]
     z = state[TRANSFER]
     for _ in range(1 if plant.pitch_frequency else 8):
         half = [
@@ -245,8 +236,7 @@ def drive(
         s = state.tolist()
         now = instant(plant, t, s, tuple(trace(t) for trace in traces))
         follow = omega_n**2 * (now.z - s[TRANSFER]) - 2.0 * plant.pitch_damping * omega_n * s[RATE]
-        uphill = plant.grade + (plant.hills(s[X]) if plant.hills else 0.0)
-        body = [-GRAVITY * (now.z + uphill), s[V], s[RATE], follow]
+        body = [-GRAVITY * (now.z + plant.grade), s[V], s[RATE], follow]
         return [*body, *now.spin, *now.deflecting]
 
     def stopped(t: float, state: np.ndarray) -> float:
@@ -331,8 +321,7 @@ def _channels(
             run[f"p_{w}"] = np.array([p[i] for p in pressures])
     for k, side in enumerate("fr"):
         if plant.motor:
-            torques = zip(time.tolist(), states[V].tolist(), strict=True)
-            run[f"T_drive_{side}"] = np.array([motor_torque(plant, t, v)[k] for t, v in torques])
+            run[f"T_drive_{side}"] = np.array([plant.motor(t)[k] for t in time.tolist()])
         run[f"true_mu_pad_{side}"] = np.array([mu(t)[k] for t in time.tolist()])
     return run
 

@@ -22,25 +22,12 @@ from tests.support.hidden.manoeuvres import manoeuvre
 from tests.support.hidden.plant import Car, Start, drive
 from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
-from tests.support.hidden.variety import Ground, Variety, grouped, offset, unlike, varied
+from tests.support.hidden.variety import Ground, Variety, unlike, varied
 from tests.support.plant import Tyre, brush, burckhardt, dugoff, magic
 
-KINDS = (
-    "single",
-    "double",
-    "none",
-    "outside",
-    "triple",
-    "varied",
-    "groups",
-    "grouped_single",
-    "offsets",
-    "unlike",
-)
-"""``varied``: nothing hidden, other numbers of logs, rates, noise. ``groups``: nothing hidden, some
-logs with other pads or on another road; ``grouped_single``: one effect besides; ``offsets``: one
-effect, and each log with a slope of the road or a zero of the accelerometer of its own; ``unlike``:
-one effect, and each log with pads and tyres of its own, on a slope of its own in half of them."""
+KINDS = ("single", "double", "none", "outside", "triple", "varied", "unlike")
+"""``varied``: nothing hidden, other numbers of logs, rates, noise. ``unlike``: one effect, and each
+log with pads and tyres of its own, on a slope of its own in half of them."""
 
 # As the shared logs measure: the accelerometer rides on the body, a part of its noise is slow.
 NOISE = {
@@ -154,13 +141,7 @@ def draw(
     )
 
 
-VARIETIES = {
-    "varied": varied,
-    "groups": grouped,
-    "grouped_single": grouped,
-    "offsets": offset,
-    "unlike": unlike,
-}
+VARIETIES = {"varied": varied, "unlike": unlike}
 
 
 def scaled(level: NoiseLevel, factor: float) -> NoiseLevel:
@@ -169,27 +150,12 @@ def scaled(level: NoiseLevel, factor: float) -> NoiseLevel:
 
 
 def on(car: Car, ground: Ground) -> Car:
-    """The car with other pads, on another road, or with another zero of its accelerometer."""
+    """The car with other pads and tyres, on another slope."""
     front, rear = (a * b for a, b in zip(car.pad_scale, ground.pad_scale, strict=True))
-    peak = ground.peak
-    stiffness = car.stiffness_scale * ground.stiffness
-
-    def there(of: Tyre) -> Tyre:
-        return lambda slip, load, k, mu: of(slip, load, k, mu * peak)
-
-    rear_tyre = car.rear_tyre and there(car.rear_tyre)
-    h = car.hidden
+    stiffness, h = car.stiffness_scale * ground.stiffness, car.hidden
     if ground.grade:
         h = replace(h, grade=h.grade + ground.grade, grade_felt=True)
-    h = replace(h, bias=h.bias + ground.bias)
-    return replace(
-        car,
-        pad_scale=(front, rear),
-        stiffness_scale=stiffness,
-        tyre=there(car.tyre),
-        rear_tyre=rear_tyre,
-        hidden=h,
-    )
+    return replace(car, pad_scale=(front, rear), stiffness_scale=stiffness, hidden=h)
 
 
 def told_of(variety: Variety) -> dict[str, object]:
@@ -205,9 +171,9 @@ TRUTH = ("time", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
 def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
     """Names for a kind. Pairs leave out what is nearly a pad level even alone."""
     catalogue, outside = list(CATALOGUE), list(OUTSIDE)
-    if kind in ("single", "grouped_single"):
+    if kind == "single":
         return (catalogue[seed % len(catalogue)],)
-    if kind in ("offsets", "unlike"):
+    if kind == "unlike":
         own = [n for n in catalogue if n not in ("road_grade", "accelerometer_bias")]
         return (own[seed % len(own)],)
     if kind == "outside":
@@ -216,7 +182,7 @@ def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
         plain = [n for n in catalogue if n not in ("mass_error", "wheel_inertia")]
         count = 2 if kind == "double" else 3
         return tuple(str(n) for n in rng.choice(plain, count, replace=False))
-    return {"none": (), "varied": (), "groups": ()}[kind]
+    return ()
 
 
 def tyre(surface: str, rng: np.random.Generator) -> Tyre:

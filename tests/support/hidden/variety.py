@@ -13,16 +13,12 @@ from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT
 
 @dataclass(frozen=True)
 class Ground:
-    """What a run is driven with: factor on the pads of both axles, on stiffness and peak [1].
-
-    ``grade`` of its road, rise over run, which the accelerometer feels; ``bias`` of that [m/s^2].
-    """
+    """What a run is driven with: factor on the pads of both axles, on the stiffness [1]; ``grade``
+    of its road, rise over run, which the accelerometer feels."""
 
     pad_scale: tuple[float, float] = (1.0, 1.0)
     stiffness: float = 1.0
-    peak: float = 1.0
     grade: float = 0.0
-    bias: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -59,32 +55,6 @@ def varied(rng: np.random.Generator) -> Variety:
     calibration, holdout = (FEW, (CALIBRATION, HOLDOUT), MANY)[int(rng.integers(3))]
     rate = float(rng.choice([40.0, 50.0, 100.0, 200.0, 500.0, 1000.0]))
     return Variety(calibration, holdout, rate, float(rng.choice([0.25, 1.0, 3.0])))
-
-
-def grouped(rng: np.random.Generator) -> Variety:
-    """Two groups of runs that differ in the pads of both axles, in the road, or in both."""
-    kind = int(rng.integers(3))
-    pads = tuple(float(rng.choice([-1.0, 1.0]) * rng.uniform(0.06, 0.15)) for _ in "fr")
-    other = Ground(
-        (1.0 + pads[0], 1.0 + pads[1]) if kind != 1 else (1.0, 1.0),
-        float(rng.uniform(0.75, 0.9)) if kind != 0 else 1.0,
-        float(rng.uniform(0.7, 0.85)) if kind != 0 else 1.0,
-    )
-    names = (*CALIBRATION, *HOLDOUT)
-    of_run = tuple(int(x) for x in rng.permutation(len(names)) < rng.integers(3, 6))
-    return Variety(grounds=(Ground(), other), of_run=of_run)
-
-
-def offset(rng: np.random.Generator) -> Variety:
-    """Each run on a road of its own slope, or with a zero of the accelerometer of its own."""
-    count = len((*CALIBRATION, *HOLDOUT))
-    if rng.random() < 0.5:
-        slopes = rng.normal(0.0, rng.uniform(0.008, 0.02), count)
-        grounds = tuple(Ground(grade=float(x)) for x in slopes)
-    else:
-        zeros = rng.normal(0.0, rng.uniform(0.06, 0.12), count)
-        grounds = tuple(Ground(bias=float(x)) for x in zeros)
-    return Variety(grounds=grounds, of_run=tuple(range(count)))
 
 
 def unlike(rng: np.random.Generator) -> Variety:
