@@ -12,7 +12,7 @@ subpackages.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from calib.base.program import VERSION
+from calib.base.names import VERSION
 
 if TYPE_CHECKING:
     from calib.car.model import default_model

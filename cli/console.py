@@ -17,7 +17,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import typer
 
-from calib.base.printable import printable
+from calib.base.errors import printable
 
 if TYPE_CHECKING:
     from rich.console import Console

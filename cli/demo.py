@@ -89,10 +89,10 @@ def _run(folder: Path, step: "Step") -> "Ran":
 
     Its answer is its headline with the first two numbers; without one, the last line it prints.
     """
-    from calib.base.settings import VARIABLE
+    from calib.base.names import SETTINGS_VARIABLE
     from calib.help.demo import Ran
 
-    os.environ[VARIABLE] = ""  # no settings of a project around it
+    os.environ[SETTINGS_VARIABLE] = ""  # no settings of a project around it
     os.environ.pop("COLUMNS", None)  # lines stay whole
     os.chdir(folder)
     words = shlex.split(step.line)

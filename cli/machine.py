@@ -3,7 +3,7 @@
 from datetime import UTC, datetime
 from pathlib import Path
 
-from calib.base.program import PROGRAM, VERSION
+from calib.base.names import PROGRAM, VERSION
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress
 from cli.options import option

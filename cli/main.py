@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 import typer
 
 from calib.base.errors import AnswerError, BrakeCalError, FolderGone, program_failure
-from calib.base.program import PROGRAM
+from calib.base.names import PROGRAM
 from cli.command import Quiet, Verbose, group
 from cli.console import begin, complain, emit_json, say, this_run
 from cli.group import Row

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calib.base.printable import printable
+from calib.base.errors import printable
 from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calib.base.settings import STORE
+from calib.base.names import STORE
 from cli.console import at_option, misuse, say
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def option(
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    setting : field of `calib.base.settings.Settings` whose value it has where it is not given, and
+    setting : key of the settings file whose value it has where it is not given, and
         where the arguments that were given allow it, as ``when`` says.
     more : for typer, and: ``typed``, what is typed, if that is not what the command gets; ``make``,
         what its value becomes, ``always`` of None, too; ``known``, "module:NAME" of a collection
@@ -134,13 +134,13 @@ def _from_settings(name: str, when: Callable[[typer.Context], bool]) -> Callable
             from calib.base.settings_file import find_project
 
             told["project"] = find_project()
-        setting = getattr(told["project"].settings, name)
+        setting = told["project"].settings[name]
         if setting is None:
             return value
         if not told.setdefault("project.used", False):
             told["project.used"] = True
             say(f"settings of {told['project'].file}")
-        return [*setting] if isinstance(setting, tuple) else setting
+        return setting
 
     return value_of
 
@@ -162,7 +162,7 @@ def _store_of_the_settings() -> Path:
     from calib.base.settings_file import find_project
 
     try:
-        return find_project().settings.store or STORE
+        return find_project().settings["store"] or STORE
     except BrakeCalError:
         return STORE
 
@@ -312,12 +312,12 @@ Version = Annotated[
     str, argument("name@version", "TABLE@N", make=_version, autocompletion=table_versions)
 ]
 KEY = "Public key: its file, or its text."
-PublicKey = Annotated[str | None, option(KEY, "PUBLIC", setting="public_key")]
+PublicKey = Annotated[str | None, option(KEY, "PUBLIC", setting="keys.public")]
 Required = Annotated[
     bool, option("Refuse a table without a signature that holds.", setting="require_signed")
 ]
 SignedBy = Annotated[
     str | None,
-    option(f"{KEY} With --require-signed.", "PUBLIC", setting="public_key",
+    option(f"{KEY} With --require-signed.", "PUBLIC", setting="keys.public",
            when=lambda asked: bool(asked.params["require_signed"])),
 ]  # fmt: skip

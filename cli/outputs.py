@@ -65,7 +65,7 @@ def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:
     """Refuse a file where a folder will be written, an input or a folder in the place of a file."""
-    from calib.base.publish import refuse_obstacles
+    from calib.base.write import refuse_obstacles
 
     if out is None:
         return
@@ -128,8 +128,7 @@ def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) ->
 
     Each is written as it comes.
     """
-    from calib.base.publish import publish, workshop
-    from calib.base.write import write_whole
+    from calib.base.write import publish, workshop, write_whole
 
     with writing(out), workshop(out) as work:
         for name, content in contents:

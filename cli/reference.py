@@ -1,6 +1,5 @@
 """`brake-cal effects`, `schema`, `settings` and `manual`: what can be looked up."""
 
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
@@ -68,15 +67,6 @@ def schema(
     return Answer({})
 
 
-KEYS = {
-    "station": "station.name",
-    "golden": "station.golden",
-    "export": "station.export",
-    "public_key": "keys.public",
-}
-"""Where a setting has another name in the file."""
-
-
 @command("brake-cal settings", "brake-cal settings --json")
 def settings() -> Answer:
     """Show each setting, its value and where it comes from.
@@ -84,23 +74,23 @@ def settings() -> Answer:
     The file is brake-cal.toml in this folder or the nearest one above that has it; the variable
     BRAKE_CAL_SETTINGS names another one, or none if it is empty. An option wins over it.
     """
-    from calib.base.settings import NAME, STORE, VARIABLE
+    from calib.base.names import SETTINGS_FILE, SETTINGS_VARIABLE, STORE
     from calib.base.settings_file import find_project
     from calib.show.facts import Facts, Table
     from calib.store.state import user
 
     found = find_project()
     if found.file is None:
-        searched = f"no {NAME} in {', '.join(map(str, found.searched))}"
-        say(searched if found.searched else f"no settings file: {VARIABLE} is empty")
+        searched = f"no {SETTINGS_FILE} in {', '.join(map(str, found.searched))}"
+        say(searched if found.searched else f"no settings file: {SETTINGS_VARIABLE} is empty")
     unset = {"store": (STORE, "built-in"), "require_signed": (False, "built-in"),
              "by": (user(), "environment")}  # fmt: skip
     rows: list[tuple[str, object, str]] = []
-    for field in fields(found.settings):
-        value, source = getattr(found.settings, field.name), f"file:{found.file}"
+    for key, value in found.settings.items():
+        source = f"file:{found.file}"
         if value is None:
-            value, source = unset.get(field.name, (None, "built-in"))
-        rows.append((KEYS.get(field.name, field.name), value, source))
+            value, source = unset.get(key, (None, "built-in"))
+        rows.append((key, value, source))
     document = {
         "file": found.file,
         "searched": found.searched,
@@ -111,7 +101,7 @@ def settings() -> Answer:
 
 
 def _written(value: object) -> str:
-    if isinstance(value, tuple):
+    if isinstance(value, list):
         return ", ".join(value) or "none"
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 

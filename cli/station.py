@@ -29,7 +29,7 @@ class Who:
 
     serial: Annotated[str | None, option("Serial number.", "S", make=IDENTIFIER)]
     vin: Annotated[str | None, option("Vehicle identification.", "V", make=IDENTIFIER)]
-    station: Annotated[str | None, option(NAME, "NAME", setting="station", make=IDENTIFIER)]
+    station: Annotated[str | None, option(NAME, "NAME", setting="station.name", make=IDENTIFIER)]
     rxswin: Annotated[str | None, option("Software identification, UN R156.", "R", make=IDENTIFIER)]
 
 
@@ -52,7 +52,7 @@ def station(
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
     golden: str | None = option(
-        "Golden table of the model.", "TABLE", autocompletion=table_names, setting="golden"
+        "Golden table of the model.", "TABLE", autocompletion=table_names, setting="station.golden"
     ),
     accept_warnings: str | None = option(
         "Release a car with warnings, and say why.", "REASON", make=words
@@ -64,7 +64,7 @@ def station(
         "Export as `tables export`; repeatable.",
         "F",
         known="calib.exports.export:ENDINGS",
-        setting="export",
+        setting="station.export",
     ),
     date: str | None = option("Date of the report and in a cdfx.", "YYYY-MM-DD", make=day),
     store: options.Tables,
@@ -79,7 +79,7 @@ def station(
     used it ends with 3, stores nothing, and writes refused.json alone.
     """
     from calib.base.plain import counted
-    from calib.base.publish import workshop
+    from calib.base.write import workshop
     from calib.line.station.files import outputs_of, publish_run, why_not_exported
     from calib.line.station.golden import golden_table
     from calib.line.station.identity import Identity

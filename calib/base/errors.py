@@ -5,8 +5,30 @@ was expected and where to look. Several errors of one file are one message of se
 """
 
 import re
+import unicodedata
 
-from calib.base.printable import one_line, printable
+
+def printable(text: str, keep: str = "") -> str:
+    r"""Text with everything escaped that a terminal would obey instead of show.
+
+    That is: control characters, marks that turn the direction of writing, other characters without
+    a shape, and bytes that are not UTF-8. Spaces of any width stay, and the characters in ``keep``.
+
+    >>> import os
+    >>> print(printable(os.fsdecode(b"r\xfcck.csv")))
+    r\udcfcck.csv
+    >>> print(printable("\x1b[2J \u202egnp"))
+    \x1b[2J \u202egnp
+    """
+    if text.isprintable():
+        return text
+    shown = (c in keep or c.isprintable() or unicodedata.category(c) == "Zs" for c in text)
+    return "".join(c if whole else ascii(c)[1:-1] for c, whole in zip(text, shown, strict=True))
+
+
+def one_line(text: str) -> str:
+    """Text in one line; control characters are escaped."""
+    return printable(" ".join(line.strip() for line in text.splitlines() if line.strip()))
 
 
 class BrakeCalError(Exception):
@@ -30,11 +52,7 @@ class BrakeCalError(Exception):
         ``what`` was wrong, with the value given; ``where``: file, channel or key; ``expected`` what
         would have been valid; ``do`` the next step; ``lines`` further mistakes, a line each.
         """
-        self.what, self.expected, self.do = (
-            one_line(what),
-            one_line(expected),
-            one_line(do or self.advice),
-        )
+        self.what, self.expected, self.do = map(one_line, (what, expected, do or self.advice))
         self.where = where
         head = self.what if where is None else f"{printable(str(where))}: {self.what}"
         parts = [head, f"expected {self.expected}" if expected else "", self.do]
@@ -178,16 +196,11 @@ class ProgramFailure(BrakeCalError):
 
 def program_failure(error: BaseException) -> ProgramFailure:
     """The error for one that nobody caught; no verdict and no file follows from it."""
-    memory = isinstance(error, MemoryError)
-    text = " ".join(str(error).split())[:200]
-    return ProgramFailure(
-        "not enough memory"
-        if memory
-        else f"the program itself failed: {type(error).__name__}" + (f": {text}" if text else ""),
-        do="give it more memory, or smaller logs"
-        if memory
-        else "run it again with -v to see where, and report it with the files",
-    )
+    if isinstance(error, MemoryError):
+        return ProgramFailure("not enough memory", do="give it more memory, or smaller logs")
+    text = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}".removesuffix(": ")
+    do = "run it again with -v to see where, and report it with the files"
+    return ProgramFailure(f"the program itself failed: {text}", do=do)
 
 
 class AnswerError(BrakeCalError):

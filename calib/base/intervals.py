@@ -1,4 +1,11 @@
-"""Numbers of the normal distribution that intervals and robust scales are made with, each once."""
+"""The normal distribution: numbers of its intervals, the size of noise, and mixtures."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.arrays import Array
 
 Z95 = 1.96
 """Half width of a 95 % interval over sigma, the 0.975 quantile (1.959964) to the two decimals of
@@ -10,3 +17,104 @@ outputs were made with."""
 
 NINETY = 1.645
 """Size of noise over sigma that a tenth of it exceeds."""
+
+
+def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:
+    """The moving average (3,) and sigma of second differences of v against the integral of a_x.
+
+    ``white`` variance of v, ``walk`` of a step of the integral, ``turned`` of a change of its step,
+    as by a slope that wanders [m^2/s^2].
+    """
+    covariance = [6.0 * white + 2.0 * walk + turned, -4.0 * white - walk, white]
+    return moving_average(np.array(covariance))
+
+
+def moving_average(covariance: Array) -> tuple[Array, float]:
+    """Coefficients (q + 1,), the first is 1, and sigma of a moving average that can be undone.
+
+    From its ``covariance`` (q + 1,) at the distances 0 to q. Its spectrum is a polynomial whose
+    roots come in pairs z, 1/z: those within the unit circle are taken (Brockwell and Davis, Time
+    Series: Theory and Methods, section 3.1).
+    """
+    roots = np.roots(np.concatenate([covariance[:0:-1], covariance]))
+    inside = sorted(roots, key=abs)[: covariance.size - 1]
+    average = np.real(np.poly(inside))
+    return average, float(np.sqrt(covariance[-1] / average[-1]))
+
+
+def white_noise(x: Array, order: int = 3) -> float:
+    """Standard deviation of white noise on a smooth x (n,), by its differences of an ``order``.
+
+    Their median, which the bite of a brake does not move. Third differences hold almost no motion.
+
+    >>> round(white_noise(np.random.default_rng(0).normal(size=10000)), 1)
+    1.0
+    """
+    size = float(np.median(np.abs(np.diff(x, order)))) / QUARTILE
+    return size / math.sqrt(math.comb(2 * order, order))
+
+
+class Mixture(NamedTuple):
+    """Mean (..., n) and covariance (..., n, n) of the mixture.
+
+    ``weights`` (..., k) of the explanations, ``means`` (..., k, n) under each; ``evidence`` (...)
+    logarithm of the measurement's likelihood under all of them, up to the same constant.
+    """
+
+    mean: Array
+    covariance: Array
+    weights: Array
+    means: Array
+    evidence: Array
+
+
+def weigh_hypotheses(
+    information: Array,
+    side: Array,
+    sigma: Array,
+    odds: Array,
+    likelihood: Array | float = 0.0,
+) -> Mixture:
+    """Weigh explanations that differ in how far each unknown may be from zero, or in their noise.
+
+    ``information`` (..., k, n, n) and ``side`` (..., k, n) of the measurement alone: the unknowns
+    that fit it best solve information x = side; k may be 1 where the explanations have one noise.
+    ``sigma`` (k, n) of the unknowns under each explanation, independent and around zero; ``odds``
+    (k,) of the explanations beforehand, up to a factor. ``likelihood`` (..., k) the logarithm of
+    the measurement's likelihood where all unknowns are zero, up to a common constant. The weights
+    follow from the marginal likelihoods; mean and covariance are those of the mixture.
+    """
+    prior = sigma**-2.0
+    total = information + prior[:, :, None] * np.eye(prior.shape[1])
+    covariance = np.linalg.inv(total)
+    means = np.einsum("...kij,...kj->...ki", covariance, np.broadcast_to(side, total.shape[:-1]))
+    evidence = 0.5 * np.sum(side * means, axis=-1) + likelihood
+    evidence += 0.5 * (np.log(prior).sum(axis=1) - np.linalg.slogdet(total)[1]) + np.log(odds)
+    most = evidence.max(axis=-1, keepdims=True)
+    weights = np.exp(evidence - most)
+    total_weight = weights.sum(axis=-1, keepdims=True)
+    weights /= total_weight
+    mean = np.einsum("...k,...ki->...i", weights, means)
+    apart = means - mean[..., None, :]
+    spread = covariance + apart[..., :, None] * apart[..., None, :]
+    mixed = np.einsum("...k,...kij->...ij", weights, spread)
+    return Mixture(mean, mixed, weights, means, (most + np.log(total_weight))[..., 0])
+
+
+_MOST = 300.0
+"""Largest logarithm of a ratio: more is sure."""
+
+
+def likelihood_ratio(x: float, sigma: float, spread: float) -> float:
+    """How much likelier x is where a quantity is there than where it is not; at most e^300.
+
+    There it is half of a normal distribution of ``spread`` M, not below zero; elsewhere zero; seen
+    as x with the same ``sigma`` u: 2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)), h = hypot(u, M)
+    and Phi the normal distribution.
+    """
+    h = math.hypot(sigma, spread)
+    normal = 0.5 * math.erfc(-x * spread / (sigma * h * math.sqrt(2.0)))
+    if normal == 0.0:
+        return 0.0
+    apart = 1.0 / sigma**2 - 1.0 / h**2
+    return math.exp(min(math.log(2.0 * sigma / h * normal) + 0.5 * x**2 * apart, _MOST))

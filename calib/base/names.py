@@ -1,4 +1,4 @@
-"""The list of quantities: each once, with its unit, its symbol in the paper and its sign.
+"""The program's name and version, and the list of quantities, each once with unit and sign.
 
 Everything inside the program is SI; bar, km/h, rpm and cm^2 occur only in input and output. Forces,
 torques and slips are positive magnitudes when they brake. ``a_x`` keeps the sign of ISO 8855:
@@ -6,7 +6,19 @@ forward positive, so that braking is negative; ``z = -a_x/g`` is positive when b
 """
 
 import re
+from pathlib import Path
 from typing import NamedTuple
+
+NAME = "brake-cal"
+VERSION = "0.1.0"
+PROGRAM = f"{NAME} {VERSION}"
+"""As every document, table and log of a line has them."""
+
+SETTINGS_FILE = "brake-cal.toml"
+SETTINGS_VARIABLE = "BRAKE_CAL_SETTINGS"
+"""Environment variable: the path of a settings file; empty for none."""
+STORE = Path("tables")
+"""The store where neither the command line nor the settings file names one."""
 
 G = 9.80665
 """Standard gravity [m/s^2], ISO 80000-3."""

@@ -1,18 +1,21 @@
-"""`brake-cal.toml`: the settings of a project; `brake-cal schema settings` has its keys."""
+"""`brake-cal.toml`: the settings of a project; `brake-cal schema settings` has its keys.
+
+It is in the working folder or in one above it; the first one found counts.
+"""
 
 import os
 import re
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
 from calib.base.errors import SettingsError
+from calib.base.names import SETTINGS_FILE, SETTINGS_VARIABLE
 from calib.base.record import FileSchema, Section, read_toml
 from calib.base.record_errors import wrong
-from calib.base.settings import NAME, VARIABLE, Settings
 from calib.base.toml import shown
 
 _KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")
@@ -56,52 +59,51 @@ class SettingsFile(FileSchema):
     by: Text | None = None
 
 
-def read_settings(path: Path) -> Settings:
-    """Read a settings file; its paths are made to lead from the working folder.
+def read_settings(path: Path | None) -> dict[str, Any]:
+    """What a settings file says, by key such as ``station.name``; None for what it does not say.
 
-    Raises one SettingsError with all mistakes of the file.
+    Paths are made to lead from the working folder. Raises one SettingsError with all mistakes of
+    the file.
     """
-    file = read_toml(path, SettingsFile, SettingsError)
-    folder = Path(os.path.relpath(path.absolute().parent))
+    file = read_toml(path, SettingsFile, SettingsError) if path else SettingsFile(schema=1)
+    folder = Path(os.path.relpath(path.absolute().parent)) if path else Path()
 
     def place(written: str | None) -> Path | None:
         return None if written is None else folder / written
 
-    golden, public, export = file.station.golden, file.keys.public, file.station.export
-    return Settings(
-        store=place(file.store),
-        vehicle=place(file.vehicle),
-        map=place(file.map),
-        limits=place(file.limits),
-        station=file.station.name,
-        golden=str(place(golden)) if golden and "/" in golden else golden,
-        export=None if export is None else tuple(export),
-        public_key=public if public and _KEY.fullmatch(public) else place(public),
-        require_signed=file.require_signed,
-        by=file.by,
-    )
+    golden, public = file.station.golden, file.keys.public
+    return {
+        **{key: place(getattr(file, key)) for key in ("store", "vehicle", "map", "limits")},
+        "station.name": file.station.name,
+        "station.golden": str(place(golden)) if golden and "/" in golden else golden,
+        "station.export": file.station.export,
+        "keys.public": public if public and _KEY.fullmatch(public) else place(public),
+        "require_signed": file.require_signed,
+        "by": file.by,
+    }
 
 
 @dataclass(frozen=True)
-class _Project:
-    """The settings that count here; ``file`` is None where none was found.
+class Project:
+    """The settings that count here, see `read_settings`.
 
-    ``searched``: the folders that were looked into, none where the environment names the file.
+    ``file`` is None where none was found; ``searched``: the folders that were looked into, none
+    where the environment names the file.
     """
 
-    settings: Settings
+    settings: dict[str, Any]
     file: Path | None
     searched: tuple[Path, ...]
 
 
-def find_project() -> _Project:
+def find_project() -> Project:
     """Find and read the settings file. Raises SettingsError if it is not valid."""
-    named = os.environ.get(VARIABLE)
+    named = os.environ.get(SETTINGS_VARIABLE)
     searched: tuple[Path, ...] = ()
     file = Path(named) if named else None
     if named is None:
         with suppress(FileNotFoundError):  # somebody has deleted the working folder
             searched = (Path.cwd(), *Path.cwd().parents)
-        found = (folder / NAME for folder in searched if os.path.isfile(folder / NAME))
-        file = next((Path(os.path.relpath(path)) for path in found), None)
-    return _Project(read_settings(file) if file else Settings(), file, searched)
+        found = (folder / SETTINGS_FILE for folder in searched)
+        file = next((Path(os.path.relpath(path)) for path in found if os.path.isfile(path)), None)
+    return Project(read_settings(file), file, searched)

@@ -10,8 +10,7 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from calib.base.publish import publish, workshop
-from calib.base.write import write_whole
+from calib.base.write import publish, workshop, write_whole
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.replays.gap import CHANNELS, UNITS, Gap

@@ -19,8 +19,7 @@ from string import Template
 import numpy as np
 
 from calib.base.errors import ExchangeError
-from calib.base.publish import publish, workshop
-from calib.base.write import write_whole
+from calib.base.write import publish, workshop, write_whole
 from calib.car.model import default_model
 from calib.ecu import car_source
 from calib.estimation.channels import A_X, ANSWERS, CHANNELS, FL, limits, samples_of

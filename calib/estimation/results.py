@@ -9,9 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from calib.base.plain import finite
-from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
-from calib.base.write import write_whole
+from calib.base.write import publish, workshop, write_whole
 from calib.estimation.agreement import agreement
 from calib.estimation.estimator import COLUMNS, Estimate
 from calib.estimation.limits import FAILED, PASSED

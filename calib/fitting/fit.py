@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from calib.base.errors import LogError
-from calib.base.program import PROGRAM
+from calib.base.names import PROGRAM
 from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged
 from calib.car.beliefs import CAR, LOG
 from calib.car.bias import front_biased_up_to

@@ -14,10 +14,9 @@ from packaging.requirements import Requirement
 from packaging.version import Version
 
 from calib.base.errors import InputError, SettingsError
+from calib.base.names import NAME, STORE
 from calib.base.plain import counted
 from calib.base.processes import cores
-from calib.base.program import NAME
-from calib.base.settings import STORE
 from calib.help.samples import sample_logs
 from calib.store.folders import names_in, unplaced, versions_in
 
@@ -123,7 +122,7 @@ def _settings() -> tuple[_Finding, Path | None]:
     except SettingsError as error:
         return _Finding("settings", WRONG, str(error), "mend the file"), None
     what = str(project.file) if project.file else "no brake-cal.toml: the usual values"
-    return _Finding("settings", FINE, what), project.settings.store
+    return _Finding("settings", FINE, what), project.settings["store"]
 
 
 def _packages() -> Iterator[_Finding]:

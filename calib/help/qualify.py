@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.base.names import G
-from calib.base.program import NAME, PROGRAM, VERSION
+from calib.base.names import NAME, PROGRAM, VERSION, G
 from calib.car import forces
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose

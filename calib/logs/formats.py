@@ -12,8 +12,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.bounded import POINTER
-from calib.base.errors import LogError
-from calib.base.printable import printable
+from calib.base.errors import LogError, printable
 from calib.logs.assign import Assigned
 from calib.logs.bus.blf import open_blf
 from calib.logs.bus.text_logs import open_asc, open_candump, open_trc

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
+from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS, WHEELS
-from calib.base.noise import white_noise
 from calib.base.units import from_si
 from calib.logs.clock import is_ascending
 from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import one_line
 from calib.base.names import CHANNELS, TRUTH_UNITS
-from calib.base.printable import one_line
 from calib.base.units import from_si
 from calib.base.write import write_whole
 from calib.logs.assign import TRUTH

@@ -9,7 +9,7 @@ from statistics import median
 
 import numpy as np
 
-from calib.base.mixtures import likelihood_ratio
+from calib.base.intervals import likelihood_ratio
 from calib.base.names import G
 from calib.base.warning import Measured
 from calib.car.braking import MOVING

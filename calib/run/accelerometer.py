@@ -26,9 +26,8 @@ from itertools import product
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.mixtures import Mixture, weigh_hypotheses
+from calib.base.intervals import Mixture, second_differences, weigh_hypotheses
 from calib.base.names import G
-from calib.base.noise import second_differences
 from calib.car.beliefs import SENSOR
 from calib.car.braking import BITE
 from calib.run.blocks import Blocks

@@ -24,8 +24,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
+from calib.base.intervals import white_noise
 from calib.base.names import WHEELS
-from calib.base.noise import white_noise
 from calib.car.lag import integral
 from calib.logs.log import Log
 from calib.run.limits import LIMITS

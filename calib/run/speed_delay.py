@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.arrays import Array, Mask
+from calib.base.intervals import second_differences, white_noise
 from calib.base.names import G
-from calib.base.noise import second_differences, white_noise
 from calib.car.lag import integral
 from calib.run.filters import block_mean
 

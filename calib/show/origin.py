@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from calib.base.digest import file_digest
-from calib.base.program import PROGRAM
+from calib.base.names import PROGRAM
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
 from calib.store.version import Stored

@@ -9,7 +9,7 @@ from rich.console import Console, ConsoleOptions, JustifyMethod, RenderableType,
 from rich.table import Table as Grid
 from rich.text import Text
 
-from calib.base.printable import printable
+from calib.base.errors import printable
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Row, Table
 
 _NARROWEST = 20

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calib.base.bounded import VALIDATION, bytes_of
-from calib.base.errors import ExchangeError
-from calib.base.printable import printable
+from calib.base.errors import ExchangeError, printable
 from calib.store.state import Evidence
 from calib.store.version import Stored
 

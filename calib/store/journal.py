@@ -22,7 +22,7 @@ from calib.base.bounded import JOURNAL as JOURNAL_FILE
 from calib.base.bounded import read_bounded
 from calib.base.digest import canonical_json
 from calib.base.errors import DamagedTable
-from calib.base.program import PROGRAM
+from calib.base.names import PROGRAM
 from calib.base.write import sync, write_whole
 from calib.store.state import (
     CHANGES,

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from calib.base.errors import RevisionError
-from calib.base.program import PROGRAM
+from calib.base.names import PROGRAM
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle

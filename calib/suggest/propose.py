@@ -8,10 +8,9 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from calib.base.errors import BrakeCalError, InputError
+from calib.base.errors import BrakeCalError, InputError, one_line
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
-from calib.base.printable import one_line
 from calib.base.units import UnknownUnit, is_unit, unit_of
 from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
 from calib.logs.read import REQUIRED, read_log

@@ -47,7 +47,7 @@ def test_a_message_says_what_where_expected_and_what_to_do():
 
 def test_a_message_is_one_line_whatever_is_put_into_it():
     error = BrakeCalError("not\r\n\tTOML", where="a\n\x1b[2J.csv", expected="b\nc", do="\u202ed")
-    assert str(error) == "a\\x0a\\x1b[2J.csv: not TOML; expected b c; \\u202ed"
+    assert str(error) == "a\\n\\x1b[2J.csv: not TOML; expected b c; \\u202ed"
 
 
 def test_more_mistakes_of_a_file_have_a_line_each():

@@ -1,10 +1,185 @@
-"""Writing is all or nothing."""
+"""All files of a run or none, whatever is killed when, full or read-only."""
 
 import os
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
-from calib.base.write import write_whole
+from calib.base.write import publish, workshop, write_whole
+from tests.support.killed import killed
+
+VERDICT = "verdict.json"
+
+
+def old(out):
+    """Files that an earlier run may have left."""
+    return ["old.txt", "sim/old.csv"]
+
+
+def run(out, name, content):
+    with workshop(out) as work:
+        (work / "sim").mkdir()
+        for file in (f"{name}.txt", f"sim/{name}.csv", "both.txt"):
+            (work / file).write_text(content)
+        (work / VERDICT).write_text(content)
+        return publish(work, out, VERDICT, old)
+
+
+def files(out):
+    return {p.relative_to(out).as_posix(): p.read_text() for p in out.rglob("*") if p.is_file()}
+
+
+def result_of(name, content):
+    return dict.fromkeys((f"{name}.txt", f"sim/{name}.csv", "both.txt", VERDICT), content)
+
+
+def seen(out):
+    """Files that people see."""
+    return {name: text for name, text in files(out).items() if not name.startswith(".")}
+
+
+@pytest.fixture
+def out(tmp_path):
+    out = tmp_path / "out"
+    run(out, "old", "1")
+    (out / "notes").write_text("mine")
+    return out
+
+
+def test_files_of_the_next_run_take_the_place_of_the_earlier_ones(out):
+    paths = run(out, "new", "2")
+    assert paths[-1] == out / VERDICT
+    assert files(out) == {**result_of("new", "2"), "notes": "mine"}
+
+
+def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path):
+    outcomes, stopped = set(), True
+    for step in range(1000):
+        out = tmp_path / str(step)
+        run(out, "old", "1")
+        stopped = killed(lambda out=out: run(out, "new", "2"), step)
+        left = seen(out)
+        assert VERDICT not in left or left in (result_of("old", "1"), result_of("new", "2"))
+        outcomes.add(left.get(VERDICT))
+        run(out, "third", "3")
+        assert seen(out).items() >= result_of("third", "3").items()
+        assert not [p for p in out.iterdir() if p.name.startswith(".")], step
+        if not stopped:
+            break
+    assert step > 20
+    assert outcomes == {"1", "2", None}
+
+
+def test_the_work_of_a_run_that_is_alive_stays(out):
+    with workshop(out) as work:
+        (work / "a.txt").write_text("3")
+        run(out, "new", "2")
+        assert (work / "a.txt").read_text() == "3"
+
+
+def test_the_work_of_a_dead_run_goes(out):
+    (out / ".making-0123").mkdir()
+    (out / ".making-0123" / "a.txt").write_text("1")
+    run(out, "new", "2")
+    assert files(out) == {**result_of("new", "2"), "notes": "mine"}
+
+
+def test_a_run_that_cannot_be_moved_is_undone(out, monkeypatch):
+    replace = os.replace
+
+    def full(source, target):
+        if Path(target) == out / VERDICT:
+            raise OSError(28, "No space left on device")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="No space"):
+        run(out, "new", "2")
+    assert files(out) == {"notes": "mine"}
+    assert not (out / "sim").exists()
+
+
+def test_a_stale_name_cannot_lead_out_of_the_folder(out):
+    (out.parent / "victim").write_text("kept")
+    with workshop(out) as work:
+        (work / VERDICT).write_text("2")
+        publish(work, out, VERDICT, lambda _: ["../victim", str(out.parent / "victim")])
+    assert (out.parent / "victim").exists()
+
+
+@pytest.mark.parametrize("name", ["both.txt", "sim"])
+def test_what_is_in_the_way_is_found_before_anything_is_changed(tmp_path, name):
+    out = tmp_path / "out"
+    run(out, "old", "1")
+    if name == "sim":
+        (out / "sim" / "old.csv").unlink()
+        (out / "sim").rmdir()
+        (out / "sim").touch()
+    else:
+        (out / name).unlink()
+        (out / name).mkdir()
+    before = files(out)
+    with pytest.raises(OSError, match=name):
+        run(out, "new", "2")
+    assert files(out) == before
+
+
+def test_a_verdict_that_cannot_be_removed_keeps_its_files(out, monkeypatch):
+    unlink = os.unlink
+
+    def refused(path, **named):
+        if Path(path) == out / VERDICT:
+            raise PermissionError(1, "not permitted", str(path))
+        unlink(path, **named)
+
+    before = files(out)
+    monkeypatch.setattr(os, "unlink", refused)
+    with pytest.raises(PermissionError):
+        run(out, "new", "2")
+    assert files(out) == before
+
+
+@pytest.fixture
+def mounted(tmp_path):
+    """A small file system of its own, where this process may mount one."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    size = ["-o", "size=64k", "tmpfs"]
+    if sys.platform != "linux" or os.geteuid() != 0:
+        pytest.skip("only root can mount a file system")
+    if subprocess.run(["mount", "-t", "tmpfs", *size, place], capture_output=True).returncode:
+        pytest.skip("no mount is allowed here")
+    yield place
+    subprocess.run(["umount", "--lazy", place], check=True)
+
+
+def test_on_a_full_disk_the_earlier_run_stays(mounted):
+    out = mounted / "out"
+    run(out, "old", "1")
+    for size in (100, 60, 40, 30):  # kilobytes
+        with suppress(OSError):
+            run(out, "new", "2" * 1000 * size)
+        assert files(out) == result_of("old", "1")
+    with pytest.raises(OSError, match="space"):
+        run(out, "new", "2" * 100_000)
+
+
+def test_a_read_only_folder_is_told_at_once(mounted):
+    out = mounted / "out"
+    run(out, "old", "1")
+    subprocess.run(["mount", "-o", "remount,ro", mounted], check=True)
+    with pytest.raises(OSError, match="Read-only"), workshop(out):
+        pytest.fail("the work has begun")
+    assert files(out) == result_of("old", "1")
+
+
+def test_what_a_killed_write_left_is_used_again(tmp_path):
+    (tmp_path / ".a.bin.new").write_bytes(b"a longer part of a file that was killed")
+    write_whole(tmp_path / "a.bin", b"whole")
+    assert files(tmp_path) == {"a.bin": "whole"}
 
 
 def test_is_as_readable_as_any_new_file(tmp_path):

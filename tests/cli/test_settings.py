@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from calib.base.settings import NAME, VARIABLE
+from calib.base.names import SETTINGS_FILE as NAME
+from calib.base.names import SETTINGS_VARIABLE as VARIABLE
 from calib.store.store import Store
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"

@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from calib.base.errors import BrakeCalError, LogError
-from calib.base.printable import printable
+from calib.base.errors import BrakeCalError, LogError, printable
 from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import NAME, write_results
 from calib.line.fleet.rows import Command, Row, Status

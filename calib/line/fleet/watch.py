@@ -14,7 +14,7 @@ from contextlib import closing
 from pathlib import Path
 from threading import Event
 
-from calib.base.printable import printable
+from calib.base.errors import printable
 from calib.line.fleet.batch import Sweep, logs_below
 from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import write_results

@@ -8,10 +8,9 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from calib.base.errors import BatchError, BrakeCalError
+from calib.base.errors import BatchError, BrakeCalError, printable
+from calib.base.names import PROGRAM, VERSION
 from calib.base.plain import finite
-from calib.base.printable import printable
-from calib.base.program import PROGRAM, VERSION
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, Limit

@@ -16,13 +16,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 from calib.base.bounded import VALIDATION, read_bounded
-from calib.base.errors import BrakeCalError
+from calib.base.errors import BrakeCalError, printable
+from calib.base.names import PROGRAM
 from calib.base.plain import NBSP, finite, plain
-from calib.base.printable import printable
-from calib.base.program import PROGRAM
-from calib.base.publish import publish, workshop
 from calib.base.warning import to_dict as warning_dict
-from calib.base.write import write_whole
+from calib.base.write import publish, workshop, write_whole
 from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
@@ -62,7 +60,7 @@ def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
     What an earlier run made, or may have made, is removed if this run did not make it again: an
-    export must not stay when the car fails now. Raises OSError, see `calib.base.publish.publish`.
+    export must not stay when the car fails now. Raises OSError, see `calib.base.write.publish`.
     """
     return publish(work, out, DOCUMENT, _stale)
 

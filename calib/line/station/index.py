@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from calib.base.bounded import VALIDATION, read_bounded
-from calib.base.printable import printable
+from calib.base.errors import printable
 from calib.line.station.files import DOCUMENT, REFUSED
 
 INDEX, LIVE = "index.html", "live.html"

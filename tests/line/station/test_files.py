@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from calib.base.publish import workshop
+from calib.base.write import workshop
 from calib.line.station.files import DOCUMENT, EXPORTS, publish_run
 
 
