@@ -1,12 +1,7 @@
-"""Every reader of bytes, with good files to start from, and a mutator of files.
-
-A reader may return or raise a BrakeCalError; whatever else it raises is a finding.
-"""
+"""Every reader of bytes, with good files of its kind."""
 
 import gzip
 import io
-import random
-import struct
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +14,6 @@ import pyarrow.csv as pc
 import pyarrow.parquet as pq
 from asammdf import MDF, Signal
 
-from calib.base.errors import BrakeCalError
 from calib.base.settings_file import read_settings
 from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
@@ -30,7 +24,7 @@ from calib.exports.export import export
 from calib.exports.read import read_back
 from calib.line.gauge.plan import read_plan
 from calib.logs.bus.dbc import read_dbc
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import open_log, read_log
 from calib.show.result import read_result
@@ -39,7 +33,7 @@ from calib.store.minisign import read_public_key, read_secret_key, read_signatur
 from calib.store.store import Store
 from calib.store.version import Stored, read_version
 from tests.support.databases import DATABASES
-from tests.support.recordings import CHANNELS, DBC, messages
+from tests.support.recordings import DBC, messages
 from tests.support.signing import ADA, secret_file
 from tests.support.trc import HEADS, trc
 
@@ -90,18 +84,11 @@ def parquets() -> list[bytes]:
     return [sink.getvalue(), (VERSION / "tyre.parquet").read_bytes()]
 
 
-def on_bus(path: Path) -> object:
-    mapped = {ours: Mapping(theirs) for ours, theirs in CHANNELS.items()}
-    chart = ChannelMap(
-        "map.toml", mapped, databases=Databases((DatabaseFile(_beside(path)),), sources=())
-    )
-    return read_log(path, chart, require=())
-
-
 def signals_of_a_bus(path: Path) -> object:
     """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
-    chart = ChannelMap("map.toml", {}, databases=Databases((DatabaseFile(_beside(path)),)))
-    opened = open_log(path, chart).table()
+    dbc = path.with_name("chassis.dbc")
+    dbc.write_text(DBC + J1939)
+    opened = open_log(path, ChannelMap("a", {}, databases=Databases((DatabaseFile(dbc),)))).table()
     return opened.read(range(len(opened.columns)))
 
 
@@ -109,14 +96,6 @@ J1939 = """
 BO_ 2566843646 VI: 8 ESP
  SG_ Last : 56|8@1+ (1,0) [0|255] "" ESP
 """
-
-
-def _beside(path: Path) -> Path:
-    """The DBC of the bus, beside a log."""
-    dbc = path.with_name("chassis.dbc")
-    if not dbc.exists():
-        dbc.write_text(DBC + J1939)
-    return dbc
 
 
 def recorded(ending: str) -> Seeds:
@@ -165,14 +144,14 @@ def models() -> list[bytes]:
 
 
 @cache
-def _stored() -> Stored:
+def stored() -> Stored:
     return Store(ROOT / "tables").load(NAME_OF_TABLE)
 
 
 def exported(form: str) -> Seeds:
     def make() -> list[bytes]:
         with tempfile.TemporaryDirectory() as folder:
-            export(_stored(), Path(folder) / form, form, points=8, unreleased=True)
+            export(stored(), Path(folder) / form, form, points=8, unreleased=True)
             return [(Path(folder) / form).read_bytes()]
 
     return make
@@ -199,8 +178,7 @@ def of_store(missing: str) -> Callable[[Path], object]:
 
 def summaries() -> list[bytes]:
     logs = '[{"log": "a", "role": "hold-out", "verdict": "passed"}]'
-    digest = Store(ROOT / "tables").load(NAME_OF_TABLE).digest
-    of = f'"table": "{NAME_OF_TABLE}", "digest": "{digest}", "proof": "truth"'
+    of = f'"table": "{NAME_OF_TABLE}", "digest": "{stored().digest}", "proof": "truth"'
     return [f'{{"schema": 1, {of}, "verdict": "passed", "logs": {logs}}}'.encode()]
 
 
@@ -215,9 +193,9 @@ READERS = {
     "vbo": Reader("a.vbo", READ_LOG, vbos),
     "parquet": Reader("a.parquet", READ_LOG, parquets),
     "mdf": Reader("a.mf4", READ_LOG, mdfs),
-    "blf": Reader("a.blf", on_bus, recorded(".blf")),
-    "asc": Reader("a.asc", on_bus, recorded(".asc")),
-    "candump": Reader("a.log", on_bus, candumps),
+    "blf": Reader("a.blf", signals_of_a_bus, recorded(".blf")),
+    "asc": Reader("a.asc", signals_of_a_bus, recorded(".asc")),
+    "candump": Reader("a.log", signals_of_a_bus, candumps),
     "trc": Reader(
         "a.trc", signals_of_a_bus, lambda: [trc(v, messages()[:200]).encode() for v in HEADS]
     ),
@@ -248,12 +226,8 @@ READERS = {
     "head": Reader(
         "journal.head", of_store("journal.jsonl"), of_file(ROOT / "tables" / "journal.head")
     ),
-    "summary": Reader("summary.json", lambda path: read_evidence(path, _stored()), summaries),
-    "plan": Reader(
-        "plan.csv",
-        read_plan,
-        lambda: [b"log,car,station\na.csv,1,x\nb.csv,2,x\n"],
-    ),
+    "summary": Reader("summary.json", lambda path: read_evidence(path, stored()), summaries),
+    "plan": Reader("plan.csv", read_plan, lambda: [b"log,car,station\na.csv,1,x\nb.csv,2,x\n"]),
     "result": Reader("a.parquet", read_result, parquets),
     "public key": Reader("a.pub", read_public_key, lambda: [ADA.public.file]),
     "secret key": Reader(
@@ -267,53 +241,3 @@ READERS = {
         lambda: [ADA.sign(b"content", "table sedan")],
     ),
 }
-
-
-def finding(reader: Reader, folder: Path, data: bytes) -> Exception | None:
-    """What a reader raises on these bytes beside the errors of the program; None if nothing."""
-    path = folder / reader.file
-    path.write_bytes(data)
-    try:
-        reader.read(path)
-    except BrakeCalError:
-        return None
-    except (Exception, RecursionError) as error:
-        return error
-    return None
-
-
-WORDS = (
-    b"\0", b"\xff" * 4, b"\n", b'"', b"nan", b"inf", b"-1", b"1e999", b"9" * 400, b"[" * 400,
-    b"{", b"\x1b[2J", b"\xe2\x80\xae", b"\xef\xbb\xbf", b";", b",", b"=", b"&a;", b"\\u0000",
-)  # fmt: skip
-NUMBERS = (0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0xFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 2**64 - 1)
-
-
-def mutated(seeds: list[bytes], chance: random.Random) -> bytes:
-    """A seed with one to six changes: bits, bytes, words, numbers, parts cut, moved, doubled."""
-    data = bytearray(chance.choice(seeds))
-    for _ in range(chance.randint(1, 6)):
-        at = chance.randrange(len(data) + 1)
-        end = min(len(data), at + int(chance.paretovariate(0.7)))
-        match chance.randrange(8):
-            case 0 if at < len(data):
-                data[at] ^= 1 << chance.randrange(8)
-            case 1 if at < len(data):
-                data[at] = chance.randrange(256)
-            case 2:
-                del data[at:end]
-            case 3:
-                data[at:at] = data[at:end]
-            case 4:
-                data[at:at] = chance.choice(WORDS)
-            case 5:
-                word = chance.choice(WORDS)
-                data[at : at + len(word)] = word
-            case 6:
-                kind = chance.choice("BHIQ")
-                size = struct.calcsize(kind)
-                number = chance.choice(NUMBERS) % 256**size
-                data[at : at + size] = struct.pack(f"<{kind}", number)
-            case 7 if chance.random() < 0.3:
-                del data[at:]
-    return bytes(data)
