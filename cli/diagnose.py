@@ -55,7 +55,7 @@ def diagnose(
     """
     from calib.base.plain import counted
     from calib.base.processes import cores, side_by_side
-    from calib.car.own_effects.own_effect import with_own
+    from calib.car.effects.catalogue import with_own
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.written import files_of, text_of, to_dict, write_folder
     from calib.show.html import page_of

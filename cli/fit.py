@@ -49,10 +49,10 @@ def fit(
     version; the same logs give the same version again.
     """
     from calib.base.plain import counted
-    from calib.car.mass import mass_used
+    from calib.car.effects.catalogue import with_own
     from calib.car.model import with_model
     from calib.car.model_file import read_model
-    from calib.car.own_effects.own_effect import with_own
+    from calib.car.vehicle import mass_used
     from calib.fitting.fit import fit as fit_table
     from calib.show.fit import Fitted, document
     from calib.store.fleet import released_cars

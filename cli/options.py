@@ -17,7 +17,7 @@ from calib.base.names import STORE
 from cli.console import at_option, misuse, say
 
 if TYPE_CHECKING:
-    from calib.car.own_effects.own_effect import OwnEffect
+    from calib.car.effects.catalogue import OwnEffect
     from calib.car.vehicle import Vehicle
     from calib.estimation.limits import Limit
     from calib.logs.channel_map import ChannelMap
@@ -288,7 +288,7 @@ OtherPads = Annotated[
 Map = Annotated["ChannelMap | None", channel_map(setting="map")]
 MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
 Mass = Annotated["float | None", option(MASS, "MASS", typed=str | None, make=_mass)]
-READ_EFFECTS = "calib.car.own_effects.effect_file:read_own_effects"
+READ_EFFECTS = "calib.car.effects.effect_file:read_own_effects"
 EFFECT = (
     "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The file is "
     "executed as Python: give only files that you trust."

@@ -51,13 +51,13 @@ def simulate(
     own times. The result has the channels of a log and the true values.
     """
     from calib.base.errors import ModelError
+    from calib.car.effects.catalogue import with_own
     from calib.car.model import default_model
     from calib.car.model_file import read_model
-    from calib.car.own_effects.own_effect import with_own
     from calib.logs.write import write_csv, write_parquet
     from calib.model.manoeuvre import manoeuvre as make_plan
-    from calib.model.replay import replay
     from calib.model.sensor_noise import add_noise
+    from calib.model.simulate import replay
     from calib.model.simulate import simulate as drive
     from calib.show.log import simulated
 

@@ -57,9 +57,9 @@ def validate(
     from dataclasses import replace
 
     from calib.base.plain import counted
+    from calib.car.effects.catalogue import with_own
     from calib.car.model import with_effects
     from calib.car.model_file import read_model
-    from calib.car.own_effects.own_effect import with_own
     from calib.car.vehicle import require_same_car
     from calib.estimation.results import SUMMARY, to_dict, write_results
     from calib.estimation.validate import validate_one

@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field
 from calib.base.names import G
 from calib.base.record import FileSchema, Section
 from calib.base.warning import to_dict
-from calib.car.bias import (
+from calib.car.balance import (
     force_per_pressure,
     friction_used,
     front_biased_up_to,

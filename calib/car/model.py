@@ -9,11 +9,11 @@ from calib.base.arrays import Array
 from calib.base.errors import ModelError
 from calib.base.toml import did_you_mean
 from calib.base.units import behind
+from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import Card
 from calib.car.effects.effects import Effects
 from calib.car.lag import integral
-from calib.car.magic_formula import MagicFormula
-from calib.car.own_effects.own_effect import definition
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)

@@ -36,12 +36,18 @@ from calib.base.record import (
 from calib.base.record_errors import wrong
 from calib.base.toml import load_toml, quantity, written_quantity
 from calib.base.write import write_whole
-from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.catalogue import (
+    CATALOGUE,
+    OwnEffect,
+    completed,
+    definition,
+    every_effect,
+    given,
+)
 from calib.car.effects.effect import Card, Effect
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS, PLACES
 from calib.car.model import WET_ASPHALT, Model, Surface, default_model
-from calib.car.own_effects.own_effect import OwnEffect, completed, definition, every_effect, given
 from calib.car.vehicle import Vehicle
 
 _Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
@@ -168,7 +174,7 @@ class ModelFile(FileSchema):
 def read_model(path: Path, vehicle: Vehicle) -> Model:
     """Read a model file; missing parts are as in `default_model`.
 
-    Its own effects are those of the vehicle, see `calib.car.own_effects.own_effect.with_own`.
+    Its own effects are those of the vehicle, see `calib.car.effects.catalogue.with_own`.
 
     Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
     effect or unit; for a missing parameter; for a value out of its range; for an own effect whose

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from calib.base.plain import bound, listed, rows
 from calib.base.units import from_si
 from calib.base.warning import PlausibilityWarning
-from calib.car.bias import front_biased_up_to, front_share, lock_efficiency, pressure_per_g
+from calib.car.balance import front_biased_up_to, front_share, lock_efficiency, pressure_per_g
 from calib.car.keys import CHASSIS, KEYS, VehicleKey
 from calib.car.vehicle import Vehicle
 

@@ -7,8 +7,8 @@ calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (som
 
 from calib.base.errors import ModelError
 from calib.base.processes import Mapped, one_blas_thread
+from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import slows
-from calib.car.own_effects.own_effect import definition
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import runs_of
@@ -43,7 +43,7 @@ def diagnose(
     Parameters
     ----------
     vehicle : the car as its datasheet has it; it may have effects that the catalogue lacks, see
-        `calib.car.own_effects.own_effect.with_own`.
+        `calib.car.effects.catalogue.with_own`.
     calibration : two or more logs of different manoeuvres, in which the effect is searched.
     holdout : one or more logs, on which the effect must close the gap.
     tell : called at each step with the stage in words, the steps of it that are done, and their

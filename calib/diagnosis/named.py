@@ -7,9 +7,9 @@ import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
+from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import acts_on_wheels
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
 from calib.diagnosis.explanation.base import PADS, Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten

@@ -13,8 +13,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import WHEELS, G
+from calib.car.effects.catalogue import every_effect
 from calib.car.effects.effects import Effects
-from calib.car.own_effects.own_effect import every_effect
 from calib.diagnosis.explanation.base import Base
 from calib.diagnosis.explanation.columns import seen
 from calib.diagnosis.explanation.explanation import Explanation, innovations

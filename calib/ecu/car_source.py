@@ -19,8 +19,7 @@ import numpy as np
 
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.names import G
-from calib.car.balance import turning_shares
-from calib.car.bias import force_per_pressure, front_share
+from calib.car.balance import force_per_pressure, front_share, turning_shares
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
 from calib.ecu.translation import structure, translated

@@ -16,13 +16,11 @@ from collections.abc import Callable
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.balance import ForceBalance, force_balance
-from calib.car.bias import front_share
-from calib.car.disc_temperature import DISCS, START, heated
+from calib.car.balance import ForceBalance, force_balance, front_share
 from calib.car.effects import pads
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.history import constant_speed
+from calib.car.history import DISCS, START, constant_speed, heated
 from calib.car.lag import integral
 from calib.car.vehicle import Axle
 from calib.estimation.estimator import Estimate

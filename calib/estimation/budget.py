@@ -8,7 +8,7 @@ the ramp left open of tyres and pads, and the rest, which a stop may bring.
 
 import numpy as np
 
-from calib.car.bias import front_share
+from calib.car.balance import front_share
 from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded
 from calib.table.budget import Parts, deviations

@@ -18,8 +18,7 @@ from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.mass import weighed
-from calib.car.vehicle import Vehicle
+from calib.car.vehicle import Vehicle, weighed
 from calib.estimation.channels import rows_of
 from calib.estimation.constants import Constants
 from calib.estimation.known import known_effects, nominal_car

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.balance import ForceBalance, braked_tyres, turning_shares
-from calib.car.bias import front_share
+from calib.car.balance import ForceBalance, braked_tyres, front_share, turning_shares
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads

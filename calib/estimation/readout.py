@@ -14,8 +14,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.base.names import AXLES, WHEELS
-from calib.car.balance import brake_forces
-from calib.car.bias import front_share
+from calib.car.balance import brake_forces, front_share
 from calib.car.forces import speed_ratio
 from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects, known_slips

@@ -21,12 +21,11 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.balance import turning_shares
 from calib.car.forces import paper_curves
-from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
+from calib.car.tyre import NEAR_PEAK, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, Shown, shown
 from calib.fitting.posterior import parts_of
-from calib.model.ramp import RampRun
-from calib.model.settings import SETTINGS
+from calib.model.ramp import SETTINGS, RampRun
 from calib.table.budget import OWN
 from calib.table.table import (
     EXTRAPOLATED,

@@ -16,8 +16,7 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.intervals import QUARTILE
 from calib.car.vehicle import Vehicle
-from calib.model.ramp import RampRun, nominal_forces
-from calib.model.settings import SETTINGS
+from calib.model.ramp import SETTINGS, RampRun, nominal_forces
 from calib.run.filters import runs as runs_of
 
 

@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.car.balance import braked_tyres, turning_shares
-from calib.car.bias import front_share
+from calib.car.balance import braked_tyres, front_share, turning_shares
 from calib.car.forces import axle_loads, speed_ratio
-from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
+from calib.car.tyre import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
 from calib.table.maps import Draws
 from calib.table.table import Calibration
@@ -31,7 +30,7 @@ _STICKS = 0.3  # slip below which a tyre is not seen to slide [1]
 class Ensemble:
     """Draws of a car, equally likely, (n,) [1] where nothing else is said.
 
-    ``forms`` weights of `calib.car.tyre_forms` (n, 5); ``load_exponent`` by which the compliance
+    ``forms`` weights of `calib.car.tyre` (n, 5); ``load_exponent`` by which the compliance
     grows with the load, ``peak_load_exponent`` by which the ``peak`` at half the weight falls;
     ``log_pad_ratio`` front over rear, ``cg_to_front_axle``, ``cg_height``, all over those of the
     vehicle file; ``compliance_f``, ``compliance_r`` slip per normalised force at small slip and

@@ -12,12 +12,11 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.base.names import PROGRAM
 from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged
+from calib.car.balance import front_biased_up_to
 from calib.car.beliefs import CAR, LOG
-from calib.car.bias import front_biased_up_to
 from calib.car.braking import BITE
-from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
-from calib.car.vehicle import Vehicle
+from calib.car.vehicle import Vehicle, mass_used, weighed
 from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_curve
 from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
@@ -28,9 +27,8 @@ from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated
 from calib.fitting.posterior import parts_of
 from calib.fitting.quality import explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
-from calib.model.ramp import RampRun, prepare
+from calib.model.ramp import RampRun, prepare, sort_runs
 from calib.model.roller_bench import RollerBench
-from calib.model.sort_logs import sort_runs
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.rules import FIT
 from calib.run.blocks import BLOCK

@@ -24,9 +24,8 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import AXLE_NAMES, AXLES
 from calib.base.warning import Measured
-from calib.car.balance import brake_forces
-from calib.car.bias import front_share
-from calib.car.effects.line import limited
+from calib.car.balance import brake_forces, front_share
+from calib.car.effects.hydraulics import limited
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, spread_evenly
 from calib.fitting.known import OWN, drawn

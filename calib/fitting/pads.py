@@ -13,8 +13,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.car.balance import front_share
 from calib.car.beliefs import CAR, LOG
-from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.model.ramp import RampRun, nominal_forces, pad_scale
 from calib.model.roller_bench import RollerBench

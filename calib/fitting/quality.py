@@ -11,17 +11,15 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.warning import Measured, PlausibilityWarning, judged
-from calib.car.bias import front_biased_up_to
-from calib.car.mass import MassUsed
+from calib.car.balance import front_biased_up_to
 from calib.car.plausible import plausible
-from calib.car.vehicle import Vehicle
+from calib.car.vehicle import MassUsed, Vehicle
 from calib.fitting.curves import find_peak
 from calib.fitting.ensemble import Ensemble, Shown
 from calib.fitting.known import Known
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
-from calib.model.ramp import RampRun
-from calib.model.settings import SETTINGS
+from calib.model.ramp import SETTINGS, RampRun
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import COAST, FIT, warnings_on
 from calib.run.filters import runs as runs_of

@@ -15,8 +15,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import G
+from calib.car.balance import front_share
 from calib.car.beliefs import CAR, LOG
-from calib.car.bias import front_share
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, Ensemble, unit_slips
 from calib.model.ramp import RampRun

@@ -12,8 +12,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.names import AXLES
 from calib.car.beliefs import STOP, Mixture
-from calib.car.mass import WEIGHED
-from calib.car.vehicle import Vehicle
+from calib.car.vehicle import WEIGHED, Vehicle
 from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
 
 SCENARIOS = 16384

@@ -1,30 +1,71 @@
-"""A ramp ready to fit: its blocks, and the forces of its axles.
+"""The ramps among the runs of a fit, ready to fit: blocks, and the forces of the axles.
 
 The pads' pressure gives the forces of both axles up to a common scale and the pads' ratio; the
 scale follows from the sum of forces.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.errors import LogError
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.forces import mean_slip
 from calib.car.vehicle import Vehicle
-from calib.model.settings import SETTINGS
+from calib.plausibility.rules import COAST, FIT, require
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Axle, Blocks, block_balance
 from calib.run.filters import since
 from calib.run.noise import SensorNoise, aged
 from calib.run.run import Run
+from calib.run.same_run import refuse_copies
 
 Array = NDArray[np.float64]
 
-ZEROED = 3.0
+
+@dataclass(frozen=True)
+class FitSettings:
+    """What a fit takes as given. Those that decide a table's numbers are in its provenance."""
+
+    min_speed: float = 5.0
+    """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
+    outlier: float = 4.0
+    """Residuals past this many sigma are named: of 500 blocks of noise one in 30 runs has one."""
+    fastest: float = 0.5
+    """Change of the deceleration that the pressure makes [g/s] past which a block takes no part:
+    pads, brake lines and the body are then late by as much as eta shows. A ramp to 0.6 g within 3 s
+    has 0.2, a pedal that is let go at its end 1 to 3."""
+    late: float = 0.15
+    """Time [s] for which this is so afterwards."""
+    disturbance_of_eta: float = 0.12
+    """How far eta stands out from its smooth course, over its range on the ramp, where something
+    else acts: a gear shift of 240 N m moves it by a third, a bump by as much as the range."""
+    disturbance_of_force: float = 0.03
+    """The same of the demanded brake force, over its largest."""
+    disturbance_gate: float = 6.0
+    """How many times the usual scatter both must stand out."""
+    fewest_blocks: int = 20
+    """Fewest braked blocks of a ramp in which a disturbance is told, and that must be left of it
+    below its top; a fifth of them must be calm before and after a disturbance."""
+    disturbance_share: float = 0.3
+    """Share of the braked blocks from which on what stands out is no disturbance, but the car."""
+    flat: float = 0.1
+    """Share of its first slope at which eta over z is too flat to be read backwards: there an error
+    of eta moves D ten times as far as it should."""
+    rows: int = 61
+    """Rows of a look-up: linear interpolation between them errs by less than 1e-4 in D."""
+    min_count: int = 3
+    """Blocks that a cell needs to count as measured: two may be one disturbance."""
+
+
+SETTINGS = FitSettings()
+
+_ZEROED = 3.0
 """Time before the bite over which eta and slip are zeroed [s]."""
 
 
@@ -73,7 +114,7 @@ class RampRun:
     def rolling(self) -> NDArray[np.int64]:
         """The last blocks of the lead-in that take part: where eta and slip are zero."""
         lead = np.flatnonzero(self.blocks.lead_in & self.use)
-        return lead[-round(ZEROED / self.blocks.length) :]
+        return lead[-round(_ZEROED / self.blocks.length) :]
 
     @cached_property
     def braking(self) -> Array:
@@ -90,6 +131,34 @@ class RampRun:
         Wheels of two sizes differ by per cents, which is no slip.
         """
         return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
+
+
+def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run]]:
+    """Ramps and coasts, in the order of the digests of their logs.
+
+    The order of the command line must not change a bit of the table. Raises LogError for a log
+    that will not do, that is not of this vehicle, or that is there twice.
+    """
+    refuse_copies([run.log for run in runs])
+    ramps: list[Run] = []
+    coasts: list[Run] = []
+    for run in sorted(runs, key=lambda item: item.log.digest):
+        coasting = not run.events
+        require(run, COAST if coasting else FIT)
+        (coasts if coasting else ramps).append(run)
+    if not ramps:
+        raise LogError(
+            "none of the logs holds a braking",
+            where=", ".join(run.log.source for run in runs),
+            expected="at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s",
+        )
+    if all(run.only for run in ramps):
+        raise LogError(
+            "on every ramp one axle brakes alone, so there is no curve over eta",
+            where=", ".join(run.log.source for run in ramps),
+            expected="at least one ramp with both axles; ramps with one axle serve in addition",
+        )
+    return ramps, coasts
 
 
 def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = None) -> RampRun:

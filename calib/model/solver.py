@@ -7,6 +7,14 @@
 An iteration takes every sample at once. Each sample depends on earlier ones only, so the
 solution converges from the first sample to the last, and samples after the end of the run (the
 stop, or a wheel past the peak of its tyre) do not affect those before it.
+
+One wheel is in balance over the whole run at the slip that solves
+
+    F_x:  (J_w d omega/dt + T_b + M)/R  =  F_z F(lambda),   omega = v (1 - lambda)/R       (1) (21)
+
+d omega/dt is the difference to the sample before (backward Euler), so a step in pressure causes no
+numerical oscillation at any sampling rate. One Newton step for all samples is a bidiagonal system.
+The left side falls with slip and the right side rises, so it always has a solution.
 """
 
 from collections.abc import Mapping
@@ -17,19 +25,109 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, G
-from calib.car import forces, wheel
+from calib.car import forces
 from calib.car.brakes import Brakes
 from calib.car.effects.combined import total_axle_moment, total_body_force, total_load_shift
 from calib.car.effects.effect import Pair
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import integral
 from calib.car.model import tyres_along
+from calib.car.tyre import MagicFormula
+from calib.car.vehicle import Axle
 
 TOLERANCE = 1e-9
 """Largest change of v (relative to the first speed) and of slip in the last iteration."""
 
 ITERATIONS = 60  # each gains one to two digits; 30 s of coasting need about twelve
 _LEAST_LOAD = 0.01  # share of the weight below which an axle counts as lifted [1]
+
+
+_EDGE = 0.999
+"""End of the rising branch, as in `MagicFormula.slip_at`. The force there is within 2e-6 of the
+peak and the slope is still positive, so the equations can be solved."""
+
+
+@dataclass(frozen=True)
+class WheelDemand:
+    """Torques and load of a wheel; arrays (n,).
+
+    ``torque`` of the brake, ``moment`` of all other causes that slow it [N m]; ``load`` F_z [N].
+    """
+
+    torque: Array
+    moment: Array
+    load: Array
+
+
+@dataclass(frozen=True)
+class Travel:
+    """Motion of the car; arrays (n,): ``time`` [s], ``v`` [m/s] above zero, ``z`` [1]."""
+
+    time: Array
+    v: Array
+    z: Array
+
+
+@dataclass(frozen=True)
+class RisingTyre:
+    """A tyre at the load of every sample, continued linearly beyond the end of its rising branch.
+
+    The continuation helps the solver; a result with ``used`` above 1 is not valid.
+    """
+
+    tyre: MagicFormula
+    relative_load: Array
+
+    @property
+    def edge(self) -> Array:
+        """Slip [1] at the end of the rising branch (n,)."""
+        return self.tyre.slip_at(_EDGE, self.relative_load)
+
+    def used(self, slip: Array) -> Array:
+        """Slip over that at the end of the rising branch [1]; above 1 it is beyond the peak."""
+        return np.abs(slip) / self.edge
+
+    def force(self, slip: Array) -> Array:
+        """Normalised force [1]."""
+        held = np.clip(slip, -self.edge, self.edge)
+        beyond = (slip - held) * self.tyre.slope(self.edge, self.relative_load)
+        return self.tyre.force(held, self.relative_load) + beyond
+
+    def slope(self, slip: Array) -> Array:
+        """Slope d force/d slip [1], above zero everywhere."""
+        return self.tyre.slope(np.clip(slip, -self.edge, self.edge), self.relative_load)
+
+
+def spin_rate(axle: Axle, travel: Travel, slip: Array) -> Array:
+    """Spin rate d omega/dt [rad/s^2] (n,) since the sample before; the first at constant slip."""
+    omega = forces.wheel_speed(axle, slip, travel.v)
+    first = -G * travel.z[0] * omega[0] / travel.v[0]
+    return np.concatenate([[first], np.diff(omega) / np.diff(travel.time)])
+
+
+def tyre_force(axle: Axle, demand: WheelDemand, travel: Travel, slip: Array) -> Array:
+    """Tyre force [N] (n,) from the motion of the wheel, (1)."""
+    return forces.tyre_force(axle, demand.torque, spin_rate(axle, travel, slip), demand.moment)
+
+
+def next_slip(
+    axle: Axle, tyre: RisingTyre, demand: WheelDemand, travel: Travel, slip: Array
+) -> Array:
+    """One Newton step from ``slip`` [1] (n,) towards the slip that solves (1) in all samples."""
+    from scipy.linalg.lapack import dtbtrs
+
+    residual = tyre_force(axle, demand, travel, slip) - demand.load * tyre.force(slip)
+    # d(J_w/R d omega/dt)/d lambda: omega = v (1 - lambda)/R enters its own sample and the next.
+    inertia = axle.wheel_inertia / axle.rolling_radius**2 * travel.v
+    step = np.diff(travel.time)
+    bands = np.zeros((2, slip.size))
+    bands[0] = demand.load * tyre.slope(slip)
+    bands[0, 1:] += inertia[1:] / step
+    bands[1, :-1] = -inertia[:-1] / step
+    change, info = dtbtrs(bands, residual[:, None], uplo="L")
+    if info:
+        raise ArithmeticError(f"no slip solves sample {info - 1}")
+    return np.asarray(slip + change[:, 0])
 
 
 @dataclass(frozen=True)
@@ -82,7 +180,7 @@ class SolverState:
     z: Array
     loads: Pair
     slip: dict[str, Array]
-    demand: dict[str, wheel.WheelDemand]
+    demand: dict[str, WheelDemand]
     force: dict[str, Array]
     used: dict[str, Array]
 
@@ -158,7 +256,7 @@ def _first(run: Drive) -> SolverState:
     force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
     z = run.total(force) / vehicle.weight
     straight = np.clip(z / np.mean(run.brakes.model.tyre.stiffness), -0.02, 0.02)
-    demand = {w: wheel.WheelDemand(T_b, zero, zero) for w, T_b in torque.items()}
+    demand = {w: WheelDemand(T_b, zero, zero) for w, T_b in torque.items()}
     loads = forces.axle_loads(vehicle, z)
     return SolverState(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
 
@@ -167,7 +265,7 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
     """Loads (6), (7), effects, one step of (1) for every wheel, (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
     history = history_of(run, old)
-    travel = wheel.Travel(run.time, run.moving(old.v), old.z)
+    travel = Travel(run.time, run.moving(old.v), old.z)
     loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
     motion = Motion(travel.v, loads[0], loads[1], history)
     moments = np.subtract(total_axle_moment(vehicle, model.effects, motion), run.drive_torque)
@@ -175,9 +273,9 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
     slip, demand, force, used = {}, {}, {}, {}
     for w, torque in run.brakes.torques(history).items():
         i = AXLES.index(w[0])
-        tyre = wheel.RisingTyre(tyres[i], 2.0 * loads[i] / vehicle.weight)
-        demand[w] = wheel.WheelDemand(torque, 0.5 * moments[i], 0.5 * loads[i])
-        slip[w] = wheel.next_slip(run.brakes.axle(w), tyre, demand[w], travel, old.slip[w])
+        tyre = RisingTyre(tyres[i], 2.0 * loads[i] / vehicle.weight)
+        demand[w] = WheelDemand(torque, 0.5 * moments[i], 0.5 * loads[i])
+        slip[w] = next_slip(run.brakes.axle(w), tyre, demand[w], travel, old.slip[w])
         force[w] = demand[w].load * tyre.force(slip[w])
         used[w] = tyre.used(slip[w])
     body = total_body_force(vehicle, model.effects, motion)

@@ -13,7 +13,7 @@ from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, relative
-from calib.car.bias import front_share
+from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.pad_levels import pad_levels
 from calib.table.table import Calibration, Value

@@ -13,7 +13,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.intervals import QUARTILE
 from calib.base.names import WHEELS
 from calib.base.warning import Measured, bounds_of, relative
-from calib.car.bias import front_biased_up_to
+from calib.car.balance import front_biased_up_to
 from calib.car.braking import BITE, MOVING
 from calib.car.plausible import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence

@@ -7,7 +7,7 @@ import math
 
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted
-from calib.car.own_effects.own_effect import definition
+from calib.car.effects.catalogue import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
 from calib.diagnosis.explanation.own import FACTOR_ON, OWN, sizes
 from calib.diagnosis.explanation.own import UNITS as OWN_UNITS

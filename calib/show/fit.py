@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from calib.base.plain import counted
 from calib.base.warning import to_dict
-from calib.car.mass import MassUsed
+from calib.car.vehicle import MassUsed
 from calib.logs.log import Log
 from calib.show.facts import PASSED, WARNING, Facts, Picture, Table
 from calib.show.judged import budget_rows, ramp_rows

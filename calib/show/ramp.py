@@ -12,15 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.names import G
-from calib.car.balance import turning_shares
-from calib.car.bias import front_share
+from calib.car.balance import front_share, turning_shares
 from calib.car.braking import BITE
 from calib.car.forces import paper_curves, speed_ratio
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, ensemble_of, shown, turned, unit_slips
 from calib.logs.log import Log
-from calib.model.ramp import RampRun, nominal_forces, normalised_forces, prepare
-from calib.model.settings import SETTINGS
+from calib.model.ramp import SETTINGS, RampRun, nominal_forces, normalised_forces, prepare
 from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
 from calib.show.panel import Line, Panel

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib.base.units import behind
-from calib.car.bias import friction_used, front_biased_up_to, front_share, pressure_per_g
+from calib.car.balance import friction_used, front_biased_up_to, front_share, pressure_per_g
 from calib.car.effects.effect import Card
 from calib.car.forces import axle_loads
 from calib.car.plausible import plausible

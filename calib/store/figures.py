@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.random_effects import quantile95
-from calib.car.own_effects.own_effect import every_effect
+from calib.car.effects.catalogue import every_effect
 from calib.table.pad_levels import pad_levels
 from calib.table.table import Scatter, Table, Value
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import NBSP, plus_minus, rows
-from calib.car.bias import front_share
+from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.table import Table
 

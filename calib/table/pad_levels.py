@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from calib.car.bias import front_share
+from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.car import bias, forces
+from calib.car import balance, forces
 from calib.car.effects.combined import total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects
 from calib.car.history import Motion, constant_speed
@@ -112,7 +112,7 @@ def test_18_holds_for_any_deceleration_and_difference(car, z, D):
 
 def test_the_sedan_is_front_biased_up_to_0_641():
     """A r of the axles are 3775.16 and 1406.16 cm^2 mm: 0.7286 = (1.6494 + 0.615 z)/2.805."""
-    assert bias.front_biased_up_to(VEHICLE) == pytest.approx(0.641, abs=5e-4)
+    assert balance.front_biased_up_to(VEHICLE) == pytest.approx(0.641, abs=5e-4)
 
 
 @given(vehicles(), st.floats(0.5, 2.0))
@@ -127,7 +127,7 @@ def test_the_bias_ends_where_pressure_gives_both_axles_the_same(car, factor):
         F_zf, F_zr = forces.axle_loads(car, np.asarray(z))
         return share[0] / F_zf - share[1] / F_zr
 
-    end, lift = bias.front_biased_up_to(car), car.cg_to_front_axle / car.cg_height
+    end, lift = balance.front_biased_up_to(car), car.cg_to_front_axle / car.cg_height
     assert end < lift
     if end > 0.0:
         assert D(end) == pytest.approx(0.0, abs=1e-9)
@@ -138,7 +138,7 @@ def test_the_bias_ends_where_pressure_gives_both_axles_the_same(car, factor):
 
 def test_a_car_without_rear_brakes_is_front_biased_for_ever():
     bare = replace(VEHICLE, rear=replace(VEHICLE.rear, piston_area=0.0))
-    assert bias.front_biased_up_to(bare) == float("inf")
+    assert balance.front_biased_up_to(bare) == float("inf")
 
 
 # Slip --------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.car.history import constant_speed
+from calib.car.history import Disc, constant_speed, heated
 
 
 @given(st.integers(1, 5), st.floats(0.0, 2.5), st.floats(-3.0, 3.0))
@@ -19,3 +19,28 @@ def test_a_ripple_is_the_mean_of_its_samples(m, turn, phase):
     mean = angle.reshape(60, m).mean(axis=1)
     history = replace(constant_speed(time, np.zeros(60), 20.0), angle_f=mean, averaged=m)
     assert history.ripple(phase) == pytest.approx(means, abs=1e-9)
+
+
+DISC = Disc(heat_capacity=4000.0, cooling_time=60.0)
+TIME = np.linspace(2.0, 32.0, 301)
+SINCE = TIME - TIME[0]
+
+
+@pytest.mark.parametrize("start", [20.0, 400.0])
+@pytest.mark.parametrize("power", [0.0, 20e3])
+def test_constant_power_gives_the_exponential(start, power):
+    """T = T_e + (T_0 - T_e) exp(-t/tau), T_e = T_air + P tau/C."""
+    end = 20.0 + power * 60.0 / 4000.0
+    expected = end + (start - end) * np.exp(-SINCE / 60.0)
+    found = heated(TIME, power * SINCE, DISC, start)
+    assert found == pytest.approx(expected, rel=1e-10)
+
+
+def test_a_stop_at_constant_deceleration():
+    """P = P_0 (1 - t/t_s): T - T_air = g (1 - t/t_s + tau/t_s) + c exp(-t/tau), g = P_0 tau/C."""
+    peak, stop, tau = 40e3, 30.0, 60.0
+    g = peak * tau / 4000.0
+    settled = g * (1.0 - SINCE / stop + tau / stop)
+    expected = 20.0 + settled + (80.0 - settled[0]) * np.exp(-SINCE / tau)
+    found = heated(TIME, peak * (SINCE - 0.5 * SINCE**2 / stop), DISC, 100.0)
+    assert found == pytest.approx(expected, rel=1e-6)  # the power has steps here

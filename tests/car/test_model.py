@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from calib.base.errors import ModelError
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.magic_formula import MagicFormula
 from calib.car.model import (
     RELAXATION_LENGTH,
     WET_ASPHALT,
@@ -20,6 +19,7 @@ from calib.car.model import (
     tyres_along,
 )
 from calib.car.model_file import read_model, write_model
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from tests.support.refusals import refusal
 

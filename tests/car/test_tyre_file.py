@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import TyreError
-from calib.car.magic_formula import MagicFormula
+from calib.car.tyre import MagicFormula
 from calib.car.tyre_file import read_tyre, read_tyres
 from tests.support.refusals import refusal
 from tests.support.tyre_files import KEYS, written

@@ -3,18 +3,23 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import VehicleError
 from calib.base.names import names_a_table
+from calib.base.units import si_of, to_si
 from calib.car.effects.effects import Effects
-from calib.car.keys import KEYS
-from calib.car.vehicle import Axle, Vehicle, require_same_car
+from calib.car.facts_file import what_follows
+from calib.car.forces import axle_loads
+from calib.car.keys import KEYS, REFERENCE, vehicle_text
+from calib.car.vehicle import Axle, Vehicle, mass_used, require_same_car, weighed
 from calib.car.vehicle_file import read_vehicle
 from tests.support.reference_car import CAR
 from tests.support.refusals import refusal
+from tests.support.tables import VEHICLE
 from tests.support.vehicle_files import write_vehicle
 
 CHASSIS, AXLE = ({k.name: k for k in KEYS if k.section == part} for part in ("chassis", "front"))
@@ -164,3 +169,81 @@ def test_a_car_is_another_by_its_geometry_alone(name):
     assert str(error.value).startswith("V.toml: ")
     if name == "mass":
         require_same_car(CAR, changed(name), weighed=True)
+
+
+BY_PATH = {key.path: key for key in KEYS}
+
+
+def read(text: str, folder: Path) -> Vehicle:
+    file = folder / "vehicle.toml"
+    file.write_text(text)
+    return read_vehicle(file)
+
+
+def test_the_examples_are_the_reference_car(tmp_path):
+    assert read(vehicle_text(REFERENCE), tmp_path) == read_vehicle(SEDAN)
+
+
+def test_usual_ranges_are_inside_the_bounds():
+    for key in KEYS[1:]:
+        low, high = (to_si(end, key.unit, si_of(key.unit)) for end in (key.low, key.high))
+        assert key.least <= low < high <= key.most
+
+
+def test_an_optional_key_without_a_value_is_a_comment(tmp_path):
+    values = {k: v for k, v in REFERENCE.items() if k != "chassis.mass_tolerance"}
+    text = vehicle_text(values)
+    assert "# mass_tolerance = 0.03" in text
+    assert text.count("# pad_friction_tolerance = ") == 2
+    assert read(text, tmp_path).mass_tolerance == Vehicle.mass_tolerance
+
+
+def test_the_facts_of_the_reference_car():
+    facts = what_follows(VEHICLE)
+    assert facts.front.torque_per_bar_wheel == pytest.approx(2 * 0.38 * 28.84e-4 * 0.1309 * 1e5)
+    assert facts.rear.torque_per_bar_axle == pytest.approx(4 * 0.38 * 11.34e-4 * 0.124 * 1e5)
+    assert facts.front.static_load == pytest.approx(1744 * 1.6494 / 2.805)
+    shifted = 1744 * 0.5 * 0.615 / 2.805
+    assert facts.front.load_at_half_g == pytest.approx(facts.front.static_load + shifted)
+    assert facts.rear.load_at_half_g == pytest.approx(facts.rear.static_load - shifted)
+    assert facts.front_biased_up_to == pytest.approx(0.641, abs=5e-4)  # as the brief has it
+
+
+def test_the_rows_are_consistent():
+    facts = what_follows(VEHICLE)
+    for row in facts.distribution:
+        assert row.pressure == pytest.approx(row.deceleration * facts.pressure_per_g)
+        force = (row.torque_f + row.torque_r) / 0.322
+        assert force == pytest.approx(1744 * 9.80665 * row.deceleration)
+    first = {lock.friction: lock for lock in facts.first_lock}
+    assert (first[0.3].axle, first[0.8].axle) == ("front", "rear")
+    assert all(lock.deceleration <= lock.friction for lock in facts.first_lock)
+
+
+UNKNOWN = replace(CAR, mass_tolerance=0.03)
+
+
+def test_loads_grow_with_the_mass_and_the_centre_of_gravity_stays():
+    heavy = weighed(CAR, 2000.0)
+    z = np.array([0.0, 0.4])
+    for now, then in zip(axle_loads(heavy, z), axle_loads(CAR, z), strict=True):
+        assert now == pytest.approx(then * 2000.0 / 1744.0)
+    assert replace(heavy, mass=CAR.mass) == CAR
+
+
+def test_what_was_weighed_is_known_to_half_a_percent_or_as_the_file_says():
+    assert weighed(UNKNOWN, 2000.0).mass_tolerance == 0.005
+    assert weighed(replace(CAR, mass_tolerance=0.002), 2000.0).mass_tolerance == 0.002
+
+
+def test_a_known_error_of_the_mass_in_the_file_counts_no_more():
+    known = Effects({"mass_error": {"mass_error": 0.1}, "road_grade": {"grade": 0.01}})
+    assert weighed(replace(CAR, effects=known), 2000.0).effects.names == ("road_grade",)
+
+
+@pytest.mark.parametrize("factor", [0.45359237, 1.0 / 0.45359237, 0.1])
+def test_pounds_written_as_kilograms_are_no_load_of_this_car(factor):
+    with pytest.raises(VehicleError, match=r"times the 1744 kg of the vehicle file"):
+        weighed(CAR, factor * CAR.mass)
+    with pytest.raises(VehicleError, match="check number and unit"):
+        mass_used(CAR, factor * CAR.mass)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from calib.car.own_effects.effect_file import read_own_effect
-from calib.car.own_effects.own_effect import with_own
+from calib.car.effects.catalogue import with_own
+from calib.car.effects.effect_file import read_own_effects
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.written import to_dict
 from calib.model.sensor_noise import add_noise
@@ -34,7 +34,7 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(tmp_path):
     car = Car(CARS[1], magic(26.0, 1.0, curvature=-0.1), (0.95, 1.05), hidden=hidden)
     names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
     logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
-    own = read_own_effect(file)
+    (own,) = read_own_effects([file])
     found = diagnose(with_own(CARS[1], [own]), logs[:4], logs[4:])
     assert found.verdict == "named"
     assert [effect.name for effect in found.effects] == ["air_brake_flap"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.base.warning import RULES, VOID
-from calib.car.bias import pressure_per_g
+from calib.car.balance import pressure_per_g
 from calib.estimation.estimator import estimate
 from calib.estimation.exchanged import axles_exchanged
 from calib.estimation.validate import validate

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.car.tyre_forms import FORMS
+from calib.car.tyre import FORMS
 from calib.fitting.ensemble import draws_of, ensemble_of, spread_evenly, unit_slips
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.car.bias import front_biased_up_to
+from calib.car.balance import front_biased_up_to
 from calib.car.effects.effects import Effects
-from calib.car.magic_formula import MagicFormula
 from calib.car.model import default_model
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.fitting.fit import fit
 from calib.logs.read import read_log

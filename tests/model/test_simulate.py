@@ -12,8 +12,8 @@ from calib.base.errors import ModelError
 from calib.base.names import WHEELS, G
 from calib.car import forces
 from calib.car.effects.effects import Effects
-from calib.car.magic_formula import MagicFormula
 from calib.car.model import Model, Surface, default_model
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.model.simulate import simulate
 from tests.support import effect_runs

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.car.bias import front_biased_up_to
+from calib.car.balance import front_biased_up_to
 from calib.show.vehicle import (
     beta_point,
     facts,

@@ -8,8 +8,8 @@ import numpy as np
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
 from calib.car.history import Motion, RunHistory
-from calib.car.magic_formula import MagicFormula
 from calib.car.model import default_model
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.model.simulate import simulate
 from tests.support.plant import Plant, drive, magic

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.magic_formula import MagicFormula
 from calib.car.model import Model
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.channels import ChannelNoise

@@ -1,4 +1,4 @@
-"""Effects of the body: forces on it, its mass, and the pitch of its springs.
+"""Effects of the body: forces on it, its mass, the pitch of its springs; and of the sensors.
 
 Drag:   F at the height of the road               load_share = 1: (6) and (7) as in the paper
         F at that of the centre of gravity        load_share = 0: only tyre forces move load
@@ -75,6 +75,28 @@ def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_
     return a_x - G * pitch
 
 
+def _filtered(parameters: Parameters) -> tuple[float, float]:
+    """T, and q T^2; q, ``filter_bend``, is 0 where it is not given: first order.
+
+    A filter of a higher order is close to one of second order with the same delay.
+    """
+    T = parameters["filter_time"]
+    return T, parameters.get("filter_bend", 0.0) * T**2
+
+
+def _off_centre(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
+    """``runout_side`` is 1 when only the left ring runs out, -1 only the right one, 0 both in step.
+
+    The angle counts from the first sample, unless its origin was set by the ripple of the run: low
+    where a disc of uneven thickness would slow the wheel. Not valid for a ring with a damaged
+    tooth: that is a spike once a turn.
+    """
+    a, side = parameters["runout"], parameters["runout_side"]
+    turned = a * motion.history.ripple(parameters["runout_phase"])
+    left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
+    return {"fl": 1.0 - left * turned, "fr": 1.0 - right * turned}
+
+
 AERODYNAMIC_DRAG = effect(
     "aerodynamic_drag",
     load_shift=_above_the_road,
@@ -86,4 +108,17 @@ EFFECTS = (
     effect("mass_error", mass=lambda parameters: 1.0 + parameters["mass_error"]),
     effect("road_grade", body_force=_grade, accelerometer=_felt),
     effect("pitch_coupling", load_shift=_lagging_load, accelerometer=_nose_down),
+    # Sensors: the car moves as without them.
+    effect(
+        "accelerometer_scale",
+        accelerometer=lambda vehicle, own, history, a_x: a_x * (1.0 + own["scale_error"]),
+    ),
+    effect(
+        "accelerometer_bias",
+        accelerometer=lambda vehicle, own, history, a_x: a_x + own["bias"],
+    ),
+    effect("accelerometer_lag", accelerometer_lag=_filtered),
+    effect("speed_delay", speed_delay=lambda parameters: parameters["v_delay"]),
+    effect("wheel_speed_delay", wheel_speed_delay=lambda parameters: parameters["omega_delay"]),
+    effect("tone_ring_runout", wheel_speed=_off_centre),
 )

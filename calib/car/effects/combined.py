@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.effects.catalogue import CALIPER, LINE, SENSOR
+from calib.car.effects.catalogue import CALIPER, LINE, SENSOR, definition, every_effect
 from calib.car.effects.effect import Effect, Pair, Parameters
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import effect_of
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import low_pass
-from calib.car.own_effects.own_effect import definition, every_effect
 from calib.car.vehicle import Axle, Vehicle
 
 _SHORTEST = 1e-6

@@ -54,7 +54,7 @@ class Effects:
     terms : empirical terms, whose cause is not known.
     sigma : one standard deviation of each parameter [SI]; only where it is known.
     own : the user's own effects by name, whether they act or not. A plain `DefinedIn` says where
-        one is defined, an `OwnEffect` of `calib.car.own_effects` is one whose file was given.
+        one is defined, an `OwnEffect` of `calib.car.effects.catalogue` is one whose file was given.
     """
 
     parameters: _ByParameter = field(default_factory=dict)

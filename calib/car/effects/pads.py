@@ -13,9 +13,8 @@ Pressure: mu  |`.
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.disc_temperature import DISCS, heated
 from calib.car.effects.effect import Pair, Parameters, effect
-from calib.car.history import RunHistory
+from calib.car.history import DISCS, RunHistory, heated
 
 _REFERENCE_PRESSURE = 20e5
 """Pressure [Pa] at which the pad friction is that of the model; the middle of usual braking."""
@@ -33,7 +32,7 @@ def faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -
 
     T is that of the disc [degC]: as logged, else of an assumed disc that is at
     ``history.start_heat`` at the first sample and is heated by the brake
-    (`calib.car.disc_temperature`). There k is per kelvin of that disc, and T_0 counts from that
+    (`calib.car.history`). There k is per kelvin of that disc, and T_0 counts from that
     start. A straight line: not valid where little friction is left.
     """
     slope, onset = parameters["fade_slope"], parameters["fade_onset"]

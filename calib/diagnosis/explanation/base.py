@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.plain import rows
-from calib.car.magic_formula import MagicFormula
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.own import FACTOR_ON, OWN
 

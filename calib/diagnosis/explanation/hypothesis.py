@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
+from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.own_effects.own_effect import definition
 from calib.diagnosis.explanation.base import (
     BASE,
     FORM_PRIOR,

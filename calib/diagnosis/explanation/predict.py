@@ -16,13 +16,12 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import AXLES, WHEELS, G
-from calib.car.disc_temperature import START
 from calib.car.effects import combined
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, brake_torque, deceleration, tyre_force
-from calib.car.history import Motion, RunHistory
+from calib.car.history import START, Motion, RunHistory
 from calib.car.lag import delayed, integral
-from calib.car.magic_formula import MagicFormula
+from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import FORM_AT, Base
 from calib.diagnosis.explanation.own import FRONT_HEAT, OWN, REAR_HEAT, SLOPE, ZERO

@@ -17,7 +17,7 @@ from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.own import GRADE, OWN, SLOPE, ZERO, ZERO_OF_A_X
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
-from calib.model.replay import replay
+from calib.model.simulate import replay
 
 _ROUNDS = 3  # in which hold-outs are placed, at most
 _NEAR = 1.0  # step, in standard deviations, after which a linear model holds

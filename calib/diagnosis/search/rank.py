@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
-from calib.car.own_effects.own_effect import every_effect
+from calib.car.effects.catalogue import every_effect
 from calib.diagnosis.explanation.explanation import Explanation, of_all
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import FADE, STRENGTH, Hypothesis, State, elements_of

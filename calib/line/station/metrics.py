@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.plain import bound, meanings
-from calib.car.bias import front_biased_up_to
+from calib.car.balance import front_biased_up_to
 from calib.car.braking import MOVING
 from calib.car.forces import slip
 from calib.car.vehicle import Vehicle

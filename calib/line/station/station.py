@@ -14,7 +14,7 @@ import numpy as np
 from calib.base.errors import LogError
 from calib.base.plain import counted, plain
 from calib.base.warning import PlausibilityWarning
-from calib.car.bias import front_share
+from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle, require_same_car
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import METRICS as OF_STOPS

@@ -1,10 +1,8 @@
-"""Drag, grade, mass and pitch against figures by hand and the modes of textbooks."""
+"""Body and sensors against figures by hand, modes of textbooks and filters of SciPy."""
 
 import numpy as np
 import pytest
-import scipy.signal
-from hypothesis import given
-from hypothesis import strategies as st
+from scipy.signal import butter, lsim
 
 from calib.base.names import WHEELS, G
 from calib.car.balance import force_balance
@@ -12,7 +10,14 @@ from calib.car.effects.body import AERODYNAMIC_DRAG, AIR_DENSITY, pitch_deficit
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
-from tests.support.effect_runs import SEDAN, driven, made_history, made_motion, without_inertia
+from tests.support.effect_runs import (
+    SEDAN,
+    driven,
+    made_history,
+    made_motion,
+    wave,
+    without_inertia,
+)
 
 PITCH = CATALOGUE["pitch_coupling"]
 MODE = {
@@ -21,6 +26,17 @@ MODE = {
     "damping": 0.25,
     "pitch_gradient": 0.03,
 }
+RUNOUT = {"runout": 0.002, "runout_phase": 0.3, "runout_side": 1.0}
+OMEGA = tuple(f"omega_{w}" for w in WHEELS)
+SENSORS = {
+    "accelerometer_bias": ({"bias": -0.1}, ("a_x",)),
+    "accelerometer_scale": ({"scale_error": 0.05}, ("a_x",)),
+    "accelerometer_lag": ({"filter_time": 0.05}, ("a_x",)),
+    "speed_delay": ({"v_delay": 0.13}, ("v",)),
+    "wheel_speed_delay": ({"omega_delay": 0.04}, OMEGA),
+    "tone_ring_runout": (RUNOUT, ("omega_fl",)),
+}
+RIGHT = driven({}, wave)
 
 
 def drag(v, area=0.66):
@@ -30,12 +46,6 @@ def drag(v, area=0.66):
 def test_306_newtons_at_100_km_h():
     assert drag(100.0 / 3.6) == pytest.approx(0.5 * 1.2 * 0.66 * 771.605, rel=1e-6)
     assert pytest.approx(101325.0 / (287.05 * 293.15), rel=0.005) == AIR_DENSITY  # gas law
-
-
-@given(st.floats(0.0, 70.0), st.floats(0.0, 12.0))
-def test_drag_grows_with_area_and_the_square_of_speed(v, area):
-    assert drag(2.0 * v, area) == pytest.approx(4.0 * drag(v, area))
-    assert drag(v, 2.0 * area) == pytest.approx(2.0 * drag(v, area))
 
 
 @pytest.mark.parametrize("share", [{}, {"load_share": 1.0}])
@@ -80,17 +90,10 @@ def test_the_deficit_is_that_of_the_mode_in_continuous_time(frequency, damping, 
     time = np.arange(round(5.0 * rate)) / rate
     z = 0.02 + 0.3 * np.clip((time - 1.0) / 0.25, 0.0, 1.0)
     mode = ([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2])
-    moved = z[0] + scipy.signal.lsim(mode, z - z[0], time)[1]
+    moved = z[0] + lsim(mode, z - z[0], time)[1]
     expected = (z - moved) * SEDAN.cg_height / SEDAN.wheelbase
     assert np.max(np.abs(pitch_deficit(SEDAN, time, z, frequency, damping) - expected)) < 1e-9
     assert np.max(np.abs(expected)) > 0.01
-
-
-def test_the_deficit_does_not_depend_on_the_future():
-    time, z = np.arange(400) * 0.005, np.random.default_rng(1).normal(size=400)
-    other = np.concatenate([z[:200], np.zeros(200)])
-    both = [pitch_deficit(SEDAN, time, x, 8.0, 0.3)[:200] for x in (z, other)]
-    assert np.array_equal(*both)
 
 
 def test_a_step_overshoots_as_the_damping_says():
@@ -114,3 +117,63 @@ def test_at_first_the_front_lacks_all_of_the_transfer_that_springs_carry():
     history = made_history(3, time=np.array([0.0, 1e-6, 2e-6]), z=np.array([0.0, 0.4, 0.4]))
     late = PITCH.load_shift(SEDAN, {**MODE, "elastic_share": 0.7}, history)
     assert late[1:] == pytest.approx(0.7 * 0.4 * SEDAN.cg_height / SEDAN.wheelbase, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_only_its_own_reading_is_off(name):
+    parameters, own = SENSORS[name]
+    log = driven({name: parameters}, wave)
+    for channel in ("a_x", "v", *OMEGA):
+        assert np.array_equal(log[channel], RIGHT[channel]) == (channel not in own)
+    assert np.array_equal(log.truth["true_Fz_fl"], RIGHT.truth["true_Fz_fl"])
+
+
+def test_the_scale_is_of_what_is_sensed_and_not_of_the_bias():
+    bias, scale = {"bias": 0.5}, {"scale_error": 0.1}
+    one = driven({"accelerometer_bias": bias, "accelerometer_scale": scale}, wave)
+    assert one["a_x"] == pytest.approx(1.1 * RIGHT["a_x"] + 0.5)
+    other = driven({"accelerometer_scale": scale, "accelerometer_bias": bias}, wave)
+    assert np.array_equal(one["a_x"], other["a_x"])
+
+
+@pytest.mark.parametrize("name", ["speed_delay", "wheel_speed_delay"])
+def test_a_delayed_reading_is_that_of_an_earlier_time(name):
+    parameters, channels = SENSORS[name]
+    (late,) = parameters.values()
+    log, n = driven({name: parameters}, wave), round(late * 200)
+    for channel in channels:
+        assert log[channel][n:] == pytest.approx(RIGHT[channel][:-n], abs=1e-9)
+
+
+def test_a_bend_of_one_half_is_the_filter_of_butterworth():
+    """Second order with its corner at 3 Hz, against SciPy's analogue filter."""
+    step = lambda t: 25e5 * (t > 1.0)  # noqa: E731
+    corner = 2.0 * np.pi * 3.0
+    filtered = {"filter_time": np.sqrt(2.0) / corner, "filter_bend": 0.5}
+    late = driven({"accelerometer_lag": filtered}, step)
+    right = driven({}, step)
+    start = right["a_x"][0]
+    _, expected, _ = lsim(butter(2, corner, analog=True), right["a_x"] - start, right.time)
+    assert late["a_x"] == pytest.approx(start + expected, abs=0.01)
+
+
+def test_a_runout_is_the_ripple_of_an_eccentric_ring():
+    """Speed of the teeth past the sensor over that of a centred ring, e/r = 0.002: 1 - e/r sin."""
+    motion = made_motion(np.full(50, 20.0))
+    centre = -0.002j * np.exp(1j * (motion.history.angle_f + 0.3))  # in radii of the ring
+    lever = np.abs(1.0 + 0.0j - centre)  # of the teeth under the sensor
+    found = CATALOGUE["tone_ring_runout"].wheel_speed(SEDAN, RUNOUT, motion)
+    assert found["fl"] == pytest.approx(lever, abs=2e-5)
+    assert np.array_equal(found["fr"], np.ones(50))
+
+
+@pytest.mark.parametrize(
+    ("side", "left", "right"), [(0.0, 1.0, 1.0), (1.0, 1.0, 0.0), (-0.5, 0.5, 1)]
+)
+def test_one_ring_or_two(side, left, right):
+    motion = made_motion(np.full(50, 20.0))
+    given = {**RUNOUT, "runout_side": side}
+    found = CATALOGUE["tone_ring_runout"].wheel_speed(SEDAN, given, motion)
+    turned = 0.002 * np.sin(motion.history.angle_f + 0.3)
+    assert 1.0 - found["fl"] == pytest.approx(left * turned)
+    assert 1.0 - found["fr"] == pytest.approx(right * turned)

@@ -7,7 +7,7 @@ import pytest
 
 from calib.base.names import G
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.magic_formula import MagicFormula
+from calib.car.tyre import MagicFormula
 from calib.diagnosis.explanation.predict import Base, lag_of, predict, run_of
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN

@@ -5,18 +5,17 @@ from dataclasses import replace
 import pytest
 
 from calib.base.errors import ModelError
-from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.catalogue import CATALOGUE, definition, every_effect, with_own
 from calib.car.effects.combined import caliper_pressure, total_axle_moment
+from calib.car.effects.effect_file import read_own_effects
 from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
-from calib.car.own_effects.effect_file import read_own_effect
-from calib.car.own_effects.own_effect import definition, every_effect, with_own
 from tests.support.effect_runs import SEDAN, made_history, made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
 from tests.support.tables import from_content, made_table
 
-FLAP = read_own_effect(EXAMPLE)
+FLAP = read_own_effects([EXAMPLE])[0]
 WITH = with_own(SEDAN, [FLAP])
 ACTS = {"air_brake_flap": {"flap_area": 0.5}}
 MODEL = replace(default_model(WITH), effects=Effects(ACTS, own=WITH.effects.own))
@@ -25,7 +24,7 @@ MODEL = replace(default_model(WITH), effects=Effects(ACTS, own=WITH.effects.own)
 def own_of(tmp_path, text, name="mine.py"):
     path = tmp_path / name
     path.write_text(text)
-    return read_own_effect(path)
+    return read_own_effects([path])[0]
 
 
 def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():

@@ -1,7 +1,7 @@
 """Read an effect of the user's own: a Python file with ``EFFECT``, as the catalogue has them.
 
 The file is executed, with all that this process may do. See `brake-cal manual vehicle_file`. A hook
-that raises, or whose result has another shape or is not finite, raises one ModelError that names
+that raises, or whose result has another form or is not finite, raises one ModelError that names
 file and line: when it is loaded, on a made run, and wherever else it goes wrong.
 """
 
@@ -10,11 +10,9 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import fields, replace
-from functools import wraps
 from hashlib import sha256
-from inspect import signature, unwrap
+from inspect import signature
 from pathlib import Path
-from types import ModuleType
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -26,11 +24,10 @@ from calib.base.names import WHEELS, G
 from calib.base.record import OneOf, Section, validated
 from calib.base.record_errors import wrong
 from calib.base.units import QUANTITIES
-from calib.car.effects.catalogue import CATALOGUE
+from calib.car.effects.catalogue import CATALOGUE, OwnEffect
 from calib.car.effects.effect import Effect
 from calib.car.forces import axle_loads
 from calib.car.history import Motion, constant_speed
-from calib.car.own_effects.own_effect import OwnEffect
 from calib.car.vehicle import Axle, Vehicle
 
 _Name = Annotated[str, StringConstraints(pattern="^[a-z][a-z0-9_]*$")]
@@ -85,19 +82,18 @@ class _CardSection(Section, from_attributes=True):
 
 
 def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
-    """Read a file for each effect, see `read_own_effect`."""
-    return tuple(read_own_effect(path) for path in paths)
-
-
-def read_own_effect(path: Path) -> OwnEffect:
-    """Execute a Python file, and return its ``EFFECT`` with hooks that are checked.
+    """Execute Python files, and return the ``EFFECT`` of each with hooks that are checked.
 
     Raises ModelError, with its line where it has one, for a file that is missing or not Python,
     raises, has no ``EFFECT`` or a card that is not complete; for a name of the catalogue; for a
-    hook that raises, returns another shape or what is not finite, or does something at nothing.
+    hook that raises, returns another form or what is not finite, or does something at nothing.
     """
+    return tuple(map(_read, paths))
+
+
+def _read(path: Path) -> OwnEffect:
     source = bytes_of(path, EFFECT, ModelError, "a Python file")
-    effect = getattr(_executed(source, str(path)), "EFFECT", None)
+    effect = _executed(source, str(path)).get("EFFECT")
     if not isinstance(effect, Effect):
         raise ModelError(
             f"EFFECT is {effect!r}",
@@ -106,62 +102,60 @@ def read_own_effect(path: Path) -> OwnEffect:
             do="see `brake-cal manual vehicle_file`",
         )
     validated(effect.card, _CardSection, path, ModelError)
-    if not hooks_of(effect) or not all(map(callable, hooks_of(effect).values())):
-        raise ModelError("a hook is no function", where=path, expected="one hook of Effect or more")
-    guarded = checked(effect, str(path))
-    _try(guarded, str(path))
-    return OwnEffect(file=path.name, sha256=sha256(source).hexdigest(), effect=guarded)
+    return OwnEffect(path.name, sha256(source).hexdigest(), effect=checked(effect, str(path)))
 
 
-def _executed(source: bytes, path: str) -> ModuleType:
-    """The module of a file. What it prints goes to stderr: stdout is that of the command."""
-    module = ModuleType("own_effect")
-    vars(module)["__file__"] = path
+def _executed(source: bytes, path: str) -> dict[str, Any]:
+    """The names of a file. What it prints goes to stderr: stdout is that of the command."""
+    names: dict[str, Any] = {"__name__": "own_effect", "__file__": path}
     try:
         code = compile(source, path, "exec", dont_inherit=True)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as cause:
-        place = _at(path, getattr(cause, "lineno", None))
-        raise ModelError(f"not Python: {getattr(cause, 'msg', cause)}", where=place) from cause
+        line = getattr(cause, "lineno", None)
+        raise ModelError(
+            f"not Python: {getattr(cause, 'msg', cause)}",
+            where=f"{path}:{line}" if line else path,
+        ) from cause
     try:
         with redirect_stdout(sys.stderr):
-            exec(code, vars(module))
+            exec(code, names)
     except (Exception, SystemExit) as cause:
         raise _raised(cause, path) from cause
-    return module
+    return names
 
 
 def _raised(cause: BaseException, path: str, what: str = "") -> ModelError:
     """The error for an exception in a file of the user, at the line of the file where it rose."""
     lines = [f.lineno for f in traceback.extract_tb(cause.__traceback__) if f.filename == path]
     text = f"{what}{type(cause).__name__}: {cause}".strip(": ")
-    return ModelError(text, where=_at(path, lines[-1] if lines else None))
+    return ModelError(text, where=f"{path}:{lines[-1]}" if lines else path)
 
 
-def _at(path: str, line: int | Callable[..., Any] | None) -> str:
-    """A line of a file, or that where a function begins."""
-    if callable(line):
-        line = getattr(getattr(unwrap(line), "__code__", None), "co_firstlineno", None)
-    return path if line is None else f"{path}:{line}"
+def checked(effect: Effect, path: str) -> Effect:
+    """The effect with hooks that raise ModelError where they go wrong; ``path`` of its file.
 
-
-def _try(effect: Effect, path: str) -> None:
-    """Call every hook at its typical parameters, and at nothing."""
+    Each is tried in a made run, with the typical parameters and at nothing.
+    """
+    own = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name != "card"}
+    hooks = {name: hook for name, hook in own.items() if hook is not None}
+    if not hooks or not all(map(callable, hooks.values())):
+        raise ModelError("a hook is no function", where=path, expected="one hook of Effect or more")
     strength, neutral = effect.card.parameters[0].name, float(effect.card.neutral)
     typical = {p.name: float(p.typical) for p in effect.card.parameters}
-    for name, hook in hooks_of(effect).items():
+    guarded: dict[str, Any] = {n: _guarded(n, hook, path) for n, hook in hooks.items()}
+    for name, hook in guarded.items():
         hook(*trial(name, typical))
-        if changes(name, hook, {**typical, strength: neutral}):
+        made = trial(name, {**typical, strength: neutral})
+        nothing, result = _NOTHING[name](*made), hook(*made)
+        if isinstance(result, dict):
+            nothing, result = [nothing[w] for w in result], [*result.values()]
+        if not np.allclose(nothing, result, rtol=1e-9, atol=1e-9):
             raise ModelError(
                 f"{name} still does something at {strength} = {neutral:g}, the neutral strength",
-                where=_at(path, hook),
+                where=_begin(path, hooks[name]),
                 expected="no effect there, for any value of other parameters",
             )
-
-
-def hooks_of(effect: Effect) -> dict[str, Callable[..., Any]]:
-    """The hooks that an effect has, by name."""
-    own = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name != "card"}
-    return {name: hook for name, hook in own.items() if hook is not None}
+    return replace(effect, **guarded)
 
 
 def _on_wheels(like: Any) -> dict[str, Any]:
@@ -187,15 +181,7 @@ _NOTHING: dict[str, Callable[..., Any]] = {
 """Each hook where it changes nothing: what it is called with, and the form of what it returns."""
 
 
-def checked(effect: Effect, path: str) -> Effect:
-    """The effect with hooks that raise ModelError where they go wrong; ``path`` of its file."""
-    hooks = hooks_of(effect)
-    guarded: dict[str, Any] = {name: _checked(name, hooks[name], path) for name in hooks}
-    return replace(effect, **guarded)
-
-
-def _checked(name: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
-    @wraps(hook)
+def _guarded(name: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
     def call(*given: Any) -> Any:
         try:
             with np.errstate(all="ignore"):
@@ -205,49 +191,40 @@ def _checked(name: str, hook: Callable[..., Any], path: str) -> Callable[..., An
         nothing = _NOTHING[name](*given)
         try:
             return _like(nothing, result)
-        except (TypeError, ValueError) as cause:
+        except (AttributeError, KeyError, TypeError, ValueError):
             raise ModelError(
-                f"{name} returns {cause}",
-                where=_at(path, hook),
+                f"{name} returns {_form(result)}",
+                where=_begin(path, hook),
                 expected=f"finite numbers in the form of {_form(nothing)}",
             ) from None
 
     return call
 
 
+def _begin(path: str, hook: Callable[..., Any]) -> str:
+    """The line of a file where a function begins."""
+    code = getattr(hook, "__code__", None)
+    return f"{path}:{code.co_firstlineno}" if code else path
+
+
 def _like(nothing: Any, result: Any) -> Any:
-    """A result in the form of ``nothing``. Raises TypeError or ValueError saying what it is."""
+    """A result in the form of ``nothing``. Raises an error of Python for another form."""
     if isinstance(nothing, dict):
-        if not isinstance(result, Mapping) or not set(result) <= set(nothing):
-            raise TypeError(_form(result))
         return {w: _like(nothing[w], value) for w, value in result.items()}
     if isinstance(nothing, tuple):
-        if not isinstance(result, tuple | list) or len(result) != len(nothing):
-            raise TypeError(_form(result))
-        return tuple(map(_like, nothing, result))
-    array = np.asarray(result)
-    if array.dtype.kind not in "fiub" or array.shape != np.shape(nothing):
-        raise TypeError(_form(result))
-    if not np.all(np.isfinite(array)):
-        raise ValueError("values that are not finite")
-    return array.astype(np.float64) if array.shape else float(array)
+        return tuple(_like(*pair) for pair in zip(nothing, result, strict=True))
+    array = np.asarray(result, float)
+    if array.shape != np.shape(nothing) or not np.all(np.isfinite(array)):
+        raise ValueError
+    return array if array.shape else float(array)
 
 
 def _form(value: Any) -> str:
     if isinstance(value, tuple | list):
         return f"({', '.join(map(_form, value))})"
-    if isinstance(value, Mapping):
+    if isinstance(value, dict):
         return f"a dict of {', '.join(map(str, value))}"
     return f"shape {np.shape(value)}" if isinstance(value, np.ndarray) else repr(value)
-
-
-def changes(name: str, hook: Callable[..., Any], parameters: Mapping[str, float]) -> bool:
-    """Whether a hook with these parameters changes the link on which it acts, in the trial run."""
-    given = trial(name, parameters)
-    nothing, result = _NOTHING[name](*given), hook(*given)
-    if isinstance(result, Mapping):
-        nothing, result = [nothing[w] for w in result], [*result.values()]
-    return not np.allclose(nothing, result, rtol=1e-9, atol=1e-9)
 
 
 _CAR = Vehicle(

@@ -1,4 +1,4 @@
-"""Threshold, play and residual torque against their recursions and loops by hand."""
+"""Lines and calipers against the solutions of their equations, recursions and loops by hand."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from calib.car.effects.caliper import clamp, clamped
+from calib.car.effects.hydraulics import clamp, clamped
 from tests.support.effect_runs import made_history, pressures
 
 PRESSURES = arrays(float, st.integers(1, 300), elements=st.floats(-1e5, 100e5))
@@ -113,3 +113,34 @@ def test_an_axle_may_have_it_alone(bias, kept):
     found = pressures("residual_torque", history, **STUCK, rear_bias=bias)
     for pressure, bar in zip(found, kept, strict=True):
         assert pressure[199] == pytest.approx(bar * 1e5 * np.exp(-1.0 / 5.0))
+
+
+@given(st.floats(-0.05, 0.5))
+def test_a_straight_pressure_is_delayed_exactly(delay):
+    history = made_history(p_mc=3e5 + 8e5 * np.arange(200) * 0.01)
+    for found in pressures("hydraulic_delay", history, delay=delay):
+        assert found == pytest.approx(np.clip(history.p_mc - 8e5 * delay, 3e5, history.p_mc[-1]))
+
+
+@pytest.mark.parametrize("lag", [1e-9, 0.003, 0.4])
+def test_a_lag_sample_by_sample_on_an_uneven_clock(lag):
+    """Each step from the closed solution for a straight piece of input."""
+    rng = np.random.default_rng(3)
+    time = np.cumsum(rng.uniform(0.002, 0.05, 200))
+    p = 10e5 + 5e5 * rng.standard_normal(200)
+    history = made_history(200, time=time, p_mc=p)
+    front, rear = pressures("hydraulic_lag", history, time_constant=lag)
+    y = [p[0]]
+    for dt, a, b in zip(np.diff(time), p[:-1], p[1:], strict=True):
+        rate = (b - a) / dt
+        y.append(b - rate * lag + (y[-1] - a + rate * lag) * np.exp(-dt / lag))
+    assert front == pytest.approx(np.array(y), rel=1e-9)
+    assert np.array_equal(front, rear)
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 150e5), st.floats(0.0, 200e5))
+def test_the_valve_has_a_knee_on_the_rear_alone(slope, knee, p):
+    history = made_history(2, p_mc=np.array([0.0, p]))
+    front, rear = pressures("rear_proportioning", history, knee_slope=slope, knee=knee)
+    assert front is history.p_mc
+    assert rear == pytest.approx([0.0, p if p < knee else knee + slope * (p - knee)], abs=1e-6)

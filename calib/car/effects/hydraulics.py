@@ -1,4 +1,6 @@
-"""Effects of the caliper, behind a wheel pressure sensor, in the order in which they act.
+"""Effects of the brake lines, then of the calipers, each in the order in which they act.
+
+A wheel pressure sensor sits between the two.
 
 Hysteresis: friction of seals and pins holds the pads, with a fixed and a relative width. A play
 operator between two lines, which does not depend on the rate of the pressure.
@@ -29,6 +31,7 @@ from calib.base.intervals import QUARTILE
 from calib.car.braking import BITE
 from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
+from calib.car.lag import low_pass, second_order
 
 _BOTH = 0.5
 """Share at which both axles have the same threshold [1]."""
@@ -40,6 +43,56 @@ _WOBBLE = 0.25e5
 """Largest error that a pressure sensor is assumed to add to a held pressure [Pa]: three sigma of a
 loud sensor (0.4 bar at 200 Hz), averaged over 0.1 s. The third differences of such a mean are as
 large as its noise."""
+
+
+def _delayed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Linear between samples; outside the log the pressure is that of the nearest sample.
+
+    A ``delay`` below zero is that of a pressure which is logged late against all other channels.
+    """
+    then = history.time - parameters["delay"]
+    return np.interp(then, history.time, p_f), np.interp(then, history.time, p_r)
+
+
+def _lagging(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """A lag that does not overshoot, the same on both axles; steady state at the first sample.
+
+    q, ``lag_bend``, is 0 where it is not given: first order; 1/4 is two lags of T/2 in a row, more
+    would swing. Not valid for a line that fills faster than it empties.
+    """
+    T = parameters["time_constant"]
+    if T <= 0.0:
+        return p_f, p_r
+    second = parameters.get("lag_bend", 0.0) * T**2
+    front = low_pass(history.time, p_f, T, second)
+    return front, front if p_r is p_f else low_pass(history.time, p_r, T, second)
+
+
+def _oscillating(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """A second-order lag that overshoots, the same on both axles; T = 1/w of the undamped mode.
+
+    Steady state at the first sample. It does not swing below zero, where nothing clamps. Not valid
+    for a strongly damped line: that is a lag.
+    """
+    T, damping = parameters["response_time"], parameters["line_damping"]
+    if T <= 0.0:
+        return p_f, p_r
+    front = _swinging(history.time, p_f, 1.0 / T, damping)
+    return front, front if p_r is p_f else _swinging(history.time, p_r, 1.0 / T, damping)
+
+
+def _swinging(time: Array, p: Array, frequency: float, damping: float) -> Array:
+    return np.maximum(second_order(time, p, frequency, damping), np.minimum(p, 0.0))
+
+
+def _proportioned(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """For a valve without hysteresis, whose knee does not depend on load or deceleration."""
+    return p_f, limited(p_r, parameters["knee"], parameters["knee_slope"])
+
+
+def limited(p: Array, knee: float, slope: float) -> Array:
+    """Pressure [Pa] behind the valve: it grows with ``slope`` [1] above the ``knee`` [Pa]."""
+    return np.asarray(p - (1.0 - slope) * np.maximum(p - knee, 0.0))
 
 
 def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
@@ -136,8 +189,17 @@ def clamped(time: Array, p: Array, most: float, drain: float) -> Array:
     return np.where(left > np.maximum(p, 1e-20), left, p)
 
 
-EFFECTS = (
+LINE = (
+    effect("hydraulic_delay", pressure=_delayed),
+    effect("hydraulic_lag", pressure=_lagging),
+    effect("hydraulic_oscillation", pressure=_oscillating),
+    effect("rear_proportioning", pressure=_proportioned),
+)
+"""Effects between the master cylinder and the wheels, in the direction of flow."""
+
+CALIPER = (
     effect("brake_threshold_pressure", pressure=_above_threshold),
     effect("caliper_hysteresis", pressure=_in_the_loop),
     effect("residual_torque", pressure=_never_free),
 )
+EFFECTS = (*LINE, *CALIPER)

@@ -1,1 +1,0 @@
-"""Effects of the user's own, from a Python file."""
