@@ -1,38 +1,26 @@
 """A channel map: the columns of a foreign log that are channels, with unit and sign."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping as Named
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+
 from calib.base.arrays import Array
-from calib.base.units import to_si
+from calib.base.errors import ChannelMapError, LogError
+from calib.base.names import CHANNELS, TRUTH_UNITS
+from calib.base.plain import quoted
+from calib.base.toml import nearest
+from calib.base.units import UnknownUnit, is_unit, si_of, to_si, unit_of
+from calib.logs.log import Origin
+from calib.logs.source import ChannelTrace, Column, address_of, called
 from calib.logs.text.dialect import LOOKED, TextFormat
 
+TRUTH = "true_"
+MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
 
-@dataclass(frozen=True)
-class DatabaseFile:
-    """A file that describes frames (DBC, ARXML, KCD or SYM), or one ``bus`` of it."""
-
-    path: Path
-    bus: str | None = None
-
-
-@dataclass(frozen=True)
-class Databases:
-    """The files of a channel map that describe frames: for every bus of the log, and for one only.
-
-    ``sources`` are source addresses of J1939 messages, found by their parameter group; empty for
-    any; None if identifiers must be equal.
-    """
-
-    files: tuple[DatabaseFile, ...] = ()
-    buses: tuple[tuple[str, tuple[DatabaseFile, ...]], ...] = ()
-    sources: tuple[int, ...] | None = None
-
-    @property
-    def all(self) -> tuple[DatabaseFile, ...]:
-        """All files, in the order of the map."""
-        return (*self.files, *(file for _, files in self.buses for file in files))
-
+Databases = Named[str, tuple[Path, ...]]
+"""Files that describe frames (DBC, ARXML, KCD or SYM), by the bus they are for; "" is every bus."""
 
 METHODS = ("linear", "hold")
 
@@ -70,4 +58,172 @@ class ChannelMap:
     channels: dict[str, Mapping]
     text: TextFormat = LOOKED
     ignore: tuple[str, ...] = ()
-    databases: Databases = Databases()
+    databases: Databases = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Assigned:
+    """A column that is used as a channel: its index in the file and its conversion to SI."""
+
+    channel: str
+    index: int
+    unit: str
+    si: str
+    mapping: Mapping
+    source: str = ""
+
+    def to_si(self, written: Array) -> Array:
+        """Values in SI, shape (n,)."""
+        return self.mapping.to_si(written, self.unit, self.si)
+
+    def named(self, trace: ChannelTrace) -> ChannelTrace:
+        """The channel of a recording, held or interpolated as the map or the file has it."""
+        method = self.mapping.method
+        state = trace.state if method is None else method == "hold"
+        return replace(trace, state=state, name=self.channel)
+
+    def origin(self) -> Origin:
+        """Source, unit, factor and offset; exact, since every conversion is linear."""
+        zero, one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
+        return Origin(self.channel, self.source, self.unit, one - zero, zero)
+
+
+def assign(
+    columns: tuple[Column, ...],
+    channel_map: ChannelMap | None,
+    require: tuple[str, ...],
+    where: str,
+) -> tuple[list[Assigned], tuple[str, ...]]:
+    """The columns of a file to use, and the names of the others; ``where`` is its path.
+
+    A mapped channel replaces a column of the same name. Raises LogError for a channel that is
+    missing, twice, or has no unit; ChannelMapError for a source that is not in the file.
+    """
+    mapped = channel_map.channels if channel_map else {}
+    ignore = channel_map.ignore if channel_map else ()
+    map_path = channel_map.where if channel_map else None
+    taken = [_mapped(name, entry, columns, map_path, where) for name, entry in mapped.items()]
+    sources = {item.index for item in taken}
+    for index, column in enumerate(columns):
+        name = column.name
+        if index in sources or name in (*mapped, *ignore) or _is_spare(column, require):
+            continue
+        known = CHANNELS.get(name)
+        si = known.si if known else _truth_si(column) if name.startswith(TRUTH) else None
+        taken += [_assigned(name, index, column, Mapping(name), si, where)] if si else []
+    by_channel: dict[str, list[int]] = {}
+    for item in taken:
+        by_channel.setdefault(item.channel, []).append(item.index)
+    for channel, several in by_channel.items():
+        if len(several) > 1:
+            raise LogError(
+                "the channel occurs twice",
+                where=f"{where}: {channel}",
+                expected="one column of that name",
+                do=_by_address(several, columns),
+            )
+    indices = {item.index for item in taken}
+    ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
+    _refuse_missing([name for name in require if name not in by_channel], ignored, where)
+    return taken, ignored
+
+
+def _is_spare(column: Column, require: tuple[str, ...] = ()) -> bool:
+    """Whether a column is an optional channel without a unit, or with one that is not known."""
+    known = CHANNELS.get(column.name)
+    if known is None or known.required or column.name in require:
+        return False
+    return not column.unit or not is_unit(column.unit, known.si)
+
+
+def without_unit(columns: tuple[Column, ...], taken: list[Assigned]) -> tuple[str, ...]:
+    """A note on each optional channel that was left out because it has no known unit."""
+    used = {item.channel for item in taken}
+    return tuple(
+        f"{column.name} has {f'the unknown unit {column.unit!r}' if column.unit else 'no unit'} "
+        "and was left out: name its unit in the header or in a channel map"
+        for column in columns
+        if _is_spare(column) and column.name not in used
+    )
+
+
+def _mapped(
+    name: str, entry: Mapping, columns: tuple[Column, ...], map_path: str | None, where: str
+) -> Assigned:
+    found = called(entry.source.strip(), columns)
+    if not found:
+        names = [column.name for column in columns]
+        raise ChannelMapError(
+            f"{where} has no column {entry.source!r} for {name}",
+            where=map_path,
+            expected=f"one of {quoted(names)}",
+            do=_suggestion(entry.source, names),
+        )
+    if len(found) > 1:
+        raise LogError(
+            f"{len(found)} columns are called {entry.source!r}",
+            where=f"{where}: {name}",
+            expected="one",
+            do=_by_address(found, columns),
+        )
+    column = columns[found[0]]
+    return _assigned(name, found[0], column, entry, CHANNELS[name].si, where)
+
+
+def _assigned(
+    channel: str, index: int, column: Column, entry: Mapping, si: str, where: str
+) -> Assigned:
+    unit, place = entry.unit or column.unit, f"{where}: {channel}"
+    if not unit:
+        raise LogError(
+            "the unit is missing",
+            where=place,
+            expected=f"a unit in the header, such as [{si}]",
+            do="name it in the header or in a channel map",
+        )
+    try:
+        unit_of(unit, si)
+    except UnknownUnit as cause:
+        do = "correct the header or use a channel map"
+        raise LogError(str(cause), where=place, do=do) from cause
+    return Assigned(channel, index, unit, si, entry, column.name)
+
+
+def _truth_si(column: Column) -> str | None:
+    """SI unit of a truth channel: from its name if that is known, else from its unit."""
+    for prefix, si in TRUTH_UNITS.items():
+        if column.name.startswith(f"{prefix}_"):
+            return si
+    try:
+        return si_of(column.unit or "")
+    except UnknownUnit:
+        return None
+
+
+def _by_address(found: list[int], columns: tuple[Column, ...]) -> str:
+    names = [address_of(columns[i], columns) for i in found]
+    one = ", ".join(map(repr, names))
+    different = len(set(names)) == len(names)
+    return f"name one of them in a channel map: {one}" if different else "rename one of them"
+
+
+def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) -> None:
+    if not missing:
+        return
+    hints = [hint for name in missing if (hint := _suggestion(name, list(ignored), name))]
+    have = f"; the log also has {quoted(ignored)}" if ignored else ""
+    raise LogError(
+        f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
+        where=where,
+        expected=f"columns with these names{have}",
+        do="; ".join([*hints, MAP_IT]),
+    )
+
+
+def _suggestion(word: str, names: list[str], channel: str = "") -> str:
+    by_lower = {name.lower(): name for name in names}
+    close = nearest(word.lower(), by_lower)
+    if close is None:
+        return ""
+    meant = f"is {by_lower[close]!r} meant"
+    return f"{meant} to be {channel}?" if channel else f"{meant}?"

@@ -1,7 +1,5 @@
 """A channel map as a TOML file: `brake-cal manual logs` shows each key."""
 
-import codecs
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -29,7 +27,7 @@ from calib.base.record import (
 from calib.base.record_errors import wrong
 from calib.base.toml import shown
 from calib.base.units import UnknownUnit, spellings, unit_of
-from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Databases, Mapping
+from calib.logs.channel_map import METHODS, ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 
 _Name = Annotated[str, Field(pattern=r"\S")]
@@ -97,20 +95,16 @@ _ChannelsSection = by_name(
 
 
 _SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
-_NOT_OF_FILES = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
-"""Codecs of names and of source code; some take quadratic time."""
 
 
 def _encoding(name: str) -> str:
-    known = 'an encoding such as "utf-8" or "latin-1"'
     try:
-        # Only what is one character for each: hex and zlib are codecs, too, but not of text.
-        plain = _SAMPLE.encode(name).decode(name) == _SAMPLE
-        found = codecs.lookup(name).name
-    except (LookupError, ValueError, TypeError) as cause:
-        raise wrong(f"unknown encoding {shown(name)}", known) from cause
-    if not plain or found in _NOT_OF_FILES:
-        raise wrong(f"{shown(name)} is no encoding of text files", known)
+        whole = _SAMPLE.encode(name).decode(name) == _SAMPLE
+    except (LookupError, ValueError, TypeError):
+        whole = False
+    if not whole:
+        known = 'an encoding such as "utf-8" or "latin-1"'
+        raise wrong(f"unknown encoding of text {shown(name)}", known)
     return name
 
 
@@ -122,25 +116,13 @@ class _TextSection(Section):
     encoding: Annotated[str, AfterValidator(_encoding)] | None = None
 
 
-class _FileSection(Section):
-    """A file that describes frames, or one bus of it."""
-
-    file: _Name
-    bus: _Name | None = None
-
-
 _LEFT = Field(union_mode="left_to_right")
-_File = _Name | _FileSection
-_Files = Annotated[_File | list[_File], _LEFT]
+_Files = Annotated[_Name | list[_Name], _LEFT]
 _ByBus = Annotated[dict[_Name, _Files], Field(min_length=1)]
 _FILES = (
-    "the path of a DBC file (or ARXML, KCD, SYM), or {file, bus} for one bus of it, or a list "
-    "of them; or these for each bus by its number or name"
+    "the path of a DBC file (or ARXML, KCD, SYM), or a list of them; or these for each bus by its "
+    "number or name"
 )
-_Source = Annotated[int, Field(ge=0, le=253)]
-"""Source address of a J1939 message; 254 and 255 stand for none and for all."""
-_Sources = Literal["any"] | Annotated[list[_Source], Field(min_length=1)]
-_SOURCES = '"any", or a list of source addresses from 0 to 253'
 
 
 class ChannelMapFile(FileSchema):
@@ -150,7 +132,6 @@ class ChannelMapFile(FileSchema):
     text: _TextSection | None = None
     ignore: Annotated[list[_Name], _expected("a list of names of columns")] | None = None
     dbc: Annotated[_Files | _ByBus, _LEFT, _expected(_FILES)] | None = None
-    j1939: Annotated[_Sources, _expected(_SOURCES)] | None = None
 
     @model_validator(mode="after")
     def _says_something(self) -> Self:
@@ -159,26 +140,21 @@ class ChannelMapFile(FileSchema):
         return self
 
 
-def _files(written: Any, folder: Path) -> tuple[DatabaseFile, ...]:
-    every = [
-        DatabaseFile(Path(one)) if isinstance(one, str) else DatabaseFile(Path(one.file), one.bus)
-        for one in (written if isinstance(written, list) else [written])
-    ]
-    return tuple(replace(one, path=(folder / one.path).absolute()) for one in every)
-
-
 def read_channel_map(path: Path) -> ChannelMap:
     """Read a channel map. Raises ChannelMapError for all its mistakes."""
     path = Path(path)
     file = read_toml(path, ChannelMapFile, ChannelMapError)
     entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}
     by_bus = file.dbc if isinstance(file.dbc, dict) else {"": file.dbc or []}
-    files = {bus.strip(): _files(several, path.parent) for bus, several in by_bus.items()}
-    sources = None if file.j1939 is None else () if file.j1939 == "any" else tuple(file.j1939)
+    lists = {bus: [one] if isinstance(one, str) else one for bus, one in by_bus.items()}
+    databases = {
+        bus.strip(): tuple((path.parent / name).absolute() for name in names)
+        for bus, names in lists.items()
+    }
     return ChannelMap(
         where=str(path),
         channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
         text=TextFormat(**dict(file.text or _TextSection())),
         ignore=tuple(file.ignore or ()),
-        databases=Databases(files.pop("", ()), tuple(files.items()), sources),
+        databases=databases,
     )

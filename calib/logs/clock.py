@@ -1,11 +1,8 @@
-"""The times of a log: the step of a clock, even clocks of few digits, and counters that wrap.
+"""The times of a log: the step of a clock, and even clocks of few digits.
 
 true      0.00000  0.00667  0.01333  0.02000      150 Hz
 written   0.000    0.007    0.013    0.020        whole milliseconds: steps of 7 and of 6 ms
 result    0.00000  0.00667  0.01333  0.02000      the line through all times: one even step
-
-written   4294.960  4294.965  0.003  0.008     a counter of 32 bits, in microseconds
-result    4294.960  4294.965  4294.970  ...    its period is added after the wrap
 """
 
 import numpy as np
@@ -63,7 +60,12 @@ def evened(time: Array) -> tuple[Array, float] | None:
     last digit, and for one with digits enough.
     """
     steps = np.diff(time)
-    step = _slope(time, steps)
+    # one slope for the lines through the times between gaps: least squares
+    part = np.concatenate([[0], np.cumsum(steps > GAP * step_of(time))])
+    row = np.concatenate([[0.0], np.cumsum(np.round(steps / step_of(time)))])
+    size = np.bincount(part)
+    along, later = (x - (np.bincount(part, x) / size)[part] for x in (row, time))
+    step = float(along @ later / (along @ along))
     counts = np.round(steps / step)
     single = np.unique(np.round(steps[counts == 1] / step, 6)) * step
     if counts.min() < 1.0 or not 2 <= single.size <= VALUES:
@@ -79,28 +81,6 @@ def evened(time: Array) -> tuple[Array, float] | None:
     return np.asarray(line), rounding
 
 
-def _slope(time: Array, steps: Array) -> float:
-    """Step [s] of the lines through the times between gaps, one slope for all: least squares."""
-    part = np.concatenate([[0], np.cumsum(steps > GAP * step_of(time))])
-    row = np.concatenate([[0.0], np.cumsum(np.round(steps / step_of(time)))])
-    size = np.bincount(part)
-    along, later = (x - (np.bincount(part, x) / size)[part] for x in (row, time))
-    return float(along @ later / (along @ along))
-
-
-PERIODS = {
-    "32 bits of nanoseconds": 2**32 * 1e-9,
-    "16 bits of milliseconds": 2**16 * 1e-3,
-    "32 bits of microseconds": 2**32 * 1e-6,
-    "32 bits of 10 microseconds": 2**32 * 1e-5,
-    "one day": 86400.0,
-    "32 bits of milliseconds": 2**32 * 1e-3,
-}
-"""Periods after which recorder counters wrap [s]."""
-
-_MISSED = 1.0
-"""A step back is a wrap if it is shorter than a period by at most this [s]."""
-
 _DISORDER = 0.1
 """Frames of several buses may be out of order by at most this [s]."""
 
@@ -108,37 +88,24 @@ _DISORDERED = 0.25
 """Largest share of frames out of order [1]; with more, the timestamps have another meaning."""
 
 
-def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
-    """Timestamps [s] in the order of the file, (n,), without wraps, and notes.
-
-    Raises LogError for times that are out of order, or step back by no period of a known counter.
-    """
-    steps = np.diff(written)
-    if not np.isfinite(written).all():
+def check_running(time: Array, where: str) -> None:
+    """Raise LogError for timestamps [s], (n,), in the order of the file, that are out of order."""
+    steps = np.diff(time)
+    if not np.isfinite(time).all():
         raise LogError("a timestamp is not a number", where=where, do="export the log again")
-    if np.count_nonzero(steps < 0) > max(_DISORDERED * written.size, 1):
+    if np.count_nonzero(steps < 0) > max(_DISORDERED * time.size, 1):
         raise LogError(
-            f"{np.count_nonzero(steps < 0)} of {written.size} timestamps are not increasing",
+            f"{np.count_nonzero(steps < 0)} of {time.size} timestamps are not increasing",
             where=where,
             expected="times since the start, not since the frame before",
             do="export with absolute timestamps",
         )
-    time, notes = written.astype(np.float64), []
-    for i in np.flatnonzero(steps < -_DISORDER):
-        name, period = _period(float(-steps[i]), f"{where}: sample {i + 2}", float(written[i]))
-        time[i + 1 :] += period
-        notes.append(f"the clock wrapped after {written[i]:.6g} s ({name}): {period:.6f} s added")
-    return time, tuple(notes)
-
-
-def _period(back: float, where: str, last: float) -> tuple[str, float]:
-    for name, period in PERIODS.items():
-        if 0.0 <= period - back <= _MISSED:
-            return name, period
-    raise LogError(
-        f"time goes back by {back:.6g} s, from {last:.6g} s",
-        where=where,
-        expected="increasing times, or a counter that wraps after "
-        + ", ".join(f"{p:.6g} s" for p in PERIODS.values()),
-        do="two recordings in one file? split them",
-    )
+    back = np.flatnonzero(steps < -_DISORDER)
+    if back.size:
+        row = int(back[0])
+        raise LogError(
+            f"time goes back by {-steps[row]:.6g} s, from {time[row]:.6g} s",
+            where=f"{where}: sample {row + 2}",
+            expected="increasing times",
+            do="two recordings in one file? split them",
+        )

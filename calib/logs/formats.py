@@ -13,10 +13,9 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.bounded import POINTER
 from calib.base.errors import LogError, printable
-from calib.logs.assign import Assigned
 from calib.logs.bus.blf import open_blf
 from calib.logs.bus.text_logs import open_asc, open_candump, open_trc
-from calib.logs.channel_map import Databases
+from calib.logs.channel_map import Assigned, Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
 from calib.logs.resample import at_times, on_one_clock

@@ -2,36 +2,33 @@
 
 import io
 import logging
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from calib.base.bounded import RECORDING
 from calib.base.errors import LogError
-from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.frames import Frames, Known, joined, once
-from calib.logs.bus.recording import described, require_dbc, require_known, trace
+from calib.logs.bus.dbc import Dbc, Key
+from calib.logs.bus.recording import Frames, decode, described, require_dbc, require_known
 from calib.logs.channel_map import Databases
 from calib.logs.mdf_check import check_mdf
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged, need
 
-VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
+_VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""
 
 FRAME = "CAN_DataFrame"
 """Name of the channel for data frames in the ASAM standard."""
 
-TIME_SYNC = 1
+_TIME_SYNC = 1
 """Type of a master channel of MDF 4 that holds time, not angle or distance."""
 
 
-@dataclass(frozen=True)
-class _Place:
-    group: int
-    index: int
+_Place = tuple[int, int]
+"""Numbers of the group and of the channel in it."""
 
 
 def open_mdf(path: Path, dbc: Databases) -> Recording:
@@ -58,25 +55,27 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
 
 
 def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Recording:
-    buses = _bus_groups(mdf)
+    buses = [
+        number
+        for number, group in enumerate(mdf.groups)
+        if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
+    ]
     columns, places, more_notes = _channels(mdf, buses)
     notes += more_notes
-    known = require_dbc(dbc, "mdf", where) if buses and (dbc.all or not columns) else None
-    frames = _frames_in(mdf, buses, known.knows, where) if known else []
-    frames, doubled = once(frames)
+    known = require_dbc(dbc, "mdf", where) if buses and (any(dbc.values()) or not columns) else None
+    frames = _frames(mdf, buses, known, where) if known else []
     if known and not columns:
         require_known(frames, (), known, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
-    database = known or Dbc({}, ())
-    notes += doubled
+    database = known or Dbc({})
     more, signals = described(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         own = [places[i - 1] for i in indices if i <= len(places)]
         measured = dict(zip(own, _traces(mdf, own, where), strict=True))
         return [
-            measured[places[i - 1]] if i <= len(places) else trace(*signals[i - 1 - len(places)])
+            measured[places[i - 1]] if i <= len(places) else decode(*signals[i - 1 - len(places)])
             for i in indices
         ]
 
@@ -84,14 +83,17 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Raise LogError for a channel outside its record, where asammdf reads without looking, and if
-    it found fewer records of an unfinished file than were counted.
+    """Raise LogError for a channel outside its record, where asammdf reads without looking, for
+    records that fill the memory, and if it found fewer of an unfinished file than were counted.
     """
     for group in mdf.groups:
         record = group.channel_group
         if record.cycles_nr < (counted := counts.get(record.address, 0)):
             raise _too_few("records", record.cycles_nr, counted, where)
         size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
+        if record.cycles_nr * size > RECORDING.most:
+            what = f"its records at byte {record.address} unpack to"
+            raise LogError(RECORDING.excess(what), where=where)
         for channel in group.channels:
             if str(mdf.version) < "4":
                 byte, bit = getattr(channel, "additional_byte_offset", 0), channel.start_offset
@@ -104,57 +106,47 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
     columns, places, notes = [], [], []
-    names = Counter(_group(mdf, i) for i in range(len(mdf.groups)))
+    titles = [_title(mdf, i) for i in range(len(mdf.groups))]
     for number, group in enumerate(mdf.groups):
         if number in buses or not (group.channel_group.cycles_nr and group.channels):
             continue
         master = mdf.masters_db.get(number)
-        if master is None or getattr(group.channels[master], "sync_type", 1) != TIME_SYNC:
+        if master is None or getattr(group.channels[master], "sync_type", 1) != _TIME_SYNC:
             notes.append(f"group {number} has no clock in seconds and was left out")
             continue
-        title = _group(mdf, number)
-        title = f"{title}#{number}" if names[title] > 1 else title
+        title = titles[number]
+        title = f"{title}#{number}" if titles.count(title) > 1 else title
         for index, channel in enumerate(group.channels):
             if index != master:
-                full = f"{title}.{channel.name}"
-                columns.append(Column(channel.name, _unit(channel), full))
-                places.append(_Place(number, index))
+                unit = getattr(channel.conversion, "unit", "") if channel.conversion else ""
+                unit = (channel.unit or unit or "").strip() or None
+                columns.append(Column(channel.name, unit, f"{title}.{channel.name}"))
+                places.append((number, index))
     return columns, places, notes
 
 
-def _group(mdf: Any, number: int) -> str:
-    group = mdf.groups[number].channel_group
-    name = getattr(group, "acq_name", "") or ""
-    return name or f"group {number}"
-
-
-def _clock(mdf: Any, number: int) -> str:
-    name, plain = _group(mdf, number), f"group {number}"
-    return plain if name == plain else f"{plain} {name!r}"
-
-
-def _unit(channel: Any) -> str | None:
-    conversion = getattr(channel.conversion, "unit", "") if channel.conversion else ""
-    return (channel.unit or conversion or "").strip() or None
+def _title(mdf: Any, number: int) -> str:
+    return getattr(mdf.groups[number].channel_group, "acq_name", "") or f"group {number}"
 
 
 def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace]:
     signals = _select(mdf, places, True, where)
     result = []
-    for place, signal in zip(places, signals, strict=True):
-        channel = mdf.groups[place.group].channels[place.index]
-        name = f"{where}: {channel.name}"
-        cycles = int(mdf.groups[place.group].channel_group.cycles_nr)
+    for (number, index), signal in zip(places, signals, strict=True):
+        group = mdf.groups[number]
+        channel, cycles = group.channels[index], int(group.channel_group.cycles_nr)
         read = len(signal.samples)  # a sample may be an array
         if not read == signal.timestamps.size == cycles:
-            raise _too_few("samples", read, cycles, name)
-        values, state = _values(mdf, place, signal, where)
-        result.append(ChannelTrace(_clock(mdf, place.group), signal.timestamps, values, state))
+            raise _too_few("samples", read, cycles, f"{where}: {channel.name}")
+        values, state = _values(mdf, (number, index), signal, f"{where}: {channel.name}")
+        name = _title(mdf, number)
+        title = name if name == f"group {number}" else f"group {number} {name!r}"
+        result.append(ChannelTrace(title, signal.timestamps, values, state))
     return result
 
 
 def _select(mdf: Any, places: Sequence[_Place], numbers: bool, where: str) -> list[Any]:
-    wanted = [(None, place.group, place.index) for place in places]
+    wanted = [(None, *place) for place in places]
     try:
         signals: list[Any] = mdf.select(
             wanted, copy_master=False, ignore_value2text_conversions=numbers
@@ -166,9 +158,9 @@ def _select(mdf: Any, places: Sequence[_Place], numbers: bool, where: str) -> li
 
 def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarray, bool]:
     """Numbers, NaN where invalid or replaced by a name, and whether the channel is a state."""
-    channel = mdf.groups[place.group].channels[place.index]
-    kinds = VALUE_TO_TEXT[str(mdf.version)[0].replace("2", "3")]
-    state = bool(channel.conversion) and channel.conversion.conversion_type in kinds
+    conversion = mdf.groups[place[0]].channels[place[1]].conversion
+    kinds = _VALUE_TO_TEXT[str(mdf.version)[0].replace("2", "3")]
+    state = bool(conversion) and conversion.conversion_type in kinds
     samples = signal.samples
     if state:
         named_values = _select(mdf, [place], False, where)[0].samples
@@ -177,37 +169,46 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
     if samples.dtype.kind not in "biuf" or samples.ndim != 1:
         raise LogError(
             f"holds {samples.dtype}, shape {samples.shape[1:]}",
-            where=f"{where}: {channel.name}",
+            where=where,
             expected="a numeric channel",
         )
     values = samples.astype(np.float64)
-    invalid = signal.invalidation_bits
-    if invalid is not None:
-        values[np.asarray(invalid, bool)] = np.nan
+    if signal.invalidation_bits is not None:
+        values[np.asarray(signal.invalidation_bits, bool)] = np.nan
     return values, state
 
 
-def _bus_groups(mdf: Any) -> list[int]:
-    return [
-        number
-        for number, group in enumerate(mdf.groups)
-        if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
-    ]
-
-
-def _frames_in(mdf: Any, groups: list[int], known: Known, where: str) -> list[Frames]:
+def _frames(mdf: Any, groups: list[int], known: Dbc, where: str) -> list[Frames]:
     found = []
     for number in groups:
         names = {c.name for c in mdf.groups[number].channels}
         if f"{FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
-            found += _frames(mdf, number, known, where)
-    return joined(found, lambda item: (item.bus, item.key))
+            found += _frames_of_group(mdf, number, names, known, where)
+    parts: dict[tuple[str, Key], list[Frames]] = {}
+    for item in found:
+        parts.setdefault((item.bus, item.key), []).append(item)
+    return [_joined(items) if len(items) > 1 else items[0] for items in parts.values()]
 
 
-def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
+def _joined(items: list[Frames]) -> Frames:
+    """The frames of one identifier in several groups, such as sent and received, as one."""
+    width = max(item.data.shape[1] for item in items)
+    data = [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
+    time = np.concatenate([item.time for item in items])
+    order = np.argsort(time, kind="stable")
+    length = np.concatenate([item.length for item in items])[order]
+    return replace(items[0], time=time[order], data=np.concatenate(data)[order], length=length)
+
+
+def _frames_of_group(
+    mdf: Any, number: int, names: set[str], known: Dbc, where: str
+) -> list[Frames]:
     try:
         identifier = mdf.get(f"{FRAME}.ID", group=number)
-        others = {k: _field(mdf, number, k) for k in ("IDE", "BusChannel", "DataLength")}
+        extended, bus, length = (
+            mdf.get(f"{FRAME}.{name}", group=number).samples if f"{FRAME}.{name}" in names else None
+            for name in ("IDE", "BusChannel", "DataLength")
+        )
         data = mdf.get(f"{FRAME}.DataBytes", group=number).samples
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where, "frames") from cause
@@ -215,7 +216,7 @@ def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
     cycles = int(mdf.groups[number].channel_group.cycles_nr)
     if not len(data) == ids.size == cycles:
         raise _too_few("frames", min(len(data), ids.size), cycles, where)
-    fields = [ids, *(field for field in others.values() if field is not None)]
+    fields = [field for field in (ids, extended, bus, length) if field is not None]
     if data.ndim != 2 or any(f.ndim != 1 or f.dtype.kind not in "biuf" for f in fields):
         raise damaged(
             where,
@@ -223,33 +224,24 @@ def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
             "identifier, bus, length and bytes of each frame",
         )
     ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
-    bare = ids & 0x1FFFFFFF
-    extended = others["IDE"].astype(bool) if others["IDE"] is not None else ids > 0x7FF
-    bus = others["BusChannel"] if others["BusChannel"] is not None else np.zeros(ids.size, int)
-    length = others["DataLength"]
-    if length is None:
-        length = np.full(ids.size, data.shape[1])
+    extended = ids > 0x7FF if extended is None else extended.astype(bool)
+    bus = np.zeros(ids.size, int) if bus is None else bus
+    length = np.full(ids.size, data.shape[1]) if length is None else length
     if length.max(initial=0) > data.shape[1]:
         raise damaged(
             where,
             f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}",
             "frames within their records",
         )
-    codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | bare
+    codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | ids & 0x1FFFFFFF
     result = []
     for code in np.unique(codes).tolist():
         name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
-        if known(name, key):
+        if known.find(name, key):
             at = np.flatnonzero(codes == code)
             part = np.ascontiguousarray(data[at, : int(length[at].max())], np.uint8)
-            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint16), at))
+            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint16)))
     return result
-
-
-def _field(mdf: Any, number: int, name: str) -> Any:
-    names = {c.name for c in mdf.groups[number].channels}
-    full = f"{FRAME}.{name}"
-    return mdf.get(full, group=number).samples if full in names else None
 
 
 def _too_few(what: str, there: int, counted: int, where: str) -> LogError:

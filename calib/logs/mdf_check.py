@@ -1,10 +1,8 @@
-"""Check an MDF file before asammdf reads it, which asks little: blocks within the file, and as
-many records as the groups count.
+"""Check an MDF 4 file before asammdf reads it, which follows rings of links and fills the memory.
 
-MDF 4   ##XX  4 bytes unused  length  number of links  links  content
+##XX  4 bytes unused  length  number of links  links  content
 ##DG --> ##CG --> ##CN                count, bytes of a record; the bits of a channel within it
      --> ##HL --> ##DL --> ##DT, ##DZ     present: the sum of their lengths, unpacked
-MDF 3   a data group links to its data, of length records times record size
 
 CAN loggers leave MDF 4 unfinished: the last ##DT goes up to the end, and no group counts. The
 record of a group is then identifier, bytes; that of a VLSD group identifier, length, bytes.
@@ -15,9 +13,8 @@ import mmap
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
 from calib.base.bounded import RECORDING
 from calib.base.errors import LogError
@@ -41,9 +38,8 @@ _VARIABLE = 1
 
 @dataclass(frozen=True)
 class _Checked:
-    """The version of a file that may be read; of an unfinished one the records by group."""
+    """Of an unfinished file that may be read a note, and the records by group; else empty."""
 
-    version: str
     note: str = ""
     counts: dict[int, int] = field(default_factory=dict)
 
@@ -60,7 +56,6 @@ class _Group:
     """A channel group: bytes of a record, which may vary, and records stated and found."""
 
     place: int
-    channels: int
     number: int
     stated: int
     size: int
@@ -69,47 +64,38 @@ class _Group:
 
 
 def check_mdf(path: Path) -> _Checked:
-    """Compare a file with its links, record sizes and record counts.
+    """Compare a file with its links, and count the records of an unfinished one.
 
     Raises LogError for a file that is not MDF, cut off, damaged, or not finished in a way that
     asammdf cannot.
     """
-    size = path.stat().st_size
     with path.open("rb") as file:
-        version, flags, little_endian = _identification(file, size, path)
-        if not version.startswith("4"):
-            _check_3(file, little_endian, size, path)
-            return _Checked(version)
+        head = file.read(_HEAD)
+        begin, version = head[:8].rstrip(b" \0"), head[8:12].strip(b" \0")
+        flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
+        if begin == b"UnFinMF":
+            known = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
+            if not known or len(head) < _HEAD or not b"4.10" <= version < b"5":
+                expected = (
+                    "a finished file, or one that lacks only counts and the length of its data"
+                )
+                raise _not_finished(path, "so its counts are not final", expected)
+        elif begin != b"MDF":
+            raise LogError("not an MDF file", where=path, expected="a file that begins with MDF")
+        if len(head) < _HEAD:
+            raise _short(path, len(head), _HEAD)
+        if not version.isascii() or version[:1] not in (b"2", b"3", b"4"):
+            text = version.decode(errors="replace")
+            raise LogError(f"MDF version {text!r}", where=path, expected="3.x or 4.x")
+        if not version.startswith(b"4"):
+            return _Checked()
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             try:
                 starts = _check_blocks(data, path)
-                if flags:
-                    return _counted(data, flags, sorted(starts), version, path)
-                _check_records(data, path)
+                return _counted(data, flags, sorted(starts), path) if flags else _Checked()
             except (struct.error, IndexError, ValueError, OverflowError) as cause:
                 what = f"a block is shorter than its kind, or links go round: {cause}"
                 raise damaged(path, what) from cause
-            return _Checked(version)
-
-
-def _identification(file: BinaryIO, size: int, path: Path) -> tuple[str, int, bool]:
-    data = file.read(_HEAD)
-    begin, version = data[:8].rstrip(b" \0"), data[8:12].strip(b" \0")
-    flags = 0
-    if begin == b"UnFinMF":
-        flags = int.from_bytes(data[60:62], "little")
-        known = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
-        if not known or len(data) < _HEAD or not b"4.10" <= version < b"5":
-            expected = "a finished file, or one that lacks only counts and the length of its data"
-            raise _not_finished(path, "so its counts are not final", expected)
-    elif begin != b"MDF":
-        raise LogError("not an MDF file", where=path, expected="a file that begins with MDF")
-    if len(data) < _HEAD:
-        raise _short(path, size, _HEAD)
-    if not version.isascii() or version[:1] not in (b"2", b"3", b"4"):
-        text = version.decode(errors="replace")
-        raise LogError(f"MDF version {text!r}", where=path, expected="3.x or 4.x")
-    return version.decode(), flags, data[24:26] == b"\0\0"
 
 
 def _block_at(data: mmap.mmap, place: int) -> _Block:
@@ -127,15 +113,10 @@ def _chain(data: mmap.mmap, place: int, kind: bytes) -> Iterator[tuple[int, _Blo
         place = block.links[0]
 
 
-def _refuse_again(place: int, seen: set[int]) -> None:
-    if place in seen:
-        raise ValueError(f"a second link to byte {place}")
-    seen.add(place)
-
-
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
     """First bytes of all blocks of MDF 4. Raises LogError if one goes past the end of the file."""
     seen, owned, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
+    unpacked = 0
     while todo:
         place = todo.pop()
         if place in seen or place == 0:
@@ -146,16 +127,22 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
             continue
         kind, length, links = _BLOCK.unpack_from(data, place)
         if kind[:2] != b"##" or links > _MOST_LINKS or length < _BLOCK.size + 8 * links:
-            raise _no_block(path, "block", place)
+            raise damaged(path, f"there should be a block at byte {place}, but there is none")
         end = max(end, place + length)
+        if kind == b"##DZ" and end <= size:
+            unpacked += _UNPACKED.unpack_from(data, place + _BLOCK.size)[0]
         if links and place + _BLOCK.size + 8 * links <= size:
             found = struct.unpack_from(f"<{links}Q", data, place + _BLOCK.size)
             todo += found
             for link in found[:2] if kind in _TREE else ():
                 if data[link : link + 4] in _TREE:
-                    _refuse_again(link, owned)
+                    if link in owned:
+                        raise ValueError(f"a second link to byte {link}")
+                    owned.add(link)
     if end > size:
         raise _short(path, size, end)
+    if unpacked > RECORDING.most:
+        raise LogError(RECORDING.excess("its data unpacks to"), where=path)
     return seen
 
 
@@ -165,52 +152,11 @@ def _data_groups(data: mmap.mmap) -> Iterator[tuple[int, int, list[_Group]]]:
         groups = []
         for place, group in _chain(data, block.links[1], b"##CG"):
             number, count, flags, _, _, size, invalid = _GROUP.unpack_from(data, group.content)
-            variable = bool(flags & _VARIABLE)
-            groups.append(_Group(place, group.links[1], number, count, size + invalid, variable))
+            groups.append(_Group(place, number, count, size + invalid, bool(flags & _VARIABLE)))
         yield block.links[2], data[block.content], groups
 
 
-def _check_records(data: mmap.mmap, path: Path) -> None:
-    for number, (place, id_size, groups) in enumerate(_data_groups(data)):
-        counted = [group for group in groups if group.channels or not group.variable]
-        needed = sum(group.stated * (group.size + id_size) for group in counted)
-        there = _bytes_of_data(data, place)
-        most = max(needed, there or 0)
-        if most > RECORDING.most:
-            raise LogError(RECORDING.excess(f"data group {number} unpacks to"), where=path)
-        if there is not None and there < needed:
-            what = (
-                f"data group {number} holds {there} of {needed} bytes of samples: "
-                f"{needed - there} are missing ({100 * (1 - there / needed):.0f} %)"
-            )
-            raise damaged(path, what, "as many samples as it counts")
-
-
-def _bytes_of_data(data: mmap.mmap, place: int) -> int | None:
-    """Bytes of data at a link, unpacked; None if it is not a list of data blocks.
-
-    Where it is none the reader compares the number of its samples with the count.
-    """
-    if not place:
-        return 0
-    total, todo, seen = 0, [place], set[int]()
-    while todo:
-        if not (place := todo.pop()):
-            continue
-        _refuse_again(place, seen)
-        block = _block_at(data, place)
-        if block.kind in (b"##HL", b"##DL"):
-            todo += block.links
-        elif block.kind == b"##DT":
-            total += block.length - _START
-        elif block.kind == b"##DZ":
-            total += _UNPACKED.unpack_from(data, block.content)[0]
-        else:
-            return None
-    return total
-
-
-def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path: Path) -> _Checked:
+def _counted(data: mmap.mmap, flags: int, starts: list[int], path: Path) -> _Checked:
     """Count the records of an unfinished file.
 
     asammdf counts them, too, but stops without a word where a record has an unknown identifier.
@@ -242,7 +188,7 @@ def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path:
         f"the recorder did not finish the file: its {records} records were counted here{part}; "
         "nothing in the file shows whether more are missing at its end"
     )
-    return _Checked(version, note, counts)
+    return _Checked(note, counts)
 
 
 def _count(
@@ -273,60 +219,12 @@ def _count(
     return place
 
 
-def _check_3(file: BinaryIO, little_endian: bool, size: int, path: Path) -> None:
-    """Follow groups and channels of MDF 3; the length of the data follows from its records."""
-    end, seen = _HEAD, set[int]()
-    ranges: list[tuple[int, int]] = []
-
-    def block(place: int, kind: bytes, form: str) -> tuple[int, ...]:
-        nonlocal end
-        if place in seen:
-            raise _no_block(path, "block that was not met before", place)
-        seen.add(place)
-        layout = struct.Struct(f"{'<' if little_endian else '>'}2sH{form}")
-        end = max(end, place + layout.size)
-        if place + layout.size > size:
-            raise _short(path, size, end)
-        file.seek(place)
-        found, length, *rest = layout.unpack(file.read(layout.size))
-        if found != kind:
-            raise _no_block(path, f"{kind.decode()} block", place)
-        end = max(end, place + length)
-        return tuple(rest)
-
-    (group,) = block(_HEAD, b"HD", "I")
-    while group:
-        group, channels, _, data, _, ids = block(group, b"DG", "IIIIHH")
-        needed = 0
-        while channels:
-            channels, channel, _, _, _, width, count = block(channels, b"CG", "IIIHHHI")
-            needed += count * (width + ids)
-            while channel:
-                channel, *others = block(channel, b"CN", "IIIII")
-                end = max([end, *(o + 4 for o in others)])
-        ranges += [(data, data + needed)] if data and needed else []
-    end = max([end, *(stop for _, stop in ranges)])
-    if end > size:
-        raise _short(path, size, end)
-    for (begin, stop), (following, _) in pairwise(sorted(ranges)):
-        if stop > following > begin:
-            what = (
-                f"{following - begin} of {stop - begin} bytes of samples come before those of "
-                f"another group: {stop - following} are missing"
-            )
-            raise damaged(path, what, "as many samples as each group counts")
-
-
 def _short(path: Path, size: int, end: int) -> LogError:
     what = (
         f"cut off: the file has {size} bytes, its blocks need {end}; at least {end - size} "
         f"are missing ({100 * (1 - size / end):.0f} % of the file)"
     )
     return damaged(path, what, "a complete file")
-
-
-def _no_block(path: Path, what: str, place: int) -> LogError:
-    return damaged(path, f"there should be a {what} at byte {place}, but there is none")
 
 
 def _not_finished(path: Path, why: str, expected: str) -> LogError:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,9 +26,9 @@ _MDF_CLOCK = "timestamps"
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
     """Open a Parquet file; ``text_format`` is not used.
 
-    A unit may also stand in the name, or in pandas' ``frame.attrs["units"]``. The index of a file
-    exported by asammdf is the time in seconds; asammdf drops all other units. Time stamps are in
-    seconds from the first row. Raises LogError for a file that is empty, cut off or not Parquet.
+    A unit may also stand in the name. The index of a file exported by asammdf is the time in
+    seconds; asammdf drops all other units. Time stamps are in seconds from the first row. Raises
+    LogError for a file that is empty, cut off or not Parquet.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -43,8 +43,11 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         raise damaged(
             where, f"not Parquet, or cut off: {cause}", "a complete Parquet file"
         ) from cause
-    pandas = _pandas(schema.metadata)
-    columns = tuple(_column(field, pandas) for field in fields)
+    try:
+        index = json.loads((schema.metadata or {}).get(b"pandas", b"{}"))["index_columns"]
+    except (ValueError, KeyError, TypeError):
+        index = []
+    columns = tuple(_column(x, x.name == _MDF_CLOCK and _MDF_CLOCK in index) for x in fields)
     if file.metadata.num_rows == 0:
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     groups = (file.metadata.row_group(i) for i in range(file.metadata.num_row_groups))
@@ -69,33 +72,15 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
     return ColumnSource(columns, read)
 
 
-def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:
-    """pandas 2 writes ``frame.attrs`` beside its metadata, pandas 3 with a new pyarrow into it."""
-    found = []
-    for key in (b"pandas", b"PANDAS_ATTRS"):
-        try:
-            one = json.loads((metadata or {}).get(key, b"{}"))
-        except ValueError:
-            one = {}
-        found.append(one if isinstance(one, dict) else {})
-    own, beside = found
-    return {**own, "attributes": own.get("attributes") or beside}
-
-
-def _column(field: "pyarrow.Field", pandas: dict[str, Any]) -> Column:
+def _column(field: "pyarrow.Field", is_index: bool) -> Column:
     metadata = field.metadata or {}
-    index = field.name == _MDF_CLOCK and _MDF_CLOCK in pandas.get("index_columns", [])
     if _clock_unit(field.type) is not None:
-        name = "time" if index else column_from_cell(field.name).name
+        name = "time" if is_index else column_from_cell(field.name).name
         return Column(name, "s", field.name)
     for key in (UNIT_KEY, *_OTHER_KEYS):
         if key in metadata:
             return Column(field.name, metadata[key].decode(errors="replace"))
-    if index:
-        return Column("time", "s", _MDF_CLOCK)
-    units = (pandas.get("attributes") or {}).get("units")
-    unit = units.get(field.name) if isinstance(units, dict) else None
-    return Column(field.name, str(unit)) if unit else column_from_cell(field.name)
+    return Column("time", "s", _MDF_CLOCK) if is_index else column_from_cell(field.name)
 
 
 def _clock_unit(kind: "pyarrow.DataType") -> float | None:

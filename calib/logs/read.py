@@ -14,14 +14,13 @@ from calib.base.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
-from calib.logs.assign import TRUTH, Assigned, assign, without_unit
-from calib.logs.channel_map import ChannelMap, Databases
+from calib.logs.channel_map import TRUTH, Assigned, ChannelMap, assign, without_unit
 from calib.logs.clock import is_ascending, on_line
 from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
 from calib.logs.gaps import fill_rows
 from calib.logs.impossible import without_impossible
 from calib.logs.log import Log
-from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
+from calib.logs.resample import Resampled, of_several_clocks, on_one_clock, traces_of
 from calib.logs.source import ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
 from calib.logs.verify import check_clock, complete_channels, refuse_absurd, without_open_ends
@@ -83,7 +82,7 @@ def open_log(
     place = Path(file or path)
     head, digest = _seen(place, path) if data is None else (data, hashlib.sha256(data).hexdigest())
     refuse_other_kind(head[:64], ending, path)
-    databases = channel_map.databases if channel_map else Databases()
+    databases = channel_map.databases if channel_map else {}
     return Opened(path, RECORDINGS[ending](place, databases), digest)
 
 
@@ -143,29 +142,32 @@ def read_opened(
 def _rows(log: Log, source: ColumnSource, taken: list[Assigned]) -> Log:
     written = source.read([item.index for item in taken])
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
-    others = {name: x for name, x in values.items() if name != "time"}
-    if of_several_clocks(values["time"], others):
-        return _rows_of_several_clocks(log, source, taken, values["time"], others)
+    time, log = values.pop("time"), _with_notes(log, without_unit(source.columns, taken))
+    if of_several_clocks(time, values):
+        by_name = {item.channel: item for item in taken}
+        traces = [by_name[trace.name].named(trace) for trace in traces_of(time, values)]
+        found = on_one_clock(traces, log.source)
+        note = "the rows are those of several clocks: each channel was put on one clock"
+        channels = {"time": found.time, **dict(zip(values, found.values, strict=True))}
+        return _resampled(_with_notes(log, (note,)), found, channels)
     rounded: tuple[str, ...] = ()
-    if is_ascending(values["time"]):
-        values["time"], rounded = on_line(values["time"])
-    measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
-    filled, notes, bridged = fill_rows(measured, values["time"])
-    told = (*log.notes, *without_unit(source.columns, taken), *rounded, *notes)
-    return replace(log, channels=values | filled, notes=told, bridged=tuple(bridged))
+    if is_ascending(time):
+        time, rounded = on_line(time)
+    measured = {name: x for name, x in values.items() if name in CHANNELS}
+    filled, notes, bridged = fill_rows(measured, time)
+    log = _with_notes(log, (*rounded, *notes))
+    return replace(log, channels={"time": time} | values | filled, bridged=tuple(bridged))
 
 
-def _rows_of_several_clocks(
-    log: Log, source: ColumnSource, taken: list[Assigned], time: Array, columns: dict[str, Array]
-) -> Log:
-    methods = {item.channel: item for item in taken}
-    traces = [methods[trace.name].named(trace) for trace in traces_of(time, columns)]
-    found = on_one_clock(traces, log.source)
-    note = "the rows are those of several clocks: each channel was put on one clock"
+def _with_notes(log: Log, notes: tuple[str, ...]) -> Log:
+    return replace(log, notes=(*log.notes, *notes))
+
+
+def _resampled(log: Log, found: Resampled, channels: dict[str, Array]) -> Log:
     return replace(
         log,
-        channels={"time": found.time, **dict(zip(columns, found.values, strict=True))},
-        notes=(*log.notes, *without_unit(source.columns, taken), note, *found.notes),
+        channels=channels,
+        notes=(*log.notes, *found.notes),
         bridged=found.bridged,
         interpolated=found.interpolated,
     )
@@ -187,13 +189,8 @@ def _recorded(
     traces = source.read([item.index for item in others])
     found = on_one_clock([i.named(t) for i, t in zip(others, traces, strict=True)], log.source)
     written = zip((clock, *others), (found.time, *found.values), strict=True)
-    return replace(
-        log,
-        channels={item.channel: item.to_si(w) for item, w in written},
-        notes=(*log.notes, *without_unit(source.columns, taken), *found.notes),
-        bridged=found.bridged,
-        interpolated=found.interpolated,
-    )
+    log = _with_notes(log, without_unit(source.columns, taken))
+    return _resampled(log, found, {item.channel: item.to_si(w) for item, w in written})
 
 
 def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:

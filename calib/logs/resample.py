@@ -10,12 +10,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
-from calib.logs.clock import is_ascending, on_line, running, step_of
+from calib.logs.clock import check_running, is_ascending, on_line, step_of
 from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, in_words
 from calib.logs.source import ChannelTrace
 
@@ -34,7 +33,7 @@ _ENDS = 0.5
 
 
 @dataclass(frozen=True)
-class _Resampled:
+class Resampled:
     """Channels on one clock [s]: values, NaN where there is none, and rates by name [Hz]."""
 
     time: Array
@@ -69,7 +68,7 @@ def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
     return traces
 
 
-def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
+def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
     """Resample channels onto the clock of the required one with the highest rate and even steps.
 
     If several are about as fast, of those with most wheel speeds. Others are interpolated, states
@@ -83,13 +82,18 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
     if not full:
         raise LogError("every channel is empty", where=where, expected="samples")
     low, high, cut = _span(full, where)
-    rates = _rates(full)
+    rasters = {(w.clock, w.time.size): w.time for w in full}
+    rate_of = {key: 1.0 / max(step_of(time), INSTANT) for key, time in rasters.items()}
+    rates = {w.name: rate_of[w.clock, w.time.size] for w in full}
     master = _master(full, rates)
     inside = (master.time >= low) & (master.time <= high)
     time = master.time[inside]
-    filled = [_at(w, master, inside) for w in wanted]
+    filled = [
+        Filled(w.values[inside]) if _same(w, master) and w.time.size > 1 else _on(w, time)
+        for w in wanted
+    ]
     gaps = [text for item in filled for text in in_words(item)]
-    return _Resampled(
+    return Resampled(
         time,
         [item.values for item in filled],
         (*notes, *_notes(full, master, rates), *gaps, *cut),
@@ -106,14 +110,18 @@ def _clean(wanted: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrac
     for w in wanted:
         clock = w.clock
         if clock not in clocks:
-            time, changes = running(w.time, f"{where}: {clock}")
+            time = w.time.astype(np.float64)
+            check_running(time, f"{where}: {clock}")
             if np.all(np.diff(time) > 0):
                 time, rounded = on_line(time)
-                changes += rounded
+                notes += [f"{clock}: {text}" for text in rounded]
             clocks[clock] = time
-            notes += [f"{clock}: {text}" for text in changes]
-        cleaned.append(_ordered(w, clocks[clock]))
-        notes += _lost(w, cleaned[-1])
+        trace = _ordered(w, clocks[clock])
+        cleaned.append(trace)
+        if invalid := int(np.count_nonzero(np.isnan(w.values))):
+            notes.append(f"{w.name}: {invalid} samples are marked invalid and were left out")
+        if twice := w.time.size - invalid - trace.time.size:
+            notes.append(f"{clock}: {twice} samples repeat a time; the last was used")
     return cleaned, list(dict.fromkeys(notes))
 
 
@@ -126,15 +134,6 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
     t, x = time[valid][order], trace.values[valid][order]
     last = np.append(np.diff(t) > 0, True) if t.size else np.zeros(0, bool)
     return replace(trace, time=t[last], values=x[last])
-
-
-def _lost(w: ChannelTrace, trace: ChannelTrace) -> list[str]:
-    invalid = int(np.count_nonzero(np.isnan(w.values)))
-    twice = w.time.size - invalid - trace.time.size
-    notes = [f"{w.name}: {invalid} samples are marked invalid and were left out"] if invalid else []
-    if twice:
-        notes.append(f"{trace.clock}: {twice} samples repeat a time; the last was used")
-    return notes
 
 
 def _required(full: list[ChannelTrace]) -> list[ChannelTrace]:
@@ -163,15 +162,6 @@ def _span(full: list[ChannelTrace], where: str) -> tuple[float, float, list[str]
     return low, high, [cut + "not every channel has values there"] if ends > 0.0005 else []
 
 
-def _rates(full: list[ChannelTrace]) -> dict[str, float]:
-    known: dict[tuple[str, int], float] = {}
-    for w in full:
-        raster = w.clock, w.time.size
-        if raster not in known:
-            known[raster] = 1.0 / max(step_of(w.time), INSTANT)
-    return {w.name: known[w.clock, w.time.size] for w in full}
-
-
 def _even(time: Array) -> bool:
     """Whether nearly all steps are about as long: not so the pages of a multiplexed message."""
     steps = np.diff(time)
@@ -198,24 +188,16 @@ def at_times(wanted: Sequence[ChannelTrace], time: Array, where: str) -> list[Ar
     return [_on(w, time).values for w in _clean(wanted, where)[0]]
 
 
-def _at(w: ChannelTrace, master: ChannelTrace, inside: NDArray[np.bool_]) -> Filled:
-    if w.time.size > 1 and _same(w, master):
-        return Filled(w.values[inside])
-    return _on(w, master.time[inside])
-
-
 def _on(w: ChannelTrace, at: Array) -> Filled:
     t, x = w.time, w.values
     if t.size < 2:
         return Filled(np.full(at.size, np.nan))
-    return Filled(_held(t, x, at)) if w.state else fill(w.name, t, x, at)
-
-
-def _held(t: Array, x: Array, at: Array) -> Array:
+    if not w.state:
+        return fill(w.name, t, x, at)
     before = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
     held: Array = x[before].astype(np.float64)
     held[(at < t[0]) | (at > t[-1])] = np.nan
-    return held
+    return Filled(held)
 
 
 def _same(w: ChannelTrace, master: ChannelTrace) -> bool:

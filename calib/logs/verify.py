@@ -137,48 +137,36 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
     jumps over a part of each second, and for samples that come in bursts.
     """
     steps = np.diff(time)
-    usual = float(np.median(steps))
-    _refuse_other_unit(usual, unit, where)
-    _refuse_jumps(time, steps, usual, where)
-    if np.mean(steps < _BURST * np.mean(steps)) > _BURSTS:
-        long = float(np.median(steps[steps > np.mean(steps)]))
-        raise LogError(
-            f"samples come in bursts, every {1e3 * long:.3g} ms: their times are those at which an "
-            "adapter handed them out",
-            where=f"{where}: time",
-            expected="the time at which each was sent or measured",
-            do="record with time stamps of the hardware, or lower the latency of the adapter",
-        )
-
-
-def _refuse_other_unit(step: float, unit: str, where: str) -> None:
-    written = step / _UNITS.get(spelling(unit), 1.0)
+    usual, mean = float(np.median(steps)), float(np.mean(steps))
     low, high = (1.0 / rate for rate in reversed(_RATES))
-    if 0.2 * low <= step <= 5.0 * high:
-        return
+    written = usual / _UNITS.get(spelling(unit), 1.0)
     meant = [other for other, size in _UNITS.items() if low <= written * size <= high]
-    if meant:
+    if meant and not 0.2 * low <= usual <= 5.0 * high:
         raise LogError(
-            f"the unit of the time is {unit}: the step would be {step:.3g} s",
+            f"the unit of the time is {unit}: the step would be {usual:.3g} s",
             where=f"{where}: time",
             expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
             do=f"is it in {meant[0]}? correct the header, or give the unit in a channel map",
         )
-
-
-def _refuse_jumps(time: Array, steps: Array, usual: float, where: str) -> None:
-    """Of milliseconds with four digits the clock counts a tenth of each second, and jumps."""
+    # milliseconds with four digits count a tenth of each second, and jump
     jumps = np.flatnonzero(steps > 10.0 * usual)
-    between = np.diff(time[jumps])
-    if jumps.size < 2 or steps[jumps].sum() < _STANDING * (time[-1] - time[0]):
-        return
-    if np.allclose(between, 1.0, atol=0.05):
+    often = jumps.size > 1 and steps[jumps].sum() >= _STANDING * (time[-1] - time[0])
+    if often and np.allclose(np.diff(time[jumps]), 1.0, atol=0.05):
         jump = float(np.median(steps[jumps]))
         raise LogError(
             f"the clock counts {1.0 - jump:.2g} s of every second, and jumps by {jump:.2g} s",
             where=f"{where}: time",
             expected="parts of a second that go up to the next one",
             do="are its milliseconds written with more than three digits? export the time in s",
+        )
+    if np.mean(steps < _BURST * mean) > _BURSTS:
+        long = float(np.median(steps[steps > mean]))
+        raise LogError(
+            f"samples come in bursts, every {1e3 * long:.3g} ms: their times are those at which an "
+            "adapter handed them out",
+            where=f"{where}: time",
+            expected="the time at which each was sent or measured",
+            do="record with time stamps of the hardware, or lower the latency of the adapter",
         )
 
 

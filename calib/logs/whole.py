@@ -14,8 +14,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import to_si
-from calib.logs.assign import MAP_IT, assign
-from calib.logs.channel_map import ChannelMap
+from calib.logs.channel_map import MAP_IT, ChannelMap, assign
 from calib.logs.clock import GAP, step_of
 from calib.logs.formats import stem_of
 from calib.logs.log import Log

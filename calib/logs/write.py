@@ -18,7 +18,7 @@ from calib.base.errors import one_line
 from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.units import from_si
 from calib.base.write import write_whole
-from calib.logs.assign import TRUTH
+from calib.logs.channel_map import TRUTH
 from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.source import need

@@ -12,7 +12,7 @@ from calib.base.errors import BrakeCalError, InputError, one_line
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
 from calib.base.units import UnknownUnit, is_unit, unit_of
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
+from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
@@ -186,12 +186,9 @@ def to_toml(
     absolute.
     """
     lines = [f"# proposed from {one_line(found.log)}", "schema = 1"]
-    known = read_with.databases if read_with else Databases()
-    if known.buses or known.files:
-        by_bus = {bus: _files(files, folder) for bus, files in known.buses}
-        lines.append(f"dbc = {_written(by_bus or _files(known.files, folder))}")
-    if known.sources is not None:
-        lines.append(f"j1939 = {_written(list(known.sources) or 'any')}")
+    databases = read_with.databases if read_with else {}
+    if files := {bus: _paths(paths, folder) for bus, paths in databases.items() if paths}:
+        lines.append(f"dbc = {_written(files.get('', files))}")
     if found.ignore:
         lines.append(f"ignore = {_written(list(found.ignore))}")
     lines += [f"# {name}: {one_line(why)}" for name, why in found.missing.items()]
@@ -219,13 +216,12 @@ def _written(value: object) -> str:
     return json.dumps(value).replace("\x7f", "\\u007f")  # the one sign that JSON leaves
 
 
-def _files(files: Iterable[DatabaseFile], folder: Path | None) -> list[object]:
-    found: list[object] = []
-    for file in files:
-        path = file.path
+def _paths(paths: Iterable[Path], folder: Path | None) -> list[str]:
+    found = []
+    for path in paths:
         with suppress(ValueError):  # on another drive
             path = Path(os.path.relpath(path, folder)) if folder else path
-        found.append({"file": path.as_posix(), "bus": file.bus} if file.bus else path.as_posix())
+        found.append(path.as_posix())
     return found
 
 

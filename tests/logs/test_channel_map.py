@@ -3,7 +3,6 @@
 import pytest
 
 from calib.base.errors import ChannelMapError, LogError
-from calib.logs.channel_map import DatabaseFile
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
 from tests.support.refusals import refusal
@@ -88,10 +87,7 @@ def in_map(*lines):
         (in_map("text.decimal = ';'"), "text.decimal: ';'"),
         (in_map("text.encoding = 'latin-77'"), "latin-77"),
         *((in_map(f"dbc = {dbc}"), "dbc")
-          for dbc in ("5", '""', '["a.dbc", 5]', "{}", "{can0 = 5}", "{'' = 'a.dbc'}",
-                      '{1 = {bus = "Motor"}}', '{1 = {file = "a", bus = ""}}')),
-        *((in_map('dbc = "a.dbc"', f"j1939 = {sources}"), "j1939: ")
-          for sources in ('"all"', "11", "[]", "[254]", "[-1]", '["11"]', "[true]")),
+          for dbc in ("5", '""', '["a.dbc", 5]', "{}", "{can0 = 5}", "{'' = 'a.dbc'}")),
     ],
 )  # fmt: skip
 def test_slips_are_named(tmp_path, text, key):
@@ -99,34 +95,15 @@ def test_slips_are_named(tmp_path, text, key):
     assert key in refusal(read_channel_map, path, kind=ChannelMapError, names=path)
 
 
-ONE_BUS = '{file = "a.dbc", bus = "Motor"}'
-
-
 @pytest.mark.parametrize(
-    ("written", "dbc", "buses"),
+    ("written", "databases"),
     [
-        ('"a.dbc"', ["a.dbc"], {}),
-        ('["a.dbc", "/x/b.dbc"]', ["a.dbc", "/x/b.dbc"], {}),
-        ('{1 = "a.dbc", can0 = ["b.kcd", "/x/c.arxml"]}', [],
+        ('"a.dbc"', {"": ["a.dbc"]}),
+        ('["a.dbc", "/x/b.dbc"]', {"": ["a.dbc", "/x/b.dbc"]}),
+        ('{1 = "a.dbc", can0 = ["b.kcd", "/x/c.arxml"]}',
          {"1": ["a.dbc"], "can0": ["b.kcd", "/x/c.arxml"]}),
-        (ONE_BUS, [("a.dbc", "Motor")], {}),
-        (f"[{ONE_BUS}]", [("a.dbc", "Motor")], {}),
-        (f"{{1 = {ONE_BUS}}}", [], {"1": [("a.dbc", "Motor")]}),
-        (f"{{1 = [{ONE_BUS}]}}", [], {"1": [("a.dbc", "Motor")]}),
     ],
 )  # fmt: skip
-def test_databases_are_relative_to_the_map(tmp_path, written, dbc, buses):
-    def files(names):
-        pairs = ((name, None) if isinstance(name, str) else name for name in names)
-        return tuple(DatabaseFile(tmp_path / name, bus) for name, bus in pairs)
-
-    found = read_map(tmp_path, in_map(f"dbc = {written}"))
-    assert found.databases.files == files(dbc)
-    assert found.databases.buses == tuple((bus, files(names)) for bus, names in buses.items())
-
-
-def test_j1939_source_addresses(tmp_path):
-    for written, sources in (('"any"', ()), ("[0x0B]", (11,)), ("[0, 253]", (0, 253))):
-        text = in_map('dbc = "a.dbc"', f"j1939 = {written}")
-        assert read_map(tmp_path, text).databases.sources == sources
-    assert read_map(tmp_path, MAP).databases.sources is None
+def test_databases_are_relative_to_the_map(tmp_path, written, databases):
+    expected = {bus: tuple(tmp_path / name for name in names) for bus, names in databases.items()}
+    assert read_map(tmp_path, in_map(f"dbc = {written}")).databases == expected

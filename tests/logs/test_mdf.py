@@ -9,7 +9,7 @@ from asammdf.blocks.conversion_utils import from_dict
 
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import G
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
+from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.mdf import open_mdf
 from calib.logs.read import read_log
 from tests.support.recordings import write_bus, write_dbc, write_map
@@ -74,7 +74,7 @@ def test_samples_are_converted_and_invalid_ones_bridged(tmp_path, samples, how, 
 def test_what_has_only_names_is_a_state(tmp_path):
     names = {f"val_{i}": i for i in range(3)} | {f"text_{i}": f"gear {i}" for i in range(3)}
     gear = signal("gear", "", (np.arange(200) // 80).astype("u1"), conversion=from_dict(names))
-    opened = open_mdf(write(tmp_path / "run.mf4", [gear, signal("p_mc")]), Databases())
+    opened = open_mdf(write(tmp_path / "run.mf4", [gear, signal("p_mc")]), {})
     gear, p = opened.read([1, 2])
     opened.close()
     assert (gear.state, p.state) == (True, False)
@@ -124,7 +124,7 @@ def test_what_is_no_number_is_no_channel_and_costs_no_other(tmp_path, more):
 def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
     """Its own extraction, with canmatrix instead of cantools."""
     path, chart = write_bus(tmp_path / "bus.mf4"), write_dbc(tmp_path)
-    opened = open_mdf(path, Databases((DatabaseFile(tmp_path / "chassis.dbc"),)))
+    opened = open_mdf(path, {"": (tmp_path / "chassis.dbc",)})
     names = ["WhlFL", "WhlRR", "PMc", "Ax", "VRef"]
     index = [[c.name for c in opened.columns].index(name) for name in names]
     ours = opened.read(index)

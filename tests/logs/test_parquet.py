@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -60,28 +59,10 @@ def test_flipped_bits_are_seen():
             open_parquet(bytes(damaged), "run.parquet").read(range(20))
 
 
-def of_pandas():
-    frame = pd.DataFrame({"time": [0.0, 0.1], "p_mc": [1.0, 2.0]})
-    frame.attrs["units"] = {"time": "s", "p_mc": "MPa"}
-    return frame.to_parquet()
-
-
-def of_pandas_2():
-    attrs = {b"PANDAS_ATTRS": b'{"units": {"time": "s", "p_mc": "MPa"}}', b"pandas": b"{}"}
-    fields = [pa.field("time", pa.float64()), pa.field("p_mc", pa.float64())]
-    return parquet(fields, [[0.0, 0.1], [1.0, 2.0]], attrs)
-
-
-def in_the_name():
+def test_units_in_the_names():
     fields = [pa.field("time [s]", pa.float64()), pa.field("p_mc [MPa]", pa.float32())]
-    return parquet(fields, [[0.0, 0.1], [1.0, 2.0]])
-
-
-@pytest.mark.smoke
-@pytest.mark.parametrize("make", [of_pandas, of_pandas_2, in_the_name])
-def test_units_without_metadata_of_the_fields(make):
-    columns = open_parquet(make(), "run.parquet").columns
-    assert columns == (Column("time", "s"), Column("p_mc", "MPa"))
+    data = parquet(fields, [[0.0, 0.1], [1.0, 2.0]])
+    assert open_parquet(data, "run.parquet").columns == (Column("time", "s"), Column("p_mc", "MPa"))
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")

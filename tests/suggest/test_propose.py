@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from calib.base.errors import InputError
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases
+from calib.logs.channel_map import ChannelMap
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource
@@ -308,19 +308,16 @@ def test_a_run_of_carsim():
     assert not result.doubts
 
 
-@pytest.mark.parametrize("sources", [None, (), (0x0B, 0x21)])
-@pytest.mark.parametrize("by_bus", [False, True])
-def test_databases_and_source_addresses_are_kept(tmp_path, sources, by_bus):
-    files = (DatabaseFile(tmp_path / "a.dbc"), DatabaseFile(tmp_path / "b.kcd", "Motor"))
+@pytest.mark.parametrize("buses", [("",), ("1", "can0")])
+def test_databases_are_kept(tmp_path, buses):
+    files = (tmp_path / "a.dbc", tmp_path / "b.kcd")
     for file in files:
-        file.path.write_text("")
-    buses = (("1", files[:1]), ("can0", files[1:])) if by_bus else ()
-    known = Databases(() if by_bus else files, buses, sources)
-    used = ChannelMap("old.toml", {}, databases=known)
+        file.write_text("")
+    used = ChannelMap("old.toml", {}, databases=dict.fromkeys(buses, files))
     found = Suggestion("x.blf", (), (), {}, {}, ())
     written = tmp_path / "map.toml"
     written.write_text(to_toml(found, used, tmp_path) + '[channels.v]\nsource = "speed"\n')
-    assert read_channel_map(written).databases == known
+    assert read_channel_map(written).databases == used.databases
 
 
 def test_mirrored_wheels_get_a_sign():

@@ -15,7 +15,7 @@ from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, Limit
 from calib.line.fleet.rows import FIT, Cell, Command, Row, Status
-from calib.logs.channel_map import ChannelMap, DatabaseFile
+from calib.logs.channel_map import ChannelMap
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, log_bytes, open_log, read_log, read_opened
@@ -56,16 +56,13 @@ class Job:
 
 def _of_map(mapped: ChannelMap) -> str:
     """Digest of a map and of the content of the files that describe frames, not of their paths."""
-    content, known = asdict(mapped), mapped.databases
-    del content["where"], content["databases"]
-    content["dbc"] = [_of_file(file) for file in known.files]
-    content["buses"] = [(bus, [_of_file(file) for file in files]) for bus, files in known.buses]
-    content["j1939"] = known.sources
+    content = asdict(mapped)
+    del content["where"]
+    content["databases"] = {
+        bus: [_sha256(log_bytes(path, any_format=True)) for path in paths]
+        for bus, paths in mapped.databases.items()
+    }
     return _digest(content)
-
-
-def _of_file(file: DatabaseFile) -> tuple[str, str | None]:
-    return _sha256(log_bytes(file.path, any_format=True)), file.bus
 
 
 def _digest(value: object) -> str:

@@ -1,131 +1,137 @@
 """DBC, ARXML, KCD and SYM: position and unit of each signal in the frames of a bus.
 
-All are read with cantools; the ending of the file names the format.
+All are read with cantools; the ending of the file names the format. A DBC is read message by
+message, each with its own statements, so that a flaw in one of them costs only that one:
+
+BO_ 256 WHL: 8 ESP           one message and its signals
+ SG_ WhlFL : 0|16@1+ ...
+VAL_ 256 WhlFL 65535 "SNA";  what else is stated of them: `_STATED`, and their `_LONG_NAMES`
+
+Comments and other statements do not change what is decoded, and are not read.
 """
 
 import codecs
 import hashlib
 import logging
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+import re
+from collections import defaultdict
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from calib.base.bounded import DBC, bytes_of
-from calib.base.errors import ChannelMapError
-from calib.logs.bus.by_message import Flawed, read_by_message
-from calib.logs.bus.frames import Key, group_of, source_of
-from calib.logs.channel_map import DatabaseFile, Databases
+from calib.base.errors import ChannelMapError, LogError
+from calib.logs.channel_map import Databases
 from calib.logs.source import need
 
 if TYPE_CHECKING:
     from cantools.database.can import Message
 
-    Described = Message | Flawed
+Key = tuple[int, bool]
+"""Identifier, and whether it is extended (29 bits)."""
+Described: TypeAlias = "Message | Flawed"
 
 _FORMATS = ("dbc", "arxml", "kcd", "sym")
 """A file with another ending is read as a DBC."""
 
-_EVERY = ""
-"""Stands for every bus, where buses are named."""
-
 _LONGEST_TEXT = 1_000_000
 """Characters of the longest text in quotes, such as a comment."""
+
+_STATED = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
+"""Statements on a signal of a message that change what is decoded."""
+_LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")
+"""Attributes with the names that are longer than 32 characters."""
+_MOST = 10_000
+"""Largest number of messages: each takes about a millisecond."""
+_SHOWN = 5
+"""Number of names that a note lists."""
+_NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"
+"""Holds the signals that belong to no message."""
+_LONG = 1 << 31
+"""Marks an identifier of 29 bits."""
+
+_COMMENT = re.compile(r'^[ \t]*CM_ [^"\n]*"(?:\\.|[^"\\])*"\s*;', re.MULTILINE | re.DOTALL)
+_BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)
+_MESSAGE = re.compile(r"BO_\s+(\d+)\s+([^\s:]+)\s*:")
+_SIGNAL = re.compile(r'SG_\s+([^\s:]+)[^"\n]*(?:"([^"\n]*)")?')
+_OF_MESSAGE = re.compile(
+    rf"(?:{'|'.join(_STATED)})\s+(\d+)\s|"
+    rf'BA_\s+"(?:{"|".join(_LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)'
+)
+_COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
+
+
+@dataclass(frozen=True)
+class FlawedSignal:
+    """A signal of a message that cannot be read."""
+
+    name: str
+    unit: str
+    length: int = 1
+
+
+@dataclass(frozen=True)
+class Flawed:
+    """A message that cannot be read, and ``why``; its names as those of a message of cantools."""
+
+    name: str
+    frame_id: int
+    is_extended_frame: bool
+    why: str
+    signals: tuple[FlawedSignal, ...]
+    where: str
+
+    def error(self, signal: str) -> LogError:
+        """The error for a channel that comes from one of its signals."""
+        return LogError(
+            f"{signal} is a signal of message {self.name}, which cannot be read: {self.why}",
+            where=self.where,
+            expected="a message without a flaw for each channel",
+            do=f"correct message {self.name} in the DBC; or, where the channel is not needed, name "
+            "its column under `ignore` in the channel map",
+        )
 
 
 @dataclass(frozen=True)
 class Dbc:
-    """Messages by identifier, on every bus and on one; ``notes`` name their files.
+    """Messages by identifier, of each bus; "" is every bus. ``notes`` name their files."""
 
-    ``sources`` as in `calib.logs.channel_map.Databases`.
-    """
-
-    messages: "dict[Key, Described]"
-    notes: tuple[str, ...]
-    buses: "dict[str, dict[Key, Described]]" = field(default_factory=dict)
-    sources: tuple[int, ...] | None = None
-
-    def knows(self, bus: str, key: Key) -> bool:
-        """Whether `find` finds a message."""
-        return self.find(bus, key) is not None
+    buses: "dict[str, dict[Key, Described]]"
+    notes: tuple[str, ...] = ()
 
     def find(self, bus: str, key: Key) -> "Described | None":
-        """The message that describes frames of an identifier on a bus, or None.
-
-        With ``sources`` an extended identifier is found by its parameter group, if that has one
-        message.
-        """
-        for messages in (self.buses.get(bus, {}), self.messages):
-            if key in messages:
-                return messages[key]
-        identifier, extended = key
-        if not extended or self.sources is None:
-            return None
-        if self.sources and source_of(identifier) not in self.sources:
-            return None
-        group = group_of(identifier)
-        return self._groups.get(bus, {}).get(group) or self._groups[_EVERY].get(group)
-
-    @cached_property
-    def _groups(self) -> "dict[str, dict[int, Described]]":
-        every = {_EVERY: self.messages, **self.buses}
-        return {bus: _by_group(messages) for bus, messages in every.items()}
-
-    @property
-    def names(self) -> list[str]:
-        """Names of all messages."""
-        every = (self.messages, *self.buses.values())
-        return [message.name for messages in every for message in messages.values()]
-
-
-def _by_group(messages: "dict[Key, Described]") -> "dict[int, Described]":
-    found: dict[int, list[Described]] = {}
-    for (identifier, extended), message in messages.items():
-        if extended:
-            found.setdefault(group_of(identifier), []).append(message)
-    return {group: several[0] for group, several in found.items() if len(several) == 1}
+        """The message that describes frames of an identifier on a bus, or None."""
+        return self.buses.get(bus, {}).get(key) or self.buses.get("", {}).get(key)
 
 
 def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
-    """Read the files of a channel map, those of each bus by itself. Raises as `read_dbc`."""
-    general = read_dbc(databases.files, extra, where)
-    notes, buses = [*general.notes], {}
-    for bus, files in databases.buses:
-        own = read_dbc(files, extra, where)
-        buses[bus] = own.messages
-        notes += [f"bus {bus}: {note}" for note in own.notes]
-    if databases.sources is not None:
-        names = ", ".join(f"{source:#04x}" for source in databases.sources) or "any address"
-        notes.append(
-            f"J1939: frames are found by their parameter group, from {names}; messages of more "
-            "than 8 bytes, which take several frames, are not read"
-        )
-    return Dbc(general.messages, tuple(notes), buses, databases.sources)
+    """Read the files of a channel map; ``extra`` of the package installs cantools.
 
-
-def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
-    """Read DBC, ARXML, KCD and SYM files; ``extra`` of the package installs cantools.
-
-    Raises ChannelMapError for a file that is missing or not valid, or lacks the bus, and for an
-    identifier that is described twice.
+    Raises ChannelMapError for a file that is missing or not valid, and for an identifier that is
+    described twice on a bus.
     """
     cantools: Any = need("cantools", extra, where)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
-    messages: dict[Key, Described] = {}
-    notes = []
-    for file in files:
-        content, found, flaws = _load(cantools, file.path)
-        for message in _of_bus(found, file):
-            key = (message.frame_id, message.is_extended_frame)
-            if key in messages:
-                raise _described_twice(message, messages[key], file.path)
-            messages[key] = message
-        name = file.path.name + (f", bus {file.bus}" if file.bus else "")
-        digest = hashlib.sha256(content).hexdigest()
-        notes.append(f"frames decoded by {name} (SHA-256 {digest[:16]})")
-        notes += [f"{name}: {flaw}" for flaw in flaws]
-    return Dbc(messages, tuple(notes))
+    notes, buses = list[str](), dict[str, dict[Key, Described]]()
+    for bus, files in databases.items():
+        own = buses.setdefault(bus, {})
+        of_bus = f"bus {bus}: " if bus else ""
+        for path in files:
+            content, messages, flaws = _load(cantools, path)
+            for message in messages:
+                key = (message.frame_id, message.is_extended_frame)
+                if key in own:
+                    raise ChannelMapError(
+                        f"{message.name} has the identifier {key[0]:#x} of {own[key].name}",
+                        where=path,
+                        expected="one description of each frame",
+                        do=f'name the DBC of each bus, as in dbc = {{1 = "{path.name}"}}',
+                    )
+                own[key] = message
+            digest = hashlib.sha256(content).hexdigest()
+            notes.append(f"{of_bus}frames decoded by {path.name} (SHA-256 {digest[:16]})")
+            notes += [f"{of_bus}{path.name}: {flaw}" for flaw in flaws]
+    return Dbc(buses, tuple(notes))
 
 
 def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]]":
@@ -138,7 +144,7 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]
         _refuse_long_text(text, path)
     try:
         if kind == "dbc":
-            messages, flaws = read_by_message(cantools, text, str(path))
+            messages, flaws = _by_message(cantools, text, str(path))
         else:
             found = cantools.database.load_string(text, database_format=kind, strict=True)
             messages, flaws = found.messages, []
@@ -176,26 +182,94 @@ def _refuse_long_text(text: str, path: Path) -> None:
         )
 
 
-def _of_bus(messages: "list[Described]", file: DatabaseFile) -> "list[Described]":
-    if file.bus is None:
-        return messages
-    found = [message for message in messages if message.bus_name == file.bus]
-    if not found:
-        names = sorted({message.bus_name for message in messages if message.bus_name})
-        raise ChannelMapError(
-            f"the file has no messages of a bus {file.bus!r}",
-            where=file.path,
-            expected=f"one of {', '.join(map(repr, names))}" if names else "no bus: it names none",
-        )
-    return found
+@dataclass
+class _Part:
+    """A message: its statements, the number of its first line, and its name."""
+
+    line: int
+    number: int
+    name: str
+    text: str
+    signals: dict[str, str]
+
+    @property
+    def unmarked(self) -> bool:
+        """Whether the identifier has more than 11 bits and at most 29, and is not marked so."""
+        return 0x7FF < self.number < 1 << 29
 
 
-def _described_twice(one: "Described", other: "Described", path: Path) -> ChannelMapError:
-    names = [f"{m.name} (bus {m.bus_name})" if m.bus_name else m.name for m in (one, other)]
-    entry = f'{{file = "{path.name}", bus = "{one.bus_name}"}}'
-    return ChannelMapError(
-        f"{names[0]} has the identifier {one.frame_id:#x} of {names[1]}",
-        where=path,
-        expected="one description of each frame",
-        do=f"name the DBC of one bus, or one bus for each of the log, as in dbc = {{1 = {entry}}}",
-    )
+def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[Described], list[str]]":
+    """The messages of a DBC, and notes on what is wrong in it. Raises ValueError for too many."""
+    common, parts = _parts(text)
+    if len(parts) > _MOST:
+        raise ValueError(f"it has {len(parts)} messages, at most {_MOST} are read")
+    found: dict[Key, Described] = {}
+    for part in parts:
+        message = _read(cantools, part, common, where)
+        key = (message.frame_id, message.is_extended_frame)
+        if (first := found.get(key)) is not None:
+            signals = (*first.signals, *message.signals)
+            name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
+            every = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in signals)
+            message = Flawed(name, *key, why, every, where)
+        found[key] = message
+    messages = list(found.values())
+    wrong = {
+        "message(s) that cannot be read": [
+            f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)
+        ],
+        "identifier(s) past 11 bits, not marked as of 29 bits but read so": [
+            part.name for part in parts if part.unmarked
+        ],
+    }
+    notes = []
+    for what, names in wrong.items():
+        more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+        notes += [f"{len(names)} {what}: {', '.join(names[:_SHOWN])}{more}"] if names else []
+    return messages, notes
+
+
+def _read(cantools: Any, part: _Part, common: str, where: str) -> "Described":
+    text = part.text
+    if part.unmarked:
+        begin = rf'^(\s*[A-Z_]+_\s+(?:"\w+"\s+\w+_\s+)?){part.number}\b'
+        text = re.sub(begin, rf"\g<1>{part.number | _LONG}", text, flags=re.MULTILINE)
+    try:
+        found = cantools.database.load_string(text + common, "dbc", strict=True).messages
+        if len(found) == 1:
+            return found[0]  # type: ignore[no-any-return]
+        why = "it is not one message"
+    except Exception as cause:  # cantools raises many kinds, some of its parser's
+        why = str(cause) or type(cause).__name__
+        why = re.sub(r'^DBC: "(.*?)\.?"$', r"\1", why, flags=re.DOTALL)
+        why = why.removesuffix(f" in message {part.name}")
+        why = re.sub(r"(?<=at line )\d+", lambda line: str(int(line[0]) + part.line - 1), why)
+    signals = tuple(FlawedSignal(name, unit) for name, unit in part.signals.items())
+    return Flawed(part.name, part.number & ~_LONG, part.number > 0x7FF, why, signals, where)
+
+
+def _parts(text: str) -> tuple[str, list[_Part]]:
+    """The statements on all messages, and the messages."""
+    parts: list[_Part] = []
+    later: dict[int, str] = defaultdict(str)
+    common, before = "", ""
+    text = _COMMENT.sub(lambda c: "\n" * c[0].count("\n"), text)
+    begins = [found.end() for found in _BEGIN.finditer(text)]
+    line, last = 1, 0
+    for begin, end in zip(begins, [*begins[1:], len(text)], strict=True):
+        statement = text[begin:end]
+        line += text.count("\n", last, begin)
+        last = begin
+        if message := _MESSAGE.match(statement):
+            parts.append(_Part(line, int(message[1]), message[2], statement, {}))
+        elif (signal := _SIGNAL.match(statement)) and before in ("BO_", "SG_") and parts:
+            parts[-1].text += statement
+            parts[-1].signals[signal[1]] = signal[2] or ""
+        elif stated := _OF_MESSAGE.match(statement):
+            later[int(stated[1] or stated[2])] += statement
+        elif _COMMON.match(statement):
+            common += statement
+        before = statement.split(maxsplit=1)[0]
+    for part in parts:
+        part.text += later[part.number]
+    return common, [part for part in parts if part.name != _NO_MESSAGE]

@@ -7,44 +7,106 @@ byte 1 15 . . . . . . 8                       byte 1 15 . . . . . . 8
 """
 
 import re
+from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, cast
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.logs.bus.by_message import Flawed, FlawedSignal
-from calib.logs.bus.dbc import Dbc, read_databases
-from calib.logs.bus.frames import Frames, Gathered, joined, once, source_of
+from calib.logs.bus.dbc import Dbc, Flawed, FlawedSignal, Key, read_databases
 from calib.logs.channel_map import Databases
-from calib.logs.clock import running
+from calib.logs.clock import check_running
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 if TYPE_CHECKING:
     import can
     from cantools.database.can import Message, Signal
 
-    Place = tuple[Frames, Message | Flawed, Signal | FlawedSignal]
 
+Place: TypeAlias = "tuple[Frames, Message | Flawed, Signal | FlawedSignal]"
 
-INVALID = re.compile(
+_INVALID = re.compile(
     r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
 )
 """Names of raw values that mark an invalid measurement."""
 
 
-LONGEST = 64
+_LONGEST = 64
 """Bits of the longest signal that is a number; longer ones are text or raw bytes."""
 _REAL = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
 """Types of raw integers and of the IEEE 754 numbers in them, by bits."""
 
 
+@dataclass(frozen=True)
+class Frames:
+    """All frames of one identifier on one bus, in the order of the file.
+
+    ``time`` [s] (n,); ``data`` (n, bytes), zero past the ``length`` (n,) of a frame.
+    """
+
+    bus: str
+    key: Key
+    time: Array
+    data: NDArray[np.uint8]
+    length: NDArray[np.uint16]
+
+
+@dataclass
+class Gathered:
+    """Frames while a file is read: those that the DBC knows, and the times of all [s]."""
+
+    dbc: Dbc
+    times: "array[float]" = field(default_factory=lambda: array("d"))
+    errors: int = 0
+    known: dict[tuple[str, Key], bool] = field(default_factory=dict)
+    _rows: "dict[tuple[str, Key], array[int]]" = field(default_factory=dict)
+    _data: dict[tuple[str, Key], list[bytes]] = field(default_factory=dict)
+
+    def take(self, messages: "Iterable[can.Message]") -> None:
+        """Read all messages. Error and remote frames are counted but have no data."""
+        for number, message in enumerate(messages, start=len(self.times)):
+            self.times.append(message.timestamp)
+            if message.is_error_frame:
+                self.errors += 1
+                continue
+            origin = (str(message.channel), (message.arbitration_id, message.is_extended_id))
+            if origin not in self.known:
+                self.known[origin] = self.dbc.find(*origin) is not None
+                self._rows[origin], self._data[origin] = array("L"), []
+            if self.known[origin] and not message.is_remote_frame:
+                self._rows[origin].append(number)
+                self._data[origin].append(bytes(message.data))
+
+    @property
+    def buses(self) -> list[str]:
+        """All buses of the log."""
+        return sorted({bus for bus, _ in self.known})
+
+    def result(self, time: Array) -> list[Frames]:
+        """Frames by bus and identifier; ``time`` [s] replaces `times`, shape (n,)."""
+        return [
+            frames_of(*origin, time[rows], self._data[origin])
+            for origin in sorted(self._rows)
+            if (rows := np.asarray(self._rows[origin], np.int64)).size
+        ]
+
+
+def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
+    """Make `Frames` from a list of bytes, one for each frame."""
+    length = np.fromiter(map(len, data), np.uint16, len(data))
+    width = int(length.max(initial=0))
+    padded = b"".join(d.ljust(width, b"\0") for d in data)
+    return Frames(bus, key, time, np.frombuffer(padded, np.uint8).reshape(len(data), width), length)
+
+
 def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
     """Read the files of the channel map that describe frames. Raises LogError if there are none."""
-    if not databases.all:
+    if not any(databases.values()):
         raise LogError(
             "bus frames do not contain the names of their signals",
             where=where,
@@ -58,7 +120,7 @@ def gathered(
     messages: "Iterable[can.Message]", dbc: Dbc, where: str, here: Callable[[], str] = str
 ) -> Gathered:
     """All frames of a file. Raises LogError, with the place, if python-can cannot read it."""
-    found = Gathered(dbc.knows)
+    found = Gathered(dbc)
     try:
         found.take(messages)
     except LogError:
@@ -73,12 +135,13 @@ def gathered(
 
 def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
     """Signals of gathered frames, named as in the DBC; time counts from the first frame."""
-    time, wrapped = running(np.asarray(found.times), where)
+    time = np.asarray(found.times)
+    check_running(time, where)
     begin = float(time.min())
-    frames, doubled = once(found.result(time - begin))
+    frames = found.result(time - begin)
     require_known(frames, found.buses, dbc, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
-    empty = sorted(set(dbc.buses) - set(found.buses))
+    empty = sorted(set(dbc.buses) - {"", *found.buses})
     if empty:
         more.append(
             f"no frames on bus {', '.join(empty)}, which the map names; "
@@ -89,76 +152,56 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
     columns, signals = described(frames, dbc)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
-        return [trace(*signals[i - 1]) for i in indices]
+        return [decode(*signals[i - 1]) for i in indices]
 
-    every = (*dbc.notes, *notes, *wrapped, *more, *doubled)
-    return Recording((CLOCK, *columns), read, every)
+    return Recording((CLOCK, *columns), read, (*dbc.notes, *notes, *more))
 
 
 def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
     """Raise LogError if none of ``frames`` is described; ``buses`` are those of the log."""
     if not any(dbc.find(item.bus, item.key) for item in frames):
-        names = f" (its buses are {', '.join(buses)})" if buses and dbc.buses else ""
+        names = f" (its buses are {', '.join(buses)})" if buses and set(dbc.buses) - {""} else ""
+        known = [m.name for messages in dbc.buses.values() for m in messages.values()]
         raise LogError(
             f"no frame of the log{names} is in the DBC",
             where=where,
-            expected="one of " + ", ".join(dbc.names[:10]),
+            expected="one of " + ", ".join(known[:10]),
             do="is it the DBC of this bus?",
         )
 
 
-def described(frames: list[Frames], dbc: Dbc) -> "tuple[list[Column], list[Place]]":
+def described(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["Place"]]:
     """Column, frames, message and signal of every signal that is a number.
 
-    The full name begins with the bus, and has the source address (``CCVS1@0B``), where there are
-    several.
+    The full name begins with the bus where there are several.
     """
-    if dbc.sources is not None:  # priority and destination make no other message
-        frames = joined(frames, lambda item: _origin(item, dbc))
     found = [(item, message) for item in frames if (message := dbc.find(item.bus, item.key))]
-    count = Counter((item.bus, message.name) for item, message in found)
-    buses = Counter(name for _, name in count)
+    buses = Counter(message.name for _, message in found)
     columns, signals = [], []
     for item, message in found:
         prefix = f"{item.bus}." if buses[message.name] > 1 else ""
-        several = count[item.bus, message.name] > 1
-        name = f"{message.name}@{source_of(item.key[0]):02X}" if several else message.name
         for signal in message.signals:
-            if signal.length > LONGEST:
+            if signal.length > _LONGEST:
                 continue
-            columns.append(
-                Column(signal.name, signal.unit or None, f"{prefix}{name}.{signal.name}")
-            )
+            full = f"{prefix}{message.name}.{signal.name}"
+            columns.append(Column(signal.name, signal.unit or None, full))
             signals.append((item, message, signal))
     return columns, signals
 
 
-def _origin(frames: Frames, dbc: Dbc) -> tuple[object, ...]:
-    message = dbc.find(frames.bus, frames.key)
-    identifier, extended = frames.key
-    name = message.name if message else ""
-    return (frames.bus, name, source_of(identifier)) if extended else (frames.bus, frames.key)
-
-
-def trace(
+def decode(
     frames: Frames, message: "Message | Flawed", signal: "Signal | FlawedSignal"
 ) -> ChannelTrace:
-    """Decode one signal. Raises LogError if its message has a flaw in the DBC."""
-    if isinstance(message, Flawed):
-        raise message.error(signal.name)
-    return decode(frames, message, cast("Signal", signal))
-
-
-def decode(frames: Frames, message: "Message", signal: "Signal") -> ChannelTrace:
     """One signal from all frames that have it; a state if every value has a name.
 
-    Raw values that are named as invalid are NaN.
+    Raw values that are named as invalid are NaN. Raises LogError if the DBC has a flaw there.
     """
+    if isinstance(message, Flawed):
+        raise message.error(signal.name)
+    signal = cast("Signal", signal)
     chosen = _present(frames, message, signal)
     data = frames.data if chosen.all() else frames.data[chosen]
     clock = f"message {message.name} of bus {frames.bus}"
-    if frames.key[0] != message.frame_id:
-        clock += f" from address {source_of(frames.key[0]):#04x}"
     if not chosen.all():
         clock += f", frames with {signal.name}"
     if not len(data):
@@ -169,7 +212,7 @@ def decode(frames: Frames, message: "Message", signal: "Signal") -> ChannelTrace
     values = codes * float(signal.scale) + float(signal.offset)
     names = {float(code): str(name) for code, name in (signal.choices or {}).items()}
     state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
-    none = [code for code, name in names.items() if INVALID.search(name)]
+    none = [code for code, name in names.items() if _INVALID.search(name)]
     if none:
         values[np.isin(codes, none)] = np.nan
     return ChannelTrace(clock, frames.time[chosen], values, state)

@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, ClassVar, TextIO
 
 from calib.base.errors import LogError
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.frames import Gathered
-from calib.logs.bus.recording import gathered, recording, require_dbc
+from calib.logs.bus.recording import Gathered, gathered, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged, need
 from calib.logs.text.encoding import unzipped

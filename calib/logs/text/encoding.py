@@ -1,6 +1,7 @@
 """Unpack a log, and convert text to UTF-8: byte order marks, UTF-16, Western encodings."""
 
 import codecs
+import gzip
 import io
 import zlib
 from pathlib import Path
@@ -12,8 +13,6 @@ from calib.logs.source import damaged
 
 GZIP = b"\x1f\x8b"
 """First bytes of a gzip file."""
-_GZIP_BITS = 31
-"""Window bits of zlib for a gzip file."""
 
 
 def gunzip(data: bytes, where: str) -> bytes:
@@ -21,24 +20,17 @@ def gunzip(data: bytes, where: str) -> bytes:
 
     Raises LogError for a file that is cut off, damaged, not gzip, or larger than a log may be.
     """
-    if not data.startswith(GZIP):
-        raise LogError("not gzip", where=where, expected="a gzip file, as its ending says")
-    parts: list[bytes] = []
-    got = 0
-    while data:
-        stream = zlib.decompressobj(wbits=_GZIP_BITS)
-        try:
-            parts.append(stream.decompress(data, LOG.most + 1 - got))
-        except zlib.error as cause:
-            raise damaged(where, f"the gzip file is damaged: {cause}") from cause
-        got += len(parts[-1])
-        if got > LOG.most:
-            raise too_large(where)
-        if not stream.eof:
-            what = f"the gzip file is cut off: it ends within the data, {got} bytes unpacked"
-            raise damaged(where, what, "length and check sum at the end")
-        data = stream.unused_data.lstrip(b"\0")
-    return b"".join(parts)
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
+            found = file.read(LOG.most + 1)
+    except EOFError as cause:
+        what = "the gzip file is cut off: it ends within the data"
+        raise damaged(where, what, "length and check sum at the end") from cause
+    except (OSError, zlib.error) as cause:
+        raise damaged(where, f"the gzip file is damaged: {cause}") from cause
+    if len(found) > LOG.most:
+        raise too_large(where)
+    return found
 
 
 def unzipped(path: Path) -> BinaryIO:

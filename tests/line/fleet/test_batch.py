@@ -19,7 +19,7 @@ from calib.line.fleet.batch import run_batch
 from calib.line.fleet.journal import NAME, BatchJournal
 from calib.line.fleet.work import Job
 from calib.line.fleet.workers import Pool
-from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
+from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import read_log
 from calib.logs.text.dialect import TextFormat
 from tests.support.fleet_logs import Here, validating
@@ -143,7 +143,7 @@ MAPS = (
     {"channels": {"p_mc": Mapping("p")}},
     {"channels": {"p_mc": Mapping("p", unit="bar")}},
     {"text": TextFormat(decimal=",")},
-    {"databases": lambda file: Databases((DatabaseFile(file),))},
+    {"databases": lambda file: {"": (file,)}},
 )
 
 

@@ -4,25 +4,12 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ChannelMapError
-from calib.logs.bus.dbc import read_dbc
 from calib.logs.bus.text_logs import open_candump
-from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log
-from tests.support.databases import DBC, KCD, SAMPLES
+from tests.support.databases import DBC, KCD
 from tests.support.recordings import MAP, write_bus, write_dbc
 
 OTHER = DBC.replace("WHEELS", "DOORS").replace("WhlFL", "Left").replace("WhlFR", "Right")
-
-CAR = KCD.replace(
-    "</Bus>",
-    """</Bus>
-  <Bus name="body">
-    <Message id="0x100" name="DOORS" length="8">
-      <Signal name="Left" offset="0" length="16"><Value slope="0.01" unit="rad/s"/></Signal>
-    </Message>
-  </Bus>""",
-)
-"""Two buses in one file, with 0x100 on both."""
 
 
 @pytest.fixture
@@ -35,20 +22,14 @@ def folder(tmp_path):
     ]
     (tmp_path / "run.log").write_text("".join(rows))
     (tmp_path / "wheels.kcd").write_text(KCD)
-    (tmp_path / "car.kcd").write_text(CAR)
     (tmp_path / "doors.dbc").write_text(OTHER)
     return tmp_path
 
 
 def opened(folder, buses):
-    """The names and values of the log with files by bus, and its notes; a pair is a file and
-    the bus of it that is meant.
-    """
-    files = {
-        bus: tuple(DatabaseFile(folder / name, *of) for name, *of in names)
-        for bus, names in buses.items()
-    }
-    found = open_candump(folder / "run.log", Databases(buses=tuple(files.items())))
+    """The names and values of the log with files by bus, and its notes."""
+    files = {bus: tuple(folder / name for name in names) for bus, names in buses.items()}
+    found = open_candump(folder / "run.log", files)
     names = [column.full for column in found.columns[1:]]
     traces = found.read(range(1, 1 + len(names)))
     return {name: trace.values for name, trace in zip(names, traces, strict=True)}, found.notes
@@ -58,18 +39,14 @@ def opened(folder, buses):
     ("buses", "factors"),
     [
         (
-            {"can0": [("wheels.kcd",)], "can1": [("doors.dbc",)]},
+            {"can0": ["wheels.kcd"], "can1": ["doors.dbc"]},
             {"WHEELS.WhlFL": 0.005, "WHEELS.WhlFR": 0.005, "DOORS.Left": 0.005,
              "DOORS.Right": 0.005},
         ),
         # the other bus has none, and of one that is named there are no frames
         (
-            {"can1": [("wheels.kcd",)], "can7": [("doors.dbc",)]},
+            {"can1": ["wheels.kcd"], "can7": ["doors.dbc"]},
             {"WHEELS.WhlFL": 0.005, "WHEELS.WhlFR": 0.005},
-        ),
-        (
-            {"can0": [("car.kcd", "body")], "can1": [("car.kcd", "chassis")]},
-            {"DOORS.Left": 0.01, "WHEELS.WhlFL": 0.005, "WHEELS.WhlFR": 0.005},
         ),
     ],
 )  # fmt: skip
@@ -81,26 +58,9 @@ def test_one_identifier_with_a_meaning_on_each_bus(folder, buses, factors):
     assert all(any(f"bus {bus}" in note for note in notes) for bus in buses)
 
 
-@pytest.mark.parametrize(
-    "files",
-    [
-        [("wheels.kcd",), ("doors.dbc",)],  # one frame in both
-        [("car.kcd",)],  # two buses, and none is named
-        [("car.kcd", "engine")],
-        [("doors.dbc", "body")],  # it names no bus
-    ],
-)
-def test_a_frame_must_have_one_meaning(folder, files):
+def test_a_frame_must_have_one_meaning(folder):
     with pytest.raises(ChannelMapError):
-        opened(folder, {"can0": files})
-
-
-def test_the_buses_of_an_arxml_have_names():
-    path = SAMPLES / "system-float-values.arxml"
-    named, whole = (read_dbc([DatabaseFile(path, bus)], "can", "x") for bus in ("CCB", None))
-    assert named.messages.keys() == whole.messages.keys()
-    with pytest.raises(ChannelMapError):
-        read_dbc([DatabaseFile(path, "CAN")], "can", "x")
+        opened(folder, {"can0": ["wheels.kcd", "doors.dbc"]})
 
 
 @pytest.mark.parametrize(("name", "bus"), [("run.log", "can0"), ("run.asc", "0"), ("run.mf4", "0")])

@@ -5,10 +5,8 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ChannelMapError, LogError
-from calib.logs.bus.dbc import read_dbc
-from calib.logs.bus.frames import frames_of
-from calib.logs.bus.recording import decode, described, trace
-from calib.logs.channel_map import DatabaseFile
+from calib.logs.bus.dbc import read_databases
+from calib.logs.bus.recording import decode, described, frames_of
 from tests.support.databases import DATABASES
 from tests.support.recordings import DBC
 
@@ -34,11 +32,11 @@ VAL_ 1 Speed 255 "SNA" ;
 def known(tmp_path, text, name="a.dbc"):
     path = tmp_path / name
     path.write_text(text)
-    return read_dbc([DatabaseFile(path)], "can", "run.blf")
+    return read_databases({"": [path]}, "can", "run.blf")
 
 
 def decoded(dbc, name, data):
-    message = dbc.messages[1, False]
+    message = dbc.buses[""][1, False]
     frames = frames_of("0", (1, False), np.arange(float(len(data))), data)
     return decode(frames, message, message.get_signal_by_name(name))
 
@@ -104,7 +102,7 @@ def test_files_that_describe_one_frame_or_are_not_there(tmp_path):
         (tmp_path / name).write_text(MUX)
     for names in (["a.dbc", "b.dbc"], ["c.dbc"]):
         with pytest.raises(ChannelMapError):
-            read_dbc([DatabaseFile(tmp_path / name) for name in names], "can", "run.blf")
+            read_databases({"": [tmp_path / name for name in names]}, "can", "run.blf")
 
 
 OTHER = "BO_ 9 OTHER: 2 A\n"
@@ -133,12 +131,12 @@ def test_a_flaw_costs_its_message(tmp_path, flaw):
     columns, places = described([frames_of("0", (9, False), np.zeros(1), [bytes(2)])], dbc)
     assert columns
     with pytest.raises(LogError, match=r"4WD|OTHER"):
-        trace(*places[0])
+        decode(*places[0])
 
 
 def test_an_identifier_past_11_bits_is_of_29(tmp_path):
     text = MUX.replace(" 1 ", " 419360256 ")
-    ((key, message),) = known(tmp_path, text).messages.items()
+    ((key, message),) = known(tmp_path, text).buses[""].items()
     assert key == (419360256, True)
     assert message.get_signal_by_name("Speed").choices
 
@@ -147,8 +145,8 @@ def test_an_identifier_past_11_bits_is_of_29(tmp_path):
 def test_the_encodings_of_a_dbc(tmp_path, encoding):
     path = tmp_path / "a.dbc"
     path.write_bytes(MUX.replace("km/h", "m/s²").encode(encoding))
-    dbc = read_dbc([DatabaseFile(path)], "can", "run.blf")
-    assert dbc.messages[1, False].get_signal_by_name("Speed").unit == "m/s²"
+    dbc = read_databases({"": [path]}, "can", "run.blf")
+    assert dbc.buses[""][1, False].get_signal_by_name("Speed").unit == "m/s²"
 
 
 def test_names_of_more_than_32_characters(tmp_path):
@@ -158,11 +156,11 @@ def test_names_of_more_than_32_characters(tmp_path):
         + 'BA_DEF_ SG_ "SystemSignalLongSymbol" STRING ;\n'
         + f'BA_ "SystemSignalLongSymbol" SG_ 1 {long[:32]} "{long}";\n'
     )
-    assert known(tmp_path, text).messages[1, False].get_signal_by_name(long).unit == "km/h"
+    assert known(tmp_path, text).buses[""][1, False].get_signal_by_name(long).unit == "km/h"
 
 
 def test_an_ending_in_capitals(tmp_path):
-    assert known(tmp_path, DATABASES["kcd"], "chassis.KCD").messages.keys() == {(256, False)}
+    assert known(tmp_path, DATABASES["kcd"], "chassis.KCD").buses[""].keys() == {(256, False)}
 
 
 def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):

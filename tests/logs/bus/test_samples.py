@@ -6,10 +6,8 @@ import warnings
 import numpy as np
 import pytest
 
-from calib.logs.bus.dbc import read_dbc
-from calib.logs.bus.frames import frames_of
-from calib.logs.bus.recording import decode
-from calib.logs.channel_map import DatabaseFile
+from calib.logs.bus.dbc import read_databases
+from calib.logs.bus.recording import decode, frames_of
 from tests.support.databases import SAMPLES
 
 TWIN = "comments_hex_and_motorola"
@@ -48,7 +46,7 @@ def ours(frames, message, signal):
 @pytest.mark.parametrize("path", sorted(SAMPLES.glob("*.*[dkx][bcm][cdl]")), ids=lambda p: p.name)
 def test_signals_are_those_of_another_reader(path):
     matrix, compared = theirs(path), 0
-    for key, message in read_dbc([DatabaseFile(path)], "can", "x").messages.items():
+    for key, message in read_databases({"": [path]}, "can", "x").buses[""].items():
         data, frames = random_frames(key, message.length)
         decoded = [matrix[key].decode(row) for row in data]
         for signal in message.signals:
@@ -65,7 +63,7 @@ def test_signals_are_those_of_another_reader(path):
 
 def test_a_sym_is_what_was_made_of_it_as_dbc():
     one, other = (
-        read_dbc([DatabaseFile(SAMPLES / name)], "can", "x").messages
+        read_databases({"": [SAMPLES / name]}, "can", "x").buses[""]
         for name in (f"{TWIN}.sym", f"{TWIN}_converted_from_sym.dbc")
     )
     assert one.keys() == other.keys()

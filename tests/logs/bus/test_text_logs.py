@@ -15,7 +15,7 @@ from calib.logs.read import read_log
 from tests.support.recordings import MAP, write_bus
 from tests.support.refusals import refusal
 
-NOTHING = Dbc({}, ())
+NOTHING = Dbc({})
 CHART = MAP.format(dbc='dbc = "chassis.dbc"\n')
 DBC = 'VERSION ""\nNS_ :\nBS_:\nBU_: A\nBO_ 5 DOORS: 8 A\n SG_ Open : 0|1@1+ (1,0) [0|1] "" A\n'
 
@@ -77,19 +77,6 @@ def test_a_line_that_is_no_frame(folder, lines, line):
     message = refused(folder, [*lines[:1000], line])
     assert "1000" in message or "1001" in message
     assert not any(word in message for word in ("unpack", "invalid literal", "convert", "base 16"))
-
-
-def test_a_clock_that_wraps(folder, lines):
-    """16 bits of milliseconds, which begin again twice a minute or so."""
-
-    def wrapped(line):
-        time, rest = line[1:].split(")", 1)
-        return f"({(float(time) - 1.7e9 + 60.0) % 65.536:.6f}){rest}"
-
-    log, whole = read(folder, [wrapped(x) for x in lines]), read(folder, lines)
-    assert any("16 bits of milliseconds" in note for note in log.notes)
-    np.testing.assert_allclose(log.time, whole.time, atol=2e-6)
-    np.testing.assert_array_equal(log["omega_fl"], whole["omega_fl"])
 
 
 def test_a_second_run_in_the_file(folder, lines):

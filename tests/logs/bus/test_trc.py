@@ -5,7 +5,6 @@ import pytest
 
 from calib.base.errors import LogError
 from calib.logs.bus.text_logs import open_trc
-from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log
 from tests.support.recordings import messages, write_bus
 from tests.support.refusals import refusal
@@ -28,7 +27,7 @@ def texts():
 def opened(folder, text, name="run.trc"):
     path = folder / name
     path.write_text(text)
-    return open_trc(path, Databases((DatabaseFile(folder / "chassis.dbc"),)))
+    return open_trc(path, {"": (folder / "chassis.dbc",)})
 
 
 def refused(folder, text):

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.assign import assign
-from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.channel_map import ChannelMap, Mapping, assign
 from calib.logs.source import Column
 from calib.logs.text.csv import open_csv
 
