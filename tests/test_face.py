@@ -1,7 +1,6 @@
 """`import calib`: what a notebook sees first."""
 
 import ast
-import subprocess
 import sys
 from doctest import DocTestParser
 from importlib import import_module
@@ -13,7 +12,6 @@ import calib
 
 ROOT = Path(__file__).parents[1]
 FACE = ROOT / "calib" / "__init__.py"
-PAGE = (ROOT / "calib" / "manual" / "reference.md").read_text()
 
 
 def homes() -> dict[str, str]:
@@ -53,21 +51,6 @@ def test_dir_names_the_face_and_nothing_else():
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="has no attribute 'fitt'"):
         _ = calib.fitt
-
-
-def test_the_lines_of_the_manual_make_a_table(tmp_path):
-    block = PAGE.split("```python\n")[1].split("```")[0]
-    assert len([line for line in block.splitlines() if line]) == 5
-    run = subprocess.run(
-        [sys.executable, "-c", block],
-        cwd=tmp_path,
-        env={"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert run.stderr == ""
-    assert calib.Store(tmp_path / "tables").load("sedan-2up").version == 1
 
 
 def test_a_table_prints_its_name_range_pads_and_logs(stored):

@@ -14,7 +14,7 @@ from calib.plausibility.check import check
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import REAL, misread, noisy, ramp, stop, swapped
 from tests.support.refusals import why_not
-from tests.support.spoiled import disagreements, disagreements_of, findings, spoiled
+from tests.support.spoiled import disagreements, findings, spoiled
 
 COAST = as_log(drive(REAL, lambda t: 0.0, 33.0, duration=8.0), "coast")
 LOGS = {"ramp": noisy(ramp(REAL), 1), "stop": noisy(stop(REAL), 2), "coast": noisy(COAST, 3)}
@@ -60,7 +60,6 @@ def test_spoiled_logs(seed, fitted):
     for number, kind in enumerate(LOGS):
         done, text = spoiled(LOGS[kind], np.random.default_rng([20 + seed, number]))
         assert findings(text, fitted, kind == "ramp") == [], done
-        assert disagreements_of(text, fitted) == [], done
 
 
 def test_a_fit_warns_of_what_check_warns_of(fitted):

@@ -194,8 +194,8 @@ def tried(job: tuple[int, int, str]) -> Row:
     good = line(rng, 1_000_000 * seed + 100 * number)
     if KINDS[name].needs_v:
         good = replace(good, sensors=replace(good.sensors, with_v=True))
-    mistake = KINDS[name].make(rng)
-    bad = mistake.line(good)
+    runs, mistake = KINDS[name].runs, KINDS[name].make(rng)
+    bad = mistake.line(good, runs)
     logs = {run: recorded(run, good.runs[run], good.sensors) for run in RUNS}
     others = {
         run: logs[run]
@@ -203,7 +203,7 @@ def tried(job: tuple[int, int, str]) -> Row:
         else recorded(run, bad.runs[run], bad.sensors)
         for run in RUNS
     }
-    others = mistake.logs(others)
+    others = mistake.recorded(others, runs)
     clean, made = answered(good.file, logs), answered(bad.file, others)
     before = errors(clean, logs)
     off = [

@@ -33,87 +33,75 @@ FAINT = frozenset({"mass_error", "wheel_inertia"})
 CHANNELS = ("a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
 
 
-@dataclass(frozen=True)
-class Counterpart:
-    """The true value of a catalogue parameter in SI, and the share by which forms may differ [1].
-
-    ``slack`` is nought where plant and catalogue mean the same; where the plant goes its own way
-    no parameter of the catalogue is exactly right.
-    """
-
-    value: Callable[[Hidden], float]
-    slack: float = 0.0
-
-
-COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
+COUNTERPARTS: dict[str, dict[str, Callable[[Hidden], float]]] = {
     "aerodynamic_drag": {
-        "drag_area": Counterpart(lambda h: h.drag_area),
-        "load_share": Counterpart(lambda h: 0.0),  # its loads follow the tyre forces alone
+        "drag_area": lambda h: h.drag_area,
+        "load_share": lambda h: 0.0,  # its loads follow the tyre forces alone
     },
-    "rolling_resistance": {"coefficient": Counterpart(lambda h: h.rolling, 0.08)},
-    "road_grade": {"grade": Counterpart(lambda h: math.sin(math.atan(h.grade)))},
-    "engine_drag": {"drag_torque": Counterpart(lambda h: h.engine_torque, 0.06)},
+    "rolling_resistance": {"coefficient": lambda h: h.rolling},
+    "road_grade": {"grade": lambda h: math.sin(math.atan(h.grade))},
+    "engine_drag": {"drag_torque": lambda h: h.engine_torque},
     "pad_thermal_fade": {
-        "fade_slope": Counterpart(lambda h: h.fade, 0.05),
-        "fade_onset": Counterpart(lambda h: h.fade_onset, 0.05),
+        "fade_slope": lambda h: h.fade,
+        "fade_onset": lambda h: h.fade_onset,
     },
-    "pad_speed_dependence": {"speed_slope": Counterpart(lambda h: h.speed_slope, 0.06)},
-    "pad_pressure_dependence": {"pressure_slope": Counterpart(lambda h: h.pressure_slope)},
+    "pad_speed_dependence": {"speed_slope": lambda h: h.speed_slope},
+    "pad_pressure_dependence": {"pressure_slope": lambda h: h.pressure_slope},
     "wet_pad_recovery": {
-        "wet_loss": Counterpart(lambda h: h.wet_loss, 0.10),
-        "dry_energy": Counterpart(lambda h: h.dry_energy, 0.30),
+        "wet_loss": lambda h: h.wet_loss,
+        "dry_energy": lambda h: h.dry_energy,
     },
-    "rolling_radius_mismatch": {"radius_mismatch": Counterpart(lambda h: h.radius_mismatch)},
-    "brake_threshold_pressure": {"threshold": Counterpart(lambda h: h.threshold, 0.03)},
+    "rolling_radius_mismatch": {"radius_mismatch": lambda h: h.radius_mismatch},
+    "brake_threshold_pressure": {"threshold": lambda h: h.threshold},
     "hydraulic_lag": {
-        "time_constant": Counterpart(lambda h: h.lag + h.lag_behind),
-        "lag_bend": Counterpart(lambda h: h.lag * h.lag_behind / (h.lag + h.lag_behind) ** 2),
+        "time_constant": lambda h: h.lag + h.lag_behind,
+        "lag_bend": lambda h: h.lag * h.lag_behind / (h.lag + h.lag_behind) ** 2,
     },
-    "hydraulic_delay": {"delay": Counterpart(lambda h: h.delay)},
+    "hydraulic_delay": {"delay": lambda h: h.delay},
     "rear_proportioning": {
-        "knee_slope": Counterpart(lambda h: h.knee_slope),
-        "knee": Counterpart(lambda h: h.knee),
+        "knee_slope": lambda h: h.knee_slope,
+        "knee": lambda h: h.knee,
     },
     "caliper_hysteresis": {
         # falling over rising: (1 + w/2)/(1 - w/2) here, 1/(1 - w) there
         # a fixed width is told at 20 bar
-        "width": Counterpart(
-            lambda h: h.hysteresis / (1.0 + 0.5 * h.hysteresis) + 2.0 * h.hysteresis_fixed / 20e5,
-            0.10,
+        "width": lambda h: (
+            h.hysteresis / (1.0 + 0.5 * h.hysteresis) + 2.0 * h.hysteresis_fixed / 20e5
         ),
     },
     "pitch_coupling": {
-        "natural_frequency": Counterpart(lambda h: 2.0 * math.pi * h.pitch_frequency),
-        "damping": Counterpart(lambda h: h.pitch_damping),
-        "pitch_gradient": Counterpart(lambda h: h.pitch_gain),
+        "natural_frequency": lambda h: 2.0 * math.pi * h.pitch_frequency,
+        "damping": lambda h: h.pitch_damping,
+        "pitch_gradient": lambda h: h.pitch_gain,
     },
-    "accelerometer_bias": {"bias": Counterpart(lambda h: h.bias)},
-    "accelerometer_scale": {"scale_error": Counterpart(lambda h: h.scale_error)},
-    "wheel_inertia": {"extra_inertia": Counterpart(lambda h: h.inertia)},
-    "side_imbalance": {"imbalance": Counterpart(lambda h: h.imbalance)},
-    "disc_thickness_variation": {"amplitude": Counterpart(lambda h: h.thickness)},
-    "mass_error": {"mass_error": Counterpart(lambda h: h.mass_error)},
-    "residual_torque": {"residual_pressure": Counterpart(lambda h: h.sticking)},
+    "accelerometer_bias": {"bias": lambda h: h.bias},
+    "accelerometer_scale": {"scale_error": lambda h: h.scale_error},
+    "wheel_inertia": {"extra_inertia": lambda h: h.inertia},
+    "side_imbalance": {"imbalance": lambda h: h.imbalance},
+    "disc_thickness_variation": {"amplitude": lambda h: h.thickness},
+    "mass_error": {"mass_error": lambda h: h.mass_error},
+    "residual_torque": {"residual_pressure": lambda h: h.sticking},
     "hydraulic_oscillation": {
-        "response_time": Counterpart(lambda h: 1.0 / (2.0 * math.pi * h.surge)),
-        "line_damping": Counterpart(lambda h: h.surge_damping),
+        "response_time": lambda h: 1.0 / (2.0 * math.pi * h.surge),
+        "line_damping": lambda h: h.surge_damping,
     },
-    "rolling_radius_load": {"radius_load": Counterpart(lambda h: h.radius_load, 0.1)},
-    "tone_ring_runout": {"runout": Counterpart(lambda h: h.tooth_error)},
+    "rolling_radius_load": {"radius_load": lambda h: h.radius_load},
+    "tone_ring_runout": {"runout": lambda h: h.tooth_error},
     "accelerometer_lag": {
-        "filter_time": Counterpart(lambda h: math.sqrt(2.0) / (2 * math.pi * h.filter_frequency)),
-        "filter_bend": Counterpart(lambda h: 0.5),
+        "filter_time": lambda h: math.sqrt(2.0) / (2 * math.pi * h.filter_frequency),
+        "filter_bend": lambda h: 0.5,
     },
-    "speed_delay": {"v_delay": Counterpart(lambda h: h.v_late)},
-    "wheel_speed_delay": {"omega_delay": Counterpart(lambda h: 0.5 * h.wheel_window)},
+    "speed_delay": {"v_delay": lambda h: h.v_late},
+    "wheel_speed_delay": {"omega_delay": lambda h: 0.5 * h.wheel_window},
     "regenerative_torque": {
-        "regen_torque": Counterpart(lambda h: 2.0 * h.regen_torque, 0.05),
-        "regen_power": Counterpart(lambda h: 2.0 * h.regen_power, 0.05),
-        "regen_onset": Counterpart(lambda h: 1e5, 0.1),
-        "regen_lag": Counterpart(lambda h: h.regen_lag, 0.1),
+        "regen_torque": lambda h: 2.0 * h.regen_torque,
+        "regen_power": lambda h: 2.0 * h.regen_power,
+        "regen_onset": lambda h: 1e5,
+        "regen_lag": lambda h: h.regen_lag,
     },
 }
-
+"""True values of the parameters of the catalogue, SI, in the terms of the plant; where the plant
+goes its own way, as in rolling, fade, wetness or hysteresis, none is exactly right."""
 
 MOST_LEFT = 3.0
 """Noise units on the noise-free hold-outs above which an answer must say that something is left."""
@@ -121,27 +109,20 @@ MOST_LEFT = 3.0
 
 @dataclass(frozen=True)
 class Interval:
-    """Whether one 95 % interval holds the truth: as it stands, and with the slack of the form."""
+    """Whether one 95 % interval holds the truth."""
 
     effect: str
     parameter: str
     held: bool
-    held_with_slack: bool
-
-    @property
-    def same_form(self) -> bool:
-        """Whether plant and catalogue mean the same by the parameter, so that it has one value."""
-        return not COUNTERPARTS[self.effect][self.parameter].slack
 
 
 @dataclass(frozen=True)
 class Score:
     """One case against its answer.
 
-    ``closed`` share of the gap to the noise-free hold-outs that is gone [1], nan without replays,
-    ``by_channel`` the same; ``left`` rms distance to the noise-free hold-outs, in noise units,
-    ``remainder`` whether the answer says that something is left; ``axle``, ``driver`` whether an
-    unknown was placed right, None if not asked or not said.
+    ``closed`` share of the gap to the noise-free hold-outs that is gone [1]; ``left`` rms distance
+    to them, in noise units; ``remainder`` whether the answer says that something is left; ``axle``,
+    ``driver`` whether an unknown was placed right, None if not asked or not said.
     """
 
     kind: str
@@ -150,11 +131,10 @@ class Score:
     verdict: str
     outcome: str
     closed: float
-    by_channel: dict[str, float]
+    left: float
     intervals: tuple[Interval, ...]
     axle: bool | None = None
     driver: bool | None = None
-    left: float = math.nan
     remainder: bool = False
 
     @property
@@ -175,27 +155,23 @@ class Score:
 def score(
     case: HiddenCase,
     diagnosis: Mapping,
-    before: Replays | None = None,
-    after: Replays | None = None,
+    before: Replays,
+    after: Replays,
 ) -> Score:
     """Score one diagnosis."""
     axle, driver = placed(case, diagnosis) if case.kind == "outside" else (None, None)
-    closed, by_channel, left = math.nan, {}, math.nan
-    if before is not None and after is not None:
-        closed, by_channel = gap_closed(case, before, after)
-        left = math.sqrt(sum(distances(case, after).values()) / len(CHANNELS))
+    gap, left = (distance(case, replays) for replays in (before, after))
     return Score(
         kind=case.kind,
         truth=tuple(sorted(case.effects)),
         named=tuple(sorted(e["name"] for e in diagnosis["effects"])),
         verdict=diagnosis["verdict"],
         outcome=outcome(case, diagnosis),
-        closed=closed,
-        by_channel=by_channel,
+        closed=1.0 - left / max(gap, 1e-15),
+        left=left,
         intervals=intervals(case, diagnosis),
         axle=axle,
         driver=driver,
-        left=left,
         remainder=bool(diagnosis.get("unexplained")),
     )
 
@@ -223,19 +199,11 @@ def intervals(case: HiddenCase, diagnosis: Mapping) -> tuple[Interval, ...]:
     """Intervals of rightly named effects."""
     found = []
     for effect in diagnosis["effects"]:
-        if effect["name"] not in case.effects:
-            continue
-        for name, part in COUNTERPARTS[effect["name"]].items():
-            if name not in effect["parameters"]:
-                continue
-            told = effect["parameters"][name]
-            low, high = (in_si(x, told["unit"]) for x in told["ci95"])
-            true = part.value(case.hidden)
-            more = part.slack * abs(true)
-            held = low <= true <= high
-            found.append(
-                Interval(effect["name"], name, held, low - more <= true <= high + more),
-            )
+        if effect["name"] in case.effects:
+            for name, true in COUNTERPARTS[effect["name"]].items():
+                if told := effect["parameters"].get(name):
+                    low, high = (in_si(x, told["unit"]) for x in told["ci95"])
+                    found.append(Interval(effect["name"], name, low <= true(case.hidden) <= high))
     return tuple(found)
 
 
@@ -248,31 +216,17 @@ def in_si(value: float, unit: str) -> float:
     return value * FACTORS.get(unit, 1.0)
 
 
-def gap_closed(case: HiddenCase, before: Replays, after: Replays) -> tuple[float, dict[str, float]]:
-    """Share of the rms distance to the noise-free hold-outs that is gone, over all and by channel.
-
-    Channels count in units of their noise. A replay that ends early is compared as far as it goes.
-    """
-    first, last = distances(case, before), distances(case, after)
-    by_channel = {c: 1.0 - math.sqrt(last[c] / first[c]) if first[c] else 0.0 for c in CHANNELS}
-    total = math.sqrt(sum(last.values()) / max(sum(first.values()), 1e-30))
-    return 1.0 - total, by_channel
-
-
-def distances(case: HiddenCase, replays: Replays) -> dict[str, float]:
-    """Mean square of replay less truth by channel, in units of the noise, the runs alike [1].
-
-    The noise is that of the case's own sensors.
-    """
-    squares = dict.fromkeys(CHANNELS, 0.0)
+def distance(case: HiddenCase, replays: Replays) -> float:
+    """Rms of replay less truth over channels and runs alike, in units of the noise of the case's
+    own sensors [1]. A replay that ends early is compared as far as it goes."""
     variety = case.answer.get("variety") or {}
-    factor = variety.get("noise", 1.0)
+    factor, squares = variety.get("noise", 1.0), []
     for name, truth in case.truth.items():
         n = min(truth["time"].size, replays[name]["time"].size)
         for c in CHANNELS:
             off = (replays[name][c][:n] - truth[c][:n]) / (factor * NOISE[c].sd)
-            squares[c] += float(np.mean(off**2)) / len(case.truth)
-    return squares
+            squares.append(float(np.mean(off**2)))
+    return math.sqrt(float(np.mean(squares)))
 
 
 WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {

@@ -123,17 +123,6 @@ def disagreements(log: Log, table: Table) -> list[str]:
     ]
 
 
-def disagreements_of(text: str, table: Table) -> list[str]:
-    """`disagreements` of a log as CSV; none of one that cannot be read."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "spoiled.csv"
-        path.write_text(text)
-        try:
-            return disagreements(read_log(path), table)
-        except LogError:
-            return []
-
-
 def _of_use(table: Table, log: Log) -> None:
     (result,) = validate(table, [log])
     if result.estimate.unfit:
@@ -153,24 +142,30 @@ def _refused(act: Callable[[], object], usable: bool) -> str | None:
 
 
 def findings(text: str, table: Table, ramp: bool) -> list[str]:
-    """What is wrong in how the program takes a log: check, then fit or validate."""
+    """What is wrong in how check, then fit or validate, take a log as CSV; and `disagreements`."""
+    works = (_checked, _fitted if ramp else partial(_validated, table))
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("error")
         path = Path(folder) / "spoiled.csv"
         path.write_text(text)
-        works = (_checked, _fitted if ramp else partial(_validated, table))
-        return [flaw for work in works for flaw in _flaws(work, path)]
+        flaws = [flaw for work in works for flaw in _flaws(work, path)]
+        try:
+            return flaws + disagreements(read_log(path), table)
+        except LogError:
+            return flaws
 
 
 def _flaws(work: Callable[[Path], list[str]], path: Path) -> list[str]:
     try:
-        return [flaw for told in work(path) for flaw in _wrong(told)]
+        told = work(path)
     except NotFiniteError as error:
         return [f"not finite: {error.what}"]
     except BrakeCalError as error:
-        return _wrong(str(error))
+        told = [str(error)]
     except Exception as error:
-        return [_place(error)]
+        return traceback.format_exception(error)[-2:]
+    found = [(text, NOT_A_NUMBER.search(text)) for text in told]
+    return [repr(text[max(0, at.start() - 60) : at.end() + 30]) for text, at in found if at]
 
 
 def _checked(path: Path) -> list[str]:
@@ -189,17 +184,6 @@ def _validated(table: Table, path: Path) -> list[str]:
     return [repr(result), json.dumps(result.figures), *map(str, result.warnings)]
 
 
-def _wrong(text: str) -> list[str]:
-    found = NOT_A_NUMBER.search(text)
-    return [] if found is None else [f"...{text[max(0, found.start() - 60) : found.end() + 30]!r}"]
-
-
-def _place(error: Exception) -> str:
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if "/calib/" in f.filename]
-    last = frames[-1] if frames else traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__}: {error} at {last.filename}:{last.lineno}"
-
-
 def main(count: int) -> None:
     """Spoil logs, and print each flaw and each disagreement."""
     coast = as_log(drive(REAL, lambda t: 0.0, 33.0, duration=8.0), "coast")
@@ -207,7 +191,7 @@ def main(count: int) -> None:
     table = fit(CAR, [runs[0]])
     for number in range(count):
         done, text = spoiled(runs[number % 3], np.random.default_rng([1, number]))
-        for flaw in (*findings(text, table, number % 3 == 0), *disagreements_of(text, table)):
+        for flaw in findings(text, table, number % 3 == 0):
             sys.stdout.write(f"{number} {done}\n      {flaw}\n")
 
 
