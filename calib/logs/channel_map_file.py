@@ -1,14 +1,13 @@
 """A channel map as a TOML file: `brake-cal manual logs` shows each key."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     AfterValidator,
     Field,
     ValidationError,
     ValidatorFunctionWrapHandler,
-    WithJsonSchema,
     WrapValidator,
     model_validator,
 )
@@ -22,11 +21,10 @@ from calib.base.record import (
     Section,
     by_name,
     read_toml,
-    section,
 )
 from calib.base.record_errors import wrong
 from calib.base.toml import shown
-from calib.base.units import UnknownUnit, spellings, unit_of
+from calib.base.units import UnknownUnit, unit_of
 from calib.logs.channel_map import METHODS, ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 
@@ -70,26 +68,9 @@ class _MappingSection(Section):
     delay: Annotated[float, QuantityMark("s")] = 0.0
 
 
-def _mapping_in(si: str) -> type[_MappingSection]:
-
-    def known(unit: str) -> str:
-        try:
-            unit_of(unit, si)
-        except UnknownUnit as cause:
-            raise wrong(str(cause)) from cause
-        return unit
-
-    examples = WithJsonSchema({"type": "string", "examples": spellings(si)})
-    unit: Any = Annotated[str, AfterValidator(known), examples]
-    title, about = f"_MappingSection[{si}]", f"Source of a channel in {si}."
-    made: type[_MappingSection] = section(title, about, {"unit": (unit, None)}, _MappingSection)
-    return made
-
-
-_MAPPINGS = {si: _mapping_in(si) for si in sorted({q.si for q in CHANNELS.values()})}
 _ChannelsSection = by_name(
     "_ChannelsSection",
-    {name: _MAPPINGS[q.si] for name, q in CHANNELS.items()},
+    dict.fromkeys(CHANNELS, _MappingSection),
     "The mapped channels by canonical name.",
 )
 
@@ -145,6 +126,12 @@ def read_channel_map(path: Path) -> ChannelMap:
     path = Path(path)
     file = read_toml(path, ChannelMapFile, ChannelMapError)
     entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}
+    channels = {name: Mapping(**dict(entry)) for name, entry in entries.items()}
+    for name, mapping in channels.items():
+        try:
+            unit_of(mapping.unit or CHANNELS[name].unit, CHANNELS[name].si)
+        except UnknownUnit as cause:
+            raise ChannelMapError(str(cause), where=f"{path}: channels.{name}.unit") from cause
     by_bus = file.dbc if isinstance(file.dbc, dict) else {"": file.dbc or []}
     lists = {bus: [one] if isinstance(one, str) else one for bus, one in by_bus.items()}
     databases = {
@@ -153,7 +140,7 @@ def read_channel_map(path: Path) -> ChannelMap:
     }
     return ChannelMap(
         where=str(path),
-        channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
+        channels=channels,
         text=TextFormat(**dict(file.text or _TextSection())),
         ignore=tuple(file.ignore or ()),
         databases=databases,

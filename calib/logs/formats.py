@@ -26,7 +26,7 @@ from calib.logs.text.vbo import open_vbo
 
 MDF = (".mf4", ".mdf", ".dat")
 
-_ROWS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
+_KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb"PAR1", "a Parquet file", (".parquet",)),
     (rb"MDF  |UnFin", "an MDF file", MDF),
     (rb"LOGG", "a BLF file", (".blf",)),
@@ -35,35 +35,16 @@ _ROWS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb";\$fileversion=", "a PEAK TRC log", (".trc",)),
     (rb"file created on ", "a VBO log", (".vbo",)),
     (rb"PK\x03\x04", "a zip archive or a workbook", ()),
-    (rb"%PDF", "a PDF file", ()),
-    (rb"\x89PNG", "a picture", ()),
-    (rb"\x89HDF", "an HDF5 file", ()),
-    (rb"MATLAB ", "a MATLAB file", ()),
-    (rb"SQLite", "a database", ()),
+    (rb"MATLAB |\x89HDF", "a MATLAB or HDF5 file", ()),
     (rb"<!doctype html|<html", "a web page", ()),
     (rb"<\?xml", "an XML file", ()),
     (rb"\{", "a JSON file", ()),
 )
 """Beginning in any case, what it is, and the endings under which it is right."""
 
-_KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, ends in _ROWS)
-
-
-def kind_of(head: bytes) -> tuple[str, tuple[str, ...]] | None:
-    """What a file is that begins with ``head`` (64 bytes), and the endings under which it is right.
-
-    >>> kind_of(b"(1700000000.000400) can0 101#0000D4FF")
-    ('a candump log', ('.log',))
-    """
-    text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
-    for begin, name, endings in _KINDS:
-        if begin.match(text):
-            return name, endings
-    return None
-
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
-    """Raise LogError if ``head`` is that of another kind of file than its ``ending``."""
+    """Raise LogError if ``head`` (64 bytes) is that of another kind of file than its ``ending``."""
     if head.startswith(POINTER):
         raise LogError(
             "a pointer of git LFS, not the log itself",
@@ -71,7 +52,9 @@ def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
             expected=f"the bytes of a {ending} file",
             do="get the file: git lfs pull",
         )
-    name, endings = kind_of(head) or ("", (ending,))
+    text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
+    begun = (kind for kind in _KINDS if re.match(kind[0], text, re.IGNORECASE))
+    _, name, endings = next(begun, (b"", "", (ending,)))
     if ending not in endings:
         raise LogError(
             f"{name}, not a {ending} file",

@@ -1,8 +1,8 @@
 """Read a log of any known format as a `Log` in SI."""
 
 import hashlib
-import stat
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.bounded import LOG, RECORDING, open_bounded, read_bounded
+from calib.base.bounded import LOG, RECORDING, FileKind, open_bounded, read_bounded
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
@@ -87,14 +87,10 @@ def open_log(
 
 
 def _seen(file: Path, where: Path) -> tuple[bytes, str]:
-    refuse_no_log(file, where)
-    try:
-        with open_bounded(file, RECORDING) as stream:
-            head = stream.read(64)
-            stream.seek(0)
-            return head, hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as cause:
-        raise _unreadable(where, cause) from cause
+    with _as_log(file, where) as kind, open_bounded(file, kind) as stream:
+        head = stream.read(64)
+        stream.seek(0)
+        return head, hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def read_log(
@@ -252,37 +248,30 @@ def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Ass
     return clock
 
 
-def _unreadable(where: object, cause: OSError) -> LogError:
-    return LogError(f"not readable: {cause.strerror}", where=where)
-
-
 def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
-    """The bytes of a log; ``where`` names it in messages. Raises LogError as `refuse_no_log`."""
-    where = path if where is None else where
-    refuse_no_log(path, where, any_format=any_format)
-    try:
-        return read_bounded(path, LOG if ending_of(path) in TABLES else RECORDING)
-    except OSError as cause:
-        raise _unreadable(where, cause) from cause
+    """The bytes of a log; ``where`` names it in messages.
+
+    Raises LogError if ``path`` is not a readable file of a known format.
+    """
+    with _as_log(path, path if where is None else where, any_format) as kind:
+        return read_bounded(path, kind)
 
 
-def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False) -> None:
-    """Raise LogError if ``path`` is not a readable file of a known format."""
-    where = path if where is None else where
+@contextmanager
+def _as_log(path: Path, where: object, any_format: bool = False) -> Iterator[FileKind]:
+    """The kind of file of a log; what the system says of one that cannot be read is a LogError."""
+    ending = ending_of(path)
     try:
-        mode = path.stat().st_mode
-    except (FileNotFoundError, NotADirectoryError, ValueError) as cause:
+        if ending not in FORMATS and not any_format and path.is_file():
+            raise LogError(
+                f"unknown format {ending!r}",
+                where=where,
+                expected=f"one of {', '.join(FORMATS)}",
+                do="a workbook: save its sheet as CSV" if ending in _WORKBOOKS else "",
+            )
+        yield LOG if ending in TABLES else RECORDING
+    except (FileNotFoundError, NotADirectoryError) as cause:
         do = "check the path"
         raise LogError("no such file", where=where, expected="a log", do=do) from cause
     except OSError as cause:
-        raise _unreadable(where, cause) from cause
-    if not stat.S_ISREG(mode):
-        what = "a directory" if stat.S_ISDIR(mode) else "a device, socket or pipe"
-        raise LogError(what, where=where, expected="a log file")
-    if ending_of(path) not in FORMATS and not any_format:
-        raise LogError(
-            f"unknown format {ending_of(path)!r}",
-            where=where,
-            expected=f"one of {', '.join(FORMATS)}",
-            do="a workbook: save its sheet as CSV" if ending_of(path) in _WORKBOOKS else "",
-        )
+        raise LogError(f"not readable: {cause.strerror}", where=where, expected="a log") from cause

@@ -195,9 +195,15 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 
 def find_by_name(search: Search) -> None:
     """Find the channels that are not tested with physics."""
-    for channel, (si, side, of) in _BY_NAME.items():
-        found = [s for s in search.free() if s.name == channel or _fits(s, si, side, of)]
-        found = [s for s in found if s.name == channel] or found
+    for channel, (si, side, quantities) in _BY_NAME.items():
+        free = search.free()
+        found = [s for s in free if s.name == channel] or [
+            s
+            for s in free
+            if s.si == si
+            and side in (None, axle(s.name))
+            and all(score(s.name, quantity) > 0 for quantity in quantities)
+        ]
         if len(found) > 1:
             do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
             search.doubt(channel, found, "several columns fit by name", do)
@@ -206,11 +212,6 @@ def find_by_name(search: Search) -> None:
             if channel.startswith("T_drive"):
                 reasons.append("it must be that at the wheels, negative when it slows the car")
             search.propose(channel, Mapping(found[0].name), False, *reasons)
-
-
-def _fits(item: Series, si: str, side: str | None, of: tuple[Words, ...]) -> bool:
-    here = item.si == si and side in (None, axle(item.name))
-    return here and all(score(item.name, words_of) > 0 for words_of in of)
 
 
 def _brake_score(name: str) -> int:

@@ -14,15 +14,16 @@ from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
 from calib.logs.verify import check_steps
+from calib.run.filters import runs
 from calib.suggest.columns import (
+    GIVE_RADIUS,
+    SMOOTH,
     ColumnClock,
     Doubt,
     Search,
     Series,
-    moving,
     rim_mapping,
     rising,
-    signs_of,
     together,
 )
 from calib.suggest.words import TIME, loose_corner, words
@@ -31,6 +32,9 @@ _SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "d": 86400.0}
 """Possible units of a time column without a unit [s]; the sample rate decides between them."""
 _REPEATED = 0.01
 """Largest share of rows that repeat the time of the row before them [1]."""
+
+_SLOW = 0.15
+"""Share of the highest speed [1] below which samples are not used: the car is about to stop."""
 
 _ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
 
@@ -137,10 +141,14 @@ def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
 
 
 def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Array | None:
-    """Derivative of the speed; drops all rows in which the car does not move."""
+    """Derivative of the speed; drops all rows but the longest part in which the car moves."""
     if motion is None:
         return None
-    part = moving(motion, clock)
+    fast = motion > _SLOW * float(motion.max())
+    start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, motion.size))
+    margin = 2 * clock.width(SMOOTH)  # smoothing distorts the ends
+    whole = end - start > 6 * margin
+    part = slice(start + margin, end - margin) if whole else slice(start, end)
     search.series = [replace(s, values=s.values[part]) for s in search.series]
     search.clock = ColumnClock(clock.time[part], clock.step)
     return clock.rate_of(motion)[part]
@@ -181,13 +189,14 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     """Four speeds named for the wheels and alike; their mean, and whether it is in rad/s."""
     good, mirrored = [], set[str]()
     for four in _fours(search, "rad/s", "m/s", None):
-        signs = signs_of([four[w].values for w in WHEELS])
+        backwards = {x.name for x in four.values() if float(np.median(x.values)) < 0.0}
         turned = [
-            replace(four[w], values=s * four[w].values) for w, s in zip(WHEELS, signs, strict=True)
+            replace(four[w], values=-four[w].values) if four[w].name in backwards else four[w]
+            for w in WHEELS
         ]
         if together([item.values for item in turned]):
             good.append(turned)
-            mirrored |= {item.name for item, s in zip(turned, signs, strict=True) if s < 0}
+            mirrored |= backwards
         elif four["fl"].si is not None:
             for item in four.values():
                 search.refuse(item, "it does not agree with the other three wheels")
@@ -210,14 +219,11 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
         do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
     elif si == "m/s" and search.radii is None:
         why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
-        do = (
-            "give the radius with which the car computes them: --radius 0.31, "
-            "twice where front and rear have others"
-        )
+        do = GIVE_RADIUS
     if why:
         _doubt_wheels(search, names, why, do)
         return mean, False
-    if not _wheels_told(search):
+    if not set(_ALL_WHEELS) & set(search.told):
         for channel, one in zip(_ALL_WHEELS, chosen, strict=True):
             at_rim = rim_mapping(channel, one.name, unit, search.radii) or Mapping(one.name)
             reasons = ["name", f"unit {unit}", "the four wheels agree"]
@@ -228,22 +234,16 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     return mean / float(np.mean(search.radii)) if si == "m/s" and search.radii else mean, True
 
 
-def _wheels_told(search: Search) -> bool:
-    return any(channel in search.told for channel in _ALL_WHEELS)
-
-
 def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
-    if not _wheels_told(search):
+    if not set(_ALL_WHEELS) & set(search.told):
         channel = f"{_ALL_WHEELS[0]} ... {_ALL_WHEELS[-1]}"
         search.doubts.append(Doubt(channel, tuple(names), why, do))
 
 
 def find_wheel_pressures(search: Search) -> None:
     """Four columns of pressures that are named for the wheels."""
-    found = _fours(search, "Pa")
-    if len(found) == 1 and all(
-        s.values.max() <= 1e5 * bounds_of("pressure_high")[1] for s in found[0].values()
-    ):
+    found, most = _fours(search, "Pa"), 1e5 * bounds_of("pressure_high")[1]
+    if len(found) == 1 and all(item.values.max() <= most for item in found[0].values()):
         for wheel, item in found[0].items():
             unit = f"unit {item.column.unit}"
             search.propose(f"p_{wheel}", Mapping(item.name), False, "name", unit)

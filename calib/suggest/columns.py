@@ -5,7 +5,7 @@ a_x          is the derivative of speed, up to a sign
 pressure     comes before the deceleration, and both rise and fall together
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +16,13 @@ from calib.base.names import AXLES, CHANNELS
 from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of
-from calib.run.filters import centred_mean, runs
+from calib.run.filters import centred_mean
 
-_SMOOTH = 0.2
+SMOOTH = 0.2
 """Width [s] over which a speed is smoothed before it is differentiated."""
 _LAG = 0.5
 """Longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s."""
-_SLOW = 0.15
-"""Share of the highest speed [1] below which samples are not used: the car is about to stop."""
-TOGETHER, RATIO = 0.99, 0.1
+_TOGETHER, _RATIO = 0.99, 0.1
 """Lowest correlation of two wheels, and largest relative difference of their means [1]."""
 
 
@@ -57,21 +55,17 @@ def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[
         elif np.isinf(values).any():
             left[name] = "has infinite values"
         else:
-            item = replace(_series(name, column, values), rate=source.rates.get(index))
+            si, own = None, CHANNELS.get(column.name)
+            if column.unit:
+                try:
+                    # Of a canonical channel: `Hz` on a wheel is an angular speed.
+                    si = own.si if own and is_unit(column.unit, own.si) else si_of(column.unit)
+                    values = to_si(values, column.unit, si)
+                except UnknownUnit:
+                    si = "?"
+            item = Series(name, column, values, si, source.rates.get(index))
             (gapped if np.isnan(values).any() else found).append(item)
     return found, gapped, left
-
-
-def _series(name: str, column: Column, values: Array) -> Series:
-    if not column.unit:
-        return Series(name, column, values, None)
-    own = CHANNELS.get(column.name)
-    try:
-        # For a canonical channel only its own units count: `Hz` on a wheel is an angular speed.
-        si = own.si if own and is_unit(column.unit, own.si) else si_of(column.unit)
-    except UnknownUnit:
-        return Series(name, column, values, "?")
-    return Series(name, column, to_si(values, column.unit, si), si)
 
 
 def rising(time: Array) -> NDArray[np.bool_]:
@@ -91,28 +85,23 @@ class ColumnClock:
         return max(1, round(seconds / self.step))
 
     def smooth(self, x: Array) -> Array:
-        """The mean of x (n,) over `_SMOOTH`."""
-        return centred_mean(x, self.width(_SMOOTH) | 1)
+        """The mean of x (n,) over `SMOOTH`."""
+        return centred_mean(x, self.width(SMOOTH) | 1)
 
     def rate_of(self, speed: Array) -> Array:
-        """Derivative of a speed, smoothed over `_SMOOTH` [unit/s]."""
+        """Derivative of a speed, smoothed over `SMOOTH` [unit/s]."""
         return self.smooth(np.gradient(self.smooth(speed), self.time))
-
-
-def signs_of(four: list[Array]) -> list[int]:
-    """1 or -1 by which each of four speeds is positive: mirrored wheels count backwards."""
-    return [-1 if float(np.median(x)) < 0.0 else 1 for x in four]
 
 
 def together(four: list[Array]) -> bool:
     """Whether four speeds are of one car: similar means, high correlation."""
     means = [float(np.mean(x)) for x in four]
-    if min(means) <= 0.0 or max(means) > (1.0 + RATIO) * min(means):
+    if min(means) <= 0.0 or max(means) > (1.0 + _RATIO) * min(means):
         return False
     if any(np.ptp(x) == 0.0 for x in four):
         return False
     steady = max(float(np.std(x)) for x in four) < 0.02 * max(means)  # constant: no correlation
-    return steady or float(np.corrcoef(four).min()) > TOGETHER
+    return steady or float(np.corrcoef(four).min()) > _TOGETHER
 
 
 def correlation(a: Array, b: Array) -> float:
@@ -133,17 +122,13 @@ def follows(x: Array, rate: Array, clock: ColumnClock) -> float:
     return max(lagged, key=abs)
 
 
-def moving(speed: Array, clock: ColumnClock) -> slice:
-    """The longest part in which the car moves, without the ends that smoothing distorts."""
-    fast = speed > _SLOW * float(speed.max())
-    start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, speed.size))
-    margin = 2 * clock.width(_SMOOTH)
-    whole = end - start > 6 * margin
-    return slice(start + margin, end - margin) if whole else slice(start, end)
-
-
 Radii = tuple[float, float]
 """Radii [m] of front and rear wheels, with which a car computes speeds at the rim."""
+
+GIVE_RADIUS = (
+    "give the radius with which the car computes them: --radius 0.31, twice where front and rear "
+    "have others"
+)
 
 SURE, LIKELY = "sure", "likely"
 """Sure: name, unit and physics agree. Likely: one is missing, and none contradicts."""

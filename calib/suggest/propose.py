@@ -14,7 +14,7 @@ from calib.base.plain import quoted
 from calib.base.units import UnknownUnit, is_unit, unit_of
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import REQUIRED, read_log
-from calib.logs.source import Column, ColumnSource, address_of, called
+from calib.logs.source import ColumnSource, address_of, called
 from calib.logs.text.cells import column_from_cell
 from calib.logs.text.dialect import LOOKED
 from calib.run.driving_record import NOMINAL_RADIUS
@@ -33,6 +33,7 @@ from calib.suggest.clock_and_wheels import (
     while_moving,
 )
 from calib.suggest.columns import (
+    GIVE_RADIUS,
     LIKELY,
     SURE,
     Doubt,
@@ -122,42 +123,30 @@ def _told(
         raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
     if not cell:
         return None
-    column, given = _column_called(cell, source, where), column_from_cell(cell)
-    address = address_of(column, source.columns)
+    columns, given, si = source.columns, column_from_cell(cell), CHANNELS[channel].si
+    indices = called(cell, columns) or called(given.name, columns)
+    if len(indices) != 1:
+        has = f"{where} has {len(indices) or 'no'} column{'s' * bool(indices)} {cell!r}"
+        names = [address_of(columns[i], columns) for i in indices] or [c.name for c in columns]
+        raise InputError(has, expected=f"one of {quoted(names)}")
+    column = columns[indices[0]]
+    address = address_of(column, columns)
     unit = given.unit if column.name != cell and given.unit != column.unit else None
-    mapping = rim_mapping(channel, address, unit or column.unit, radii)
+    written = unit or column.unit
+    mapping = rim_mapping(channel, address, written, radii)
     if mapping is not None:
         return Proposal(channel, mapping, SURE, ("given, with the radius of its axle",))
-    _check_unit(unit or column.unit, channel, cell)
-    return Proposal(channel, Mapping(address, unit), SURE, ("given",))
-
-
-def _column_called(cell: str, source: ColumnSource, where: str) -> Column:
-    columns = source.columns
-    found = called(cell, columns) or called(column_from_cell(cell).name, columns)
-    if len(found) == 1:
-        return columns[found[0]]
-    has = f"{where} has {len(found) or 'no'} column{'s' * bool(found)} {cell!r}"
-    names = [address_of(columns[i], columns) for i in found] or [c.name for c in columns]
-    raise InputError(has, expected=f"one of {quoted(names)}")
-
-
-def _check_unit(unit: str | None, channel: str, cell: str) -> None:
-    si = CHANNELS[channel].si
-    if unit is None:
+    if written is None:
         do = f"give it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
         raise InputError(f"{cell!r} has no unit", where=channel, expected=f"one of {si}", do=do)
     try:
-        unit_of(unit, si)
+        unit_of(written, si)
     except UnknownUnit as cause:
-        rim = channel.startswith("omega_") and is_unit(unit, "m/s")
-        radius = (
-            "give the radius with which the car computes it: --radius 0.31, twice where front and "
-            "rear have others"
-            if rim
-            else ""
-        )
-        raise InputError(f"{cell!r}: {cause}", where=channel, do=radius) from cause
+        rim = channel.startswith("omega_") and is_unit(written, "m/s")
+        raise InputError(
+            f"{cell!r}: {cause}", where=channel, do=GIVE_RADIUS if rim else ""
+        ) from cause
+    return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
 
 def tried(found: Suggestion, path: Path, read_with: ChannelMap | None = None) -> Suggestion:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.formats import TABLES, ending_of, kind_of, stem_of
+from calib.logs.formats import TABLES, ending_of, refuse_other_kind, stem_of
 from calib.logs.read import FORMATS, read_log
 from tests.support.recordings import (
     RAMP,
@@ -70,8 +70,8 @@ def test_text_of_another_kind_is_not_called_cut_off(tmp_path, ending, text):
 
 
 def test_a_table_that_begins_with_a_word_of_another_kind_is_a_table():
-    assert kind_of(b"date time [s],v [m/s]\n0.0,20.5\n") is None
-    assert kind_of(b"(time),v [m/s]\n0.0,20.5\n") is None
+    refuse_other_kind(b"date time [s],v [m/s]\n0.0,20.5\n", ".csv", "run.csv")
+    refuse_other_kind(b"(time),v [m/s]\n0.0,20.5\n", ".csv", "run.csv")
 
 
 @pytest.mark.parametrize(

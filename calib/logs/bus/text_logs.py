@@ -183,8 +183,6 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
 
 _VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
 """Those that python-can reads; it takes any other for 1.0."""
-_FD_LENGTHS = (12, 16, 20, 24, 32, 48, 64)
-"""Bytes of a CAN FD frame for the codes 9 to 15 (ISO 11898-1)."""
 _VERSION = re.compile(r"\s*;\$FILEVERSION=\s*(\S+)")
 _COLUMNS = re.compile(r";\$COLUMNS=(\S+)")
 _LAST = re.compile(r"[0-9A-F]{2}|RTR", re.IGNORECASE)
@@ -244,7 +242,7 @@ class _TrcLines(Counted):
     def stated(self, message: "can.Message") -> int:
         if not message.is_fd:
             return int(min(message.dlc, 8))
-        return int(message.dlc if message.dlc <= 8 else _FD_LENGTHS[message.dlc - 9])
+        return int(need("can", "can", str(self.path)).util.dlc2len(message.dlc))
 
 
 def open_trc(path: Path, dbc: Databases) -> Recording:

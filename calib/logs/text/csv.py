@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +23,6 @@ from calib.logs.text.dialect import (
     Dialect,
     TextFormat,
     dialect_of,
-    is_number,
     layouts_of,
     mostly,
     sample_of,
@@ -185,7 +184,7 @@ class TextRows:
                 ),
             )
         except pa.ArrowInvalid as cause:
-            raise self._bad_row(set(indices) - self.clocks, str(cause)) from cause
+            raise self._bad_row(str(cause)) from cause
         return [
             clock_seconds(column.to_pylist(), EMPTY, f"{self.where}: {self.columns[i].name}")
             if i in self.clocks
@@ -193,24 +192,23 @@ class TextRows:
             for i, column in zip(indices, table.columns, strict=True)
         ]
 
-    def _bad_row(self, numbers: Collection[int], cause: str) -> LogError:
-        lines = self.data[self.start :].decode(errors="replace").splitlines()
-        for row, cells in enumerate(self.dialect.cells(lines), start=1):
-            if cells and len(cells) != len(self.columns):
-                return LogError(
-                    f"row {row} has {len(cells)} cells",
-                    where=self.where,
-                    expected=f"{len(self.columns)}, as the header has",
-                    do="look at the row; was the log written by two programs at once?",
-                )
-            for index in sorted(numbers) if cells else ():
-                cell, decimal = cells[index], self.dialect.decimal
-                if cell not in EMPTY and not is_number(cell, decimal):
-                    mark = {".": "point", ",": "comma"}[decimal]
-                    return LogError(
-                        f"row {row}: {cell[:60]!r} is not a number",
-                        where=f"{self.where}: {self.columns[index].name}",
-                        expected=f"a number with a decimal {mark}, or an empty cell",
-                    )
-        what = f"not readable as CSV: {cause}"
+    def _bad_row(self, cause: str) -> LogError:
+        """The error for what pyarrow says of a row."""
+        if cell := re.search(
+            r"column #(\d+): Row #(\d+): .*?invalid value '(.*)'", cause, re.DOTALL
+        ):
+            mark = {".": "point", ",": "comma"}[self.dialect.decimal]
+            return LogError(
+                f"row {cell[2]}: {cell[3].strip()[:60]!r} is not a number",
+                where=f"{self.where}: {self.columns[int(cell[1])].name}",
+                expected=f"a number with a decimal {mark}, or an empty cell",
+            )
+        if row := re.search(r"Row #(\d+): Expected (\d+) columns, got (\d+)", cause):
+            return LogError(
+                f"row {row[1]} has {row[3]} cells",
+                where=self.where,
+                expected=f"{row[2]}, as the header has",
+                do="look at the row; was the log written by two programs at once?",
+            )
+        what = f"not readable as CSV: {cause[:200]}"
         return LogError(what, where=self.where, expected="separated text")

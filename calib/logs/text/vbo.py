@@ -96,17 +96,21 @@ def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...
             expected="the same number in both",
         )
     by_index, notes = _units(texts.get("channel units", []), header)
-    columns = [
-        _column(name, word, by_index.get(i))
-        for i, (name, word) in enumerate(zip(header, short, strict=True))
-    ]
+    columns = []
+    for i, (name, word) in enumerate(zip(header, short, strict=True)):
+        unit = by_index.get(i)
+        if name.lower() == "time":
+            columns.append(Column("time", "s", word))
+            continue
+        if unit is None and (own := _own_unit(name)):  # ``velocity kmh``, not ``Brake [bar]``
+            plain = Column(name.rpartition(" ")[0], own)
+        else:
+            plain = column_from_cell(name)
+        full = word if word != plain.name else ""
+        columns.append(Column(plain.name, unit or plain.unit, full))
     if not any(c.name == "v" for c in columns):
         columns = [Column("v", c.unit, c.name) if c.name == "velocity" else c for c in columns]
     return tuple(columns), notes
-
-
-def _standard(name: str) -> bool:
-    return any(name.lower() == s or name.lower().startswith(f"{s} ") for s in _STANDARD)
 
 
 def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], list[str]]:
@@ -115,7 +119,11 @@ def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], lis
     Lines belong to all names that are not standard, to those without a unit, or to the last ones:
     the first of these that contradicts no unit of a name.
     """
-    own = [i for i, name in enumerate(header) if not _standard(name)]
+    own = [
+        i
+        for i, name in enumerate(header)
+        if not any(name.lower() == s or name.lower().startswith(f"{s} ") for s in _STANDARD)
+    ]
     bare = [i for i in own if _own_unit(header[i]) is None]
     filled = len(lines)
     while filled and not lines[filled - 1]:
@@ -130,7 +138,8 @@ def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], lis
     for places, notes in choices:
         given = zip(places, lines, strict=False)
         found = {i: unit for i, unit in given if unit.lower() not in ("", "(null)")}
-        if all(_agree(header[i], unit) for i, unit in found.items()):
+        stated = {i: _own_unit(header[i]) or unit for i, unit in found.items()}
+        if all(spelling(stated[i]) == spelling(unit) for i, unit in found.items()):
             return found, notes
     return {}, [f"{fits}no unit was used"] if filled else []
 
@@ -138,22 +147,6 @@ def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], lis
 def _own_unit(name: str) -> str | None:
     stem, _, last = name.rpartition(" ")
     return last if stem and is_unit(last) else None
-
-
-def _agree(name: str, unit: str) -> bool:
-    own = _own_unit(name)
-    return own is None or spelling(own) == spelling(unit)
-
-
-def _column(name: str, word: str, unit: str | None) -> Column:
-    """A column: ``velocity kmh`` has its unit after the name, ``Brake [bar]`` in brackets."""
-    if name.lower() == "time":
-        return Column("time", "s", word)
-    if unit is None and (own := _own_unit(name)):
-        plain = Column(name.rpartition(" ")[0], own)
-    else:
-        plain = column_from_cell(name)
-    return Column(plain.name, unit or plain.unit, word if word != plain.name else "")
 
 
 def _seconds(written: Array, where: str) -> Array:
