@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -58,10 +59,16 @@ def folder(module: str) -> str:
     return module.split(".")[2]
 
 
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse((CALIB.parent / file).read_text())
+
+
+@cache
 def imported(file: Path) -> list[str]:
     """Modules of the project that ``file`` imports, at its top or inside functions."""
     found = []
-    for node in ast.walk(ast.parse((CALIB.parent / file).read_text())):
+    for node in ast.walk(parsed(file)):
         if isinstance(node, ast.Import):
             found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -141,7 +148,7 @@ def is_schema(file: Path) -> bool:
 def test_numpy_is_the_only_heavy_import_at_the_top_of_calib():
     for file in FILES:
         allowed = {"numpy", "pydantic", "pydantic_core"} if is_schema(file) else {"numpy"}
-        for node in ast.parse((CALIB.parent / file).read_text()).body:
+        for node in parsed(file).body:
             names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             names += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
             assert not {n.split(".")[0] for n in names} & (HEAVY - allowed), f"{file}: {names}"
