@@ -124,8 +124,11 @@ def as_table(
         if isinstance(trace, LogError):
             refused[i] = trace
             continue
-        state = trace.state or (taken is not None and _counts(opened, i, trace))
-        other = replace(trace, name=opened.columns[i].full_name, state=state)
+        column, values = opened.columns[i], trace.values[np.isfinite(trace.values)]
+        # no car has the values between counts, as of a gear or a flag
+        counts = not column.unit and bool(np.all(values == np.round(values)))
+        state = trace.state or (taken is not None and counts)
+        other = replace(trace, name=column.full_name, state=state)
         wanted[i] = taken[i].named(trace) if taken and i in taken else other
     clocked = [i for i in wanted if taken and i in taken] or list(wanted)
     found = on_one_clock([wanted[i] for i in clocked], where)
@@ -142,9 +145,3 @@ def as_table(
     rates = {i: found.rates[w.name] for i, w in wanted.items() if w.name in found.rates}
     told = (f"{', '.join(wanted[i].name for i in others)}: on that clock too",) if others else ()
     return ColumnSource(opened.columns, read, opened.notes + found.notes + told, rates)
-
-
-def _counts(opened: Recording, index: int, trace: ChannelTrace) -> bool:
-    """Whether a column holds counts, as a gear or a flag: no car has the values between them."""
-    known = trace.values[np.isfinite(trace.values)]
-    return not opened.columns[index].unit and bool(np.all(known == np.round(known)))

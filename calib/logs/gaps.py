@@ -139,16 +139,13 @@ def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
     if min(side.stop - side.start for side in sides) < _FEWEST:
         return False
     wide = slice(*np.searchsorted(t, [t[i] - _NEAR, t[i + 1] + _NEAR]))
-    noise = _noise(t[wide], x[wide])
+    t_wide, x_wide = t[wide], x[wide]
+    weight = (t_wide[1:-1] - t_wide[:-2]) / (t_wide[2:] - t_wide[:-2])
+    off = x_wide[1:-1] - (1.0 - weight) * x_wide[:-2] - weight * x_wide[2:]
+    # not of the median, which is 0 for noise that is cut off at zero; a few bends do not count
+    noise = float(np.quantile(np.abs(off), 0.8) / 1.2816 / np.sqrt(1.5))
     centre, middle = 0.5 * (t[i] + t[i + 1]), 0.5 * (x[i] + x[i + 1])
     return all(_leads_to(t[s] - centre, x[s] - middle, noise, allowed) for s in sides)
-
-
-def _noise(t: Array, x: Array) -> float:
-    """Not of the median, which is 0 for noise that is cut off at zero; a few bends do not count."""
-    weight = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
-    off = x[1:-1] - (1.0 - weight) * x[:-2] - weight * x[2:]
-    return float(np.quantile(np.abs(off), 0.8) / 1.2816 / np.sqrt(1.5))
 
 
 def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:

@@ -161,7 +161,12 @@ def _apart(time: Array, x: Array, possible: _Possible) -> Mask:
                 continue
             slowed = possible.long * abs(float(time[far] - time[last]))
             last, level = int(far), max(x[far], level - slowed)
-    return mask & _dropouts(time, edges) if possible.steps else mask
+    if possible.steps:  # only parts between two others that are short enough for a bridge
+        short = np.zeros(x.size, np.bool_)
+        for begin, end in pairwise(edges[1:-1]):
+            short[begin:end] = time[end] - time[begin - 1] <= BRIDGE
+        mask &= short
+    return mask
 
 
 def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Array]:
@@ -170,11 +175,3 @@ def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Arr
     long = np.where(step > _QUICK, possible.long, 0.0) * step
     to_zero = np.maximum(possible.nonzero, possible.zero * quick)
     return possible.up * quick + slack + long, to_zero + long
-
-
-def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
-    """Parts between two others that are short enough for a bridge."""
-    mask = np.zeros(time.size, np.bool_)
-    for begin, end in pairwise(edges[1:-1]):
-        mask[begin:end] = time[end] - time[begin - 1] <= BRIDGE
-    return mask

@@ -60,14 +60,19 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
             _require_numbers(fields[i].type, f"{where}: {columns[i].name}")
         names = [fields[i].name for i in indices]
         several = len({field.name for field in fields}) < len(fields)
+        arrays = []
         try:
             table = file.read(None if several else names, use_threads=False)
+            for i in indices:
+                column = table.column(i if several else fields[i].name)
+                if (unit := _clock_unit(column.type)) is not None:
+                    arrays.append(_from_first(column, unit, f"{where}: {columns[i].name}"))
+                else:
+                    values = column.cast(pa.float64()).to_numpy()
+                    arrays.append(values.astype(np.float64, copy=False))
         except (pa.ArrowException, OSError, ValueError) as cause:
             raise damaged(where, f"damaged: {cause}") from cause
-        found = [table.column(i if several else fields[i].name) for i in indices]
-        return [
-            _numbers(x, f"{where}: {columns[i].name}") for i, x in zip(indices, found, strict=True)
-        ]
+        return arrays
 
     return ColumnSource(columns, read)
 
@@ -115,17 +120,3 @@ def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
     if numeric or of.is_boolean(value) or of.is_null(value) or _clock_unit(value) is not None:
         return
     raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
-
-
-def _numbers(column: "pyarrow.ChunkedArray", where: str) -> Array:
-    import pyarrow as pa
-
-    try:
-        if (unit := _clock_unit(column.type)) is not None:
-            return _from_first(column, unit, where)
-        values: Array = column.cast(pa.float64()).to_numpy().astype(np.float64, copy=False)
-    except (pa.ArrowException, ValueError) as cause:
-        raise LogError(
-            f"holds {column.type}, not numbers", where=where, expected="a numeric column"
-        ) from cause
-    return values

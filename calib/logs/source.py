@@ -69,14 +69,13 @@ def each_of(
     """What ``read`` gives for each index, or its error."""
     with suppress(LogError):
         return [*read(indices)]
-    return [_one(read, index) for index in indices]
-
-
-def _one(read: Callable[[Sequence[int]], Sequence[T]], index: int) -> T | LogError:
-    try:
-        return read([index])[0]
-    except LogError as error:
-        return error
+    found: list[T | LogError] = []
+    for index in indices:
+        try:
+            found += read([index])
+        except LogError as error:
+            found.append(error)
+    return found
 
 
 CLOCK = Column("time", "s")

@@ -19,7 +19,7 @@ from calib.logs.clock import GAP, step_of
 from calib.logs.formats import stem_of
 from calib.logs.log import Log
 from calib.logs.read import open_log, recorded_clock
-from calib.logs.source import Column, Recording
+from calib.logs.source import Recording
 from calib.logs.verify import check_increasing
 
 TIME = "time"
@@ -88,7 +88,10 @@ def read_whole(
             why = values.what if isinstance(values, LogError) else "the map ignores it"
             notes.append(f"{column.full_name} was left out: {why}")
             continue
-        name, unit = _unused(column, names), column.unit
+        name, unit, number = column.name, column.unit, 1
+        while name in names:  # with its group or a number where another one has that name
+            name = column.full_name if number == 1 else f"{column.full_name}#{number}"
+            number += 1
         if (item := taken.get(index)) is not None:
             name, unit, values = item.channel, item.unit, item.mapping.written(values)
         names.add(name)
@@ -98,17 +101,6 @@ def read_whole(
     return WholeLog(
         stem_of(path), str(path), opened.digest, tuple(columns), (*source.notes, *notes)
     )
-
-
-def _unused(column: Column, names: set[str]) -> str:
-    """The name of a column; with its group or a number where another one has that name."""
-    if column.name not in names:
-        return column.name
-    name, number = column.full_name, 1
-    while name in names:
-        number += 1
-        name = f"{column.full_name}#{number}"
-    return name
 
 
 def channels_log(log: WholeLog) -> Log:
@@ -153,23 +145,23 @@ class Inventory:
 
 def inventory(log: WholeLog) -> tuple[Inventory, ...]:
     """The columns of a log but its clock. Raises LogError without a valid clock."""
-    time = log.time
-    return tuple(_inventory_of(column, time) for column in log.columns if column.name != TIME)
-
-
-def _inventory_of(column: WholeColumn, time: Array) -> Inventory:
-    known = np.isfinite(column.values)
-    at, values = time[known], column.values[known]
-    steps = np.diff(at)
-    usual = step_of(at) if steps.size else 0.0
-    rate = column.rate or (1.0 / usual if steps.size else None)
-    long = np.flatnonzero(steps > GAP * usual)
-    return Inventory(
-        column.name,
-        column.unit,
-        float(values.min()) if values.size else None,
-        float(values.max()) if values.size else None,
-        int(values.size),
-        rate,
-        tuple((float(at[i]), float(steps[i])) for i in long),
-    )
+    time, result = log.time, []
+    for column in log.columns:
+        if column.name == TIME:
+            continue
+        known = np.isfinite(column.values)
+        at, values = time[known], column.values[known]
+        steps = np.diff(at)
+        usual = step_of(at) if steps.size else 0.0
+        result.append(
+            Inventory(
+                column.name,
+                column.unit,
+                float(values.min()) if values.size else None,
+                float(values.max()) if values.size else None,
+                int(values.size),
+                column.rate or (1.0 / usual if steps.size else None),
+                tuple((float(at[i]), float(steps[i])) for i in np.flatnonzero(steps > GAP * usual)),
+            )
+        )
+    return tuple(result)

@@ -23,7 +23,7 @@ from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.source import need
 from calib.logs.text.cells import column_from_cell
-from calib.logs.whole import TIME, WholeColumn, WholeLog
+from calib.logs.whole import TIME, WholeLog
 
 # Decimals of the CSV file, in canonical units: each step is below a tenth of a usual sensor's
 # resolution, so that rounding adds no noise.
@@ -82,19 +82,16 @@ def _parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
 
 def _columns(log: Log) -> Iterator[tuple[str, str, Array]]:
     measured = [(name, log[name], q.unit, q.si) for name, q in CHANNELS.items() if name in log]
-    units = {name: _truth_unit(name) for name in log.truth}
-    truth = [(name, values, units[name], units[name]) for name, values in log.truth.items()]
+    truth = []
+    for name, values in log.truth.items():
+        unit = next((u for p, u in TRUTH_UNITS.items() if name.startswith(f"{p}_")), None)
+        if unit is None:
+            raise ValueError(f"truth channel {name!r} has no unit in `TRUTH_UNITS`")
+        truth.append((name, values, unit, unit))
     for name, values, unit, si in (*measured, *truth):
         if not np.isfinite(values).all():
             raise ValueError(f"{name} holds values that are not finite")
         yield name, unit, from_si(values, unit, si)
-
-
-def _truth_unit(name: str) -> str:
-    for prefix, unit in TRUTH_UNITS.items():
-        if name.startswith(f"{prefix}_"):
-            return unit
-    raise ValueError(f"truth channel {name!r} has no unit in `TRUTH_UNITS`")
 
 
 def _decimals(name: str) -> int:
@@ -105,16 +102,11 @@ def _decimals(name: str) -> int:
 def _to_csv(log: WholeLog) -> bytes:
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow([_cell(column) for column in log.columns])
+    heads = [(one_line(c.name), _unit(one_line(c.name), c.unit)) for c in log.columns]
+    rows.writerow([name if unit is None else f"{name} [{unit}]" for name, unit in heads])
     cells = ([repr(x) if x == x else "" for x in c.values.tolist()] for c in log.columns)
     rows.writerows(zip(*cells, strict=True))
     return text.getvalue().encode()
-
-
-def _cell(column: WholeColumn) -> str:
-    name = one_line(column.name)
-    unit = _unit(name, column.unit)
-    return name if unit is None else f"{name} [{unit}]"
 
 
 def _unit(name: str, unit: str | None) -> str | None:

@@ -66,7 +66,11 @@ def find_clock(search: Search) -> None:
 def _propose_clock(search: Search) -> None:
     timed = [s for s in search.free() if s.si in ("s", None)]
     gapped = [s for s in search.gapped if s.si in ("s", None)]
-    running = [s for s in timed if _runs(s.values)]
+    running = []
+    for item in timed:
+        steps = np.diff(item.values)
+        few = np.count_nonzero(steps == 0.0) <= _REPEATED * item.values.size
+        running += [item] if steps.size and np.all(steps >= 0.0) and few else []
     named = [s for s in running if _is_time(s.name)]
     fit = [s for s in named if s.name == "time"] or named
     unread = [(name, why) for name, why in search.left.items() if _is_time(name)]
@@ -156,12 +160,6 @@ def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Ar
 
 def _is_time(name: str) -> bool:
     return bool(TIME & set(words(name)))
-
-
-def _runs(values: Array) -> bool:
-    steps = np.diff(values)
-    few = np.count_nonzero(steps == 0.0) <= _REPEATED * values.size
-    return bool(steps.size and np.all(steps >= 0.0) and few)
 
 
 def _disorder(time: Array) -> str:

@@ -36,6 +36,7 @@ from calib.suggest.columns import (
     GIVE_RADIUS,
     LIKELY,
     SURE,
+    ColumnClock,
     Doubt,
     Proposal,
     Radii,
@@ -74,7 +75,12 @@ def suggest(
     for channel, cell in search.told.items():
         if proposal := _told(channel, cell, source, where, radii):
             search.proposals[channel] = proposal
-    _find(search)
+    find_clock(search)
+    if search.clock is None:
+        others = (*search.series, *search.gapped)
+        search.left.update({s.name: _NO_CLOCK for s in others if s.name not in search.left})
+    else:
+        _find(search, search.clock)
     proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
     taken = {p.mapping.source for p in proposals}
     left = {s.name: search.left.get(s.name, "not a known channel") for s in search.series}
@@ -94,13 +100,7 @@ def suggest(
 _NO_CLOCK = "not looked for, since the time is not known"
 
 
-def _find(search: Search) -> None:
-    find_clock(search)
-    clock = search.clock
-    if clock is None:
-        others = (*search.series, *search.gapped)
-        search.left.update({s.name: _NO_CLOCK for s in others if s.name not in search.left})
-        return
+def _find(search: Search, clock: ColumnClock) -> None:
     clock = bridge(search, clock)
     mean, angular = find_wheels(search)
     speed = find_speed(search, mean)

@@ -35,7 +35,7 @@ _FORMATS = ("dbc", "arxml", "kcd", "sym")
 """A file with another ending is read as a DBC."""
 
 _LONGEST_TEXT = 1_000_000
-"""Characters of the longest text in quotes, such as a comment."""
+"""Characters of the longest text in quotes; cantools takes 300 bytes for each of them."""
 
 _STATED = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
 """Statements on a signal of a message that change what is decoded."""
@@ -141,7 +141,14 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
     text = _text(content)
     if kind in ("dbc", "sym"):  # the others are XML, whose parser takes no more than their size
-        _refuse_long_text(text, path)
+        longest = max(map(len, text.replace('\\"', "''").split('"')[1::2]), default=0)
+        if longest > _LONGEST_TEXT:
+            raise ChannelMapError(
+                f"a text in quotes has {longest} characters",
+                where=path,
+                expected=f"at most {_LONGEST_TEXT}",
+                do="is a quote missing?",
+            )
     try:
         if kind == "dbc":
             messages, flaws = _by_message(cantools, text, str(path))
@@ -167,19 +174,6 @@ def _text(content: bytes) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("cp1252", errors="replace")
-
-
-def _refuse_long_text(text: str, path: Path) -> None:
-    """cantools takes 300 bytes for each character of a text in quotes."""
-    quoted = text.replace('\\"', "''").split('"')[1::2]
-    longest = max(map(len, quoted), default=0)
-    if longest > _LONGEST_TEXT:
-        raise ChannelMapError(
-            f"a text in quotes has {longest} characters",
-            where=path,
-            expected=f"at most {_LONGEST_TEXT}",
-            do="is a quote missing?",
-        )
 
 
 @dataclass

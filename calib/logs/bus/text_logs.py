@@ -221,16 +221,13 @@ class _TrcLines(Counted):
         if columns := _COLUMNS.match(line):
             self._numbered = columns[1].startswith("N,")
         if not comment and self._numbered:
-            self._follow(line)
+            found = _NUMBER.match(line)
+            number = int(found[1]) if found else 0
+            if found is None or (self._number and number != self._number + 1):
+                what = f"after message {self._number} comes {line.strip()[:60]!r}"
+                raise damaged(self.path, what, f"message {self._number + 1}")
+            self._number = number
         return line
-
-    def _follow(self, line: str) -> None:
-        found = _NUMBER.match(line)
-        number = int(found[1]) if found else 0
-        if found is None or (self._number and number != self._number + 1):
-            what = f"after message {self._number} comes {line.strip()[:60]!r}"
-            raise damaged(self.path, what, f"message {self._number + 1}")
-        self._number = number
 
     def is_whole(self, line: str) -> bool:
         if super().is_whole(line) or not self.frame.match(line):

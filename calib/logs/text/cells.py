@@ -53,7 +53,14 @@ def column_from_cell(cell: str) -> Column:
     Column(name='p_mc', unit=None, full='')
     """
     cell = cell.strip()
-    found = _split(cell, "[", "]") or _barred(cell) or _rounded(cell) or _ending(cell)
+    found = _split(cell, "[", "]")
+    if found is None and "|" in cell:
+        name, unit, *_ = cell.split("|", 2)
+        found = name.strip('" '), unit.strip('" ')
+    if found is None and (rounded := _split(cell, "(", ")")) and rounded[0]:
+        ours = rounded[0] in CHANNELS or rounded[0].startswith("true_")
+        found = rounded if ours or is_unit(rounded[1]) else None
+    found = found or _ending(cell)
     if found is None:
         return Column(cell, None)
     name, unit = found
@@ -66,19 +73,6 @@ def _split(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
     if not found or not unit.endswith(closing) or closing in unit[:-1]:
         return None
     return name.strip(), unit[:-1]
-
-
-def _barred(cell: str) -> tuple[str, str] | None:
-    name, bar, rest = cell.partition("|")
-    return (name.strip('" '), rest.partition("|")[0].strip('" ')) if bar else None
-
-
-def _rounded(cell: str) -> tuple[str, str] | None:
-    found = _split(cell, "(", ")")
-    if found is None or not found[0]:
-        return None
-    ours = found[0] in CHANNELS or found[0].startswith("true_")
-    return found if ours or is_unit(found[1]) else None
 
 
 def _ending(cell: str) -> tuple[str, str] | None:
@@ -194,16 +188,13 @@ def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str)
                 expected="the form of the other rows, such as 14:03:07.120",
             )
         period = DAY if found["h"] else period
-        values[row] = _seconds(found)
+        whole, _, part = found["s"].replace(",", ".").replace(":", ".").partition(".")
+        hours = int(found["h"] or 0)
+        if found["half"]:
+            hours = hours % 12 + 12 * (found["half"] in "Pp")
+        seconds = 3600.0 * hours + 60.0 * int(found["m"]) + float(f"{whole}.{part or 0}")
+        values[row] = round(seconds, 9)
     return from_first(over_midnight(values, period), where)
-
-
-def _seconds(found: re.Match[str]) -> float:
-    whole, _, part = found["s"].replace(",", ".").replace(":", ".").partition(".")
-    hours = int(found["h"] or 0)
-    if found["half"]:
-        hours = hours % 12 + 12 * (found["half"] in "Pp")
-    return round(3600.0 * hours + 60.0 * int(found["m"]) + float(f"{whole}.{part or 0}"), 9)
 
 
 def over_midnight(time: Array, period: float = DAY) -> Array:

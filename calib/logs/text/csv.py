@@ -65,7 +65,10 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
         text_format = replace(text_format, separator=separator)
     layouts = layouts_of(data, begin, text_format)
     layout, start = layouts[0], layouts[0].start
-    if _only_units(data, start, text_format):
+    rest = data[start : start + 65536].strip() or data[start:].strip()
+    line = rest.decode("latin-1")
+    units_of = (is_unit_row(Dialect(s, ".").cells([line])[0]) for s in text_format.separators)
+    if not rest or (b"\n" not in rest and any(units_of)):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     names, note = head_text(b"\n".join((layout.names, layout.units, layout.more)), where)
     dialect = dialect_of(layouts, data, text_format, where)
@@ -75,7 +78,14 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
         if row and len(row) != len(cells):
             what = f"{len(cells)} names, and {len(row)} cells in the header row below"
             raise LogError(what, where=where, expected="a cell, which may be empty, for each name")
-    _refuse_frames(columns, where)
+    words = {column.name.lower() for column in columns}
+    if words & _FRAME_ID and words & _FRAME_LENGTH:
+        raise LogError(
+            "the rows are frames of a bus, not samples of channels",
+            where=where,
+            expected="a column for each channel",
+            do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
+        )
     if units:
         columns = with_unit_row(columns, units, where)
     if more:
@@ -94,26 +104,6 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     table = TextRows(data, start, tuple(columns), dialect, where, frozenset(clocks))
     notes = tuple(n for n in (note, above, *counted, table.end()) if n)
     return ColumnSource(table.columns, table.read, notes)
-
-
-def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
-    rest = data[start : start + 65536].strip() or data[start:].strip()
-    if b"\n" in rest:
-        return False
-    line = rest.decode("latin-1")
-    possible = text_format.separators
-    return not line or any(is_unit_row(Dialect(s, ".").cells([line])[0]) for s in possible)
-
-
-def _refuse_frames(columns: Sequence[Column], where: str) -> None:
-    names = {column.name.lower() for column in columns}
-    if names & _FRAME_ID and names & _FRAME_LENGTH:
-        raise LogError(
-            "the rows are frames of a bus, not samples of channels",
-            where=where,
-            expected="a column for each channel",
-            do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
-        )
 
 
 @dataclass(frozen=True)

@@ -93,8 +93,24 @@ def dialect_of(
     layouts: "Sequence[Layout]", data: bytes, text_format: TextFormat, where: str
 ) -> Dialect:
     """The dialect of a table. Raises LogError, with the candidates, for none or several of them."""
-    if len(layouts) != 1 or not layouts[0].separator:
-        raise _undecided(layouts, where)
+    separators = [one.separator for one in layouts if one.separator]
+    if len(layouts) != 1 and separators:
+        names = " or ".join(f"{SEPARATORS[s]} ({s!r})" for s in separators)
+        raise LogError(
+            f"the columns may be separated by {names}",
+            where=where,
+            expected="one separator that fits",
+            do='give it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
+        )
+    if not separators:
+        expected = "rows of as many numbers, separated by comma, semicolon, tab or bar"
+        raise LogError(
+            "no separator fits this table",
+            where=where,
+            expected=f"a header, and {expected}",
+            do="decimal commas need another separator than the comma; see the first lines of the "
+            "file",
+        )
     (layout,) = layouts
     decimal = text_format.decimal or _decimal(layout.separator, data, layout.start, where)
     return Dialect(layout.separator, decimal)
@@ -128,24 +144,6 @@ def _decimal(separator: str, data: bytes, start: int, where: str) -> str:
         where=where,
         expected="one mark, and no separator of thousands",
         do='give it in a channel map (--map): [text] with decimal = "," or decimal = "."',
-    )
-
-
-def _undecided(layouts: "Sequence[Layout]", where: str) -> LogError:
-    separators = [one.separator for one in layouts if one.separator]
-    if separators:
-        names = " or ".join(f"{SEPARATORS[s]} ({s!r})" for s in separators)
-        return LogError(
-            f"the columns may be separated by {names}",
-            where=where,
-            expected="one separator that fits",
-            do='give it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
-        )
-    return LogError(
-        "no separator fits this table",
-        where=where,
-        expected="a header, and rows of as many numbers, separated by comma, semicolon, tab or bar",
-        do="decimal commas need another separator than the comma; see the first lines of the file",
     )
 
 
@@ -206,7 +204,11 @@ def _found(
 ) -> Layout | None:
     """The layout with a separator; None without a header over two columns of numbers."""
     dialect = Dialect(separator, ".")
-    width, numbers, spare = _columns(dialect.cells(sample))
+    rows = dialect.cells(sample)
+    ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]
+    columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
+    numbers = [i for i, column in enumerate(columns) if mostly(_any_number, column)]
+    spare = bool(columns) and sum(map(bool, columns[-1])) <= 1  # each row ends with a separator
     if len(numbers) < 2:
         return None
     table = [dialect.cells([line.decode("latin-1")])[0] if line.strip() else [] for line in lines]
@@ -230,14 +232,6 @@ def _found(
         separator,
         len(numbers),
     )
-
-
-def _columns(rows: Sequence[Sequence[str]]) -> tuple[int, list[int], bool]:
-    """Width of most rows, their columns of numbers, and whether each ends with a separator."""
-    ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]
-    columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
-    numbers = [i for i, column in enumerate(columns) if mostly(_any_number, column)]
-    return width, numbers, sum(map(bool, columns[-1])) <= 1 if columns else False
 
 
 def _first_row(table: Sequence[Sequence[str]], width: int, numbers: Sequence[int]) -> int:

@@ -44,7 +44,10 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
     data = to_utf8(data, where, text_format.encoding if text_format else None)
     texts, body, notes = _sections(data, where)
     columns, more = _columns(texts, where)
-    body = _single_blanks(body)
+    if b"\t" in body or b"  " in body:
+        body = re.sub(rb"[ \t]+", b" ", body)
+    body = body.lstrip(b" ").replace(b" \r\n", b"\n").replace(b" \n", b"\n")
+    body = body.replace(b"\n ", b"\n")
     if not body or body.isspace():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     rows = TextRows(body, 0, columns, _DIALECT, where)
@@ -78,12 +81,6 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
         if not any(texts.get(needed, [])):
             raise LogError(f"no section [{needed}]", where=where, expected="names of the channels")
     return texts, body, [note] if note else []
-
-
-def _single_blanks(body: bytes) -> bytes:
-    if b"\t" in body or b"  " in body:
-        body = re.sub(rb"[ \t]+", b" ", body)
-    return body.lstrip(b" ").replace(b" \r\n", b"\n").replace(b" \n", b"\n").replace(b"\n ", b"\n")
 
 
 def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...], list[str]]:
