@@ -174,8 +174,8 @@ def inverse_forms(use: Array) -> Array:
 _NODES = 2048
 _Q_END = np.sqrt(1.0 - NEAR_PEAK)
 _USE = 1.0 - np.linspace(1.0, _Q_END, _NODES + 1) ** 2
-_OVER_USE = np.vstack([np.ones(len(FORMS)), inverse_forms(_USE[1:]) / _USE[1:, None]])
-_RISE = np.diff(_OVER_USE, axis=0)
+_OVER_USE = np.vstack([np.ones(len(FORMS)), inverse_forms(_USE[1:]) / _USE[1:, None]]).T.copy()
+_RISE = np.diff(_OVER_USE, axis=1)
 
 
 def mean_inverse(use: Array, weights: Array) -> Array:
@@ -187,5 +187,12 @@ def mean_inverse(use: Array, weights: Array) -> Array:
     u = np.minimum(np.abs(use), NEAR_PEAK)
     at = (1.0 - np.sqrt(1.0 - u)) * (_NODES / (1.0 - _Q_END))
     cell = np.minimum(at.astype(np.int64), _NODES - 1)
-    forms = _OVER_USE[cell] + (at - cell)[..., None] * _RISE[cell]
-    return np.asarray(np.copysign(u, use) * np.einsum("nkf,nf->nk", forms, weights))
+    at -= cell
+    mean = np.zeros_like(u)
+    for over, rise, weight in zip(_OVER_USE, _RISE, weights.T, strict=True):
+        form = rise.take(cell)  # in place: one form at a time stays in the cache
+        form *= at
+        form += over.take(cell)
+        form *= weight[:, None]
+        mean += form
+    return np.asarray(np.copysign(u, use) * mean)

@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -88,19 +90,27 @@ class Constants:
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     """What the step takes from a ``table``; ``noise`` of the sensors."""
-    radius = table.vehicle.front.rolling_radius
     return Constants(
-        pads=Reader(table.map, PADS),
-        slip=Reader(table.map, SLIP),
-        level=Reader(table.level_map, LEVEL),
-        before=Reader(table.level_map, PADS),
-        noise_rim=float(radius * noise.omega),  # Python's numbers are three times as fast
-        noise_z=float(noise.z),
+        **_of_table(table),
+        noise_rim=float(table.vehicle.front.rolling_radius * noise.omega),
+        noise_z=float(noise.z),  # Python's numbers are three times as fast
         noise_v=float(noise.v),
-        radii=radius / table.vehicle.rear.rolling_radius,
-        late=float(np.mean(table.draws.v_late)),
-        late_sigma=float(np.std(table.draws.v_late)),
-        ramp_ratio=float(np.mean(table.draws.log_pad_ratio)),
         block=block,
         settle=block * max(1, round(Constants.settle / block)),  # else a rounding could decide it
     )
+
+
+@lru_cache(maxsize=4)
+def _of_table(table: Table) -> dict[str, Any]:
+    """What no log changes."""
+    car, draws = table.vehicle, table.draws
+    return {
+        "pads": Reader(table.map, PADS),
+        "slip": Reader(table.map, SLIP),
+        "level": Reader(table.level_map, LEVEL),
+        "before": Reader(table.level_map, PADS),
+        "radii": car.front.rolling_radius / car.rear.rolling_radius,
+        "late": float(np.mean(draws.v_late)),
+        "late_sigma": float(np.std(draws.v_late)),
+        "ramp_ratio": float(np.mean(draws.log_pad_ratio)),
+    }

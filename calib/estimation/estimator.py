@@ -21,7 +21,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle, weighed
 from calib.estimation.channels import rows_of
 from calib.estimation.constants import Constants
-from calib.estimation.known import known_effects, nominal_car
+from calib.estimation.known import as_driven, known_effects, nominal_car
 from calib.estimation.online import online
 from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
@@ -220,7 +220,7 @@ def estimate_run(
     if log.time.size < max(2, samples_of_block(log.sample_time)):
         raise LogError("the log is shorter than a block of 50 ms", where=log.source)
     whole, rows = _filled(run)
-    used = replace(table, vehicle=whole.car)
+    used = as_driven(table, whole.car)
     nominal = nominal_car(used, vehicle)
     disturbed = np.full(whole.log.time.size, int(Reason.FAULT))
     disturbed[rows] = disturbances(used, whole.corrected.log, whole.signals)[rows]

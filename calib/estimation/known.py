@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,6 +15,12 @@ from calib.car.vehicle import Vehicle
 from calib.run.resistance import DRAG, ROLLING, Resistance
 from calib.table.pad_levels import pad_levels
 from calib.table.table import Table
+
+
+@lru_cache(maxsize=4)
+def as_driven(table: Table, car: Vehicle) -> Table:
+    """The table with its ``car`` as driven: one for all logs of a batch, which share its maps."""
+    return replace(table, vehicle=car)
 
 
 def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:

@@ -14,6 +14,7 @@ from calib.base.names import G
 from calib.car.vehicle import Vehicle
 from calib.estimation import channels as at
 from calib.estimation.constants import Constants
+from calib.estimation.known import as_driven
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
@@ -42,7 +43,7 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     unsure = fault | np.append(False, fault[:-1])  # of a reading that is held no spin is known
     spin_f = np.where(unsure, -G * b.z / radius, b.spin_f)
     spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
-    b, used = replace(b, spin_f=spin_f, spin_r=spin_r), replace(table, vehicle=ran.vehicle)
+    b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, ran.vehicle)
     why = np.where(good, disturbances(used, ran.log, run.signals), Reason.FAULT)
     told = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, at.DRIVEN] > 0.5)
     reason = np.where(good, told.step.reason, Reason.FAULT)

@@ -7,9 +7,11 @@ All that the ramps left open, and all that a stop may bring, is inside: a poster
 a softer road or weak rear pads, has bounds that hold both.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array, Index, Mask
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.stops import scenarios, seen
@@ -28,15 +30,19 @@ _PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is
 _NEAR = 0.4  # standard deviation about a place along the slip, in those of the slip
 _EMPTY = 0.1  # scenarios that any cell has of the prior: one that nobody sees has nothing else
 _GROUPS = 256  # of scenarios alike in what is asked, in which the weights are added up
+_CHUNKS = 32  # parts of the scenarios whose weights fit into the cache of a processor
 
 
-def _quantiles(x: Array, weights: Array) -> Array:
-    """`_QUANTILES` of ``x`` (n,) with ``weights`` (n, c), linear within a group, shape (c, 3)."""
+def _quantiles(x: Array, order: Index, weights: Array) -> Array:
+    """`_QUANTILES` of ``x`` (n,) with ``weights`` (n, c), linear within a group, shape (c, 3).
+
+    ``order`` in which ``x`` rises.
+    """
     size = x.size // _GROUPS
-    order = np.argsort(x)[: size * _GROUPS]
-    edges = np.append(x[order[::size]], x[order[-1]])
-    groups = weights.take(order, axis=0).reshape(_GROUPS, size, -1)
-    below = np.cumsum(np.ones(size) @ groups, axis=0)
+    groups = order[: size * _GROUPS].reshape(_CHUNKS, -1, size)
+    edges = np.append(x[groups[..., 0]], x[groups[-1, -1, -1]])
+    sums = [np.ones(size) @ weights.take(chunk, axis=0) for chunk in groups]
+    below = np.cumsum(np.concatenate(sums), axis=0)
     below = np.concatenate([np.zeros_like(below[:1]), below / below[-1]])
     return np.stack([np.interp(_QUANTILES, column, edges) for column in below.T])
 
@@ -66,9 +72,10 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
     each = list(zip(_Z, at.shift.T, at.slip.T, at.rolls.T, strict=True))
     ends = [np.quantile(np.arcsinh(x[rolls] / z / _DENSE), _SEEN) for z, x, _, rolls in each]
     axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), _SHIFTS))
+    orders = [np.argsort(x) for x in (s.log_pad_ratio, s.change)]
     found = []
     for one, more in zip(each, np.broadcast_to(odds, _Z.shape), strict=True):
-        cells, own = _cells(*one, axis, np.stack([s.log_pad_ratio + more, s.change]))
+        cells, own = _cells(*one, axis, np.stack([s.log_pad_ratio + more, s.change]), orders)
         found.append((cells, own | _bounded("level", np.quantile(s.level(one[0]), _QUANTILES))))
     pads, before = (
         {name: np.array([row[name] for row in rows]) for name in rows[0]}
@@ -78,12 +85,18 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
 
 
 def _cells(
-    z: float, shift: Array, slip: Array, rolls: Mask, axis: Array, asked: Array
+    z: float,
+    shift: Array,
+    slip: Array,
+    rolls: Mask,
+    axis: Array,
+    asked: Array,
+    orders: Sequence[Index],
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Columns of the maps at ``z``, of cells over the ``axis`` and `_SLIP` and without a reading.
 
-    ``shift``, ``slip``, ``rolls`` as of `Shown`, and ``asked`` ratio and change of the pads (2, n),
-    of the scenarios.
+    ``shift``, ``slip``, ``rolls`` as of `Shown`, and ``asked`` ratio and change of the pads (2, n)
+    with the ``orders`` in which they rise, of the scenarios.
     """
     some = rolls[:, None].astype(float)
     least = _EMPTY / rolls.size * some
@@ -97,9 +110,13 @@ def _cells(
     apart = (log_slip[:, None] - mean) / sigma
     weights = np.empty((log_slip.size, 1 + axis.size * _SLIP.size))
     weights[:, :1] = some
-    both = _gauss(apart[..., None] / _NEAR - _SLIP / _NEAR)
-    both *= near[..., None]
-    np.add(both.reshape(log_slip.size, -1), least * np.max(near), out=weights[:, 1:])
+    more, size = least * np.max(near), log_slip.size // _CHUNKS
+    for start in range(0, log_slip.size, size):
+        rows = slice(start, start + size)
+        for place, sigmas in enumerate(_SLIP / _NEAR, 1):
+            both = _gauss(apart[rows] / _NEAR - sigmas)
+            both *= near[rows]
+            np.add(both, more[rows], out=weights[rows, place :: _SLIP.size])
     flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
     cells = {name: np.repeat(x[:, None], _SLIP.size, axis=1) for name, x in flat.items()}
     # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
@@ -107,7 +124,7 @@ def _cells(
     off = (mean[:, None] + sigma[:, None] * _SLIP).ravel() - middle[:, 0]
     before: dict[str, Array] = {}
     for k, (name, x) in enumerate(zip(("ratio", "change"), asked, strict=True), 1):
-        whole, *found = _quantiles(x, weights)
+        whole, *found = _quantiles(x, orders[k - 1], weights)
         slope, spread = joint[:, 0, k] / joint[:, 0, 0], np.array(found)
         left = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
         within = spread[:, 1:2] + left * (spread - spread[:, 1:2]) + (slope * off)[:, None]

@@ -77,10 +77,12 @@ class _Ramp:
         if not (at.size and lead.size):
             raise ValueError("no blocks of a braking, or none of rolling before it")
         groups = [lead, *np.array_split(at, min(most or at.size, at.size))]
-        time = np.array([g.size for g in groups]) * b.length
+        sizes = np.array([g.size for g in groups])
+        places, first = np.concatenate(groups), np.cumsum(sizes) - sizes
+        time = sizes * b.length
 
         def mean(x: Array) -> Array:
-            return np.array([np.mean(x[g]) for g in groups])
+            return np.asarray(np.add.reduceat(x[places], first) / sizes)
 
         eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
         zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))

@@ -7,6 +7,7 @@ that need a vehicle are asked where there is one.
 """
 
 from collections.abc import Callable, Collection, Iterator
+from functools import cache
 
 from calib.base.errors import LogError
 from calib.base.warning import REFUSE, RULES, VOID, WARN, Measured, PlausibilityWarning, judged
@@ -112,7 +113,13 @@ def _asked(
     e: Evidence, figures: dict[str, Figure], purpose: str, does: Collection[str]
 ) -> Iterator[PlausibilityWarning]:
     """By the order of the rules; a figure that no rule asks is not computed."""
-    asked = (rule.figure for rule in RULES if purpose in rule.asked and rule.does in does)
-    for name in dict.fromkeys(asked):
+    for name in _figures(purpose, tuple(does)):
         if name in figures:
             yield from judged(e.run.log.name, figures[name](e), purpose, does)
+
+
+@cache
+def _figures(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of the figures that rules ask, by the order of the rules."""
+    asked = (rule.figure for rule in RULES if purpose in rule.asked and rule.does in does)
+    return tuple(dict.fromkeys(asked))

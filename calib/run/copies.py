@@ -20,7 +20,7 @@ from calib.base.units import UnknownUnit, si_of, spelling
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.logs.source import ColumnSource, Recording
-from calib.run.least_squares import squares_left
+from calib.run.least_squares import square_left, squares_left
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
@@ -55,10 +55,9 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
         count = 2 * reach + 1
         if n < 4 * count or not (np.any(x) and np.any(a_x)):
             continue
-        A = np.lib.stride_tricks.sliding_window_view(x, count)
+        A = np.lib.stride_tricks.sliding_window_view(x, count).copy()
         y = a_x[reach : reach + n]
-        left = y - A @ np.linalg.lstsq(A, y, rcond=None)[0]
-        yield name, 1.0 - n / (n - count) * float(left @ left) / float(y @ y)
+        yield name, 1.0 - n / (n - count) * square_left(A, y) / float(y @ y)
 
 
 def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:

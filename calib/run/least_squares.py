@@ -5,6 +5,21 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.run.filters import block_mean
 
+_SURE = 1e-4  # least over largest pivot from which normal equations are good to 1e-8 [1]
+
+
+def square_left(A: Array, y: Array) -> float:
+    """Least sum of squares of ``y`` (n,) less a mix of the columns of one ``A`` (n, k)."""
+    from scipy.linalg.lapack import dposv
+
+    side = A.T @ y
+    root, shares, failed = dposv(A.T @ A, side)
+    pivots = np.diagonal(root)
+    if failed or pivots.min() < _SURE * pivots.max():  # columns that are nearly alike
+        left = y - A @ np.linalg.lstsq(A, y, rcond=None)[0]
+        return float(left @ left)
+    return float(y @ y - side @ shares)
+
 
 def squares_left(columns: Array, y: Array, ridge: Array | float = 0.0) -> Array:
     """Least sums of squares of ``y`` (m, n) or (n,) less a mix of ``columns`` (m, k, n), (m,).

@@ -62,6 +62,10 @@ class Effects:
     sigma: _ByParameter = field(default_factory=dict)
     own: Mapping[str, DefinedIn] = field(default_factory=dict)
 
+    def __hash__(self) -> int:
+        """By the names: the parameters are mappings."""
+        return hash(frozenset(self.parameters))
+
     def __bool__(self) -> bool:
         """Whether there is any effect."""
         return bool(self.parameters or self.terms)
