@@ -70,8 +70,9 @@ def show(
 ) -> Answer:
     """Show what follows from a vehicle file.
 
-    Loads, torque per bar, distribution of the brake force, and which axle locks first. With the
-    nominal pads, in a straight line, one pressure on both axles, without drag.
+    Loads, torque per bar, distribution of the brake force, and up to which deceleration the front
+    axle locks first. With the nominal pads, in a straight line, one pressure on both axles, without
+    drag.
     """
     from calib.car.facts_file import facts_document
     from calib.car.vehicle_file import read_vehicle

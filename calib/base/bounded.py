@@ -19,7 +19,6 @@ from pathlib import Path
 from calib.base.errors import BrakeCalError, SettingsError
 
 _MEGA = 1_000_000
-_VARIABLE = "BRAKE_CAL_MOST_"
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class FileKind:
     @property
     def variable(self) -> str:
         """The variable of the environment that gives another bound, in MB."""
-        return f"{_VARIABLE}{self.name.upper()}"
+        return f"BRAKE_CAL_MOST_{self.name.upper()}"
 
     @property
     def most(self) -> int:
@@ -86,19 +85,16 @@ def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
         raise OSError(errno.EINVAL, "no such name is possible", str(path)) from cause
     file = os.fdopen(handle, "rb")
     try:
-        _refuse(os.fstat(handle), path, kind)
+        state = os.fstat(handle)
+        if not stat.S_ISREG(state.st_mode):
+            what = "a directory" if stat.S_ISDIR(state.st_mode) else "a pipe or a device"
+            raise OSError(errno.EINVAL, f"{what} is not a file", str(path))
+        if state.st_size > kind.most:
+            raise OSError(errno.EFBIG, kind.excess(), str(path))
     except BaseException:
         file.close()
         raise
     return file
-
-
-def _refuse(found: os.stat_result, path: Path, kind: FileKind) -> None:
-    if not stat.S_ISREG(found.st_mode):
-        what = "a directory" if stat.S_ISDIR(found.st_mode) else "a pipe or a device"
-        raise OSError(errno.EINVAL, f"{what} is not a file", str(path))
-    if found.st_size > kind.most:
-        raise OSError(errno.EFBIG, kind.excess(), str(path))
 
 
 def read_bounded(path: Path, kind: FileKind) -> bytes:

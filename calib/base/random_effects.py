@@ -26,9 +26,6 @@ _STEPS = 500
 _SETTLED = 1e-12
 """Last step, relative to the whole variance, at which it has settled."""
 
-_LEAST_TAIL = 1e-300
-"""Least probability that is turned into sigma: 37 sigma."""
-
 
 @dataclass(frozen=True)
 class RandomEffects:
@@ -128,7 +125,7 @@ def as_sigma(t: float, freedom: int) -> float:
     """
     from scipy.special import ndtri, stdtr
 
-    tail = max(float(stdtr(freedom, -abs(t))), _LEAST_TAIL)
+    tail = max(float(stdtr(freedom, -abs(t))), 1e-300)  # 37 sigma
     return float(np.copysign(-ndtri(tail), t))
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import is_dataclass
 from types import UnionType
-from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
@@ -26,7 +26,6 @@ _NO_TABLE = ("model_type", "dict_type", "dataclass_type", "model_attributes_type
 _MISSING = ("missing", "missing_argument", "missing_keyword_only_argument")
 _UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 
-
 _Place = tuple[int | str, ...]
 """Keys and indices from the top of a file to a value."""
 
@@ -41,71 +40,64 @@ def one_error(
 ) -> BrakeCalError:
     """Return one error that lists all mistakes in the file ``where``."""
     every = cause.errors(include_url=False)
-    details, more = every[:_LISTED], len(every) - _LISTED
-    version = [d for d in details if _is_version(schema, d["loc"])]
-    meant = {_meant(schema, d["loc"]) for d in details if d["type"] in _UNKNOWN}
+    details, more = every[:_LISTED], max(len(every) - _LISTED, 0)
+    version = [d for d in details if d["loc"] == ("schema",)]
+    # A misspelt key is also reported as missing; only the spelling error is kept.
+    meant = [
+        (*d["loc"][:-1], nearest(str(d["loc"][-1]), _keys(schema, d["loc"][:-1])))
+        for d in details
+        if d["type"] in _UNKNOWN
+    ]
     mistakes = [
         _mistake(detail, schema)
         for detail in version or details
-        # A misspelt key is also reported as missing; only the spelling error is kept.
         if detail["type"] not in _MISSING or detail["loc"] not in meant
     ]
     if len(mistakes) == 1:
-        (only,) = mistakes
-        at = ": ".join(str(part) for part in (where, only.place) if part)
-        return only.as_error(error, at)
-    lines = [str(mistake.as_error(error, mistake.place)) for mistake in mistakes]
-    if more > 0:
-        lines.append(f"and {more} more")
-    return error(f"{len(mistakes) + max(more, 0)} errors", where=where, lines=tuple(lines))
+        place, what, expected, do = mistakes[0]
+        at = ": ".join(str(part) for part in (where, place) if part)
+        return error(what, where=at or None, expected=expected, do=do)
+    lines = [
+        str(error(what, where=place or None, expected=expected, do=do))
+        for place, what, expected, do in mistakes
+    ]
+    rest = [f"and {more} more"] if more else []
+    return error(f"{len(mistakes) + more} errors", where=where, lines=(*lines, *rest))
 
 
-class _Mistake(NamedTuple):
-    place: str
-    what: str
-    expected: str = ""
-    do: str = ""
-
-    def as_error(self, error: type[BrakeCalError], where: object) -> BrakeCalError:
-        return error(self.what, where=where or None, expected=self.expected, do=self.do)
-
-
-def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
+def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, str, str]:
+    """Its place, what is wrong, what is expected there, and what to do."""
     kind, loc, given = detail["type"], detail["loc"], shown(detail["input"])
     here, above = _path(loc), _path(loc[:-1])
-    if _is_version(schema, loc):
+    context = detail.get("ctx", {})
+    if loc == ("schema",):
         if kind in _MISSING:
-            return _Mistake(above, "no schema", "a line 'schema = 1' at the top")
-        return _Mistake(above, f"schema {given}", "schema = 1")
+            return above, "no schema", "a line 'schema = 1' at the top", ""
+        return above, f"schema {given}", "schema = 1", ""
     if kind == "wrong":
-        return _Mistake(here, **detail["ctx"])
+        return here, context["what"], context["expected"], context["do"]
     if kind == "json_invalid":
-        return _Mistake("", f"not JSON ({detail['ctx']['error']})")
+        return "", f"not JSON ({context['error']})", "", ""
     if kind == "literal_error":
-        return _Mistake(here, given, detail["ctx"]["expected"])
+        return here, given, context["expected"], ""
     if kind in _MISSING:
-        return _Mistake(above, f"key {loc[-1]!r} is missing", f"a value for {loc[-1]!r}")
+        return above, f"key {loc[-1]!r} is missing", f"a value for {loc[-1]!r}", ""
     if kind in _UNKNOWN:
         known = _keys(schema, loc[:-1])
         hint = did_you_mean(str(loc[-1]), known)
-        expected = "" if hint else f"one of {', '.join(known)}"
-        return _Mistake(above, f"unknown key {shown(loc[-1])}", expected, hint)
+        return (
+            above,
+            f"unknown key {shown(loc[-1])}",
+            "" if hint else f"one of {', '.join(known)}",
+            hint,
+        )
     wanted = _kind_at(schema, loc)
     if kind in _NO_TABLE:
         written_as = getattr(wanted, "written_as", "") or (here and f"[{here}]")
-        return _Mistake(here, f"{given} is not a table", written_as)
-    if kind == "list_type" and _is_section(_inner(wanted)):
-        return _Mistake(here, given, f"[[{here}]] with double brackets")
-    return _Mistake(here, given, _EXPECTED.get(kind, detail["msg"]))
-
-
-def _is_version(schema: type[BaseModel], loc: _Place) -> bool:
-    return loc[-1:] == ("schema",) and "schema" in _keys(schema, loc[:-1])
-
-
-def _meant(schema: type[BaseModel], loc: _Place) -> _Place:
-    """Path of the known key that is most like an unknown one."""
-    return (*loc[:-1], nearest(str(loc[-1]), _keys(schema, loc[:-1])) or loc[-1])
+        return here, f"{given} is not a table", written_as, ""
+    if kind == "list_type" and _is_section(_plain((*get_args(wanted), None)[0])):
+        return here, given, f"[[{here}]] with double brackets", ""
+    return here, given, _EXPECTED.get(kind, detail["msg"]), ""
 
 
 def _path(loc: _Place) -> str:
@@ -130,8 +122,8 @@ def _kind_at(schema: type[BaseModel], loc: _Place) -> Any:
             kind = kind.model_fields[str(key)].annotation
         elif is_dataclass(kind):
             kind = get_type_hints(kind)[str(key)]
-        else:
-            kind = _inner(kind)
+        else:  # an item of a list, a tuple of any length or a dict
+            kind = next((a for a in reversed(get_args(kind)) if a is not Ellipsis), None)
         kind = _plain(kind)
     return kind
 
@@ -143,12 +135,6 @@ def _plain(kind: Any) -> Any:
     if get_origin(kind) in (Union, UnionType):
         return _plain(next(a for a in get_args(kind) if a is not type(None)))
     return kind
-
-
-def _inner(kind: Any) -> Any:
-    """The type of the items of a list or dict."""
-    held = [a for a in get_args(kind) if a is not Ellipsis]
-    return _plain(held[-1]) if held else None
 
 
 def _is_section(kind: Any) -> bool:

@@ -191,18 +191,12 @@ def friction_used(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
     return front, rear
 
 
-def locks_at(vehicle: Vehicle, friction: float) -> tuple[float, float]:
-    """z [1] at which the front and the rear axle lock on a road of ``friction`` [1].
+def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
+    """Deceleration at the first lock over the ``friction`` that the road offers [1], 1 at best.
 
-    Infinite for an axle that never locks. Only the smaller of the two is reached.
+    An axle locks where it uses the friction of the road; the front one may never do.
     """
     share, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height
-    left = share * L - friction * h  # phi z L = mu (l_r + z h), from (6)
-    front = friction * vehicle.cg_to_rear_axle / left if left > 0.0 else math.inf
-    rear = friction * vehicle.cg_to_front_axle / ((1.0 - share) * L + friction * h)  # from (7)
-    return front, rear
-
-
-def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
-    """Deceleration at the first lock over the one that the road offers [1], 1 at best."""
-    return min(locks_at(vehicle, friction)) / friction
+    lever = share * L - friction * h  # phi z L = mu (l_r + z h), from (6)
+    front = vehicle.cg_to_rear_axle / lever if lever > 0.0 else math.inf
+    return min(front, vehicle.cg_to_front_axle / ((1.0 - share) * L + friction * h))  # from (7)

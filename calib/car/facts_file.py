@@ -1,9 +1,8 @@
-"""What follows from a vehicle file: loads, torque per pressure, distribution, first lock.
+"""What follows from a vehicle file: loads, torque per pressure, distribution of the brake force.
 
-Also the document of `brake-cal vehicle show --json`, with its schema.
+It is the document of `brake-cal vehicle show --json`.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -11,6 +10,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 from calib.base.names import G
+from calib.base.plain import finite
 from calib.base.record import FileSchema, Section
 from calib.base.warning import to_dict
 from calib.car.balance import (
@@ -19,7 +19,6 @@ from calib.car.balance import (
     front_biased_up_to,
     front_share,
     ideal_front_share,
-    locks_at,
     pressure_per_g,
 )
 from calib.car.forces import axle_loads
@@ -28,9 +27,6 @@ from calib.car.vehicle import Axle, Vehicle
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
 """Rows of the distribution [g]."""
-_FRICTIONS = _DECELERATIONS
-"""Roads of the first lock [1], from ice to dry asphalt."""
-_HALF_G = 0.5
 _BAR = 1e5
 
 
@@ -71,19 +67,6 @@ class _Braking:
 
 
 @dataclass(frozen=True)
-class _FirstLock:
-    """One road: its ``friction`` [1], the ``axle`` that locks first, "front" or "rear".
-
-    ``deceleration`` [g] and ``pressure`` [bar] at that moment.
-    """
-
-    friction: float
-    axle: str
-    deceleration: float
-    pressure: float
-
-
-@dataclass(frozen=True)
 class _VehicleFacts:
     """What follows from a vehicle file with its nominal pads, without drag.
 
@@ -100,7 +83,6 @@ class _VehicleFacts:
     front: _AxleFacts
     rear: _AxleFacts
     distribution: tuple[_Braking, ...]
-    first_lock: tuple[_FirstLock, ...]
 
 
 class _WarningEntry(Section):
@@ -127,9 +109,8 @@ class VehicleFactsFile(FileSchema):
 def facts_document(vehicle: Vehicle) -> VehicleFactsFile:
     """The document of a vehicle."""
     warnings = [_WarningEntry(**to_dict(one)) for one in plausible(vehicle)]
-    return VehicleFactsFile(
-        schema=1, name=vehicle.name, facts=what_follows(vehicle), warnings=warnings
-    )
+    facts = what_follows(vehicle)
+    return VehicleFactsFile(schema=1, name=vehicle.name, facts=facts, warnings=warnings)
 
 
 def what_follows(vehicle: Vehicle) -> _VehicleFacts:
@@ -140,44 +121,30 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
     >>> round(facts.pressure_per_g, 1), round(facts.front_share, 3)  # bar, 1
     (69.9, 0.729)
     """
-    half_f, half_r = (float(load[0]) for load in axle_loads(vehicle, np.array([_HALF_G])))
-    rest_f, rest_r = vehicle.static_loads
+    z = np.array(_DECELERATIONS)
+    pressure, share = z * pressure_per_g(vehicle), front_share(vehicle, 0.0)
+    axles = (vehicle.front, vehicle.rear)
+    torques = (
+        force * axle.rolling_radius * pressure
+        for force, axle in zip(force_per_pressure(vehicle), axles, strict=True)
+    )
+    shares = (np.full_like(z, share), ideal_front_share(vehicle, z), *friction_used(vehicle, z))
+    columns = (z, pressure / _BAR, *shares, *torques)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    half = (float(load[0]) for load in axle_loads(vehicle, np.array([0.5])))
+    front, rear = map(_axle, axles, vehicle.static_loads, half)
     return _VehicleFacts(
         wheelbase=vehicle.wheelbase,
         pressure_per_g=pressure_per_g(vehicle) / _BAR,
-        front_share=front_share(vehicle, 0.0),
-        front_biased_up_to=_finite(front_biased_up_to(vehicle)),
+        front_share=share,
+        front_biased_up_to=finite(front_biased_up_to(vehicle)),
         rear_lifts_at=vehicle.cg_to_front_axle / vehicle.cg_height,
-        front=_axle(vehicle.front, rest_f, half_f),
-        rear=_axle(vehicle.rear, rest_r, half_r),
-        distribution=_distribution(vehicle),
-        first_lock=tuple(_first_lock(vehicle, mu) for mu in _FRICTIONS),
+        front=front,
+        rear=rear,
+        distribution=tuple(_Braking(*r[:4], *map(finite, r[4:6]), *r[6:]) for r in rows),
     )
 
 
 def _axle(axle: Axle, rest: float, half: float) -> _AxleFacts:
     per_bar = axle.pad_friction * axle.torque_gain * _BAR  # (2), (3)
     return _AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
-
-
-def _distribution(vehicle: Vehicle) -> tuple[_Braking, ...]:
-    z = np.array(_DECELERATIONS)
-    pressure = z * pressure_per_g(vehicle)
-    share, axles = np.full_like(z, front_share(vehicle, 0.0)), (vehicle.front, vehicle.rear)
-    torques = (
-        force * axle.rolling_radius * pressure
-        for force, axle in zip(force_per_pressure(vehicle), axles, strict=True)
-    )
-    shares = (share, ideal_front_share(vehicle, z), *friction_used(vehicle, z))
-    columns = (z, pressure / _BAR, *shares, *torques)
-    rows = zip(*(column.tolist() for column in columns), strict=True)
-    return tuple(_Braking(*row[:4], *map(_finite, row[4:6]), *row[6:]) for row in rows)
-
-
-def _first_lock(vehicle: Vehicle, friction: float) -> _FirstLock:
-    z, axle = min(zip(locks_at(vehicle, friction), ("front", "rear"), strict=True))
-    return _FirstLock(friction, axle, z, z * pressure_per_g(vehicle) / _BAR)
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

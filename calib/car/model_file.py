@@ -2,7 +2,7 @@
 
 What is left out is that of the vehicle, the tyre that of wet asphalt; ``[effects]`` is the whole
 list of effects. ``[own_effects.NAME]`` says where an effect is defined that is not in the
-catalogue, by file and SHA-256. One empirical term may be written without the brackets of a list.
+catalogue, by file and SHA-256.
 """
 
 from collections.abc import Mapping
@@ -14,12 +14,10 @@ from typing import Annotated, Any, Self
 from pydantic import (
     BeforeValidator,
     Field,
-    GetJsonSchemaHandler,
     WithJsonSchema,
     create_model,
     model_validator,
 )
-from pydantic_core import core_schema
 
 from calib.base.errors import InputError, ModelError
 from calib.base.record import (
@@ -44,7 +42,7 @@ from calib.car.effects.catalogue import (
     every_effect,
     given,
 )
-from calib.car.effects.effect import Card, Effect
+from calib.car.effects.effect import Effect
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS, PLACES
 from calib.car.model import WET_ASPHALT, Model, Surface, default_model
@@ -110,39 +108,20 @@ class _EmpiricalSection(Section):
         return self
 
 
-def _parameters(card: Card) -> type[Section]:
-    """The schema of an effect: its parameters, each with the unit and the range of its card."""
-    rows = {
-        p.name: (
-            Annotated[float, QuantityMark(p.unit, p.low, p.high)],
-            ... if p.default is None else p.default,
-        )
-        for p in card.parameters
-    }
-    schema: type[Section] = section(card.name, card.cause, rows)
-    return schema
-
-
 def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
-    return by_name(
-        "EffectsSection",
-        {name: _parameters(effect.card) for name, effect in effects.items()},
-        "The whole list of effects; the vehicle's when left out.",
-    )
-
-
-class _OneOrMore:
-    """Marks a list of which a single entry may be written without the brackets."""
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        listed = handler(schema)
-        return {"anyOf": [listed["items"], listed]}
-
-
-def _listed(written: object) -> object:
-    return [written] if isinstance(written, dict) else written
+    """The schema of effects: their parameters, each with the unit and the range of its card."""
+    entries = {}
+    for name, effect in effects.items():
+        parameters = {
+            p.name: (
+                Annotated[float, QuantityMark(p.unit, p.low, p.high)],
+                ... if p.default is None else p.default,
+            )
+            for p in effect.card.parameters
+        }
+        entries[name] = section(name, effect.card.cause, parameters)
+    about = "The whole list of effects; the vehicle's when left out."
+    return by_name("EffectsSection", entries, about)
 
 
 class _DefinedInSection(Section):
@@ -166,9 +145,7 @@ class ModelFile(FileSchema):
     effects: _effects_section(CATALOGUE) | None = None  # type: ignore[valid-type]
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
     surfaces: list[_SurfaceSection] = Field(default_factory=list)
-    empirical: Annotated[list[_EmpiricalSection], BeforeValidator(_listed), _OneOrMore()] = Field(
-        default_factory=list
-    )
+    empirical: list[_EmpiricalSection] = Field(default_factory=list)
 
 
 def read_model(path: Path, vehicle: Vehicle) -> Model:
@@ -188,20 +165,19 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
         schema = create_model("ModelFile", __base__=ModelFile, effects=(effects, None))
     file = validated(document, schema, path, ModelError)
     base = default_model(vehicle)
-    named, terms = base.effects.parameters, base.effects.terms
+    named = base.effects.parameters
     if file.effects is not None:
         named = {name: dict(effect) for name, effect in file.effects.entries()}
-    if file.empirical:
-        terms = tuple(
-            EmpiricalTerm(term.place, term.driver, tuple(term.knots), tuple(term.values))
-            for term in file.empirical
-        )
+    terms = tuple(
+        EmpiricalTerm(term.place, term.driver, tuple(term.knots), tuple(term.values))
+        for term in file.empirical
+    )
     return replace(
         base,
         pad_friction_f=file.pads.front or base.pad_friction_f,
         pad_friction_r=file.pads.rear or base.pad_friction_r,
         tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
-        effects=Effects(named, terms, own=own),
+        effects=Effects(named, terms or base.effects.terms, own=own),
         surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
     )
 
@@ -230,7 +206,11 @@ def write_model(model: Model, path: Path) -> None:
             for name, value in asdict(model.tyre).items()
         },
         "effects": {
-            name: _written(definition(effects, name).card, values)
+            name: {
+                p.name: written_quantity(float(values[p.name]), p.unit)
+                for p in definition(effects, name).card.parameters
+                if p.name in values or p.default is None
+            }
             for name, values in effects.parameters.items()
         },
         "own_effects": {name: asdict(one) for name, one in effects.defined_in.items()},
@@ -242,16 +222,6 @@ def write_model(model: Model, path: Path) -> None:
             {**asdict(t), "knots": list(t.knots), "values": list(t.values)} for t in effects.terms
         ],
     }
-    if len(effects.terms) == 1:
-        (document["empirical"],) = document["empirical"]
     may_be_left_out = ("own_effects", "surfaces", "empirical")
     document = {key: part for key, part in document.items() if part or key not in may_be_left_out}
     write_whole(Path(path), tomlkit.dumps(document).encode())
-
-
-def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:
-    return {
-        p.name: written_quantity(float(values[p.name]), p.unit)
-        for p in card.parameters
-        if p.name in values or p.default is None
-    }

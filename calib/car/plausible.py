@@ -11,8 +11,7 @@ tests/studies/results/vehicle_mistakes.md.
 """
 
 import math
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable
 
 from calib.base.plain import bound, listed, rows
 from calib.base.units import from_si
@@ -55,29 +54,24 @@ _OF: dict[str, Callable[[Vehicle], float]] = {
 """The figures of `figures.csv`, each in the unit of its code."""
 
 
-class _Figure(NamedTuple):
-    """A figure in the unit of its ``code``, with its usual range, likely causes outside of it."""
-
-    code: str
-    of: Callable[[Vehicle], float]
-    low: float
-    high: float
-    too_low: tuple[str, ...]
-    too_high: tuple[str, ...]
-    do: str
+_Figure = tuple[
+    str, Callable[[Vehicle], float], float, float, tuple[str, ...], tuple[str, ...], str
+]
+"""Code of a figure, its value in the unit of the code, usual range, likely causes below and above
+it, and what to do."""
 
 
 def _of_key(key: VehicleKey) -> _Figure:
     code = key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}"
-    of, do = key.value_of, f"look at {key.path}"
-    return _Figure(code, of, key.low, key.high, key.too_low, key.too_high, do)
+    do = f"look at {key.path}"
+    return code, key.value_of, key.low, key.high, key.too_low, key.too_high, do
 
 
 def _of_row(row: dict[str, str]) -> _Figure:
     """Without a lowest value it is that of the station; without a highest one there is none."""
     low, high = float(row["low"] or bound(row["code"], "low")), float(row["high"] or math.inf)
     code, too_low, too_high = row["code"], listed(row["too_low"]), listed(row["too_high"])
-    return _Figure(code, _OF[code], low, high, too_low, too_high, row["do"])
+    return code, _OF[code], low, high, too_low, too_high, row["do"]
 
 
 _FIGURES = (
@@ -88,15 +82,13 @@ _FIGURES = (
 
 def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     """Warnings on what no usual car or van has; the values of the file first."""
-    return tuple(_judged(vehicle))
-
-
-def _judged(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
+    warnings = []
     for code, of, low, high, too_low, too_high, do in _FIGURES:
         measured, ends = of(vehicle), (low, high if high < math.inf else None)
         if not low <= measured <= high:
             causes = too_low if measured < low else too_high
-            yield PlausibilityWarning(code, vehicle.name, measured, ends, causes, do)
+            warnings.append(PlausibilityWarning(code, vehicle.name, measured, ends, causes, do))
+    return tuple(warnings)
 
 
 def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:

@@ -10,13 +10,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from calib.base.errors import VehicleError
 from calib.base.names import TABLE_NAMES, names_a_table
-from calib.base.record import (
-    FileSchema,
-    QuantityMark,
-    Section,
-    read_toml,
-    section,
-)
+from calib.base.record import FileSchema, QuantityMark, Section, read_toml, section
 from calib.base.record_errors import wrong
 from calib.base.units import si_of
 from calib.car.effects.effects import Effects
@@ -51,10 +45,10 @@ def _rows(part: str) -> dict[str, tuple[Any, Any]]:
 class _Chassis(Section):
     @model_validator(mode="after")
     def _is_low_enough(self: Any) -> Any:
-        wheelbase = self.cg_to_front_axle + self.cg_to_rear_axle
-        if self.cg_height >= wheelbase:
+        height, wheelbase = self.cg_height, self.cg_to_front_axle + self.cg_to_rear_axle
+        if height >= wheelbase:
             raise wrong(
-                f"cg_height {self.cg_height:g} m is not below the wheelbase {wheelbase:g} m",
+                f"cg_height {height:g} m is not below the wheelbase {wheelbase:g} m",
                 "cg_height < cg_to_front_axle + cg_to_rear_axle",
             )
         return self
@@ -63,10 +57,10 @@ class _Chassis(Section):
 class _Axle(Section):
     @model_validator(mode="after")
     def _disc_fits(self: Any) -> Any:
-        if self.effective_radius >= self.rolling_radius:
+        disc, wheel = self.effective_radius, self.rolling_radius
+        if disc >= wheel:
             raise wrong(
-                f"effective_radius {self.effective_radius:g} m is not below rolling_radius "
-                f"{self.rolling_radius:g} m",
+                f"effective_radius {disc:g} m is not below rolling_radius {wheel:g} m",
                 "a disc that fits into the wheel",
             )
         return self
@@ -98,8 +92,7 @@ class VehicleFile(FileSchema):
 def read_vehicle(path: Path | str) -> Vehicle:
     """Read a vehicle file (TOML, ``schema = 1``, quantities as strings with units).
 
-    Raises VehicleError for a file that is missing, not TOML, of another schema; for a missing or
-    unknown key; for a wrong unit; for a value that is not believable.
+    Raises one VehicleError with all that is wrong in it.
 
     >>> import calib
     >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")

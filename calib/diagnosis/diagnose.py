@@ -8,7 +8,7 @@ calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (som
 from calib.base.errors import ModelError
 from calib.base.processes import Mapped, one_blas_thread
 from calib.car.effects.catalogue import definition
-from calib.car.effects.effect import slows
+from calib.car.effects.effect import SLOWING, acts_on
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.explanation import runs_of
@@ -83,7 +83,9 @@ def diagnose(
         require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
         found = verdict_of(search)
-        slowed = any(slows(definition(vehicle.effects, name)) for name in found.best.names)
+        slowed = any(
+            acts_on(definition(vehicle.effects, name), SLOWING) for name in found.best.names
+        )
         if max(map(abs, sides.values())) <= USUAL or not (slowed or found.terms):
             break  # else it may be a brake that drags on one wheel
     best, last = found.best, _with_term(found) if found.terms else found.after

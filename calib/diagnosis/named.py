@@ -8,7 +8,7 @@ import numpy as np
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS
 from calib.car.effects.catalogue import definition
-from calib.car.effects.effect import acts_on_wheels
+from calib.car.effects.effect import AT_WHEELS, acts_on
 from calib.car.effects.effects import Effects
 from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
 from calib.diagnosis.explanation.base import PADS, Base
@@ -109,7 +109,7 @@ def _where(at: Explanation, name: str, rest: Effects) -> Where:
     power, drivers = np.split(np.hstack(rows), [len(CHANNELS)])
     pressure, speed, temperature = (range_of(x, np.sum(power, axis=0)) for x in drivers)
     warm = all(run.temperature_f is not None for run in at.runs)
-    on_wheels = acts_on_wheels(definition(vehicle.effects, name))
+    on_wheels = acts_on(definition(vehicle.effects, name), AT_WHEELS)
     axle = _axle(*np.sum(wheels.reshape(2, 2), axis=1)) if on_wheels else "body"
     channel = CHANNELS[int(np.argmax(np.sum(power, axis=1)))]
     return Where(channel, axle, pressure, speed, temperature if warm else None)

@@ -6,7 +6,6 @@ Every manoeuvre begins with an unbraked lead-in, where eta can be zeroed; `coast
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,21 +27,15 @@ _RATES = (40.0, 1000.0)  # lowest and highest sample rate of the program [Hz]
 _LONGEST = 600.0  # longest time of a manoeuvre [s]
 
 
-class _Usual(NamedTuple):
-    """Pressure [Pa] and time [s] of a manoeuvre where none is given."""
-
-    pressure: float
-    duration: float
-
-
 _USUAL = {
-    "ramp": _Usual(60e5, 60e5 / _SLOPE),
-    "step": _Usual(30e5, 20.0),
-    "stop": _Usual(30e5, 60.0),
-    "wave": _Usual(25e5, 20.0),
-    "staircase": _Usual(40e5, 7.5),
-    "coast": _Usual(0.0, 20.0),
+    "ramp": (60e5, 60e5 / _SLOPE),
+    "step": (30e5, 20.0),
+    "stop": (30e5, 60.0),
+    "wave": (25e5, 20.0),
+    "staircase": (40e5, 7.5),
+    "coast": (0.0, 20.0),
 }
+"""Pressure [Pa] and time [s] where none is given."""
 
 NAMES = tuple(_USUAL)
 
@@ -74,7 +67,6 @@ def manoeuvre(
         raise ModelError(f"unknown manoeuvre {name!r}", expected=f"one of {', '.join(NAMES)}")
     if name == "coast" and pressure is not None:
         raise ModelError("coast takes no pressure", do="leave the pressure out")
-    usual = _USUAL[name]
     if not _RATES[0] <= rate <= _RATES[1]:
         expected = f"{_RATES[0]:g} to {_RATES[1]:g} Hz"
         raise ModelError(f"sample rate {rate:g} Hz", where=name, expected=expected)
@@ -86,16 +78,17 @@ def manoeuvre(
     if duration is not None and duration > _LONGEST:
         expected = f"up to {_LONGEST:g} s"
         raise ModelError(f"duration {duration:g} s", where=name, expected=expected)
-    level = usual.pressure if pressure is None else pressure
+    usual, time = _USUAL[name]
+    level = usual if pressure is None else pressure
     if duration is None:
-        duration = level / _SLOPE if name == "ramp" else usual.duration
-    at, levels = np.array(_corners(name, level, duration)).T
-    time = np.arange(int(np.floor(at[-1] * rate + 1e-9)) + 1) / rate
-    trace = np.interp(time, at, levels)
+        duration = level / _SLOPE if name == "ramp" else time
+    corners, levels = np.array(_corners(name, level, duration)).T
+    clock = np.arange(int(np.floor(corners[-1] * rate + 1e-9)) + 1) / rate
+    trace = np.interp(clock, corners, levels)
     if name == "wave":
-        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(time - LEAD_IN - level / RISE, 0.0)
+        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(clock - LEAD_IN - level / RISE, 0.0)
         trace *= 1.0 + _SWING * np.sin(phase)
-    return Manoeuvre(name, time, trace, v0)
+    return Manoeuvre(name, clock, trace, v0)
 
 
 def _corners(name: str, pressure: float, duration: float) -> list[tuple[float, float]]:

@@ -192,18 +192,18 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         accelerometer=accelerometer,
         only=run.only,
     )
-    known = np.isfinite(aged(b.end, b.lead_in, _eta_density(ramp)))
+    turning = np.maximum(b.omega_f, 1.0)  # [rad/s]; what turns slower takes no part
+    eta_density = np.asarray(np.sqrt(2.0) * noise.omega / turning)  # [s^0.5]
+    known = np.isfinite(aged(b.end, b.lead_in, eta_density))
     if ramp.slip is not None:
-        known |= np.isfinite(aged(b.end, b.lead_in, _slip_density(ramp)))
-    return replace(ramp, use=ramp.use & known & (b.lead_in | _steady(vehicle, ramp)))
-
-
-def _steady(vehicle: Vehicle, run: RampRun) -> NDArray[np.bool_]:
-    """Blocks (k,) in which the pressure changes slowly enough, and has just before."""
-    B_f, B_r = nominal_forces(vehicle, run, 0.0)
-    time = run.blocks.end
-    rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, time))
-    return since(time, rate > SETTINGS.fastest) > SETTINGS.late
+        speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
+        slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / turning))
+        known |= np.isfinite(aged(b.end, b.lead_in, slip_density))
+    # the pressure changes slowly enough, and has just before
+    B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
+    rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))
+    steady = since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
+    return replace(ramp, use=ramp.use & known & (b.lead_in | steady))
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
@@ -229,19 +229,3 @@ def normalised_forces(
     F_f = (scale * B_f + run.moment_f) / run.load_f
     F_r = (scale * B_r + run.moment_r) / run.load_r
     return F_f, F_r, scale
-
-
-def _eta_density(run: RampRun) -> Array:
-    """Noise density of eta [s^0.5] (k,)."""
-    return np.asarray(np.sqrt(2.0) * run.noise.omega / _turning(run.blocks))
-
-
-def _slip_density(run: RampRun) -> Array:
-    """Noise density of the mean slip [s^0.5] (k,)."""
-    speed = np.maximum(run.blocks.speed, SETTINGS.min_speed)  # slower blocks take no part
-    return np.asarray(np.hypot(run.noise.v / speed, run.noise.omega / _turning(run.blocks)))
-
-
-def _turning(b: Blocks) -> Array:
-    """Front wheel speed [rad/s], at least 1: what turns slower takes no part."""
-    return np.maximum(b.omega_f, 1.0)

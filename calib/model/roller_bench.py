@@ -88,36 +88,37 @@ class RollerBench:
     def log_pad_ratio(self, vehicle: Vehicle) -> Value:
         """ln of (mu_f/mu_r) over its value in the vehicle file [1].
 
-        Sigma from the scatter of the rows and what of the tolerance is each axle's own.
+        Sigma from the scatter of the rows and what of the tolerance is each axle's own. The scatter
+        over the force is that of both axles together, of three rows alone nobody knows it;
+        Student's t says how well it is known.
 
         Raises BenchError for rows on no line that rises and for pads that no car has; ModelError
         for an effect of the vehicle that cannot be used.
         """
-        front, rear = self._log_pads(vehicle)
-        own = 2.0 * (1.0 - _COMMON) * self.tolerance**2
-        return Value(front.value - rear.value, float(np.sqrt(front.sigma**2 + rear.sigma**2 + own)))
-
-    def _log_pads(self, vehicle: Vehicle) -> tuple[Value, Value]:
-        """ln of each axle's pads over those of the file [1]; sigma from the rows alone.
-
-        The scatter over the force is that of both axles together: of three rows alone nobody knows
-        it. Student's t says how well it is known.
-        """
-        lines = [self._line(vehicle, axle) for axle in "fr"]
-        freedom = sum(line.freedom for line in lines)
-        scatter = float(np.sqrt(sum(line.squares for line in lines) / freedom))
+        front, rear = (self._line(vehicle, axle) for axle in "fr")
+        freedom = front.freedom + rear.freedom
+        scatter = float(np.sqrt((front.squares + rear.squares) / freedom))
         wide = scatter * quantile95(freedom) / Z95
-        front, rear = (
-            Value(float(np.log(line.slope)), wide * line.lever / line.slope) for line in lines
-        )
-        return front, rear
+        sigma_f, sigma_r = (wide * line.lever / line.slope for line in (front, rear))
+        own = 2.0 * (1.0 - _COMMON) * self.tolerance**2
+        value = float(np.log(front.slope)) - float(np.log(rear.slope))
+        return Value(value, float(np.sqrt(sigma_f**2 + sigma_r**2 + own)))
 
     def _line(self, vehicle: Vehicle, axle: str) -> "_Line":
+        """The line of an axle's forces over nominal ones, by least squares.
+
+        Its slope is 0 where those do not rise, as behind a valve that shuts.
+        """
         name = AXLE_NAMES[axle]
-        rows, pads = (getattr(of, name) for of in (self, vehicle))
+        rows, pads = (getattr(part, name) for part in (self, vehicle))
         pressure, force = np.array(sorted(zip(rows.pressure, rows.force, strict=True))).T
-        line = _line_of(_nominal(vehicle, axle, pressure, self.source), force)
-        slope, sigma = line.slope, line.sigma
+        nominal, mean = _nominal(vehicle, axle, pressure, self.source), float(force.mean())
+        x = nominal - nominal.mean()
+        spread = max(float(np.linalg.norm(x)), _LEAST_SPREAD)
+        slope = float(x @ force) / spread**2
+        residual = (force - mean - slope * x) / mean
+        line = _Line(slope, float(residual @ residual), force.size - 2, mean / spread)
+        sigma = line.lever * float(np.sqrt(line.squares / line.freedom))
         if slope <= 0.0 or sigma > _NO_LINE * slope:
             raise BenchError(
                 f"the brake force of the {name} axle does not rise in a line with the "
@@ -163,20 +164,3 @@ class _Line(NamedTuple):
     squares: float
     freedom: int
     lever: float
-
-    @property
-    def sigma(self) -> float:
-        """Sigma of the slope [1] by these rows alone."""
-        return self.lever * float(np.sqrt(self.squares / self.freedom))
-
-
-def _line_of(x: Array, y: Array) -> _Line:
-    """The line of forces y (n,) [N] over nominal ones x (n,) [N] by least squares.
-
-    Its slope is 0 where x does not rise, as behind a valve that shuts.
-    """
-    from_mean, mean = x - x.mean(), float(y.mean())
-    spread = max(float(np.linalg.norm(from_mean)), _LEAST_SPREAD)
-    slope = float(from_mean @ y) / spread**2
-    left = (y - mean - slope * from_mean) / mean
-    return _Line(slope, float(left @ left), y.size - 2, mean / spread)

@@ -37,9 +37,6 @@ testers from before): a limit is taken as two standard deviations."""
 _FEWEST = 3
 """Pressures of an axle: two make a line, the third shows its scatter."""
 
-_SIDES = ((True, False, False), (False, True, True))
-"""Which of the forces of both wheels, of the left and of the right one may be given."""
-
 _Pressure = Annotated[float, QuantityMark("Pa", 0.0, 4e7)]
 _Force = Annotated[float, QuantityMark("N", 1.0, 2e5)]
 
@@ -54,9 +51,9 @@ class _AxleRows(Section):
 
     @model_validator(mode="after")
     def _are_rows(self: Any) -> Any:
-        both, left, right = self.brake_force, self.brake_force_left, self.brake_force_right
-        given = [one for one in (both, left, right) if one is not None]
-        if (both is not None, left is not None, right is not None) not in _SIDES:
+        forces = (self.brake_force, self.brake_force_left, self.brake_force_right)
+        given = [force for force in forces if force is not None]
+        if len(given) != (2 if self.brake_force is None else 1):
             raise wrong(
                 f"{counted(len(given), 'list')} of brake forces",
                 "brake_force of both wheels, or brake_force_left and brake_force_right",
@@ -100,9 +97,7 @@ class RollerBenchFile(FileSchema):
 def read_roller_bench(path: Path | str) -> RollerBench:
     """Read the forces of a roller brake tester (TOML, ``schema = 1``, quantities with units).
 
-    Raises BenchError for a file that is missing, not TOML, of another schema; for an axle that is
-    missing; for a unit that is missing or of another quantity; for pressures that are too few or
-    below the bite.
+    Raises one BenchError with all that is wrong in it.
     """
     file = read_toml(Path(path), RollerBenchFile, BenchError)
     return RollerBench(

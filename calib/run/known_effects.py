@@ -24,13 +24,13 @@ from calib.car.effects.combined import (
     accelerometer_lag,
     as_driven,
     as_sensed,
-    chosen,
+    on_links,
     pad_factors,
     speed_delay,
     wheel_speed_delay,
     wheel_speed_factors,
 )
-from calib.car.effects.effect import Effect, acts_on_brakes, changes_readings, in_balance
+from calib.car.effects.effect import BALANCE, BRAKES, READINGS
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, deceleration
 from calib.car.history import Motion, RunHistory, constant_speed
@@ -81,8 +81,8 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     """
     known = default_model(vehicle)
     _refuse_force_over_temperature(known.effects, log)
-    car = replace(as_driven(vehicle, known.effects), effects=chosen(known.effects, in_balance))
-    effects = chosen(known.effects, _changes_log)
+    car = replace(as_driven(vehicle, known.effects), effects=on_links(known.effects, BALANCE))
+    effects = on_links(known.effects, (*BRAKES, *READINGS))  # others stay in the car
     ones = np.ones_like(log.time)
     if not effects:
         return CorrectedRun(car, log, ones, ones)
@@ -93,7 +93,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     for w, factor in wheel_speed_factors(car, effects, moved).items():
         channels[f"omega_{w}"] = channels[f"omega_{w}"] / factor
     factors = (ones, ones)
-    if chosen(effects, acts_on_brakes):
+    if on_links(effects, BRAKES):
         brakes = _brakes(model, log)
         history = _heated(brakes, history, log)
         torques = brakes.torques(history)
@@ -115,11 +115,6 @@ def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
                 where=log.source,
                 expected="a term on the brakes, or over speed, pressure, deceleration or time",
             )
-
-
-def _changes_log(effect: Effect) -> bool:
-    """Whether an effect changes a pressure or the reading of a sensor; others stay in the car."""
-    return acts_on_brakes(effect) or changes_readings(effect)
 
 
 def _history(model: Model, log: Log) -> RunHistory:

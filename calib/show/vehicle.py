@@ -58,10 +58,6 @@ def facts(vehicle: Vehicle) -> Facts:
         )
         for b in found.distribution
     ]
-    locks = [
-        (f"{x.friction:.1f}", x.axle, f"{x.deceleration:.2f}", f"{x.pressure:.0f}")
-        for x in found.first_lock
-    ]
     return Facts(
         headline=f"{vehicle.name}, {vehicle.mass:g} kg",
         rows=[
@@ -72,11 +68,10 @@ def facts(vehicle: Vehicle) -> Facts:
             ("rear lifts at", f"{found.rear_lifts_at:.2f} g"),
         ],
         parts=[
-            Facts("Axles, brake force and locking", tables=[
+            Facts("Axles and brake force", tables=[
             Cells(("axle", "front", "rear"), axles),
             Cells(("g", "pressure [bar]", "front [%]", "ideal [%]", "friction front",
                    "friction rear", "torque front [N m]", "torque rear [N m]"), brakes),
-            Cells(("road friction", "locks first", "at [g]", "at [bar]"), locks),
             ]),
         ],
         warnings=plausible(vehicle),

@@ -69,19 +69,9 @@ def test_what_is_no_file(tmp_path, monkeypatch, make, says):
         read_bounded(tmp_path / "a", SMALL)
 
 
-@pytest.mark.parametrize(("name", "says"), [("a" * 300, "too long"), ("a\0b", "no such name")])
-def test_names_that_no_file_has(tmp_path, name, says):
-    with pytest.raises(OSError, match=says):
-        read_bounded(tmp_path / name, SMALL)
-
-
 def test_as_an_error_of_the_program(tmp_path):
     with pytest.raises(LogError, match="no such file; expected a log"):
         bytes_of(tmp_path / "a", SMALL, LogError, "a log")
-
-
-def test_each_kind_has_a_variable_of_its_own():
-    assert len({kind.variable for kind in KINDS}) == len(KINDS)
 
 
 def test_each_variable_is_in_the_manual():

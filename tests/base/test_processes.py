@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -49,18 +47,3 @@ def test_linear_algebra_has_one_thread_meanwhile():
         with one_blas_thread():
             assert blas_threads() == {1}
         assert blas_threads() == {2}
-
-
-def test_linear_algebra_that_is_loaded_later_has_one_thread_too():
-    free = {name: value for name, value in os.environ.items() if "NUM_THREADS" not in name}
-    program = """
-from threadpoolctl import threadpool_info
-from calib.base.processes import one_blas_thread
-with one_blas_thread():
-    import scipy.linalg
-    print(sum(blas["num_threads"] != 1 for blas in threadpool_info()))
-"""
-    ended = subprocess.run(
-        [sys.executable, "-c", program], env=free, capture_output=True, text=True, check=True
-    )
-    assert ended.stdout.strip() == "0"

@@ -72,11 +72,6 @@ def test_two_things_with_equal_errors_are_a_closed_form(apart, v, at):
     assert found.half_width[0] == pytest.approx(expected, rel=1e-6)
 
 
-def test_one_thing_has_no_scatter():
-    with pytest.raises(ValueError, match="one thing alone"):
-        random_effects(np.ones((1, 1)), np.ones((1, 1)))
-
-
 @pytest.mark.parametrize("freedom", [1, 2, 9, 200])
 @pytest.mark.parametrize("value", [-8.0, -1.0, 0.0, 0.3, 4.0])
 def test_a_sigma_is_as_rare_as_the_t_that_it_stands_for(freedom, value):

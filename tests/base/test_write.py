@@ -1,9 +1,6 @@
 """All files of a run or none, whatever is killed when, full or read-only."""
 
 import os
-import subprocess
-import sys
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -80,13 +77,6 @@ def test_the_work_of_a_run_that_is_alive_stays(out):
         assert (work / "a.txt").read_text() == "3"
 
 
-def test_the_work_of_a_dead_run_goes(out):
-    (out / ".making-0123").mkdir()
-    (out / ".making-0123" / "a.txt").write_text("1")
-    run(out, "new", "2")
-    assert files(out) == {**result_of("new", "2"), "notes": "mine"}
-
-
 def test_a_run_that_cannot_be_moved_is_undone(out, monkeypatch):
     replace = os.replace
 
@@ -140,46 +130,6 @@ def test_a_verdict_that_cannot_be_removed_keeps_its_files(out, monkeypatch):
     with pytest.raises(PermissionError):
         run(out, "new", "2")
     assert files(out) == before
-
-
-@pytest.fixture
-def mounted(tmp_path):
-    """A small file system of its own, where this process may mount one."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    size = ["-o", "size=64k", "tmpfs"]
-    if sys.platform != "linux" or os.geteuid() != 0:
-        pytest.skip("only root can mount a file system")
-    if subprocess.run(["mount", "-t", "tmpfs", *size, place], capture_output=True).returncode:
-        pytest.skip("no mount is allowed here")
-    yield place
-    subprocess.run(["umount", "--lazy", place], check=True)
-
-
-def test_on_a_full_disk_the_earlier_run_stays(mounted):
-    out = mounted / "out"
-    run(out, "old", "1")
-    for size in (100, 60, 40, 30):  # kilobytes
-        with suppress(OSError):
-            run(out, "new", "2" * 1000 * size)
-        assert files(out) == result_of("old", "1")
-    with pytest.raises(OSError, match="space"):
-        run(out, "new", "2" * 100_000)
-
-
-def test_a_read_only_folder_is_told_at_once(mounted):
-    out = mounted / "out"
-    run(out, "old", "1")
-    subprocess.run(["mount", "-o", "remount,ro", mounted], check=True)
-    with pytest.raises(OSError, match="Read-only"), workshop(out):
-        pytest.fail("the work has begun")
-    assert files(out) == result_of("old", "1")
-
-
-def test_what_a_killed_write_left_is_used_again(tmp_path):
-    (tmp_path / ".a.bin.new").write_bytes(b"a longer part of a file that was killed")
-    write_whole(tmp_path / "a.bin", b"whole")
-    assert files(tmp_path) == {"a.bin": "whole"}
 
 
 def test_is_as_readable_as_any_new_file(tmp_path):

@@ -15,8 +15,6 @@ from calib.car.balance import (
     front_share,
     ideal_front_share,
     lock_efficiency,
-    locks_at,
-    moment_at_road,
     pressure_per_g,
 )
 from calib.car.effects.effects import Effects
@@ -34,14 +32,6 @@ def test_brake_forces_are_2_per_axle():
     f, r = brake_forces(CAR, p, p, math.log(1.21))
     assert f[1] / front[1] == pytest.approx(1.1)
     assert r[1] / rear[1] == pytest.approx(1.0 / 1.1)
-
-
-def test_inertia_drives_on_what_the_moment_slows():
-    # two wheels of 1.2 kg m^2 that slow by 20 rad/s^2 give 48 N m back, at 0.322 m
-    axle = CAR.front
-    free = moment_at_road(axle, 0.0, np.array([-20.0]))
-    assert free == pytest.approx(-2.0 * axle.wheel_inertia * 20.0 / axle.rolling_radius)
-    assert moment_at_road(axle, 100.0, np.array([0.0])) == pytest.approx(100.0 / 0.322)
 
 
 def test_without_effects_the_brakes_carry_weight_and_wheels():
@@ -98,19 +88,19 @@ def test_better_front_pads_take_their_share():
 
 
 def test_an_axle_locks_where_it_uses_the_friction_of_the_road():
-    front, rear = locks_at(VEHICLE, MU)
-    assert friction_used(VEHICLE, np.array([front]))[0][0] == pytest.approx(MU, rel=1e-12)
-    assert friction_used(VEHICLE, np.array([rear]))[1][0] == pytest.approx(MU, rel=1e-12)
-    assert lock_efficiency(VEHICLE, MU) == min(front, rear) / MU < 1.0
+    z = MU * lock_efficiency(VEHICLE, MU)
+    assert max(used[0] for used in friction_used(VEHICLE, np.array([z]))) == pytest.approx(MU)
 
 
 def test_both_axles_lock_at_once_where_the_bias_turns():
     z = front_biased_up_to(VEHICLE)
-    assert locks_at(VEHICLE, z) == pytest.approx((z, z), rel=1e-12)
+    assert lock_efficiency(VEHICLE, z) == pytest.approx(1.0, rel=1e-12)
     assert ideal_front_share(VEHICLE, np.array([z]))[0] == pytest.approx(front_share(VEHICLE, 0.0))
 
 
 def test_an_axle_may_never_lock():
     low = replace(VEHICLE, cg_height=1.1, rear=replace(VEHICLE.rear, piston_area=0.2))
     assert front_share(low, 0.0) < 0.1
-    assert locks_at(low, 1.0)[0] == np.inf
+    used = friction_used(low, np.array([lock_efficiency(low, 1.0)]))
+    assert used[1][0] == pytest.approx(1.0)
+    assert used[0][0] < 1.0

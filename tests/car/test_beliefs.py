@@ -72,8 +72,3 @@ def test_a_further_case_of_a_stop_is_drawn_as_often_as_it_says():
     assert np.mean(tyre.drawn(u, np.zeros(1000))) == pytest.approx(0.2 * 3.0)
     with pytest.raises(ValueError, match="not in"):
         tyre.is_case("new", u)
-
-
-def test_a_row_of_a_stop_without_a_case_is_refused():
-    with pytest.raises(ValueError, match="log_tyre"):
-        beliefs_of(Stop, [*TABLE, of(group="stop", quantity="log_tyre", case="")])

@@ -55,19 +55,6 @@ def test_tables_1_and_2_at_50_bar(faces, g):
     assert force / (1744.0 * 9.80665) == pytest.approx(g, rel=0.01)
 
 
-@given(friction, st.floats(1e4, 2e7))
-def test_pad_friction_undoes_the_torque(mu, pressure):
-    torque = forces.brake_torque(VEHICLE.rear, mu, pressure)
-    assert forces.pad_friction(VEHICLE.rear, torque, pressure) == pytest.approx(mu, rel=1e-12)
-
-
-@given(st.floats(0.0, 5e3), st.floats(-500.0, 500.0), st.floats(0.0, 100.0))
-def test_the_moments_on_a_wheel_turn_it(torque, spin, moment):
-    axle = VEHICLE.rear
-    left = axle.rolling_radius * forces.tyre_force(axle, torque, spin, moment) - torque - moment
-    assert left == pytest.approx(axle.wheel_inertia * spin, abs=1e-9)
-
-
 # Loads and sums ----------------------------------------------------------------------------------
 
 
@@ -108,11 +95,6 @@ def test_18_holds_for_any_deceleration_and_difference(car, z, D):
     F_f, F_r = forces.split(car, z, D)
     assert F_f * F_zf + F_r * F_zr == pytest.approx(z * car.weight, abs=1e-9 * car.weight)
     assert (F_f, F_r) == pytest.approx((z + f1, z + f2), abs=1e-12)
-
-
-def test_the_sedan_is_front_biased_up_to_0_641():
-    """A r of the axles are 3775.16 and 1406.16 cm^2 mm: 0.7286 = (1.6494 + 0.615 z)/2.805."""
-    assert balance.front_biased_up_to(VEHICLE) == pytest.approx(0.641, abs=5e-4)
 
 
 @given(vehicles(), st.floats(0.5, 2.0))

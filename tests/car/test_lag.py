@@ -6,18 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lsim
 
-from calib.car.lag import first_order, integral, low_pass, second_order
+from calib.car.lag import first_order, low_pass, second_order
 
 TIME = np.arange(500) * 0.01
 
 
 def bumpy(seed=0):
     return np.cumsum(np.random.default_rng(seed).standard_normal(TIME.size))
-
-
-def test_integral_of_what_runs_straight_is_exact():
-    uneven = np.array([0.0, 0.1, 0.5, 0.6, 2.0])
-    assert integral(uneven, 3.0 - 2.0 * uneven) == pytest.approx(3.0 * uneven - uneven**2)
 
 
 @given(st.floats(1e-4, 100.0))

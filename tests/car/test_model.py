@@ -129,7 +129,7 @@ def test_all_errors_of_a_file_come_in_one_message(tmp_path):
         ("front = 0.30", "front = 30"),
         ("6600 cm^2", "6600 cm"),
         ("4500 ms", "4500 kg"),
-        ("[[surfaces]]", '[empirical]\nplace = "roof"\ndriver = "spede"\n[[surfaces]]'),
+        ("[[surfaces]]", '[[empirical]]\nplace = "roof"\ndriver = "spede"\n[[surfaces]]'),
     ):
         assert old in text
         text = text.replace(old, new, 1)
@@ -152,11 +152,6 @@ def test_all_errors_of_a_file_come_in_one_message(tmp_path):
 
 TIME = np.arange(401) * 0.01
 ROAD = replace(default_model(SEDAN), surfaces=(Surface(20.0, "m", 0.7, 0.5),))
-
-
-def test_one_road_is_one_tyre():
-    model = default_model(SEDAN)
-    assert tyres_along(model, TIME, 20.0 + 0.0 * TIME) == (model.tyre, model.tyre)
 
 
 def test_the_rear_axle_meets_it_a_wheelbase_later():

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from calib.base.warning import UNITS
-from calib.car.plausible import LEAST_FRONT_BIASED, plausible, to_confirm
+from calib.car.plausible import plausible, to_confirm
 from calib.car.vehicle import Axle, Vehicle
 from calib.car.vehicle_file import read_vehicle
 
@@ -114,10 +114,3 @@ def test_what_only_some_cars_have_is_for_a_person_to_confirm():
     assert to_confirm(SEDAN) == to_confirm(CARS["limousine"]) == ()
     asked = {name for name, one in CARS.items() if to_confirm(one)}
     assert asked == {"compact with EBD", "van, laden", "rear engine", "microcar"}
-
-
-def test_the_check_and_the_station_have_one_limit():
-    found = {w.code: w for w in plausible(MISTAKES["area of both sides, rear"][0])}
-    warning = found["front_biased_up_to"]
-    assert warning.expected[0] == LEAST_FRONT_BIASED
-    assert "brake-cal station" in warning.do

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from calib.base.errors import LogError, ModelError
 from calib.base.names import WHEELS
 from calib.car.effects.effects import Effects
-from calib.car.model import Model, default_model
+from calib.car.model import default_model
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.logs.log import Log
@@ -92,21 +92,6 @@ def test_a_logged_motor_is_no_gap():
     assert np.max(alone["v"][:m] - log["v"][:m]) > 0.5
 
 
-def test_a_logged_motor_and_engine_drag_are_both_counted(driven):
-    drag = replace(
-        MODEL, effects=MODEL.effects.with_(Effects({"engine_drag": {"drag_torque": 90.0}}))
-    )
-    log = replace(
-        driven, channels={**driven.channels, "T_drive_f": np.full(driven.time.size, -60.0)}
-    )
-    whole = replace(
-        MODEL, effects=MODEL.effects.with_(Effects({"engine_drag": {"drag_torque": 150.0}}))
-    )
-    both, once = replay(drag, log), replay(whole, driven)
-    n = min(both.time.size, once.time.size)
-    assert both["v"][:n] == pytest.approx(once["v"][:n], abs=1e-9)
-
-
 def test_without_v_the_radii_of_the_model_count(driven):
     worn = replace(MODEL, effects=Effects({"rolling_radius_mismatch": {"radius_mismatch": -0.02}}))
     log = without(simulate(worn, driven.time, driven["p_mc"], 30.0), "v")
@@ -144,36 +129,11 @@ def test_a_measured_ramp_is_met_by_the_known_model():
     assert np.corrcoef(again["a_x"], log["a_x"][:n])[0, 1] > 0.99
 
 
-def test_a_ripple_follows_the_angle_of_the_wheels_that_is_given(driven):
-    """T_b = (2) (1 + a sin(angle + phase)), at any angle that is given."""
-    ripple = {"amplitude": 0.1, "phase": 0.4, "side": 1.0}
-    judder = replace(
-        MODEL, effects=MODEL.effects.with_(Effects({"disc_thickness_variation": ripple}))
-    )
-    angle = 2.0 + 90.0 * (driven.time - driven.time[0])
-    again = replay(judder, driven, wheel_angle={"f": angle})
-    n = again.time.size
-    even = SEDAN.front.pad_friction * SEDAN.front.torque_gain * again["p_mc"]
-    assert again.truth["true_Tb_fl"] == pytest.approx(even * (1.0 + 0.1 * np.sin(angle[:n] + 0.4)))
-    assert again.truth["true_Tb_fr"] == pytest.approx(even)
-
-
-KNOWN = {
-    "aerodynamic_drag": {"drag_area": 0.66},
-    "rolling_resistance": {"coefficient": 0.011},
-}
 PLANT = Plant(
     SEDAN, tyre=magic(25.0, 0.9, 1.65, 0.0, 0.1), drag_area=0.66, rolling_resistance=0.011
 )
 COARSE = 1.0 / 40.0
-
-
-def model() -> Model:
-    pads = default_model(SEDAN)
-    tyre = MagicFormula(25.0, 0.9, 1.65, 0.1)
-    return Model(
-        SEDAN, pads.pad_friction_f, pads.pad_friction_r, tyre, Effects(KNOWN), pads.surfaces
-    )
+KNOWN = replace(MODEL, tyre=MagicFormula(25.0, 0.9, 1.65, 0.1))
 
 
 def bends(t: float) -> float:
@@ -192,18 +152,11 @@ def test_every_sample_is_kept_and_no_step_is_longer(steps):
     assert np.min(np.diff(clock.time)) > 0.0
 
 
-def test_a_clock_that_is_fine_enough_is_not_changed():
-    time = np.arange(2001) / 200.0
-    clock = fine_clock(time)
-    assert np.array_equal(clock.time, time)
-    assert clock.along(time) is time
-
-
 @pytest.mark.parametrize("rate", [40, 200])
 def test_the_rate_of_the_clock_does_not_count(rate):
     """Against a plant that is integrated stiffly; steps of the clock would cost up to 0.0024."""
     run = drive(PLANT, bends, 30.0, duration=5.0, rate=float(rate), rtol=1e-9)
-    log = simulate(model(), run["time"], np.array([bends(t) for t in run["time"]]), 30.0)
+    log = simulate(KNOWN, run["time"], np.array([bends(t) for t in run["time"]]), 30.0)
     assert log.time.size == run["time"].size
     assert np.max(np.abs(log["v"] - run["v"])) < 7e-4
 
@@ -213,7 +166,7 @@ def test_inputs_come_back_at_the_samples_they_were_given_at():
     p, heat = np.linspace(0.0, 20e5, 81), np.linspace(80.0, 120.0, 81)
     torque = np.full(81, -50.0)
     log = simulate(
-        model(),
+        KNOWN,
         time,
         p,
         25.0,
@@ -229,5 +182,5 @@ def test_inputs_come_back_at_the_samples_they_were_given_at():
 
 def test_a_run_that_ends_within_the_second_step_of_the_clock_is_refused():
     with pytest.raises(ModelError, match="nothing to simulate") as refused:
-        simulate(model(), np.arange(5) * COARSE, np.full(5, 30e5), 1.1, stop_speed=1.0)
+        simulate(KNOWN, np.arange(5) * COARSE, np.full(5, 30e5), 1.1, stop_speed=1.0)
     assert "slower than 1 m/s" in str(refused.value)

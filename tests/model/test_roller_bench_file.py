@@ -5,7 +5,7 @@ import hashlib
 import pytest
 
 from calib.base.errors import BenchError
-from calib.model.roller_bench_file import TOLERANCE, read_roller_bench
+from calib.model.roller_bench_file import read_roller_bench
 from tests.support.refusals import refusal
 
 TEXT = """schema = 1
@@ -40,10 +40,6 @@ def test_units_and_wheels_come_to_forces_of_axles(tmp_path):
     assert bench.rear.force == pytest.approx((622.0, 1284.0, 1942.0))
 
 
-def test_the_tolerance_may_be_left_out(tmp_path):
-    assert read_roller_bench(write(tmp_path, ('tolerance = "1.5 %"', ""))).tolerance == TOLERANCE
-
-
 @pytest.mark.parametrize(
     ("old", "new", "where"),
     [
@@ -67,7 +63,3 @@ def test_the_tolerance_may_be_left_out(tmp_path):
 def test_slips_are_named(tmp_path, old, new, where):
     path = write(tmp_path, (old, new))
     assert where in refusal(read_roller_bench, path, kind=BenchError, names=path)
-
-
-def test_a_file_that_is_not_there(tmp_path):
-    refusal(read_roller_bench, tmp_path / "none.toml", kind=BenchError, names="none.toml")

@@ -32,14 +32,6 @@ def test_variance_and_correlation_are_those_of_the_law(coloured, dt):
         assert r == pytest.approx(coloured * a**lag, abs=5.0 * scatter)
 
 
-def test_the_first_sample_is_as_noisy_as_the_others():
-    first = [
-        reading(np.zeros(3), NoiseLevel(1.0, 1.0), DT, np.random.default_rng(s))[0]
-        for s in range(2000)
-    ]
-    assert np.var(first) == pytest.approx(1.0, rel=5.0 * np.sqrt(2.0 / 2000))
-
-
 def test_rounding_adds_a_twelfth_of_its_step_squared():
     x = noise(NoiseLevel(0.1, 0.0, 0.1))
     assert x / 0.1 == pytest.approx(np.round(x / 0.1), abs=1e-9)

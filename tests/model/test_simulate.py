@@ -55,13 +55,6 @@ def apart(log, run, channel):
 # Closed forms ------------------------------------------------------------------------------------
 
 
-def test_without_pressure_and_effects_nothing_happens():
-    log = simulate(model({}), clock(5), np.zeros(1001), 20.0)
-    assert log["v"] == pytest.approx(20.0, abs=1e-12)
-    assert log["omega_rl"] == pytest.approx(20.0 / SEDAN.rear.rolling_radius)
-    assert np.all(log["a_x"] == 0.0)
-
-
 def test_coasting_against_drag_alone():
     """(M + J/R^2) dv/dt = -k v^2 gives v = v0/(1 + k v0 t/m)."""
     log = simulate(model(DRAG), clock(20), np.zeros(4001), 33.0)
@@ -116,13 +109,6 @@ def test_forces_sum_to_mass_times_deceleration(ramped):
     total = sum(ramped.truth[f"true_Fx_{w}"] for w in WHEELS)
     drag = 0.5 * 1.2 * 0.66 * ramped["v"] ** 2
     assert total + drag == pytest.approx(-SEDAN.mass * ramped["a_x"], rel=1e-8)
-
-
-def test_loads_sum_to_the_weight_and_follow_the_live_deceleration(ramped):
-    total = sum(ramped.truth[f"true_Fz_{w}"] for w in WHEELS)
-    assert total == pytest.approx(SEDAN.weight, rel=1e-12)
-    F_zf, _ = forces.axle_loads(SEDAN, -ramped["a_x"] / G)
-    assert 2.0 * ramped.truth["true_Fz_fr"] == pytest.approx(F_zf, rel=1e-8)
 
 
 @pytest.mark.parametrize("w", ["fl", "rr"])
@@ -191,17 +177,6 @@ def test_follows_the_plant(pressure, rate):
     assert apart(log, run, "true_Tb_rr") < 1e-6
 
 
-def test_follows_the_plant_with_a_pressure_of_its_own_on_one_wheel():
-    own = {"fl": lambda t: 0.8 * ramp(t)}
-    run = drive(PLANT, ramp, 30.0, duration=5.0, wheel_pressure=own)
-    log = simulate(model(), run["time"], run["p_mc"], 30.0, wheel_pressure={"fl": run["p_fl"]})
-    assert apart(log, run, "omega_fl") < 2e-3
-    assert apart(log, run, "omega_fr") < 2e-3
-    assert np.max(log["omega_fl"] - log["omega_fr"]) > 0.1
-    assert np.array_equal(log["p_fl"], run["p_fl"])
-    assert "p_fr" not in log
-
-
 def test_follows_the_plant_over_a_change_of_road():
     def road(x):
         into = min(max((x - 60.0) / 0.3, 0.0), 1.0)
@@ -251,15 +226,6 @@ def test_ends_before_a_wheel_passes_the_peak_and_says_so():
         assert 0.98 * TYRE.peak < used < TYRE.peak
 
 
-def test_the_plant_locks_the_wheel_that_the_note_names():
-    run = drive(PLANT, lambda t: 15e5 * t, 33.0, duration=5.0)
-    log = simulate(model(), run["time"], run["p_mc"], 33.0)
-    slip = {w: 1.0 - 0.322 * run[f"omega_{w}"] / run["v"] for w in WHEELS}
-    peak = float(TYRE.slip_at(1.0, 0.7))
-    first = min(int(np.argmax(slip[w] > peak)) for w in WHEELS if np.any(slip[w] > peak))
-    assert abs(first - log.time.size) <= 4
-
-
 @settings(max_examples=8)
 @given(st.integers(50, 1500), st.floats(10e5, 80e5), st.floats(5.0, 40.0))
 def test_what_comes_later_does_not_change_what_was(cut, pressure, v0):
@@ -277,21 +243,6 @@ def test_what_comes_later_does_not_change_what_was(cut, pressure, v0):
 
 
 # Doors -------------------------------------------------------------------------------------------
-
-
-def test_equal_wheel_pressures_are_the_master_cylinder_pressure(ramped):
-    time = clock(12)
-    p = sampled(ramp, time)
-    log = simulate(model(), time, p, 33.0, wheel_pressure=dict.fromkeys(WHEELS, p))
-    for w in WHEELS:
-        assert log[f"omega_{w}"] == pytest.approx(ramped[f"omega_{w}"], abs=1e-9)
-
-
-def test_an_uneven_clock_gives_the_same_run(ramped):
-    time = np.sort(np.concatenate([clock(12), clock(11.9)[::3] + 0.0013]))
-    log = simulate(model(), time, sampled(ramp, time), 33.0)
-    at = np.interp(ramped.time, log.time, log["v"])
-    assert at == pytest.approx(ramped["v"], abs=1e-3)
 
 
 def test_truth_names_the_pads_and_digest_the_content(ramped):
@@ -317,16 +268,6 @@ def test_truth_names_the_pads_and_digest_the_content(ramped):
 def test_refuses_what_cannot_be_driven(time, pressure, v0):
     with pytest.raises(ModelError):
         simulate(model(), time, pressure, v0)
-
-
-def test_disc_temperatures_are_handed_through_and_looked_at():
-    time, heat = clock(1), np.linspace(80.0, 120.0, 201)
-    log = simulate(model(), time, np.zeros(201), 20.0, temperature={"r": heat})
-    assert np.array_equal(log["T_disc_r"], heat)
-    assert "T_disc_f" not in log
-    for wrong in ({"x": heat}, {"f": heat * np.nan}):
-        with pytest.raises(ModelError):
-            simulate(model(), time, np.zeros(201), 20.0, temperature=wrong)
 
 
 def test_tyres_that_need_a_way_follow_the_plant():

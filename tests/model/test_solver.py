@@ -24,7 +24,6 @@ from calib.model.solver import (
     history_of,
     next_slip,
     solve,
-    tyre_force,
 )
 from tests.support.effect_runs import SEDAN
 
@@ -37,13 +36,6 @@ def run_with(effects, pressure=25e5, **own):
     model = replace(default_model(SEDAN), effects=Effects(effects))
     rest = constant_speed(TIME, np.full(TIME.size, pressure), 30.0)
     return Drive(brakes_of(model, rest, own), rest, 30.0, 1.0, NO_DRIVE)
-
-
-def test_a_wheel_without_its_twin_counts_twice():
-    run = run_with({})
-    one = np.ones(3)
-    assert np.array_equal(run.total({"fl": one, "rl": 10.0 * one}), [22.0] * 3)
-    assert np.array_equal(run.total({"fl": one, "fr": 3.0 * one, "rl": 10.0 * one}), [24.0] * 3)
 
 
 def test_equal_twins_sum_to_the_last_bit_as_one_for_both():
@@ -67,11 +59,6 @@ def test_what_the_brakes_and_the_road_took_is_what_the_car_lost():
     heat = 2.0 * (history.energy_f[-1] + history.energy_r[-1])
     assert heat == pytest.approx(moving - drag, rel=0.02)  # the rest is left on the road
     assert heat < moving - drag
-
-
-def test_without_effects_no_history_is_made():
-    run = run_with({})
-    assert history_of(run, solve(run)) is run.rest
 
 
 def test_an_axle_lifts_when_its_load_has_left_and_not_before():
@@ -151,19 +138,6 @@ def test_a_step_reaches_the_tyre_with_the_time_constant_of_wheel_and_tyre():
         slip = next_slip(wheel, tyre, demand, travel, slip)
     expected = 100.0 / 0.322 * (1.0 - np.exp(-time / tau))
     assert load * tyre.force(slip) == pytest.approx(expected, abs=0.005 * 100.0 / 0.322)
-
-
-def test_equation_1_holds_once_settled():
-    rng = np.random.default_rng(1)
-    wheel, tyre = axle(1.2), RisingTyre(TYRE, np.ones(SECOND.size))
-    torque = 500.0 + 30.0 * rng.standard_normal(SECOND.size)
-    demand = WheelDemand(torque, np.full(SECOND.size, 14.0), np.full(SECOND.size, 4200.0))
-    z = np.full(SECOND.size, 0.4)
-    travel = Travel(SECOND, 30.0 - 9.80665 * 0.4 * SECOND, z)
-    slip = settled(wheel, tyre, demand, travel)
-    assert tyre_force(wheel, demand, travel, slip) == pytest.approx(
-        4200.0 * tyre.force(slip), abs=1e-7
-    )
 
 
 def test_beyond_the_edge_the_force_goes_on_rising_without_a_step():

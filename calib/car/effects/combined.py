@@ -13,7 +13,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.effects.catalogue import CALIPER, LINE, SENSOR, definition, every_effect
-from calib.car.effects.effect import Effect, Pair, Parameters
+from calib.car.effects.effect import Pair, Parameters, acts_on
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import effect_of
 from calib.car.history import Motion, RunHistory
@@ -24,10 +24,14 @@ _SHORTEST = 1e-6
 """Time constant [s] up to which an accelerometer follows at once: far less than a sample."""
 
 
-def chosen(effects: Effects, test: Callable[[Effect], bool]) -> Effects:
-    """The effects, terms among them, that pass a test. Raises ModelError for an unknown name."""
-    kept = effects.only(*(name for name in effects.names if test(definition(effects, name))))
-    return replace(kept, terms=tuple(term for term in effects.terms if test(effect_of(term))))
+def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
+    """The effects, terms among them, that act on one of these links.
+
+    Raises ModelError for an unknown name.
+    """
+    names = (name for name in effects.names if acts_on(definition(effects, name), links))
+    terms = tuple(term for term in effects.terms if acts_on(effect_of(term), links))
+    return replace(effects.only(*names), terms=terms)
 
 
 def not_sensed(effects: Effects) -> dict[str, str]:

@@ -154,35 +154,20 @@ def effect(name: str, **hooks: Callable[..., Any]) -> Effect:
     return Effect(CARDS[name], **hooks)
 
 
-def acts_on_brakes(effect: Effect) -> bool:
-    """Whether an effect changes pressures, pads or the torque of single wheels."""
-    return _any(effect, _BRAKES)
+BRAKES = ("pressure", "friction", "wheels")
+"""Links that change pressures, pads or the torque of single wheels."""
+READINGS = (
+    *("accelerometer", "wheel_speed", "accelerometer_lag", "speed_delay", "wheel_speed_delay"),
+)
+"""Links that change what a sensor reads; the car moves as without them."""
+AT_WHEELS = (*BRAKES, "axle_moment", "inertia", "radius", "wheel_speed", "wheel_speed_delay")
+"""Links that change brakes, wheels or their sensors, not only the body and its own."""
+SLOWING = ("axle_moment", "body_force")
+"""Links that slow body or wheels besides the brakes."""
+BALANCE = (*SLOWING, "load_shift")
+"""Links of the force balance: what slows, or moves load between the axles."""
 
 
-def acts_on_wheels(effect: Effect) -> bool:
-    """Whether an effect changes brakes, wheels or their sensors, not only the body and its own."""
-    wheels = ("axle_moment", "inertia", "radius", "wheel_speed", "wheel_speed_delay")
-    return _any(effect, (*_BRAKES, *wheels))
-
-
-def changes_readings(effect: Effect) -> bool:
-    """Whether an effect changes what a sensor reads; the car moves as without it."""
-    delays = ("accelerometer_lag", "speed_delay", "wheel_speed_delay")
-    return _any(effect, ("accelerometer", "wheel_speed", *delays))
-
-
-def slows(effect: Effect) -> bool:
-    """Whether an effect slows body or wheels besides the brakes, so is in the force balance."""
-    return _any(effect, ("axle_moment", "body_force"))
-
-
-def in_balance(effect: Effect) -> bool:
-    """Whether an effect is in the force balance: it `slows`, or moves load between the axles."""
-    return slows(effect) or effect.load_shift is not None
-
-
-_BRAKES = ("pressure", "friction", "wheels")
-
-
-def _any(effect: Effect, links: tuple[str, ...]) -> bool:
+def acts_on(effect: Effect, links: tuple[str, ...]) -> bool:
+    """Whether an effect acts on one of these links."""
     return any(getattr(effect, link) is not None for link in links)

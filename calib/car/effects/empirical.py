@@ -9,6 +9,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
+from calib.base.names import AXLE_NAMES
 from calib.car.braking import BITE
 from calib.car.effects.effect import Card, Effect, Pair, Parameters
 from calib.car.effects.effects import EmpiricalTerm
@@ -40,36 +41,38 @@ DRIVERS = {
 `distance` from the start of the run, and `constant` has one knot at zero. The temperature is that
 of the discs of the axle on which the term acts."""
 
-DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
+DISCS = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
 """Axles whose disc temperatures a term uses. For the body, which has no disc, those of the front
 are used, since the front discs take most of the heat."""
 
 
-_UNKNOWN = (
-    *("not known", "piecewise linear over its driver"),
-    *("the runs it was fitted to", "what was left of them"),
-)
-"""Cause, equation, source and looks of every term."""
-
-
 def effect_of(term: EmpiricalTerm) -> Effect:
     """The term as an effect without parameters."""
-    card = Card(f"empirical_{term.place}_over_{term.driver}", *_UNKNOWN, parameters=())
+    card = Card(
+        f"empirical_{term.place}_over_{term.driver}",
+        cause="not known",
+        equation="piecewise linear over its driver",
+        source="the runs it was fitted to",
+        looks_like="what was left of them",
+        parameters=(),
+    )
+
+    def value(history: RunHistory, axle: str) -> Array:
+        return np.interp(driver_along(history, term.driver, axle), term.knots, term.values)
 
     def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-        front, rear = np.ones_like(p_f), np.ones_like(p_r)
-        if PLACES[term.place] != "rear":
-            front = 1.0 + value_along(term, history, "f")
-        if PLACES[term.place] != "front":
-            rear = 1.0 + value_along(term, history, "r")
+        front, rear = (
+            1.0 + value(history, axle) if axle in DISCS[PLACES[term.place]] else np.ones_like(p)
+            for axle, p in (("f", p_f), ("r", p_r))
+        )
         return front, rear
 
     def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-        return np.asarray(vehicle.weight * value_along(term, motion.history, "f"))
+        return np.asarray(vehicle.weight * value(motion.history, "f"))
 
     def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-        (axle,) = DISCS[PLACES[term.place]]
-        force = vehicle.weight * value_along(term, motion.history, axle)
+        axle = DISCS[PLACES[term.place]]
+        force = vehicle.weight * value(motion.history, axle)
         nothing = np.zeros_like(force)
         if axle == "f":
             return vehicle.front.rolling_radius * force, nothing
@@ -82,20 +85,12 @@ def effect_of(term: EmpiricalTerm) -> Effect:
     return Effect(card, axle_moment=axle_moment)
 
 
-def value_along(term: EmpiricalTerm, history: RunHistory, axle: str) -> Array:
-    """Value of a term [1] (n,) along a run, on the axle ``f`` or ``r``.
-
-    Raises ModelError where the run lacks the temperature of that axle's discs.
-    """
-    return np.interp(driver_along(history, term.driver, axle), term.knots, term.values)
-
-
 def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
     """Values of the driver of a term on ``place`` [SI], arrays (n,): one, or one for each axle.
 
     Raises ModelError where a temperature is not known.
     """
-    axles = DISCS[PLACES[place]] if driver == "temperature" else ("f",)
+    axles = DISCS[PLACES[place]] if driver == "temperature" else "f"
     return [driver_along(history, driver, axle) for axle in axles]
 
 
@@ -104,7 +99,17 @@ def driver_along(history: RunHistory, driver: str, axle: str) -> Array:
 
     Raises ModelError where that temperature is not known.
     """
-    return _temperature(history, axle) if driver == "temperature" else _ALONG[driver](history)
+    if driver != "temperature":
+        return _ALONG[driver](history)
+    known = history.temperature_f if axle == "f" else history.temperature_r
+    if known is None:
+        raise ModelError(
+            f"no temperature of the {AXLE_NAMES[axle]} discs, on which an empirical term depends",
+            where=history.source or None,
+            expected=f"a channel T_disc_{axle} [degC]",
+            do="log it, or take a model without this term",
+        )
+    return known
 
 
 def _since_free(history: RunHistory) -> Array:
@@ -123,16 +128,3 @@ _ALONG: dict[str, Callable[[RunHistory], Array]] = {
     "distance": lambda history: integral(history.time, history.v),
     "constant": lambda history: np.zeros_like(history.v),
 }
-
-
-def _temperature(history: RunHistory, axle: str) -> Array:
-    known = history.temperature_f if axle == "f" else history.temperature_r
-    if known is None:
-        raise ModelError(
-            f"no temperature of the {'front' if axle == 'f' else 'rear'} discs, on which an "
-            "empirical term depends",
-            where=history.source or None,
-            expected=f"a channel T_disc_{axle} [degC]",
-            do="log it, or take a model without this term",
-        )
-    return known

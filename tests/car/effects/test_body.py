@@ -5,10 +5,8 @@ import pytest
 from scipy.signal import butter, lsim
 
 from calib.base.names import WHEELS, G
-from calib.car.balance import force_balance
 from calib.car.effects.body import AERODYNAMIC_DRAG, AIR_DENSITY, pitch_deficit
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
 from tests.support.effect_runs import (
     SEDAN,
@@ -65,13 +63,6 @@ def test_at_the_height_of_the_centre_of_gravity_only_tyre_forces_move_load():
     assert np.all(axle_loads(SEDAN, -run["a_x"] / G)[0] > 1.01 * F_zf)
 
 
-def test_a_known_share_is_in_the_loads_of_an_estimate():
-    known = Effects({"aerodynamic_drag": {"drag_area": 0.66, "load_share": 0.0}})
-    z, v = np.array([0.3]), np.array([30.0])
-    found = force_balance(SEDAN, known, np.zeros(1), v, z, np.array([20e5]))
-    assert found.load_f == pytest.approx(axle_loads(SEDAN, found.tyre_sum / SEDAN.weight)[0])
-
-
 @pytest.mark.parametrize("grade", [0.04, -0.03])
 @pytest.mark.parametrize("felt", [0.0, 1.0])
 def test_a_car_left_alone_rolls_as_on_an_inclined_plane(grade, felt):
@@ -94,16 +85,6 @@ def test_the_deficit_is_that_of_the_mode_in_continuous_time(frequency, damping, 
     expected = (z - moved) * SEDAN.cg_height / SEDAN.wheelbase
     assert np.max(np.abs(pitch_deficit(SEDAN, time, z, frequency, damping) - expected)) < 1e-9
     assert np.max(np.abs(expected)) > 0.01
-
-
-def test_a_step_overshoots_as_the_damping_says():
-    """Step of z: overshoot exp(-pi D/sqrt(1 - D^2)) after half a damped period."""
-    time = np.arange(4000) * 1e-3
-    history = made_history(4000, time=time, z=np.where(time >= 0.5, 0.4, 0.0))
-    felt = PITCH.accelerometer(SEDAN, MODE, history, np.zeros(4000)) / (-G * 0.03 * 0.4)
-    root = np.sqrt(1.0 - 0.25**2)
-    assert np.max(felt) == pytest.approx(1.0 + np.exp(-np.pi * 0.25 / root), abs=1e-3)
-    assert time[np.argmax(felt)] - 0.5 == pytest.approx(0.5 / (1.5 * root), abs=2e-3)
 
 
 def test_held_it_is_gravity_on_a_pitched_sensor_and_no_load_is_late():

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.car.effects.catalogue import CATALOGUE
-from calib.car.effects.combined import chosen, total_axle_moment, total_body_force
-from calib.car.effects.effect import acts_on_brakes, acts_on_wheels, slows
+from calib.car.effects.combined import on_links, total_axle_moment, total_body_force
+from calib.car.effects.effect import AT_WHEELS, BRAKES, SLOWING, acts_on
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from tests.support.effect_runs import made_motion
 from tests.support.tables import VEHICLE
@@ -43,18 +43,12 @@ def test_effects_are_chosen_by_what_they_do_and_terms_among_them():
     sigma = {"engine_drag": {"drag_torque": 0.2}}
     effects = Effects(parts, (brakes, body), sigma)
     pressed = {"hydraulic_delay": {"delay": 0.1}}
-    assert chosen(effects, acts_on_brakes) == Effects(pressed, (brakes,))
-    assert chosen(effects, slows) == Effects({"engine_drag": parts["engine_drag"]}, (body,), sigma)
-    assert acts_on_wheels(CATALOGUE["rolling_resistance"])
-    assert not acts_on_wheels(CATALOGUE["aerodynamic_drag"])
-
-
-def test_a_term_alone_is_an_effect_without_a_name():
-    assert not Effects()
-    effects = Effects(DRAG | ROLLING, (FADE,))
-    assert Effects(terms=(PULL,))
-    assert effects.names == ("aerodynamic_drag", "rolling_resistance")
-    assert effects.described == (*effects.names, "an empirical term on brakes over temperature")
+    assert on_links(effects, BRAKES) == Effects(pressed, (brakes,))
+    assert on_links(effects, SLOWING) == Effects(
+        {"engine_drag": parts["engine_drag"]}, (body,), sigma
+    )
+    assert acts_on(CATALOGUE["rolling_resistance"], AT_WHEELS)
+    assert not acts_on(CATALOGUE["aerodynamic_drag"], AT_WHEELS)
 
 
 def test_what_both_have_is_taken_from_the_other_with_its_sigma_and_its_terms():
@@ -63,10 +57,3 @@ def test_what_both_have_is_taken_from_the_other_with_its_sigma_and_its_terms():
     assert one.with_(more) == Effects({"aerodynamic_drag": {"drag_area": 0.8}} | ROLLING, (FADE,))
     assert more.with_(one) == one
     assert one.with_(Effects(terms=(PULL,))).terms == (PULL,)
-
-
-def test_chosen_by_name():
-    effects = Effects(DRAG | ROLLING, (FADE,), SIGMA)
-    assert effects.only("aerodynamic_drag") == Effects(DRAG, (), SIGMA)
-    assert effects.without("aerodynamic_drag") == Effects(ROLLING, (FADE,))
-    assert effects.without() == effects

@@ -6,7 +6,7 @@ import pytest
 from calib.base.errors import ModelError
 from calib.car.effects.combined import pad_factors, total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.effects.empirical import driver_along, drivers_of, value_along
+from calib.car.effects.empirical import driver_along, drivers_of
 from calib.car.history import Motion
 from tests.support.effect_runs import SEDAN, made_history
 
@@ -45,7 +45,10 @@ def test_drivers(driver, expected):
 def test_it_is_straight_between_knots_and_constant_beyond_them():
     term = EmpiricalTerm("body", "speed", (10.0, 20.0), (0.1, 0.3))
     history = made_history(4, v=np.array([5.0, 10.0, 15.0, 40.0]))
-    assert value_along(term, history, "f") == pytest.approx([0.1, 0.1, 0.2, 0.3])
+    force = total_body_force(
+        SEDAN, Effects(terms=(term,)), Motion(history.v, history.v, history.v, history)
+    )
+    assert force / SEDAN.weight == pytest.approx([0.1, 0.1, 0.2, 0.3])
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,13 @@ import pytest
 
 from calib.base.errors import ModelError
 from calib.car.effects.catalogue import CATALOGUE, definition, every_effect, with_own
-from calib.car.effects.combined import caliper_pressure, total_axle_moment
+from calib.car.effects.combined import total_axle_moment
 from calib.car.effects.effect_file import read_own_effects
 from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
-from tests.support.effect_runs import SEDAN, made_history, made_motion
-from tests.support.own_effects import EXAMPLE, MOMENT, retarder
+from tests.support.effect_runs import SEDAN, made_motion
+from tests.support.own_effects import EXAMPLE, retarder
 from tests.support.tables import from_content, made_table
 
 FLAP = read_own_effects([EXAMPLE])[0]
@@ -39,20 +39,6 @@ def test_two_files_with_one_name_are_refused(tmp_path):
     one, other = own_of(tmp_path, retarder(), "a.py"), own_of(tmp_path, retarder(), "b.py")
     with pytest.raises(ModelError, match=r"b\.py: .*'rear_retarder' is also defined in a\.py"):
         with_own(SEDAN, [one, other])
-
-
-def test_a_pressure_of_ones_own_comes_after_those_of_the_catalogue(tmp_path):
-    """The pads of the catalogue's effect press first: (p - 1 bar), and then its double."""
-    text = retarder().replace("axle_moment(vehicle, parameters, motion)", "half(p, history, f, r)")
-    text = text.replace(MOMENT, "return f * (1.0 + p['torque']), r * (1.0 + p['torque'])")
-    own = own_of(tmp_path, text.replace("axle_moment=axle_moment", "pressure=half"))
-    both = {"rear_retarder": {"torque": 1.0}, "brake_threshold_pressure": {"threshold": 1e5}}
-    history = made_history(p_mc=0.0 * made_history().time + 10e5)
-    front, rear = caliper_pressure(
-        Effects(both, own={own.name: own}), history, history.p_mc, history.p_mc
-    )
-    assert front == pytest.approx(18e5, rel=1e-3)
-    assert rear == pytest.approx(18e5, rel=1e-3)
 
 
 # A model file ------------------------------------------------------------------------------------

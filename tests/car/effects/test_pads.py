@@ -14,7 +14,6 @@ from tests.support.effect_runs import (
     factors,
     made_history,
     wave,
-    without_inertia,
 )
 
 FADE = {"fade_slope": 0.001, "fade_onset": 150.0}
@@ -29,21 +28,6 @@ def test_fade_by_hand():
     assert np.array_equal(rear, np.ones(4))
 
 
-@pytest.mark.parametrize("power", [0.0, 12e3])
-def test_without_a_log_each_disc_is_heated_by_its_brake(power):
-    """Constant power: T = T_e + (T_0 - T_e) exp(-t/tau), T_e = 20 + P tau/C."""
-    time = np.linspace(3.0, 303.0, 3001)
-    energy, starts = power * (time - 3.0), (400.0, 200.0)
-    unlogged = {"temperature_f": None, "temperature_r": None, "start_heat": starts}
-    history = made_history(3001, time=time, energy_f=energy, energy_r=energy, **unlogged)
-    for found, capacity, start in zip(
-        factors("pad_thermal_fade", history, **FADE), (3700.0, 2300.0), starts, strict=True
-    ):
-        end = 20.0 + power * 300.0 / capacity
-        T = end + (start - end) * np.exp(-(time - 3.0) / 300.0)
-        assert found == pytest.approx(1.0 - 0.001 * np.maximum(T - 150.0, 0.0), rel=1e-9)
-
-
 def test_the_simulation_heats_its_own_discs_where_none_is_given():
     """Heat from the truth channels of the run itself, summed here step by step."""
     hot = {"fade_slope": 0.004, "fade_onset": 101.0}
@@ -55,17 +39,6 @@ def test_the_simulation_heats_its_own_discs_where_none_is_given():
     expected = SEDAN.front.pad_friction * (1.0 - 0.004 * np.maximum(np.array(T) - 101.0, 0.0))
     assert log.truth["true_mu_pad_f"] == pytest.approx(expected, abs=2e-5)
     assert expected[-1] < 0.97 * expected[0]
-
-
-@pytest.mark.parametrize("slope", [-0.01, 0.01])
-def test_speed_falls_as_an_exponential(slope):
-    """dv/dt = -a (1 + k (v - 20)) from 30 m/s; a from the run without the effect."""
-    car = without_inertia(SEDAN)
-    a = -driven({}, car=car)["a_x"][0]
-    log = driven({"pad_speed_dependence": {"speed_slope": slope}}, duration=3.0, car=car)
-    limit = 20.0 - 1.0 / slope  # where the friction would be gone
-    expected = limit + (30.0 - limit) * np.exp(-a * slope * log.time)
-    assert log["v"] == pytest.approx(expected, abs=1e-4)
 
 
 @given(st.floats(-8e-8, 8e-8), st.floats(0.0, 150e5), st.floats(0.0, 150e5))

@@ -11,7 +11,7 @@ from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
 from calib.run.known_effects import remove_known_effects
-from tests.support.effect_runs import SEDAN, driven, made_history, made_motion, without_inertia
+from tests.support.effect_runs import SEDAN, driven, made_history, made_motion
 
 MOTOR = {
     "regen_torque": 300.0,
@@ -87,16 +87,6 @@ def test_a_motor_that_lags():
     assert np.all(front[:200] == 0.0)
     assert front[230] == pytest.approx(225.0 * (1.0 - np.exp(-1.0)), rel=0.03)
     assert front[430] == pytest.approx(225.0 * np.exp(-1.0), rel=0.03)
-
-
-def test_speed_follows_from_the_power():
-    """At full power m v dv/dt = -P - F v: the energy lost is the work of pads and motor."""
-    motor = {**MOTOR, "regen_torque": 3000.0, "regen_rear_share": 0.0}
-    log = driven({"regenerative_torque": motor}, lambda t: 10e5, car=without_inertia(SEDAN))
-    v = log["v"]
-    pads = 2.0 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_rl"]) / 0.322
-    work = np.trapezoid(pads * v + 9e3, log.time)
-    assert 0.5 * SEDAN.mass * (v[0] ** 2 - v[-1] ** 2) == pytest.approx(work, rel=1e-5)
 
 
 def test_a_loaded_wheel_turns_faster_and_the_analysis_takes_it_out():
