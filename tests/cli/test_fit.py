@@ -84,7 +84,7 @@ def test_a_store_that_cannot_be_written_ends_with_4(brake_cal, log, tmp_path):
 
 
 FADING = """schema = 1
-[empirical]
+[[empirical]]
 place = "rear_brakes"
 driver = "temperature"
 knots = [0.0, 500.0]
