@@ -227,9 +227,8 @@ def fleet(
     which loads itself again.
     """
     from calib.base.plain import counted
-    from calib.line.fleet.document import document
     from calib.line.fleet.results import open_fleet
-    from calib.line.fleet.summary import summarise
+    from calib.line.fleet.summary import document, summarise
     from calib.show.html import page_of
     from calib.show.kinds import facts_of
 

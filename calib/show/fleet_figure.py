@@ -1,7 +1,6 @@
 """One metric of a fleet in the order of the line.
 
-Logs are points, over their median and the range of 90 %; where the level changes, both levels,
-3 sigma of a steady line and the alarms of the run rules. Logs
+Logs are points, over their median and the range of 90 %; where the level changes, both levels. Logs
 that stand apart have their names; one that is beyond the axis is at its end.
 """
 
@@ -11,14 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from calib.base.plain import plain
+from calib.line.fleet.drift import LevelChange
 from calib.line.fleet.summary import Look, Summary
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, DASHED, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text, dots
+from calib.show.style import BODY, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text, dots
 
 _APART, _DOT = dots(REAR, 5.0, "D", zorder=5), dots(NOMINAL, 4.5, ".")
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
-_STEADY: Stroke = {**_THIN, "linestyle": DASHED}
 _LEVEL: Stroke = {**IDENTIFIED, "linewidth": 2.0}
 
 _LINE = 32
@@ -45,7 +44,7 @@ def _in_order(found: Summary, look: Look) -> Panel:
     lines = [
         Line(x, y, {**_DOT, "alpha": 1.0 if few else 0.5}),
         Line(whole, [k * look.spread.median] * 2, _THIN, f"median, {share}", (low, high)),
-        *(_drift(look, k, x, y, whole) if look.drifts else ()),
+        *(_levels(look.change, k, x) if look.change and look.drifts else ()),
     ]
     if (at := look.outlying).any():
         lines.append(Line(x[at], y[at], _APART, "stands apart"))
@@ -64,22 +63,13 @@ def _in_order(found: Summary, look: Look) -> Panel:
     )
 
 
-def _drift(look: Look, k: float, x: Array, y: Array, whole: tuple[float, float]) -> list[Line]:
-    """Both levels, what a steady line does, and where a run rule is broken."""
-    lines = []
-    if look.chart is not None:
-        for end, label in zip(look.chart.limits, ("3 sigma of a steady line", ""), strict=True):
-            lines.append(Line(whole, [k * end] * 2, _STEADY, label))
-        alarm = np.logical_or.reduce([*look.chart.alarms.values()])
-        label = "run rule broken" if alarm.any() else ""
-        lines.append(Line(x[alarm], y[alarm], {**_DOT, "color": "#E69F00"}, label))
-    if (change := look.change) is not None:
-        for part, level, label in (
-            (x[: change.first], change.before, "level"),
-            (x[change.first :], change.after, ""),
-        ):
-            lines.append(Line(part[[0, -1]], [k * level] * 2, _LEVEL, label))
-    return lines
+def _levels(change: LevelChange, k: float, x: Array) -> list[Line]:
+    """The levels on both sides of a change."""
+    before, after = x[[0, change.first - 1]], x[[change.first, -1]]
+    return [
+        Line(before, [k * change.before] * 2, _LEVEL, "level"),
+        Line(after, [k * change.after] * 2, _LEVEL),
+    ]
 
 
 def _farthest(look: Look) -> list[int]:
@@ -98,7 +88,7 @@ def window(look: Look) -> tuple[float, float]:
     low, high = float(np.min(look.values)), float(np.max(look.values))
     spread = look.spread
     if spread.scale > 0.0 and look.values.size >= _FEWEST:
-        reach = max(_TAIL * spread.scale, 3.5 * look.chart.sigma if look.chart else 0.0)
+        reach = _TAIL * spread.scale
         low, high = max(low, spread.median - reach), min(high, spread.median + reach)
     alike = high - low <= 1e-9 * max(abs(low), abs(high))
     return (low - 0.5, high + 0.5) if alike else (low, high)

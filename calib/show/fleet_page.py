@@ -5,8 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from calib.base.plain import NBSP, plain
-from calib.line.fleet.document import headline
-from calib.line.fleet.summary import Look, Outlier, Summary
+from calib.line.fleet.summary import Look, Outlier, Summary, headline
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Table
 from calib.show.fleet_figure import sheet
 from calib.show.numbers import number
@@ -18,10 +17,6 @@ _NAMES = 50
 _HEADS = (*("metric", "logs", "median", "90 % of the logs", "stand apart", "drift"),)
 
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
-_MARKS = (
-    "Dashed: three sigma from log to log. "
-    "Marked: a Western Electric rule is broken, which shows where to look and proves nothing.",
-)
 
 
 def facts(found: Summary) -> Facts:
@@ -77,7 +72,6 @@ def _by_metric(found: Summary) -> list[Facts]:
     return [
         Facts(
             "Metrics to look at",
-            notes=_MARKS if told else (),
             parts=[_metric(found, look) for look in told],
         ),
         Facts(

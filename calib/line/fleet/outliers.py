@@ -1,20 +1,21 @@
 """Cars that stand apart in a fleet, with a limited share of false ones over the whole fleet.
 
-    distance       |x - median| over the median absolute deviation (MAD) of a metric
+    distance       |x - median| over the upper quartile of these on its side of the median
     p of a metric  two-sided, of a normal or a Student distribution: tails by what the bulk says
     p of a car     the least p of its metrics, times the number of metrics that say new things
     named cars     by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
 
-The outermost tenth of the cars counts only as "beyond", so outliers do not lengthen the tails by
-which they are judged. Metrics that follow each other count as one: that number is the effective one
-of Galwey (Genetic Epidemiology 33, 2009). Where half of the cars or more have one value, such as a
-prior's, the other cars are judged about it among themselves. Tails are taken as symmetric: a metric
-as skewed as exp(0.5 z) names a good car in a tenth of the fleets of 60, a quarter of those of 300
-(`tests/line/fleet/test_outliers.py`).
+Each side has its own spread, and the wider sides of all metrics have tails of their own, so that a
+skewed metric names no more good cars than another. The outermost tenth of a side counts only as
+"beyond", so outliers do not lengthen the tails by which they are judged. Metrics that follow each
+other count as one: that number is the effective one of Galwey (Genetic Epidemiology 33, 2009).
+Where half of the cars or more have one value, such as a prior's, the others are judged about it.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,15 +34,16 @@ FEWEST = 8
 """Fewest cars for a scale that can name outliers."""
 
 _OUTSIDE = 0.1
-"""Share of the cars, the outermost, that say nothing of the tails but how many they are."""
+"""Share of the cars of a side, the outermost, that say nothing of the tails but their number."""
 
 _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
 """Degrees of freedom of Student's distribution; the first is the normal one."""
-_MAD = np.array([0.67449, 0.70639, 0.74070, 0.78501])
-"""MAD of each of them: its quantile 75 %."""
+_QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
+"""Upper quartile of one side of each of them: its quantile 87.5 %."""
+_MAD = 0.67449
+"""Median absolute deviation of a normal distribution of sigma 1."""
 _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
-"""Weight of each of them before any car is seen: of 60 cars with 4 degrees of freedom at most 8 %
-of the fleets name a good one (`tests/line/fleet/test_outliers.py`)."""
+"""Weight of each of them before any car is seen."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +75,13 @@ class _Judged:
     p: Array
 
 
-@dataclass(frozen=True)
-class _Scaled:
-    """The judged cars of a metric, ``rows`` (k,), and their ``distance`` in MADs (k,)."""
+class _Side(NamedTuple):
+    """The cars on one side of a metric's median, ``rows`` (k,).
 
+    ``distance`` (k,) from it in their ``spread``, their upper quartile.
+    """
+
+    spread: float
     rows: Index
     distance: Array
 
@@ -87,13 +92,17 @@ def judge(values: Array, least: Sequence[float] | None = None) -> _Judged:
     ``least`` (m,): differences that matter, in the unit of each metric; none without it.
     """
     m, n = values.shape
-    scaled = [_scaled(x, at) for x, at in zip(values, least or [0.0] * m, strict=True)]
-    judged = {i: metric for i, metric in enumerate(scaled) if metric is not None}
+    judged = {
+        i: sides
+        for i, (x, at_least) in enumerate(zip(values, least or [0.0] * m, strict=True))
+        if (sides := _sides(x, at_least))
+    }
     together = effective(values[[*judged]])
-    weights = _tails([metric.distance for metric in judged.values()], together)
     p = np.full((m, n), np.nan)
-    for i, metric in judged.items():
-        p[i, metric.rows] = _two_sided(metric.distance, weights)
+    for part in (0, -1):  # the narrower sides of all metrics, then the wider ones
+        weights = _tails([sides[part].distance for sides in judged.values()], together)
+        for i, sides in judged.items():
+            p[i, sides[part].rows] = _two_sided(sides[part].distance, weights)
     car = np.full(n, np.nan)
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
@@ -138,20 +147,28 @@ def effective(values: Array) -> float:
     return float(np.sum(np.sqrt(strength)) ** 2 / np.sum(strength))
 
 
-def _scaled(values: Array, least: float) -> _Scaled | None:
-    """The metric in MADs, at least ``least`` each; None for too few cars, or without scatter."""
+def _sides(values: Array, least: float) -> list[_Side]:
+    """The sides of a metric, the narrower first; none for too few cars, or without scatter.
+
+    A spread is at least ``least``, and that of all cars where a side has too few.
+    """
     rows = np.flatnonzero(np.isfinite(values))
     if rows.size < FEWEST:
-        return None
+        return []
     centre = float(np.median(values[rows]))
-    away, alike = np.abs(values[rows] - centre), max(least, 1e-12 * abs(centre))
-    if np.median(away) <= alike:  # half of the cars or more are alike: judge the others
-        others = away > alike
+    away, alike = values[rows] - centre, max(least, 1e-12 * abs(centre))
+    if np.median(np.abs(away)) <= alike:  # half of the cars or more are alike: judge the others
+        others = np.abs(away) > alike
         if int(others.sum()) >= FEWEST:
             rows, away = rows[others], away[others]
         elif least <= 0.0:
-            return None
-    return _Scaled(rows, away / max(float(np.median(away)), least))
+            return []
+    sides = []
+    for beyond in (away < 0.0, away >= 0.0):
+        own = np.abs(away[beyond] if 2 * int(beyond.sum()) >= FEWEST else away)
+        spread = max(float(np.quantile(own, 0.75)), least) or float(own.max())
+        sides.append(_Side(spread, rows[beyond], np.abs(away[beyond]) / spread))
+    return sorted(sides, key=itemgetter(0))
 
 
 def _tails(distances: list[Array], together: float) -> Array:
@@ -161,18 +178,19 @@ def _tails(distances: list[Array], together: float) -> Array:
 
     fits = np.zeros(_FREEDOM.size)
     for x in map(np.sort, distances):
-        outside = max(1, int(np.ceil(_OUTSIDE * x.size)))
-        inside, end = x[:-outside, None] * _MAD, x[-outside - 1] * _MAD
-        fits += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_MAD), axis=0)
-        fits += outside * t.logsf(end, _FREEDOM)
+        outside = int(np.ceil(_OUTSIDE * x.size))
+        if outside < x.size:
+            inside, end = x[:-outside, None] * _QUARTILE, x[-outside - 1] * _QUARTILE
+            fits += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_QUARTILE), axis=0)
+            fits += outside * t.logsf(end, _FREEDOM)
     return np.asarray(softmax(np.log(_PRIOR) + fits * together / max(len(distances), 1)))
 
 
 def _two_sided(distance: Array, weights: Array) -> Array:
-    """Two-sided p of a ``distance`` (k,) in MADs, over all tails by their ``weights`` (4,)."""
+    """Two-sided p of a ``distance`` (k,) in spreads, over all tails by their ``weights`` (4,)."""
     from scipy.special import stdtr
 
-    return np.asarray(2.0 * stdtr(_FREEDOM, -distance[:, None] * _MAD) @ weights)
+    return np.asarray(2.0 * stdtr(_FREEDOM, -distance[:, None] * _QUARTILE) @ weights)
 
 
 def _spread(values: Array, p: Array) -> MetricSpread:
@@ -182,7 +200,7 @@ def _spread(values: Array, p: Array) -> MetricSpread:
     if known.size == 0:
         return MetricSpread(0, np.nan, np.nan, p, p, (np.nan,) * 4)
     median = float(np.median(known))
-    scale = float(np.median(np.abs(known - median))) / _MAD[0]
+    scale = float(np.median(np.abs(known - median))) / _MAD
     z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
     quantiles = tuple(map(float, np.quantile(known, [0.05, 0.25, 0.75, 0.95])))
     return MetricSpread(known.size, median, float(scale), z, p, quantiles)

@@ -1,19 +1,20 @@
-"""Summary of a fleet's results: spread, outliers, drift of the line, and errors by kind."""
+"""Summary of a fleet's results: spread, outliers, drift of the line, errors by kind."""
 
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import InputError
-from calib.base.plain import plain
+from calib.base.plain import counted, plain
 from calib.base.toml import did_you_mean
-from calib.line.fleet import control_chart, outliers
-from calib.line.fleet.control_chart import Chart, LevelChange, change, chart, least_p
-from calib.line.fleet.outliers import MetricSpread, judge, named
+from calib.line.fleet import drift, outliers
+from calib.line.fleet.drift import LevelChange, change, least_p
+from calib.line.fleet.outliers import SHARE, MetricSpread, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
@@ -51,16 +52,14 @@ class _Apart:
 class Look:
     """One metric, a number, over the fleet.
 
-    ``rows`` (k,) with a value, in order; ``values`` (k,); ``chart`` None for too few values or no
-    scatter; ``change`` None if too few for a significant one among so many metrics;
-    ``drifts`` whether the change is significant among all metrics.
+    ``rows`` (k,) with a value, in order; ``values`` (k,); ``change`` None if too few for a
+    significant one among so many metrics; ``drifts`` whether it is significant among all metrics.
     """
 
     metric: Column
     rows: Index
     values: Array
     spread: MetricSpread
-    chart: Chart | None
     change: LevelChange | None
     drifts: bool
     outlying: Mask
@@ -120,7 +119,7 @@ class Summary:
     def too_few(self) -> bool:
         """Whether no metric has enough logs to be judged."""
         counts = [look.spread.count for look in self.looks]
-        return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
+        return max(counts, default=0) < min(outliers.FEWEST, drift.FEWEST)
 
     @property
     def drift_tested(self) -> bool:
@@ -148,7 +147,6 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
             rows[i],
             values[i],
             judged.spreads[i],
-            chart(values[i]) if i in changes else None,
             *changes.get(i, (None, False)),
             judged.named[i][rows[i]],
         )
@@ -249,3 +247,63 @@ def kind_of(error: str, log: str) -> str:
     for own in filter(None, (log, re.split(r"[/\\]", log)[-1])):
         error = error.replace(own, "LOG")
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)
+
+
+def headline(found: Summary) -> str:
+    """The fleet in one sentence."""
+    errors = sum(failure.count for failure in found.failures)
+    failed = f"; {counted(errors, 'log')} with an error" if errors else ""
+    if found.too_few:
+        some = any(look.spread.count for look in found.looks)
+        why = "too few to judge outliers or drift" if some else "none has a metric"
+        return f"{counted(len(found.logs), 'log')}: {why}{failed}."
+    names, logs = [look.name for look in found.looks if look.drifts], len(found.apart)
+    drift = "No drift" if found.drift_tested else "Drift not tested"
+    if names:
+        drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
+    apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
+    return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
+
+
+def document(found: Summary) -> dict[str, Any]:
+    """The whole summary as one JSON-able document."""
+    return {
+        "schema": 1,
+        "logs": len(found.logs),
+        "ordered_by": found.ordered_by,
+        "status": found.status,
+        "headline": headline(found),
+        "failed": found.failed,
+        "errors": found.failures,
+        "copies": found.copies,
+        "outliers": found.outliers,
+        "outliers_by_chance": SHARE * len(found.outliers),
+        "apart": [
+            {"log": car.log, "p": car.p, "figures": [o.figure for o in car.reasons]}
+            for car in found.apart
+        ],
+        "figures": {look.metric.name: _entry(found, look) for look in found.looks},
+        "classes": found.classes,
+    }
+
+
+def _entry(found: Summary, look: Look) -> dict[str, Any]:
+    s, c = look.spread, look.change
+    return {
+        "unit": look.metric.unit,
+        "count": s.count,
+        "median": s.median,
+        "scale": s.scale,
+        "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
+        "beyond_3": int(np.sum(np.abs(s.z) > 3.0)),
+        "outliers": int(look.outlying.sum()),
+        "change": c
+        and {
+            "drifts": look.drifts,
+            "p": c.p,
+            "first_log": found.logs[look.rows[c.first]],
+            "number": int(look.rows[c.first]) + 1,
+            "before": c.before,
+            "after": c.after,
+        },
+    }

@@ -67,13 +67,13 @@ def wrong(draw, metrics, cars):
     return sum(alarms(draw(rng, metrics, cars)) for _ in range(FLEETS))
 
 
-MOST = binom.ppf(0.999, FLEETS, 0.08)
-"""As many of them are wrong once in 1000 times at 8 %."""
+MOST = binom.ppf(0.999, FLEETS, 0.05)
+"""As many of them are wrong once in 1000 times at 5 %."""
 
 
 @pytest.mark.parametrize(
     ("draw", "metrics", "cars"),
-    [(long_tails, 1, 60), (skewed, 1, 60), (shrunk, 1, 60), (repeated, 3, 60)],
+    [(long_tails, 1, 60), (skewed, 1, 60), (skewed, 6, 300), (shrunk, 1, 60), (repeated, 3, 60)],
 )
 def test_a_page_of_good_cars_seldom_names_a_car_or_a_drift(draw, metrics, cars):
     assert wrong(draw, metrics, cars) <= MOST
@@ -88,13 +88,6 @@ def test_a_car_that_is_six_sigma_off_is_named_once_with_all_its_reasons():
     assert np.flatnonzero(found.named.any(axis=0)).tolist() == [17]
     assert np.flatnonzero(found.named[:, 17]).tolist() == [0, 1]
     assert effective(x) < 4.8  # of five metrics two say the same
-
-
-def test_metrics_that_follow_each_other_count_as_one():
-    x = np.random.default_rng(5).normal(size=(4, 400))
-    assert effective(x) == pytest.approx(4.0, abs=0.01)
-    assert effective(np.array([x[0], 2.0 * x[0], -x[0]])) == pytest.approx(1.0)
-    assert effective(x[:1]) == 1.0
 
 
 def test_a_difference_that_does_not_matter_names_no_car():
@@ -124,7 +117,7 @@ def test_gaps_few_cars_and_figures_without_scale():
 
 
 def test_the_tails_of_a_large_bulk_are_found():
-    at = (np.arange(2000) + 0.5) / 2000
+    at = (np.arange(8000) + 0.5) / 8000
     for freedom in (1e6, 4.0):
         x = np.r_[t.ppf(at, freedom), np.nan]
         x[-1] = t.isf(5e-5, freedom)

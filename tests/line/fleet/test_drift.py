@@ -1,44 +1,14 @@
-"""The chart against closed forms and published run lengths, the change against known changes."""
+"""The change of level against known changes."""
 
 import numpy as np
 import pytest
 
-from calib.line.fleet.control_chart import (
-    alarms,
-    change,
-    chart,
-    likeness,
-)
+from calib.line.fleet.drift import change, likeness
 
 
-def test_the_run_length_is_the_published_one():
-    """Cars up to the first alarm; Champ and Woodall (1987), table 1: exact, by Markov chains."""
-    rng = np.random.default_rng(1)
-    found = []
-    for _ in range(500):
-        first = np.flatnonzero(np.logical_or.reduce([*alarms(rng.normal(size=1500)).values()]))
-        found.append(first[0] + 1)
-    assert abs(np.mean(found) - 91.75) < 4.0 * np.std(found) / np.sqrt(500)
-
-
-def test_patterns_by_hand():
-    def at(rule, *z):
-        return np.flatnonzero(alarms(np.array(z))[rule]).tolist()
-
-    assert at(1, 0.0, 3.1, -3.1, 2.9) == [1, 2]
-    assert at(2, 2.1, 0.0, 2.1, 0.0, 2.1) == [2, 4]
-    assert at(2, 2.1, -2.1) == []
-    assert at(3, 1.1, 1.1, 0.0, 1.1, 1.1, 0.0) == [4]
-    assert at(4, *[0.1] * 9) == [7, 8]
-    assert at(4, *[0.1] * 7, -0.1, 0.1) == []
-
-
-def test_no_chart_without_scatter_or_with_few():
-    assert chart(np.full(50, 0.38)) is None
-    assert chart(np.arange(9.0)) is None
+def test_no_change_without_scatter_or_with_few():
     assert change(np.full(50, 0.38)) is None
     assert change(np.arange(9.0)) is None
-    assert chart(np.where(np.arange(100) % 5 == 0, 0.1, 0.0)).sigma > 0.0  # a coarse metric
 
 
 @pytest.mark.parametrize("size", [1.0, 1.5])

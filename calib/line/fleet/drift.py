@@ -1,9 +1,7 @@
-"""Drift of the production line: individuals chart with run rules, and a test for a change of level.
+"""Drift of the production line: a test for one change of level.
 
-The chart (Shewhart; Western Electric, Statistical Quality Control Handbook, 1956) shows where to
-look. A steady line breaks its rules, too: with known limits one car in 92 (Champ and Woodall,
-Technometrics 29, 1987). The decision is made by the test of Pettitt (Applied Statistics 28, 1979)
-over the whole order, by ranks, so for any distribution.
+The test of Pettitt (Applied Statistics 28, 1979) over the whole order, by ranks, so for any
+distribution:
 
     K = max_k |S_k|,   S_k = sum of (rank - mean rank) up to car k
 
@@ -17,37 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
-
-_RULES = {1: (3.0, 1, 1), 2: (2.0, 2, 3), 3: (1.0, 4, 5), 4: (0.0, 8, 8)}
-"""Of each rule: sigmas, and how many of how many cars in a row are beyond them on one side."""
+from calib.base.arrays import Array
 
 FEWEST = 10
-"""Fewest cars of a chart."""
+"""Fewest cars that are tested."""
 
 _ALIKE = 0.95
 """Largest correlation of neighbours that is counted: 39 logs then say as much as one."""
-
-_MEDIAN_RANGE, _MEAN_RANGE = 0.9539, 1.128
-"""Median and mean of |x - y| over sigma, x and y normal."""
-
-
-@dataclass(frozen=True)
-class Chart:
-    """Chart of one metric in the order of the line.
-
-    ``centre``, ``sigma`` in the metric's unit, from the median and the median moving range;
-    ``alarms`` by rule, each (n,), true at the car that completes the pattern.
-    """
-
-    centre: float
-    sigma: float
-    alarms: dict[int, Mask]
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Control limits: centre minus and plus 3 sigma."""
-        return self.centre - 3.0 * self.sigma, self.centre + 3.0 * self.sigma
 
 
 @dataclass(frozen=True)
@@ -58,34 +32,6 @@ class LevelChange:
     before: float
     after: float
     p: float
-
-
-def chart(values: Array) -> Chart | None:
-    """Individuals chart of ``values`` (n,) in order, all finite; None below `FEWEST` or no scatter.
-
-    It judges uniformity, not a target; sigma is from car to car, so a slow drift adds nothing.
-    """
-    if values.size < FEWEST:
-        return None
-    moving = np.abs(np.diff(values))
-    sigma = float(np.median(moving)) / _MEDIAN_RANGE
-    if sigma <= 0.0:  # coarse metrics: most consecutive values are equal
-        sigma = float(np.mean(moving)) / _MEAN_RANGE
-    centre = float(np.median(values))
-    if sigma <= 1e-12 * abs(centre):
-        return None
-    return Chart(centre, sigma, alarms((values - centre) / sigma))
-
-
-def alarms(z: Array) -> dict[int, Mask]:
-    """Masks (n,) of run rules 1 to 4 on standardised ``z`` (n,), true where a pattern completes."""
-    return {n: _enough(z > x, *of) | _enough(z < -x, *of) for n, (x, *of) in _RULES.items()}
-
-
-def _enough(hit: Mask, wanted: int, window: int) -> Mask:
-    """Mask of the hits that are at least the ``wanted``-th among the last ``window`` values."""
-    total = np.concatenate([np.zeros(window), np.cumsum(hit)])
-    return np.asarray(hit & (total[window:] - total[:-window] >= wanted))
 
 
 def change(values: Array) -> LevelChange | None:
