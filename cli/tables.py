@@ -55,7 +55,9 @@ def log(
     known = [str(number) for number in journal.of(name)]
     if at and version not in known:
         raise misuse(f"no version {version!r} of {name!r}; there is {', '.join(known)}", "TABLE")
-    entries = [e for e in journal.entries if e.table == name and version in ("", str(e.version))]
+    entries = [
+        e.document for e in journal.entries if e.table == name and version in ("", str(e.version))
+    ]
     document = {"store": store.folder, "head": journal.head, "entries": entries}
     return Answer(document, history(entries))
 

@@ -10,7 +10,6 @@ from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.judged import budget_rows, ramp_rows
 from calib.store.answer import answer, verdict
 from calib.store.figures import effect_figures, mean_figures
-from calib.store.journal import Entry
 from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
@@ -132,15 +131,16 @@ def _curves(table: LookUp) -> Table:
     return Table(("eta", "z", "f1", "f2", "blocks"), cells)
 
 
-def history(entries: Sequence[Entry]) -> Facts:
+def history(entries: Sequence[dict[str, Any]]) -> Facts:
     """What happened to a table: when, by whom and why."""
     rows = []
     for entry in entries:
-        told = entry.event not in ("stored", "changed")
-        event = f"{entry.event}, {entry.state}" if told else entry.state
-        proof = [f"{one.name} {one.sha256[:12]}" for one in entry.evidence]
-        proof += [f"key {entry.key}"] if entry.key else []
-        rows.append((entry.at, entry.id, event, entry.by, entry.reason, "; ".join(proof)))
+        event, id_ = entry["state"], f"{entry['table']}@{entry['version']}"
+        if entry["event"] not in ("stored", "changed"):
+            event = f"{entry['event']}, {event}"
+        proof = [f"{one['name']} {one['sha256'][:12]}" for one in entry["evidence"]]
+        proof += [f"key {entry['key']}"] if entry["key"] else []
+        rows.append((entry["at"], id_, event, entry["by"], entry["reason"], "; ".join(proof)))
     return Facts(tables=[Table(("when", "table", "state", "by", "why", "evidence"), rows)])
 
 

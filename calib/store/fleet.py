@@ -6,6 +6,7 @@ from calib.base.errors import StoreError
 from calib.car.vehicle import Vehicle
 from calib.store.merge import differ
 from calib.store.snapshot import Snapshot
+from calib.store.state import RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.table import Table
@@ -22,7 +23,7 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
     now = store.now()
     looked_at: dict[str, Stored] = {}
     for name in now.names:
-        if fit := [v for v in now.journal.of(name) if now.journal.state(name, v).released]:
+        if fit := [v for v in now.journal.of(name) if now.journal.word(name, v) == RELEASED]:
             looked_at |= {one.id: one for one in _cars(now, now.load(name, max(fit)))}
     kept, seen = {}, set(logs)
     for id_, one in sorted(looked_at.items(), key=lambda item: item[1].table.spread is not None):

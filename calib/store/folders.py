@@ -45,7 +45,7 @@ def numbers(home: Path) -> list[int]:
     """Numbers that anything in a table's directory bears, file or folder, rising."""
     if not home.is_dir():
         return []
-    found = (_FOLDER.fullmatch(p.name) for p in home.iterdir())
+    found = map(_FOLDER.fullmatch, os.listdir(home))
     return sorted(int(match[1]) for match in found if match and int(match[1]) > 0)
 
 
@@ -62,21 +62,20 @@ def names_in(folder: Path) -> list[str]:
     return sorted(p.name for p in homes if versions_in(p))
 
 
-def refuse_links(folder: Path) -> None:
-    """Raise StoreError where a folder of a table is a link: what is written would lie elsewhere."""
-    for path in folder.iterdir():
-        if names_a_table(path.name) and path.is_symlink():
-            raise StoreError(
-                "the folder of a table is a link",
-                where=path,
-                expected="a folder of its own",
-                do="put the folder in its place, or withdraw its versions",
-            )
+def refuse_link(home: Path) -> None:
+    """Raise StoreError where the folder of a table is a link: writing would go elsewhere."""
+    if home.is_symlink():
+        raise StoreError(
+            "the folder of a table is a link",
+            where=home,
+            expected="a folder of its own",
+            do="put the folder in its place, or withdraw its versions",
+        )
 
 
-def unplaced(folder: Path) -> list[Path]:
+def unplaced(folder: Path, name: str = "*") -> list[Path]:
     """Versions that a writer has begun, or whose writer was stopped, in order."""
-    return sorted(p for p in folder.glob(f"*/{NEW}*") if names_a_table(p.parent.name))
+    return sorted(p for p in folder.glob(f"{name}/{NEW}*") if names_a_table(p.parent.name))
 
 
 def signature_files(home: Path, version: int) -> list[Path]:

@@ -12,11 +12,12 @@ head (see `calib.store.signature`) is what shows that.
 import hashlib
 import json
 import re
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from calib.base.bounded import JOURNAL as JOURNAL_FILE
 from calib.base.bounded import read_bounded
@@ -24,70 +25,69 @@ from calib.base.digest import canonical_json
 from calib.base.errors import DamagedTable
 from calib.base.names import PROGRAM
 from calib.base.write import sync, write_whole
-from calib.store.state import (
-    CHANGES,
-    OUTSIDE,
-    STATES,
-    Evidence,
-    StateDecision,
-    VersionState,
-    user,
-)
+from calib.store.state import CHANGES, OUTSIDE, Evidence, StateDecision, VersionState, user
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
-ATTRIBUTES = ".gitattributes"
-"""Says to git that the bytes of a store are to stay as they are."""
 CRLF = (
     "its line ends are CRLF, which are not its own: git makes them of a store without the line "
     "`* -text` in its .gitattributes; add it and check the files out again"
 )
 
-EVENTS = STORED, CHANGED, SIGNED = "stored", "changed", "signed"
+STORED, CHANGED, SIGNED = "stored", "changed", "signed"
 
 _START = "0" * 64
 """Head of an empty journal."""
 
+_TEXT = r'"(?:[^"\\]|\\.)*+"'
+_PROOF = rf'\{{"name":{_TEXT},"sha256":{_TEXT}\}}'
+_LINE = re.compile(
+    rf'\{{"at":{_TEXT},"by":{_TEXT},"digest":"(\w*)","event":"(\w*)",'
+    rf'"evidence":\[(?:{_PROOF}(?:,{_PROOF})*)?\],"hash":"(\w*)","inputs":"(\w*)","key":{_TEXT},'
+    rf'"number":(\d+),"previous":"(\w*)","program":{_TEXT},"reason":{_TEXT},"record":"(\w*)",'
+    rf'"state":"(\w*)","table":"([\w.-]*)","verdict":{_TEXT},"version":(\d{{1,9}})\}}',
+    re.ASCII,
+)
+"""The one spelling of a line: reading JSON and spelling it again takes ten times as long."""
 
-@dataclass(frozen=True)
-class Entry:
-    """One line of the journal; ``number`` from 1, ``at`` ISO 8601 in UTC, ``state`` afterwards.
 
-    ``digest`` of its content, ``record`` SHA-256 of its record file; ``inputs`` digest of what a
-    new version was fitted from; ``key`` that signed.
+class Entry(NamedTuple):
+    """One ``line`` of the journal, and what every read of a store needs of it.
+
+    ``digest`` of the content, ``record`` SHA-256 of the record file; ``inputs`` digest of what a
+    new version was fitted from; ``state`` afterwards; ``number`` from 1.
     """
 
+    line: str
     number: int
-    at: str
-    by: str
-    program: str
-    event: str
-    table: str
     version: int
-    state: str
     digest: str
-    record: str
-    inputs: str
-    reason: str
-    verdict: str
-    evidence: tuple[Evidence, ...]
-    key: str
-    previous: str
+    event: str
     hash: str
+    inputs: str
+    previous: str
+    record: str
+    state: str
+    table: str
 
     @property
     def id(self) -> str:
         """name@version."""
         return f"{self.table}@{self.version}"
 
+    @property
+    def document(self) -> dict[str, Any]:
+        """The whole line: the fields, ``at`` (ISO 8601, UTC), ``by``, ``program``, ``reason``.
 
-_KINDS = {field.name: field.type for field in fields(Entry) if field.type in (int, str)}
+        And ``verdict`` and ``evidence`` of its state, ``key`` that signed.
+        """
+        return dict(json.loads(self.line))
 
 
 @dataclass(frozen=True)
 class Journal:
     """All entries in order. An empty one is that of a new store."""
 
-    entries: tuple[Entry, ...] = ()
+    entries: Sequence[Entry] = ()
 
     @property
     def head(self) -> str:
@@ -95,64 +95,64 @@ class Journal:
         return self.entries[-1].hash if self.entries else _START
 
     @cached_property
-    def tables(self) -> dict[str, dict[int, tuple[Entry, ...]]]:
-        """The entries of each version of each table, in order; numbers rise."""
-        found: dict[str, dict[int, tuple[Entry, ...]]] = {}
-        for entry in sorted(self.entries, key=lambda e: (e.version, e.number)):
-            of = found.setdefault(entry.table, {})
-            of[entry.version] = (*of.get(entry.version, ()), entry)
-        return found
+    def tables(self) -> dict[str, dict[int, list[Entry]]]:
+        """The entries of each version of each table, in order; versions rise."""
+        found: dict[str, dict[int, list[Entry]]] = {}
+        for entry in self.entries:
+            found.setdefault(entry.table, {}).setdefault(entry.version, []).append(entry)
+        return {name: dict(sorted(versions.items())) for name, versions in found.items()}
 
-    def of(self, name: str) -> dict[int, tuple[Entry, ...]]:
+    def of(self, name: str) -> dict[int, list[Entry]]:
         """The entries of each version of a table; empty for a table that it does not know."""
         return self.tables.get(name, {})
 
+    def word(self, name: str, version: int) -> str:
+        """The state of a version that the journal knows, in a word."""
+        return self.of(name)[version][-1].state
+
     def state(self, name: str, version: int) -> VersionState:
         """The state of a version; `OUTSIDE` where the journal does not know it."""
-        history = self.of(name).get(version)
+        history = [entry.document for entry in self.of(name).get(version, ())]
         if not history:
             return OUTSIDE
-        last = [entry for entry in history if entry.event != SIGNED][-1]
+        last = [entry for entry in history if entry["event"] != SIGNED][-1]
         return VersionState(
-            last.state,
-            last.at,
-            last.by,
-            last.reason,
-            last.verdict,
-            last.evidence,
-            stored_at=history[0].at,
-            seen=frozenset(one.sha256 for entry in history for one in entry.evidence),
+            word=last["state"],
+            evidence=tuple(Evidence(**one) for one in last["evidence"]),
+            stored_at=history[0]["at"],
+            seen=frozenset(one["sha256"] for entry in history for one in entry["evidence"]),
+            **{key: last[key] for key in ("at", "by", "reason", "verdict")},
         )
 
     def added(
         self, name: str, version: int, event: str, decision: StateDecision, **of: str
     ) -> "Journal":
         """The journal with one more entry; ``of`` other fields of a version that is new to it."""
-        known = self.of(name).get(version)
-        if known:
+        if known := self.of(name).get(version):
             of = {"digest": known[0].digest, "record": known[0].record, "inputs": ""} | of
-        entry = Entry(
-            number=len(self.entries) + 1,
-            at=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
-            by=decision.by or user(),
-            program=PROGRAM,
-            event=event,
-            table=name,
-            version=version,
-            state=decision.state,
-            reason=decision.reason,
-            verdict=decision.verdict,
-            evidence=decision.evidence,
-            previous=self.head,
-            hash="",
-            **{"key": ""} | of,
-        )
-        return Journal((*self.entries, replace(entry, hash=_hash(entry))))
+        document = {
+            "number": len(self.entries) + 1,
+            "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+            "by": decision.by or user(),
+            "program": PROGRAM,
+            "event": event,
+            "table": name,
+            "version": version,
+            "state": decision.state,
+            "reason": decision.reason,
+            "verdict": decision.verdict,
+            "evidence": [asdict(one) for one in decision.evidence],
+            "previous": self.head,
+            "hash": "",
+            "key": "",
+        } | of
+        document["hash"] = hashlib.sha256(canonical_json(document)).hexdigest()
+        return Journal([*self.entries, _entry(canonical_json(document).decode())])
 
     @property
-    def lines(self) -> bytes:
+    def data(self) -> bytes:
         """The bytes of the journal's file."""
-        return b"".join(canonical_json(asdict(entry)) + b"\n" for entry in self.entries)
+        return "".join(f"{entry.line}\n" for entry in self.entries).encode()
 
     @property
     def head_line(self) -> bytes:
@@ -169,19 +169,20 @@ def read_journal(folder: Path) -> Journal:
     # The head first: a writer may add a line between the two.
     head, data = _bytes(folder / HEAD), _bytes(folder / JOURNAL)
     try:
-        entries = _entries(data or b"")
+        entries = _entries((data or b"").decode())
         _check_head(entries, head)
     except ValueError as error:
         raise DamagedTable(str(error), where=folder / JOURNAL) from error
-    return Journal(tuple(entries))
+    return Journal(entries)
 
 
 def write_journal(folder: Path, journal: Journal) -> None:
     """Replace the journal by a longer one. Raises OSError."""
     if not (folder / HEAD).exists():  # a journal without a head is one whose head was lost
-        write_whole(folder / ATTRIBUTES, b"* -text\n")
+        # git is to leave the bytes of a store as they are
+        write_whole(folder / ".gitattributes", b"* -text\n")
         write_whole(folder / HEAD, Journal().head_line)
-    write_whole(folder / JOURNAL, journal.lines)
+    write_whole(folder / JOURNAL, journal.data)
     write_whole(folder / HEAD, journal.head_line)
     sync(folder)
 
@@ -191,7 +192,7 @@ def enter(folder: Path, journal: Journal, undo: Callable[[], object]) -> None:
     try:
         write_journal(folder, journal)
     except BaseException:
-        if _bytes(folder / JOURNAL) != journal.lines:
+        if _bytes(folder / JOURNAL) != journal.data:
             undo()
         raise
 
@@ -203,53 +204,55 @@ def _bytes(path: Path) -> bytes | None:
         return None
 
 
-def _entries(data: bytes) -> list[Entry]:
+def _entries(text: str) -> list[Entry]:
     """The entries of the journal's file. Raises ValueError."""
-    if b"\r\n" in data:
+    if "\r\n" in text:
         raise ValueError(CRLF)
-    if data and not data.endswith(b"\n"):
+    if text and not text.endswith("\n"):
         raise ValueError("torn: its last line has no end")
     entries: list[Entry] = []
-    known: dict[str, Entry] = {}
-    for number, line in enumerate(data.splitlines(), 1):
+    known: dict[tuple[str, int], Entry] = {}
+    previous = _START
+    for number, line in enumerate(text.split("\n")[:-1], 1):
         try:
             entry = _entry(line)
-        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-            raise ValueError(f"line {number}: not an entry ({error})") from error
-        flaw = _flaw(entry, number, entries[-1].hash if entries else _START, known.get(entry.id))
-        if flaw:
-            raise ValueError(f"line {number}: {flaw}")
-        known[entry.id] = entry
+            key = entry.table, entry.version
+            if entry.previous != previous or entry.number != number:
+                raise ValueError("does not follow the line before: one was changed, lost or put in")
+            _check_state(entry, known.get(key))
+        except ValueError as error:
+            raise ValueError(f"line {number}: {error}") from error
+        known[key] = entry
         entries.append(entry)
+        previous = entry.hash
     return entries
 
 
-def _entry(line: bytes) -> Entry:
-    document = json.loads(line)
-    evidence = tuple(Evidence(**one) for one in document["evidence"])
-    wrong = [name for name, kind in _KINDS.items() if type(document[name]) is not kind]
-    if wrong or canonical_json(document) != line:
-        raise ValueError(f"{', '.join(wrong) or 'its spelling'} not as written")
-    return Entry(**{**document, "evidence": evidence})
+def _entry(line: str) -> Entry:
+    """The entry of a line that agrees with its hash. Raises ValueError."""
+    found = _LINE.fullmatch(line)
+    if found is None:
+        raise ValueError("not an entry as it is written")
+    start, end = found.span(3)
+    if hashlib.sha256((line[:start] + line[end:]).encode()).hexdigest() != found[3]:
+        raise ValueError("was changed: it does not agree with its hash")
+    digest, event, hash_, inputs, number, *texts, version = found.groups()
+    return Entry(line, int(number), int(version), digest, event, hash_, inputs, *texts)
 
 
-def _flaw(entry: Entry, number: int, previous: str, before: Entry | None) -> str:
-    """What is wrong with an entry after the ones before it, "" if nothing is."""
-    if entry.hash != _hash(entry):
-        return "was changed: it does not agree with its hash"
-    if entry.previous != previous or entry.number != number:
-        return "does not follow the line before: a line was changed, lost or put in"
-    if entry.event not in EVENTS or entry.state not in STATES:
-        return f"{entry.event} {entry.state}: no such event"
-    if before is None or entry.event == STORED:
-        fits = before is None and entry.event == STORED
+def _check_state(entry: Entry, before: Entry | None) -> None:
+    """Raise ValueError where an entry may not follow the one ``before`` it of its version."""
+    if before is None:
+        fits = entry.event == STORED and entry.state in CHANGES
     elif (entry.digest, entry.record) != (before.digest, before.record):
-        return f"{entry.id} is another table than the one that was stored"
+        raise ValueError(f"{entry.id} is another table than the one stored")
+    elif entry.event == SIGNED:
+        fits = entry.state == before.state
     else:
-        same = entry.state == before.state
-        fits = same if entry.event == SIGNED else entry.state in CHANGES[before.state]
-    was = before.state if before else "never stored"
-    return "" if fits else f"{entry.id} was {was} before {entry.event} {entry.state}"
+        fits = entry.event == CHANGED and entry.state in CHANGES[before.state]
+    if not fits:
+        was = before.state if before else "never stored"
+        raise ValueError(f"{entry.id} was {was} before {entry.event} {entry.state}")
 
 
 def _check_head(entries: list[Entry], head: bytes | None) -> None:
@@ -265,7 +268,3 @@ def _check_head(entries: list[Entry], head: bytes | None) -> None:
         raise ValueError(f"has {len(entries)} lines, its head names {number}: lines are lost")
     if number < 0 or hashes[number] != digest:
         raise ValueError(f"does not agree with {HEAD}")
-
-
-def _hash(entry: Entry) -> str:
-    return hashlib.sha256(canonical_json({**asdict(entry), "hash": ""})).hexdigest()

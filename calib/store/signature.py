@@ -184,7 +184,8 @@ def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bo
     With the line in the journal a signature that was taken away is missed.
     """
     history = now.journal.of(name).get(version, ())
-    told = any(entry.event == SIGNED and entry.key == public.key_id for entry in history)
+    signed = (entry.document for entry in history if entry.event == SIGNED)
+    told = any(line["key"] == public.key_id for line in signed)
     return told or any(_signatures(now.folder / name, version, public))
 
 
@@ -242,8 +243,8 @@ def _checked(
         raise _refused(stored, f"signed as {said.state}, which it was not then")
     changed = [e for e in history if e.number > line and e.state != said.state]
     if changed:
-        last = changed[-1]
-        since = f"{last.state} since (by {last.by}, {last.at[:10]})"
+        last = changed[-1].document
+        since = f"{last['state']} since (by {last['by']}, {last['at'][:10]})"
         raise _refused(stored, f"signed as {said.state}, {since}")
     return said
 

@@ -19,7 +19,7 @@ from calib.store.folders import (
     versions_in,
 )
 from calib.store.journal import JOURNAL, Journal
-from calib.store.state import WITHDRAWN, VersionState
+from calib.store.state import DRAFT, RELEASED, WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
 from calib.table.compare import inputs, same
 from calib.table.invariants import violations
@@ -106,11 +106,11 @@ class Snapshot:
         if "@" in reference:
             return self.load(*self.numbered(reference))
         name = self.known(reference)
-        states = {v: self.journal.state(name, v) for v in self.journal.of(name)}
-        fit = [v for v, s in states.items() if (s.released if released else s.usable)]
-        if fit:
+        states = {v: self.journal.word(name, v) for v in self.journal.of(name)}
+        wanted = (RELEASED,) if released else (RELEASED, DRAFT)
+        if fit := [version for version, word in states.items() if word in wanted]:
             return self.load(name, max(fit))
-        there = ", ".join(f"{name}@{version} {state.word}" for version, state in states.items())
+        there = ", ".join(f"{name}@{version} {word}" for version, word in states.items())
         release = f"release one: `brake-cal tables release {name}@N --reason ...`"
         raise StoreError(
             f"{name} has no {'released' if released else 'usable'} version; there is {there}",

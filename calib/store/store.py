@@ -23,7 +23,7 @@ from calib.store.folders import (
     path_of,
     place,
     placed_in,
-    refuse_links,
+    refuse_link,
     unplaced,
 )
 from calib.store.journal import (
@@ -72,7 +72,7 @@ class Store:
         the table is not sound, its state may not follow, or the store cannot be written.
         """
         _require_storable(table)
-        with self._writing() as now:
+        with self._writing(table.name) as now:
             known = now.identical(table)
             if known is not None:
                 return self._judged(known, decision, now)
@@ -102,7 +102,7 @@ class Store:
         name, version = self.now().numbered(reference)
         if place(self.folder / name, version):
             return False
-        with self._writing() as now:
+        with self._writing(name) as now:
             if is_new(reference, now.journal.state(name, version), decision):
                 write_journal(self.folder, now.journal.added(name, version, CHANGED, decision))
         return True
@@ -144,7 +144,7 @@ class Store:
         with self._reading() as now:
             for name in now.names:
                 for version in now.journal.of(name):
-                    if wanted in (None, now.journal.state(name, version).word):
+                    if wanted in (None, now.journal.word(name, version)):
                         yield now.entry(name, version)
 
     def verify(self, name: str | None = None) -> tuple[StoreEntry, ...]:
@@ -165,9 +165,9 @@ class Store:
     @contextmanager
     def changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
         """The store, locked, and the version ``name@version`` of it, which will change."""
-        self.now().numbered(reference)  # before anything is made
-        with self._writing() as now:
-            yield now, now.load(*now.numbered(reference))
+        name, version = self.now().numbered(reference)  # before anything is made
+        with self._writing(name) as now:
+            yield now, now.load(name, version)
 
     def _find(self, reference: str, released: bool) -> Stored:
         path = path_of(reference)
@@ -214,13 +214,14 @@ class Store:
         return replace(stored, state=journal.state(stored.name, stored.version))
 
     @contextmanager
-    def _writing(self) -> Iterator[Snapshot]:
+    def _writing(self, name: str) -> Iterator[Snapshot]:
+        """The store, locked for one table, of which it finishes or undoes what was left."""
         try:
             with locked_folder(self.folder):
-                refuse_links(self.folder)
+                refuse_link(self.folder / name)
                 now = Snapshot(self.folder, read_journal(self.folder))
                 _ = now.names  # refuses versions without a journal
-                _tidy(self.folder, now.journal)
+                _tidy(self.folder, name, now.journal)
                 yield now
         except OSError as error:
             raise StoreError(
@@ -247,14 +248,13 @@ def _require_storable(table: Table) -> None:
         )
 
 
-def _tidy(folder: Path, journal: Journal) -> None:
-    """Finish or undo what stopped writers left. The caller holds the lock. Raises OSError."""
-    for path in unplaced(folder):
-        home, name = path.parent, path.name.removeprefix(NEW)
-        known = {folder_of(version) for version in journal.of(home.name)}
+def _tidy(folder: Path, table: str, journal: Journal) -> None:
+    """Finish or undo what stopped writers left of a table, under the lock. Raises OSError."""
+    for path in unplaced(folder, table):
+        final = path.with_name(path.name.removeprefix(NEW))
         if path.is_symlink():
             path.unlink()  # nobody knows where it leads
-        elif name in known and not (home / name).exists():
-            os.rename(path, home / name)
+        elif final.name in map(folder_of, journal.of(table)) and not final.exists():
+            os.rename(path, final)
         else:
             shutil.rmtree(path)

@@ -130,7 +130,8 @@ def test_a_signature_is_checked_by_minisign_and_made_by_minisign(store, keys):
 def test_a_signature_covers_the_journal_and_is_entered_in_it(store):
     line = store.journal().entries[-1]
     assert (line.event, line.id, line.state) == ("signed", "sedan@2", "released")
-    assert (line.key, line.by) == (ADA.public.key_id, "Ada")
+    told = line.document
+    assert (told["key"], told["by"]) == (ADA.public.key_id, "Ada")
     assert used(store).statement.head == line.previous
 
 
