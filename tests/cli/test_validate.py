@@ -61,9 +61,10 @@ def test_a_file_for_each_log_and_the_summary(run, tmp_path):
 
 def test_a_log_past_its_limits_ends_with_1(run, tmp_path):
     limits = tmp_path / "limits.toml"
-    limits.write_text("schema = 1\n[limits]\ntorque_error_f = { max = 1e-6 }\n")
-    ran = run("wet.csv", "--json", "--limits", limits)
-    assert (ran.code, told(ran)["verdict"]) == (1, "failed")
+    limits.write_text("schema = 1\n[limits]\nfinal_error_f = { max = 0.0193 }\n")
+    document = told(ran := run("wet.csv", "harder.parquet", "--json", "--limits", limits))
+    assert (ran.code, document["verdict"]) == (1, "failed")
+    assert [log["verdict"] for log in document["logs"]] == ["passed", "failed"]
 
 
 def test_without_truth_and_v_it_is_consistent_and_a_release_says_so(brake_cal, bench, tmp_path):
