@@ -1,5 +1,6 @@
 """A channel map as a TOML file: `brake-cal manual logs` shows each key."""
 
+import codecs
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -78,9 +79,14 @@ _ChannelsSection = by_name(
 _SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
 
 
+_NOT_OF_FILES = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
+"""Codecs of names and of source code; some take quadratic time."""
+
+
 def _encoding(name: str) -> str:
     try:
         whole = _SAMPLE.encode(name).decode(name) == _SAMPLE
+        whole &= codecs.lookup(name).name not in _NOT_OF_FILES
     except (LookupError, ValueError, TypeError):
         whole = False
     if not whole:

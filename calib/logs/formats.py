@@ -92,20 +92,12 @@ def stem_of(path: Path) -> str:
     return printable(path.name[: -len(ending)] if ending else path.name)
 
 
-_Open = Callable[[Path, Databases], Recording]
-
-
-_BUS: dict[str, _Open] = {
+RECORDINGS: dict[str, Callable[[Path, Databases], Recording]] = {
+    **dict.fromkeys(MDF, open_mdf),
     ".blf": open_blf,
     ".asc": open_asc,
     ".log": open_candump,
     ".trc": open_trc,
-}
-
-RECORDINGS: dict[str, _Open] = {
-    **dict.fromkeys(MDF, open_mdf),
-    **_BUS,
-    **{f"{ending}.gz": opener for ending, opener in _BUS.items()},
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 

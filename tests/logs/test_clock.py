@@ -4,18 +4,12 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.clock import check_running, evened, is_ascending, on_line, step_of
+from calib.logs.clock import check_running, evened, on_line, step_of
 
 
 def kept(size, lost=()):
     """Numbers of the rows that were not lost."""
     return np.delete(np.arange(size), lost)
-
-
-def test_a_time_that_stands_is_not_ascending():
-    assert is_ascending(np.array([0.0, 0.1, 0.2]))
-    for wrong in ([0.0, 0.1, 0.1, 0.2], [0.0, 0.2, 0.1], [0.0, np.nan, 0.2]):
-        assert not is_ascending(np.array(wrong))
 
 
 @pytest.mark.parametrize("rate", [95.0, 150.0, 256.0, 300.0, 700.0])

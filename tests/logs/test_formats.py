@@ -1,6 +1,5 @@
 """What a file is, and how each ending is opened."""
 
-import gzip
 import sys
 from pathlib import Path
 
@@ -12,7 +11,6 @@ from calib.logs.formats import TABLES, ending_of, refuse_other_kind, stem_of
 from calib.logs.read import FORMATS, read_log
 from tests.support.recordings import (
     RAMP,
-    messages,
     ramp,
     write_bus,
     write_dbc,
@@ -20,7 +18,6 @@ from tests.support.recordings import (
     write_mdf,
 )
 from tests.support.refusals import refusal
-from tests.support.trc import trc
 
 POINTER = b"""version https://git-lfs.github.com/spec/v1
 oid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393
@@ -77,11 +74,8 @@ def test_a_table_that_begins_with_a_word_of_another_kind_is_a_table():
 @pytest.mark.parametrize(
     ("name", "ending", "stem"),
     [
-        ("ramp.csv", ".csv", "ramp"),
         ("ramp.csv.gz", ".csv.gz", "ramp"),
         ("ramp.2.CSV.GZ", ".csv.gz", "ramp.2"),
-        ("ramp.v1.parquet", ".parquet", "ramp.v1"),
-        ("RUN.VBO", ".vbo", "RUN"),
         ("ramp", "", "ramp"),
         ("ramp.gz", ".gz", "ramp"),
     ],
@@ -91,43 +85,6 @@ def test_ending_and_stem(name, ending, stem):
     assert ending_of(path) == ending
     assert stem_of(path) == stem
     assert ending in TABLES or ending in ("", ".gz")
-
-
-@pytest.fixture(scope="module")
-def folder(bus):
-    for ending in ("blf", "asc", "log"):
-        write_bus(bus / f"whole.{ending}", 1.7e9)
-    (bus / "whole.trc").write_text(trc("2.1", messages()))
-    for ending in ("blf", "asc", "log", "trc"):
-        plain = (bus / f"whole.{ending}").read_bytes()
-        (bus / f"run.{ending}.gz").write_bytes(gzip.compress(plain))
-        (bus / f"cut.{ending}.gz").write_bytes(gzip.compress(plain[: len(plain) // 2 + 7]))
-    return bus
-
-
-@pytest.mark.parametrize("ending", ["blf", "asc", "log", "trc"])
-def test_the_channels_are_those_of_the_plain_log(folder, ending):
-    path = folder / f"run.{ending}.gz"
-    log, plain = (read_log(p, folder / "map.toml") for p in (path, folder / f"whole.{ending}"))
-    assert (log.name, log.source) == ("run", str(path))
-    assert log.digest != plain.digest
-    assert log.notes == plain.notes
-    for name in plain.channels:
-        np.testing.assert_array_equal(log[name], plain[name])
-
-
-@pytest.mark.parametrize("ending", ["blf", "trc"])
-def test_a_plain_log_that_was_cut_before_it_was_packed(folder, ending):
-    path = folder / f"cut.{ending}.gz"
-    refusal(read_log, path, folder / "map.toml", kind=LogError, names=path.name)
-
-
-def test_a_packed_log_that_was_cut(folder):
-    data = (folder / "run.blf.gz").read_bytes()
-    path = folder / "half.blf.gz"
-    for left in (0, int(0.9 * len(data))):
-        path.write_bytes(data[:left])
-        refusal(read_log, path, folder / "map.toml", kind=LogError, names=path.name)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from calib.base.errors import LogError
 from calib.logs.mdf import open_mdf
-from calib.logs.mdf_check import check_mdf
 from calib.logs.read import read_log
 from tests.support.logger_mf4 import Row, logger_mf4
 from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
@@ -133,20 +132,6 @@ def test_what_is_no_mdf_or_damaged(tmp_path, data, says):
     assert says in refusal(opened, tmp_path, data, kind=LogError)
 
 
-def test_a_finished_file_that_lost_its_end_mark(tmp_path):
-    """A whole file of asammdf, marked as unfinished: nothing changes but the mark."""
-    path = tmp_path / "run.mf4"
-    with asammdf.MDF(version="4.10") as mdf:
-        time = np.arange(300) * 0.01
-        mdf.append([asammdf.Signal(time**2, time, name="x", unit="m")])
-        mdf.save(path)
-    data = with_bytes(60, "<H", 5, data=path.read_bytes())
-    path.write_bytes(b"UnFinMF " + data[8:])
-    found = open_mdf(path, {})
-    np.testing.assert_array_equal(found.read([1])[0].values, time**2)
-    found.close()
-
-
 @pytest.mark.parametrize("name", ["run.mf4", "packed.mf4", "run.mdf"])
 def test_fewer_samples_than_the_group_counts(folder, name):
     """Its count is doubled, or so great that asammdf would fill the memory; the data stays."""
@@ -162,13 +147,3 @@ def test_fewer_samples_than_the_group_counts(folder, name):
     for found in damaged:
         (folder / f"few_{name}").write_bytes(found)
         refusal(read_log, folder / f"few_{name}", folder / "plain.toml", kind=LogError)
-
-
-def test_many_blocks(tmp_path):
-    """asammdf splits what is longer than 4 MiB."""
-    time = np.arange(600_000) * 1e-3
-    with asammdf.MDF() as mdf:
-        mdf.append([asammdf.Signal(time, time, name="x", unit="s")])
-        path = mdf.save(tmp_path / "long.mf4")
-    assert path.read_bytes().count(b"##DT") > 1
-    check_mdf(path)

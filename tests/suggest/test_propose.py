@@ -65,16 +65,6 @@ def sources(result):
 
 def test_a_foreign_log_is_found_out():
     result = suggestion(foreign())
-    assert sources(result) == {
-        "time": "Zeit",
-        "p_mc": "Bremsdruck HZ",
-        "a_x": "Longitudinal deceleration",
-        "omega_fl": "nRad_VL",
-        "omega_fr": "nRad_VR",
-        "omega_rl": "nRad_HL",
-        "omega_rr": "nRad_HR",
-        "v": "Fahrzeuggeschwindigkeit",
-    }
     assert {p.sure for p in result.proposals} == {"sure"}
     assert not result.doubts
     assert not result.missing

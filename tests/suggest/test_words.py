@@ -8,7 +8,6 @@ from calib.suggest.words import (
     MASTER,
     SPEED,
     STEERING,
-    axle,
     corner,
     loose_corner,
     score,
@@ -33,11 +32,6 @@ def test_corner(wheel, names):
 def test_the_four_of_a_group_have_one_stem():
     for four in (("omega_fl", "omega_rr"), ("nRadVL", "nRadHR"), ("left front V", "right rear V")):
         assert len({loose_corner(name)[1] for name in four}) == 1
-
-
-def test_axle():
-    found = {"T_disc_f": "f", "disc rear": "r", "disc_fl": None, "disc": None}
-    assert {name: axle(name) for name in found} == found
 
 
 @pytest.mark.parametrize(

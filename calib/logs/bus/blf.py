@@ -19,7 +19,6 @@ from calib.base.errors import LogError
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged, need
-from calib.logs.text.encoding import unzipped
 
 _HEADER = struct.Struct("<4sL8xQQL36x")
 _OBJECT = struct.Struct("<4sHHLL")
@@ -42,7 +41,7 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
     can = need("can", "can", where)
     known = require_dbc(dbc, "can", where)
     frames, notes = check_whole(path)
-    with unzipped(path) as file, can.BLFReader(file) as reader:
+    with path.open("rb") as file, can.BLFReader(file) as reader:
         found = gathered(reader, known, where)
     if len(found.times) != frames:
         raise damaged(where, f"{len(found.times)} of {frames} frames can be read", "all of them")
@@ -55,7 +54,7 @@ def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
     Returns the number of frames, and a note if the header counts another number of objects. Raises
     LogError for a file that is not BLF, not finished, damaged or not whole.
     """
-    with unzipped(path) as file:
+    with path.open("rb") as file:
         begin = file.read(_HEADER.size)
         if len(begin) < _HEADER.size or begin[:4] != b"LOGG":
             raise LogError("not a BLF file", where=path, expected="a file that begins with LOGG")

@@ -9,7 +9,6 @@ TRC       ;$FILEVERSION=2.1                          none in version 1.0
 python-can (4.6) leaves out a line that it cannot read, and pads a frame that is cut off.
 """
 
-import io
 import logging
 import re
 from collections.abc import Iterable, Iterator
@@ -21,7 +20,6 @@ from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.recording import Gathered, gathered, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged, need
-from calib.logs.text.encoding import unzipped
 
 if TYPE_CHECKING:
     import can
@@ -97,7 +95,7 @@ class Counted:
 def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
     can = need("can", "can", str(path))
     known = require_dbc(dbc, "can", str(path))
-    with io.TextIOWrapper(unzipped(path), encoding="utf-8", errors="replace") as file:
+    with path.open(encoding="utf-8", errors="replace") as file:
         lines = kind(file, path)
         found = lines.gathered(getattr(can, kind.reader)(lines), known)
     has_end = isinstance(lines, _AscLines) and lines.begun

@@ -1,13 +1,11 @@
-"""Unpack a log, and convert text to UTF-8: byte order marks, UTF-16, Western encodings."""
+"""Unpack a text log, and convert text to UTF-8: byte order marks, UTF-16, Western encodings."""
 
 import codecs
 import gzip
 import io
 import zlib
-from pathlib import Path
-from typing import BinaryIO
 
-from calib.base.bounded import LOG, bytes_of
+from calib.base.bounded import LOG
 from calib.base.errors import LogError
 from calib.logs.source import damaged
 
@@ -31,13 +29,6 @@ def gunzip(data: bytes, where: str) -> bytes:
     if len(found) > LOG.most:
         raise too_large(where)
     return found
-
-
-def unzipped(path: Path) -> BinaryIO:
-    """The bytes of a log of a bus, packed or not. Raises LogError as `gunzip`."""
-    if path.suffix.lower() != ".gz":
-        return path.open("rb")
-    return io.BytesIO(gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path)))
 
 
 def too_large(where: str) -> LogError:

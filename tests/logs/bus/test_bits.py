@@ -1,13 +1,12 @@
 """Signals out of bytes, against cantools, which decodes one frame at a time."""
 
 import numpy as np
-import pytest
 from cantools.database.can import Message, Signal
 from cantools.database.conversion import BaseConversion
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.logs.bus.recording import last_byte, number, raw
+from calib.logs.bus.recording import number, raw
 
 WIDTH = 12
 
@@ -44,12 +43,3 @@ def test_numbers_are_those_of_cantools(rows, form):
         found = number(raw(data, start, length, little), length, signed, real)
     expected = np.asarray(theirs(rows, start, length, little, signed, real), float)
     np.testing.assert_array_equal(found, expected)
-
-
-@given(places())
-def test_the_last_byte_is_the_last_one_that_matters(place):
-    """A frame cut before it cannot be decoded, one cut behind it can."""
-    last = last_byte(*place)
-    raw(np.zeros((1, last + 1), np.uint8), *place)
-    with pytest.raises(ValueError, match="mismatch"):
-        raw(np.zeros((1, last), np.uint8), *place)

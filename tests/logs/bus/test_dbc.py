@@ -7,7 +7,6 @@ import pytest
 from calib.base.errors import ChannelMapError, LogError
 from calib.logs.bus.dbc import read_databases
 from calib.logs.bus.recording import decode, described, frames_of
-from tests.support.databases import DATABASES
 from tests.support.recordings import DBC
 
 MUX = """VERSION ""
@@ -157,10 +156,6 @@ def test_names_of_more_than_32_characters(tmp_path):
         + f'BA_ "SystemSignalLongSymbol" SG_ 1 {long[:32]} "{long}";\n'
     )
     assert known(tmp_path, text).buses[""][1, False].get_signal_by_name(long).unit == "km/h"
-
-
-def test_an_ending_in_capitals(tmp_path):
-    assert known(tmp_path, DATABASES["kcd"], "chassis.KCD").buses[""].keys() == {(256, False)}
 
 
 def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):

@@ -10,9 +10,6 @@ from calib.logs.bus.dbc import read_databases
 from calib.logs.bus.recording import decode, frames_of
 from tests.support.databases import SAMPLES
 
-TWIN = "comments_hex_and_motorola"
-"""A SYM that canmatrix cannot decode; beside it is the same as DBC, made by another program."""
-
 FRAMES = 30
 
 
@@ -59,17 +56,3 @@ def test_signals_are_those_of_another_reader(path):
             )
             compared += len(expected)
     assert compared >= 20
-
-
-def test_a_sym_is_what_was_made_of_it_as_dbc():
-    one, other = (
-        read_databases({"": [SAMPLES / name]}, "can", "x").buses[""]
-        for name in (f"{TWIN}.sym", f"{TWIN}_converted_from_sym.dbc")
-    )
-    assert one.keys() == other.keys()
-    for key, message in one.items():
-        _, frames = random_frames(key, message.length)
-        twins = {signal.name: signal for signal in other[key].signals}
-        assert twins.keys() == {signal.name for signal in message.signals}
-        for signal in message.signals:
-            assert ours(frames, message, signal) == ours(frames, other[key], twins[signal.name])

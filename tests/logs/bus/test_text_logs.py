@@ -1,40 +1,15 @@
 """Text logs of a bus: whole ones are read, others refused."""
 
-import io
-import re
-from pathlib import Path
-
-import can
 import numpy as np
 import pytest
 
 from calib.base.errors import ChannelMapError, LogError
-from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.text_logs import Counted
 from calib.logs.read import read_log
 from tests.support.recordings import MAP, write_bus
 from tests.support.refusals import refusal
 
-NOTHING = Dbc({})
 CHART = MAP.format(dbc='dbc = "chassis.dbc"\n')
 DBC = 'VERSION ""\nNS_ :\nBS_:\nBU_: A\nBO_ 5 DOORS: 8 A\n SG_ Open : 0|1@1+ (1,0) [0|1] "" A\n'
-
-
-class Lines(Counted):
-    frame = re.compile("frame")
-
-
-def counted(text):
-    return Lines(io.StringIO(text), Path("run.log"))
-
-
-def test_a_frame_that_the_library_passed_over_is_missed():
-    lines = counted("frame 1\nframe 2\n")
-    list(lines)
-    one = can.Message(timestamp=0.0)
-    with pytest.raises(LogError, match="1 of 2 lines"):
-        lines.gathered([one], NOTHING)
-    assert len(lines.gathered([one, one], NOTHING).times) == 2
 
 
 @pytest.fixture(scope="module")
@@ -99,12 +74,11 @@ def test_a_message_on_two_buses_must_be_chosen(folder, lines):
     [
         (CHART.replace("chassis", "foreign"), LogError),
         (CHART.replace('"PMc"', '"PMC"'), ChannelMapError),
-        (None, LogError),
     ],
-    ids=["another bus", "no such signal", "no DBC"],
+    ids=["another bus", "no such signal"],
 )
 def test_a_map_that_does_not_fit(folder, chart, error):
     (folder / "foreign.dbc").write_text(DBC)
-    (folder / "other.toml").write_text(chart or "")
+    (folder / "other.toml").write_text(chart)
     with pytest.raises(error):
-        read_log(folder / "whole.log", folder / "other.toml" if chart else None)
+        read_log(folder / "whole.log", folder / "other.toml")

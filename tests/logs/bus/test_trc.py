@@ -82,12 +82,3 @@ def test_a_last_line_that_is_cut_off(folder, texts, version):
     assert len(opened(folder, text[:-1]).read([1])[0].time) in (count, count + 1)
     for cut in (2, 7, 13):
         refused(folder, text[:-cut])
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", "time [s],p_mc [bar]\n0,1\n", ";$FILEVERSION=1.2\n;\n", ";$FILEVERSION=3.0\n;\n",
-     HEADS["2.1"]],
-)  # fmt: skip
-def test_what_is_no_trc(folder, text):
-    refused(folder, text)

@@ -145,12 +145,6 @@ def test_what_is_cut_off_or_contradicts_itself(data):
         open_csv(data, "run.csv.gz" if data[:2] == PACKED[:2] else "run.csv")
 
 
-def test_not_gzip_in_spite_of_its_ending_is_read_as_what_it_is(tmp_path):
-    path = tmp_path / "run.csv.gz"
-    path.write_bytes(WHOLE)
-    assert read_log(path).name == "run"
-
-
 THOUSANDS = "a [s]{0}b [1]\n" + "".join(f"{i}{{0}}{i % 9 + 1},{100 + i}\n" for i in range(60))
 SEPARATORS = "Zeit, s;Druck, bar\n" + "".join(f"{i},{i};{i},{i}\n" for i in range(60))
 MARKS = "a [s];b [1];c [1]\n" + "".join(f"{i};0,5;0.25\n" for i in range(60))
