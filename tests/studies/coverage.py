@@ -20,7 +20,7 @@ group. Counted are the samples of `tests.studies.scored_stop`, valid or not; sto
 """
 
 import sys
-from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -122,20 +122,16 @@ def car_and_runs(rng: np.random.Generator, place: float) -> tuple[Car, Log, Log]
     while True:
         of = drawn(rng, place)
         runs = brakings(Demand(of.vehicle, of.mass, of.pads, of.peak), rng)
-        try:
+        with suppress(BeyondPeakError):
             ramp, coast = (plant_r.drive(of, name, runs[name], rng) for name in ("ramp", "coast"))
-        except BeyondPeakError:
-            continue
-        return of, ramp, coast
+            return of, ramp, coast
 
 
 def stop(rng: np.random.Generator, of: Car, name: str) -> Driven:
     """A stop from the list; drawn anew until its road carries it."""
     while True:
-        try:
+        with suppress(BeyondPeakError):
             return tried_stop(rng, of, name)
-        except BeyondPeakError:
-            continue
 
 
 def tried_stop(rng: np.random.Generator, of: Car, name: str) -> Driven:
@@ -233,13 +229,6 @@ def limits(part: pd.DataFrame, column: str = "held 0.95", draws: int = 400) -> t
     return float(low), float(high)
 
 
-def by_group(part: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """All groups of the stops."""
-    for column in ("road", "pads", "deceleration", "mass", "tyre"):
-        for name, of in part.groupby(column):
-            yield str(name), of
-
-
 def printed(found: pd.DataFrame) -> None:
     """The tables, one for each estimator with and without v."""
     told = found[found["quantity"].notna()]
@@ -262,12 +251,13 @@ def printed(found: pd.DataFrame) -> None:
             continue
         print(f"\n{'95 %, by group':24} stops  " + " ".join(f"{q:>6}" for q in QUANTITIES)
               + "   rms/half % front     rear")  # fmt: skip
-        for group, of in by_group(part):
-            by = of.groupby("quantity")
-            covers = " ".join(f"{by['held 0.95'].mean()[q]:6.2f}" for q in QUANTITIES)
-            rms, half = 100 * np.sqrt(by["square"].mean()), 100 * by["half"].median()
-            sharp = "  ".join(f"{rms[q]:5.1f}/{half[q]:4.1f}" for q in ("front", "rear"))
-            print(f"{group:24} {len(of) // len(QUANTITIES):5}  {covers}        {sharp}")
+        for column in ("road", "pads", "deceleration", "mass", "tyre"):
+            for group, of in part.groupby(column):
+                by = of.groupby("quantity")
+                covers = " ".join(f"{by['held 0.95'].mean()[q]:6.2f}" for q in QUANTITIES)
+                rms, half = 100 * np.sqrt(by["square"].mean()), 100 * by["half"].median()
+                sharp = "  ".join(f"{rms[q]:5.1f}/{half[q]:4.1f}" for q in ("front", "rear"))
+                print(f"{group:24} {len(of) // len(QUANTITIES):5}  {covers}        {sharp}")
     if "refused" in found:
         for text, n in found["refused"].value_counts().items():
             print(f"refused {n} stops: {str(text)[:150]}")
