@@ -1,6 +1,7 @@
 """The normal distribution: numbers of its intervals, the size of noise, and mixtures."""
 
 import math
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -23,35 +24,44 @@ def second_differences(white: float, walk: float, turned: float) -> tuple[Array,
     """The moving average (3,) and sigma of second differences of v against the integral of a_x.
 
     ``white`` variance of v, ``walk`` of a step of the integral, ``turned`` of a change of its step,
-    as by a slope that wanders [m^2/s^2].
+    as by a slope that wanders [m^2/s^2]. The spectrum of their covariance is a polynomial whose
+    roots come in pairs z, 1/z: with those within the unit circle the average can be undone
+    (Brockwell and Davis, Time Series: Theory and Methods, section 3.1).
     """
     covariance = [6.0 * white + 2.0 * walk + turned, -4.0 * white - walk, white]
-    return moving_average(np.array(covariance))
+    roots = np.roots([*covariance[:0:-1], *covariance])
+    average = np.real(np.poly(sorted(roots, key=abs)[:2]))
+    return average, float(np.sqrt(white / average[-1]))
 
 
-def moving_average(covariance: Array) -> tuple[Array, float]:
-    """Coefficients (q + 1,), the first is 1, and sigma of a moving average that can be undone.
+def scatter(x: Array) -> float:
+    """Standard deviation from zero of most of the values (n,), which outliers do not move.
 
-    From its ``covariance`` (q + 1,) at the distances 0 to q. Its spectrum is a polynomial whose
-    roots come in pairs z, 1/z: those within the unit circle are taken (Brockwell and Davis, Time
-    Series: Theory and Methods, section 3.1).
+    >>> round(scatter(np.array([-1.0, 1.0, 1.0, 1.0, 99.0])), 3)
+    1.483
     """
-    roots = np.roots(np.concatenate([covariance[:0:-1], covariance]))
-    inside = sorted(roots, key=abs)[: covariance.size - 1]
-    average = np.real(np.poly(inside))
-    return average, float(np.sqrt(covariance[-1] / average[-1]))
+    return float(np.median(np.abs(x))) / QUARTILE
 
 
-def white_noise(x: Array, order: int = 3) -> float:
+def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
     """Standard deviation of white noise on a smooth x (n,), by its differences of an ``order``.
 
-    Their median, which the bite of a brake does not move. Third differences hold almost no motion.
+    Over ``lag`` samples each. Their median, which the bite of a brake does not move. Third
+    differences hold almost no motion.
 
     >>> round(white_noise(np.random.default_rng(0).normal(size=10000)), 1)
     1.0
     """
-    size = float(np.median(np.abs(np.diff(x, order)))) / QUARTILE
-    return size / math.sqrt(math.comb(2 * order, order))
+    for _ in range(order):
+        x = x[lag:] - x[:-lag]
+    return scatter(x) / math.sqrt(math.comb(2 * order, order))
+
+
+def noise_over(x: Array, longest: float) -> list[float]:
+    """`white_noise` of x (n,) over 1, 2, 4 ... up to ``longest`` samples, and to a third of x."""
+    lags = (1 << i for i in range(64))
+    within = takewhile(lambda lag: lag <= longest and 3 * lag < x.size, lags)
+    return [white_noise(x, lag=lag) for lag in within]
 
 
 class Mixture(NamedTuple):

@@ -152,7 +152,7 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run]]:
             where=", ".join(run.log.source for run in runs),
             expected="at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s",
         )
-    if all(run.only for run in ramps):
+    if all(run.alone for run in ramps):
         raise LogError(
             "on every ramp one axle brakes alone, so there is no curve over eta",
             where=", ".join(run.log.source for run in ramps),
@@ -190,7 +190,7 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         slip=None if b.v is None else mean_slip(vehicle, load_f, b.omega_f, b.omega_r, b.v),
         use=np.asarray(use),
         accelerometer=accelerometer,
-        only=run.only,
+        only=run.alone,
     )
     turning = np.maximum(b.omega_f, 1.0)  # [rad/s]; what turns slower takes no part
     eta_density = np.asarray(np.sqrt(2.0) * noise.omega / turning)  # [s^0.5]

@@ -3,7 +3,6 @@
 Each function is a figure of `rules.csv` by its name.
 """
 
-import math
 from collections.abc import Iterator
 from itertools import groupby
 
@@ -16,7 +15,6 @@ from calib.plausibility.evidence import Evidence
 from calib.run.axle_signals import held_time
 from calib.run.copies import shares_of_speed, twice
 from calib.run.driving_record import BITE_Z
-from calib.run.pressure_delay import PressureDelay
 
 _OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 _NEEDED = ("p_mc", "a_x", *_OMEGAS)
@@ -58,26 +56,18 @@ def sensors(e: Evidence) -> Iterator[Measured]:
 
 
 def noise(e: Evidence) -> Iterator[Measured]:
-    """Noise and steps of the wheel speeds, as eta has them; a pressure without any noise.
-
-    The standard deviation of eta in a mean over 0.2 s [1]: two wheels make an axle and two axles
-    make eta, so the factors cancel.
-    """
+    """A pressure without any noise."""
     run = e.run
-    blur = [
-        math.hypot(s.noise, s.resolution / math.sqrt(12.0)) / s.high
-        for s in run.sensors
-        if s.channel in _OMEGAS and s.high > 0 and not math.isnan(s.noise)
-    ]
-    of_eta = max(blur, default=0.0) / math.sqrt(max(1.0, 0.2 * run.clock.rate))
-    yield Measured("coarse_wheel_speeds", of_eta)
     pressure, a_x = run.sensor("p_mc"), run.sensor("a_x")
     if pressure and a_x and run.events and pressure.low == 0.0 and a_x.noise > 0.01:
         yield Measured("pressure_computed", pressure.flat)
 
 
 def pressure(e: Evidence) -> Iterator[Measured]:
-    """Pressure for each g, its clock, and how much of the deceleration it explains."""
+    """Pressure for each g, its clock, and how much of the deceleration it explains.
+
+    Nothing of the latter where a motor brakes.
+    """
     run, master = e.run, e.run.sensor("p_mc")
     if master is None:
         return
@@ -87,12 +77,9 @@ def pressure(e: Evidence) -> Iterator[Measured]:
         most = max(delay.low, delay.high, key=abs)
         if not delay.beyond(_LATE):
             yield Measured("pressure_clock", most, words={"channel": channel})
-    if not master.saturated:
-        yield from _of_this_run(run.pressures, any(x.startswith("T_drive") for x in run.present))
-
-
-def _of_this_run(pressures: dict[str, PressureDelay], motor: bool) -> Iterator[Measured]:
-    """Pressures that are late, or of another run; nothing of the latter where a motor brakes."""
+    if master.saturated:
+        return
+    pressures = run.pressures
 
     def told(name: str) -> tuple[float, str, str]:
         return pressures[name].surely, pressures[name].words, pressures[name].entry
@@ -101,6 +88,7 @@ def _of_this_run(pressures: dict[str, PressureDelay], motor: bool) -> Iterator[M
         all_of = ", ".join(names)
         how = f"{all_of} {'are' if ',' in all_of else 'is'} {words}"
         yield Measured("pressure_late", surely, words={"how": how, "entry": f"{entry} to {all_of}"})
+    motor = any(name.startswith("T_drive") for name in run.present)
     if not motor and not any(x.beyond(_LATE) for x in pressures.values()):
         weakest = min((x.in_time for x in pressures.values()), default=1.0)
         weak = (x for x, delay in pressures.items() if delay.in_time < _EXPLAINED)
@@ -108,9 +96,8 @@ def _of_this_run(pressures: dict[str, PressureDelay], motor: bool) -> Iterator[M
 
 
 def speed(e: Evidence) -> Iterator[Measured]:
-    """Whether there is a reference speed, of a sensor of its own."""
+    """Whether there is a reference speed."""
     yield Measured("no_reference_speed", float("v" not in e.run.present))
-    yield Measured("v_copied", float(e.run.v_of_wheels))
 
 
 def copied(e: Evidence) -> Iterator[Measured]:

@@ -7,21 +7,19 @@ from typing import Any
 
 from calib.base.names import AXLE_NAMES, CHANNELS
 from calib.base.units import from_si, to_si
-from calib.base.warning import PlausibilityWarning
+from calib.base.warning import PlausibilityWarning, bounds_of
 from calib.car.vehicle import Vehicle
-from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import CHECK, PURPOSES, unusable, warnings_on
 from calib.run.driving_record import BrakeEvent
-from calib.run.limits import LIMITS
 from calib.run.run import Run, figures
 from calib.run.sensors import FIGURES, Sensor
 from calib.run.wheels import IntervalEstimate
 
 
 @dataclass(frozen=True)
-class LogVerdict:
+class _Verdict:
     """Whether a log is usable for a purpose; ``reasons`` why not, each with what to do instead."""
 
     purpose: str
@@ -30,57 +28,23 @@ class LogVerdict:
 
 
 @dataclass(frozen=True)
-class _Taken(Origin):
-    """The source of a channel with its range ``low`` to ``high`` [``si``]."""
-
-    si: str
-    low: float
-    high: float
-
-    def __str__(self) -> str:
-        offset = f" {self.offset:+.6g}" if self.offset else ""
-        span = f"{self.low:.6g} to {self.high:.6g} {self.si}"
-        return f"from {self.source!r} [{self.unit}] x {self.factor:.6g}{offset}: {span}"
-
-    @property
-    def as_it_stands(self) -> bool:
-        """Whether the file has the channel under its canonical name and unit."""
-        unit = CHANNELS[self.channel].unit
-        zero, one = (to_si(x, unit, self.si) for x in (0.0, 1.0))
-        same = self.source == self.channel and math.isclose(self.factor, one - zero)
-        return same and self.offset == zero
-
-
-@dataclass(frozen=True)
 class Findings:
     """Result of `check` for one log.
 
     Attributes
     ----------
-    log, source, digest, truth, ignored, notes, bridged : as the `Log` has them.
-    seen : what is seen of clock, sensors and driving [SI].
+    seen : the log, and what is seen of its clock, sensors and driving [SI].
     warnings : problems that do not make the log unusable.
     verdicts : one for each purpose.
-    taken : source column of each channel.
-    uses : quantities that can be determined from the log, also if it is not usable.
     """
 
-    log: str
-    source: str
-    digest: str
-    truth: tuple[str, ...]
-    ignored: tuple[str, ...]
     seen: Run
-    notes: tuple[str, ...]
     warnings: tuple[PlausibilityWarning, ...]
-    verdicts: tuple[LogVerdict, ...]
-    taken: tuple[_Taken, ...] = ()
-    uses: tuple[str, ...] = ()
-    bridged: tuple[ChannelHole, ...] = ()
+    verdicts: tuple[_Verdict, ...]
 
     def __repr__(self) -> str:
         lines = [f"  {v.purpose:<12} {'; '.join(v.reasons) or 'usable'}" for v in self.verdicts]
-        return "\n".join([self.source, *lines])
+        return "\n".join([self.seen.log.source, *lines])
 
     @property
     def usable(self) -> bool:
@@ -106,29 +70,20 @@ def check(log: Log, copies: Iterable[str] = (), vehicle: Vehicle | None = None) 
     reasons = {name: (*copies, *(one.text for one in unusable(seen, name))) for name in PURPOSES}
     useless = all(reasons.values())
     return Findings(
-        log=log.name,
-        source=log.source,
-        digest=log.digest,
-        truth=tuple(log.truth),
-        ignored=log.ignored,
-        seen=seen,
-        notes=log.notes,
-        warnings=warnings_on(Evidence(seen), CHECK, whole=not useless),
-        verdicts=tuple(LogVerdict(name, not why, why) for name, why in reasons.items()),
-        taken=tuple(_taken(log, one) for one in log.origins if one.channel in CHANNELS),
-        uses=tuple(_uses(seen)),
-        bridged=log.bridged,
+        seen,
+        warnings_on(Evidence(seen), CHECK, whole=not useless),
+        tuple(_Verdict(name, not why, why) for name, why in reasons.items()),
     )
 
 
-def _uses(seen: Run) -> Iterator[str]:
-    """What can be determined from a log, with its accuracy, in words."""
+def uses(seen: Run) -> Iterator[str]:
+    """What can be determined from a log, also if it is not usable, with its accuracy, in words."""
     axles = seen.axles
     if axles is None:
         return
     zero = axles.front_rear
     if zero is not None:
-        enough = "fine" if zero.half <= LIMITS.table_zero else "too coarse"
+        enough = "fine" if zero.half <= bounds_of("eta_zero_uncertain")[1] else "too coarse"
         sharp = f"to {100 * zero.half:.3f} % ({enough} for a table)"
         yield f"the zero of eta {sharp}, if the car rolled without its engine"
     if axles.slope is not None and axles.slope > 0:
@@ -143,26 +98,44 @@ def _uses(seen: Run) -> Iterator[str]:
         yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"
 
 
-def _taken(log: Log, origin: Origin) -> _Taken:
-    values, si = log[origin.channel], CHANNELS[origin.channel].si
-    return _Taken(**asdict(origin), si=si, low=float(values.min()), high=float(values.max()))
-
-
 def to_dict(findings: Findings) -> dict[str, Any]:
     """The findings as plain data, numbers in SI; ``figures`` as in the results of a batch."""
-    others = {name: x for name, x in vars(findings).items() if name != "seen"}
+    run, log = findings.seen, findings.seen.log
     return {
         "usable": findings.usable,
-        **{name: _plain(x) for name, x in others.items()},
-        "seen": {name: _plain(getattr(findings.seen, name)) for name in _SEEN},
-        "figures": figures(findings.seen),
+        "log": log.name,
+        "source": log.source,
+        "digest": log.digest,
+        "truth": list(log.truth),
+        "ignored": log.ignored,
+        "notes": log.notes,
+        "warnings": _plain(findings.warnings),
+        "verdicts": _plain(findings.verdicts),
+        "taken": _plain(tuple(_taken(log))),
+        "uses": list(uses(run)),
+        "bridged": _plain(log.bridged),
+        "seen": {name: _plain(getattr(run, name)) for name in _SEEN},
+        "figures": figures(run),
         "warned": list(dict.fromkeys(warning.code for warning in findings.warnings)),
     }
 
 
+def _taken(log: Log) -> Iterator[Origin]:
+    """Sources of the canonical channels."""
+    return (origin for origin in log.origins if origin.channel in CHANNELS)
+
+
+def _as_it_stands(origin: Origin) -> bool:
+    """Whether the file has a channel under its canonical name and unit."""
+    q = CHANNELS[origin.channel]
+    zero, one = (to_si(x, q.unit, q.si) for x in (0.0, 1.0))
+    same = origin.source == origin.channel and math.isclose(origin.factor, one - zero)
+    return same and origin.offset == zero
+
+
 _SEEN = (
-    "present", "missing", "clock", "sensors", "events", "lead_in", "coasting", "lead_in_driven",
-    "standing", "speed", "z", "alone", "pressures", "wheels_held", "v_of_wheels", "axles",
+    "present", "missing", "clock", "sensors", "events", "lead_in", "coasting",
+    "speed", "z", "alone", "pressures", "wheels_held", "axles",
     "slipping", "wheels",
 )  # fmt: skip
 """What is told of a run, by name."""
@@ -181,25 +154,22 @@ def _plain(x: Any) -> Any:
 
 def facts(findings: Findings) -> Iterator[tuple[str, str]]:
     """Label and text of each finding except warnings and verdicts; units of a log file."""
-    seen, clock = findings.seen, findings.seen.clock
-    yield "channels", ", ".join(seen.present) + (" + truth" if findings.truth else "")
+    seen, clock, log = findings.seen, findings.seen.clock, findings.seen.log
+    yield "channels", ", ".join(seen.present) + (" + truth" if log.truth else "")
     absent = [q.name for q in CHANNELS.values() if not q.required and q.name not in seen.present]
     if seen.missing:
         yield "missing", ", ".join(seen.missing)
     yield "not there", ", ".join(absent) or "-"
-    if findings.ignored:
-        yield "ignored", ", ".join(findings.ignored)
-    if not all(item.as_it_stands for item in findings.taken):
-        yield from ((item.channel, str(item)) for item in findings.taken)
+    if log.ignored:
+        yield "ignored", ", ".join(log.ignored)
+    if not all(map(_as_it_stands, _taken(log))):
+        for one in _taken(log):
+            offset = f" {one.offset:+.6g}" if one.offset else ""
+            yield one.channel, f"from {one.source!r} [{one.unit}] x {one.factor:.6g}{offset}"
     jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
     yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
     for sensor in seen.sensors:
         yield sensor.channel, _sensor(sensor)
-    yield from _driving(findings)
-
-
-def _driving(findings: Findings) -> Iterator[tuple[str, str]]:
-    seen = findings.seen
     if seen.axles is None:
         return
     yield "driven", f"up to {3.6 * seen.speed:.0f} km/h, up to {seen.z:.2f} g"
@@ -209,7 +179,7 @@ def _driving(findings: Findings) -> Iterator[tuple[str, str]]:
     yield "eta - 1", _percent(seen.axles.front_rear) + " without braking"
     sides = (seen.axles.left_right_f, seen.axles.left_right_r)
     yield "right/left", f"front {_percent(sides[0])}, rear {_percent(sides[1])}"
-    for text in findings.uses:
+    for text in uses(seen):
         yield "good for", text
 
 
@@ -221,9 +191,7 @@ def _sensor(sensor: Sensor) -> str:
 
     parts = [f"{written(sensor.low)} to {written(sensor.high)} {quantity.unit}"]
     parts += [f"steps of {written(sensor.resolution, 2)}"] if sensor.resolution else []
-    if sensor.noise == sensor.noise:  # not NaN
-        colour = f"autocorrelation {sensor.autocorrelation:+.2f}"
-        parts.append(f"noise {written(sensor.noise, 2)} ({colour})")
+    parts += [] if math.isnan(sensor.noise) else [f"noise {written(sensor.noise, 2)}"]
     return ", ".join(parts)
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 
 from calib.base.warning import Measured, bounds_of
 from calib.plausibility.evidence import Evidence
-from calib.run.driving_record import BrakeEvent
 from calib.run.limits import LIMITS
 from calib.run.run import Run
 from calib.run.wheels import Slipping
@@ -29,8 +28,6 @@ def driving(e: Evidence) -> Iterator[Measured]:
     yield Measured("too_slow", run.speed)
     if run.events:
         yield Measured("lead_in", run.lead_in)
-    yield Measured("lead_in_driven", float(run.lead_in_driven))
-    yield Measured("standing", run.standing)
     yield _cycled("abs", slips.cycles)
     yield _locked("locked_wheels", slips)
 
@@ -49,7 +46,10 @@ def use(e: Evidence) -> Iterator[Measured]:
     if not (run.slipping and run.slipping.locked):  # of locked wheels the speed is not known
         yield Measured("braking_time", sum(event.braking for event in run.events))
     yield from _ramp(run)
-    yield from _eta(run)
+    if run.axles and (most := run.axles.eta_most):  # a table is a curve over eta
+        alike = max(abs(most.value), most.half) < LIMITS.eta_alike
+        sure = abs(most.value) / max(most.half, 1e-12)
+        yield Measured("eta_alike" if alike else "eta_unknown", sure)
 
 
 def _ramp(run: Run) -> Iterator[Measured]:
@@ -64,10 +64,6 @@ def _ramp(run: Run) -> Iterator[Measured]:
     in_pieces = ramp.z_high - ramp.z_low > 1.2 * ramp.rise_z
     how = f"the braking reaches {ramp.z_high:.2f} g, but not in one rise" if in_pieces else ""
     yield Measured("ramp_span_alone" if alone else "ramp_span", ramp.rise_z, words={"how": how})
-    yield from _disturbed(run, ramp)
-
-
-def _disturbed(run: Run, ramp: BrakeEvent) -> Iterator[Measured]:
     slips = run.slipping or Slipping((), (), 0.0)
     inside = [(wheel, t) for wheel, t in slips.cycles if ramp.start <= t <= ramp.end]
     yield _cycled("abs_in_ramp", inside)
@@ -86,15 +82,6 @@ def _cycled(code: str, cycles: Sequence[tuple[str, float]]) -> Measured:
 
 def _locked(code: str, slips: Slipping) -> Measured:
     return Measured(code, len(slips.locked), words={"wheels": ", ".join(slips.locked)})
-
-
-def _eta(run: Run) -> Iterator[Measured]:
-    """A table is a curve over eta: its change under braking must be known."""
-    most = run.axles.eta_most if run.axles else None
-    if most is not None:
-        alike = max(abs(most.value), most.half) < LIMITS.eta_alike
-        sure = abs(most.value) / max(most.half, 1e-12)
-        yield Measured("eta_alike" if alike else "eta_unknown", sure)
 
 
 _RAMP_TIME, _RAMP_RISE, _SPAN, _SPAN_ALONE = (

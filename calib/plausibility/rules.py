@@ -29,54 +29,35 @@ _CALLED = {
 
 Figure = Callable[[Evidence], Iterator[Measured]]
 
-
-def _named(*figures: Figure) -> dict[str, Figure]:
-    return {figure.__name__: figure for figure in figures}
-
-
-_OF_LOG = _named(driving.clock, channels.channels, channels.marked, channels.sensors)
-"""Figures of any log, by the names that the rules have."""
-_OF_MOTION = _named(
-    *(
-        driving.driving,
-        driving.use,
-        channels.noise,
-        channels.pressure,
-        channels.speed,
-        channels.held,
-    ),
-    *(wheels.wheels, wheels.radii),
+_OF_LOG: tuple[Figure, ...] = (
+    *(driving.clock, channels.channels, channels.marked, channels.sensors),
+)
+"""Figures of any log; the rules have them by their names."""
+_OF_MOTION: tuple[Figure, ...] = (
+    *(driving.driving, driving.use, wheels.wheels, wheels.radii),
+    *(channels.noise, channels.pressure, channels.speed, channels.held),
 )
 """Those that need a_x and the wheel speeds."""
-_OF_SIGNALS = _named(
-    *(
-        channels.copied,
-        channels.late,
-        channels.at_rest,
-        channels.pressure_sides,
-        channels.from_master,
-    ),
+_OF_SIGNALS: tuple[Figure, ...] = (
+    *(channels.copied, channels.late, channels.at_rest),
+    *(channels.pressure_sides, channels.from_master),
     *(wheels.car_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale, wheels.lost_pulses),
     *(forces.accelerometer, forces.brakes, forces.bend, forces.levels),
 )
 """Those that need all channels, and a car that moves."""
 
 
-def refusals(
-    run: Run, purpose: str, does: Collection[str] = (REFUSE,)
-) -> list[PlausibilityWarning]:
-    """Why a run is of no use for a purpose, by its figures before any estimate."""
-    return [*_first(Evidence(run), purpose, does)] or [*_second(Evidence(run), purpose, does)]
-
-
-def unusable(run: Run, purpose: str) -> list[PlausibilityWarning]:
-    """Why nothing comes of a run: it is refused, or its result would be void."""
-    return refusals(run, purpose, (REFUSE, VOID))
+def unusable(
+    run: Run, purpose: str, does: Collection[str] = (REFUSE, VOID)
+) -> tuple[PlausibilityWarning, ...]:
+    """Why nothing comes of a run by its figures before any estimate: it is refused, or void."""
+    e = Evidence(run)
+    return _broken(e, _first(run), purpose, does) or _broken(e, _second(run), purpose, does)
 
 
 def require(run: Run, purpose: str) -> None:
     """Raise LogError with every reason for a run that will not do for a purpose."""
-    if why := refusals(run, purpose):
+    if why := unusable(run, purpose, (REFUSE,)):
         what = f"{_CALLED[purpose]}: {'; '.join(one.text for one in why)}"
         raise LogError(what, where=run.log.source, do="see `brake-cal check`")
 
@@ -84,42 +65,43 @@ def require(run: Run, purpose: str) -> None:
 def warnings_on(
     e: Evidence, purpose: str, does: Collection[str] = (WARN,), *, whole: bool = True
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on a run that is used for a purpose, or what else the rules do.
+    """Warnings on a run that is used for a purpose, or what else the rules do, in their order.
 
-    Without the ``whole`` of them those of the log alone, for one that is refused.
+    Without the ``whole`` of them those of the log alone, for one that is refused. A figure that no
+    rule asks is not computed.
     """
-    first = tuple(_first(e, purpose, does))
-    return (*first, *_second(e, purpose, does)) if whole else first
+    groups = (*_first(e.run), *(_second(e.run) if whole else ()))
+    return _broken(e, groups, purpose, does)
+
+
+def _first(run: Run) -> tuple[tuple[Figure, ...], ...]:
+    return (_OF_LOG, _OF_MOTION) if run.moves else (_OF_LOG,)
+
+
+def _second(run: Run) -> tuple[tuple[Figure, ...], ...]:
+    return (_OF_SIGNALS,) if not run.missing and run.speed > MOVING else ()
+
+
+def _broken(
+    e: Evidence, groups: tuple[tuple[Figure, ...], ...], purpose: str, does: Collection[str]
+) -> tuple[PlausibilityWarning, ...]:
+    asked = _asked(purpose, tuple(does))
+    found: list[PlausibilityWarning] = []
+    for figures in ({figure.__name__: figure for figure in group} for group in groups):
+        for name in asked:
+            if name in figures:
+                found += judged(e.run.log.name, figures[name](e), purpose, does)
+    return tuple(found)
+
+
+@cache
+def _asked(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of the figures that rules ask, by the order of the rules."""
+    asked = (rule.figure for rule in RULES if purpose in rule.asked and rule.does in does)
+    return tuple(dict.fromkeys(asked))
 
 
 def makes_void(warning: PlausibilityWarning, purpose: str) -> bool:
     """Whether nothing counts of a result with this warning."""
     rules = (r for r in RULES if r.code == warning.code and r.does == VOID and purpose in r.asked)
     return any(not rule.low <= warning.measured <= rule.high for rule in rules)
-
-
-def _first(e: Evidence, purpose: str, does: Collection[str]) -> Iterator[PlausibilityWarning]:
-    yield from _asked(e, _OF_LOG, purpose, does)
-    if e.run.moves:
-        yield from _asked(e, _OF_MOTION, purpose, does)
-
-
-def _second(e: Evidence, purpose: str, does: Collection[str]) -> Iterator[PlausibilityWarning]:
-    if not e.run.missing and e.run.speed > MOVING:
-        yield from _asked(e, _OF_SIGNALS, purpose, does)
-
-
-def _asked(
-    e: Evidence, figures: dict[str, Figure], purpose: str, does: Collection[str]
-) -> Iterator[PlausibilityWarning]:
-    """By the order of the rules; a figure that no rule asks is not computed."""
-    for name in _figures(purpose, tuple(does)):
-        if name in figures:
-            yield from judged(e.run.log.name, figures[name](e), purpose, does)
-
-
-@cache
-def _figures(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the figures that rules ask, by the order of the rules."""
-    asked = (rule.figure for rule in RULES if purpose in rule.asked and rule.does in does)
-    return tuple(dict.fromkeys(asked))

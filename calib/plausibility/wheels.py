@@ -9,8 +9,8 @@ from itertools import permutations
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
-from calib.base.intervals import QUARTILE
+from calib.base.arrays import Mask
+from calib.base.intervals import scatter
 from calib.base.names import WHEELS
 from calib.base.warning import Measured, bounds_of, relative
 from calib.car.balance import front_biased_up_to
@@ -18,7 +18,7 @@ from calib.car.braking import BITE, MOVING
 from calib.car.plausible import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
 from calib.run.blocks import Blocks
-from calib.run.driving_record import NOMINAL_RADIUS, SETTLE, SMOOTH, DrivingRecord
+from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE, SMOOTH, DrivingRecord
 from calib.run.limits import LIMITS
 from calib.run.wheels import crossed_side
 
@@ -35,7 +35,6 @@ _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""
 _TIME = 1.0  # time of such braking, or of rolling, that is needed [s]
-_GREATEST = 1.5  # deceleration [1] that no road car reaches: a glitch of a_x
 _SPAN, _SIGMA = 11, 5.0
 """Samples of the median from which a lost pulse stands out; the distance below it, in its usual
 scatter, or in 0.1 % of the speed, that noise does not have."""
@@ -74,7 +73,10 @@ def _of_v(driving: DrivingRecord, radius: float, by_a_x: float) -> Iterator[Meas
             words = {"km_h": f"{3.6 * value * without:+.1f}"}
             yield Measured("wheel_offset", value, sigma, words=words)
             return
-    yield from _unit_of_v(radius, by_a_x)
+    words = {"unit": _read_as(radius / (by_a_x if known else NOMINAL_RADIUS))}
+    yield Measured("v_unit", radius, words=words)
+    if known:
+        yield Measured("v_unit_by_a_x", radius / by_a_x, words=words)
 
 
 def speed_offset(driving: DrivingRecord) -> tuple[float, float, float] | None:
@@ -105,16 +107,6 @@ def _sides(alone: str | None) -> dict[str, str]:
     return {"more": more, "less": less, "axle": less[0]}
 
 
-def _unit_of_v(radius: float, by_a_x: float) -> Iterator[Measured]:
-    """A ``v`` in another unit than it says: it makes wheels that no car has, or that a_x denies."""
-    low, high = bounds_of("v_unit")
-    known = low <= by_a_x <= high
-    words = {"unit": _read_as(radius / (by_a_x if known else NOMINAL_RADIUS))}
-    yield Measured("v_unit", radius, words=words)
-    if known:
-        yield Measured("v_unit_by_a_x", radius / by_a_x, words=words)
-
-
 def _read_as(factor: float) -> str:
     """The units that make a ``v`` that is ``factor`` times too large [1]."""
     for unit, read_as in permutations(_SPEEDS, 2):
@@ -132,7 +124,6 @@ def radii(e: Evidence) -> Iterator[Measured]:
     if axles is None:
         return
     eta = axles.front_rear
-    yield Measured("eta_zero_unknown", float(eta is None))
     if eta is not None:
         apart = eta.value if vehicle is None else vehicle.radius_mismatch(eta.value)
         yield Measured("eta_zero", apart, eta.half)
@@ -150,9 +141,9 @@ def slip(e: Evidence) -> Iterator[Measured]:
     """
     run, b = e.run, e.run.blocks
     biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
-    end = np.inf if run.only else 0.8 * biased
+    end = np.inf if run.alone else 0.8 * biased
     rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > bitten(b)))
-    yield Measured("eta_falls", -rise if run.only == "r" else rise, error, words=_sides(run.only))
+    yield Measured("eta_falls", -rise if run.alone == "r" else rise, error, words=_sides(run.alone))
 
 
 def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
@@ -196,7 +187,7 @@ def slip_of_v(e: Evidence) -> Iterator[Measured]:
     if rolling is None:
         return
     told = (b.speed > MOVING) & (b.drive_f == 0.0) & (b.drive_r == 0.0)
-    told &= (b.z > _BRAKED) & (b.z < _GREATEST)
+    told &= (b.z > _BRAKED) & (b.z < GREATEST)
     rims = np.stack([rolling[0] * b.omega_f, rolling[1] * b.omega_r])
     slips = 1.0 - rims / np.maximum(b.speed, MOVING)
     pressed = np.stack([b.p_f, b.p_r]) > BITE
@@ -223,18 +214,15 @@ def lost_pulses(e: Evidence) -> Iterator[Measured]:
     alike, so twice the share above is taken off; a wheel that slips is below for longer than the
     median spans.
     """
+    from scipy.ndimage import median_filter
+
     s = e.run.signals
     rolling = (s.lead_in | (np.maximum(s.p_f, s.p_r) < BITE)) & (s.speed > MOVING)
     if np.count_nonzero(rolling) * s.sample_time < _TIME:
         return
     for name in (f"omega_{wheel}" for wheel in WHEELS):
-        yield Measured("lost_pulses", _lost(e.run.log[name][rolling]), words={"wheel": name})
-
-
-def _lost(omega: Array) -> float:
-    from scipy.ndimage import median_filter
-
-    away = omega - median_filter(omega, _SPAN)
-    usual = float(np.median(np.abs(away))) / QUARTILE
-    far = _SIGMA * max(usual, 1e-3 * float(np.mean(omega)))
-    return max(float(np.mean(away < -far) - 2.0 * np.mean(away > far)), 0.0)
+        omega = e.run.log[name][rolling]
+        away = omega - median_filter(omega, _SPAN)
+        far = _SIGMA * max(scatter(away), 1e-3 * float(np.mean(omega)))
+        lost = max(float(np.mean(away < -far) - 2.0 * np.mean(away > far)), 0.0)
+        yield Measured("lost_pulses", lost, words={"wheel": name})

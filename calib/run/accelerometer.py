@@ -19,7 +19,6 @@ A bias that changes within the log looks like a grade that does, and is taken fo
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -31,6 +30,7 @@ from calib.base.names import G
 from calib.car.beliefs import SENSOR
 from calib.car.braking import BITE
 from calib.run.blocks import Blocks
+from calib.run.driving_record import GREATEST
 from calib.run.filters import centred_mean
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
@@ -52,7 +52,6 @@ _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 of 1500 kg; its relative standard deviation [1]."""
 
 _LAG = 0.02  # how far v and a_x may be out of step [s]
-_GREATEST = 1.5  # deceleration that no road car reaches [1]: the block holds a glitch of a_x
 _SECOND = 1.0  # time over which a_x and v are compared [s]: the noise of v is then 0.002 g
 _STEP = 4  # blocks that are judged together: 0.2 s; what is left of the run is not used
 
@@ -141,8 +140,8 @@ def speed_evidence(b: Blocks, density_z: float, density_v: float) -> SpeedEviden
 
 def _evidence(b: Blocks, smooth: Array, density_z: float, density_v: float) -> SpeedEvidence:
     """The same where ``smooth`` z [1] (k,) tells scale and lag."""
-    last, compared = (b.end.size - 1) // _STEP * _STEP, _compared(b, [smooth])
-    (even,), (changing,) = (
+    last, compared = (b.end.size - 1) // _STEP * _STEP, _compared(b, smooth)
+    even, changing = (
         _against_speed(b.length, compared, last, walk, (density_z, density_v))
         for walk in (EVEN, CHANGING)
     )
@@ -179,22 +178,21 @@ def accelerometer(told: SpeedEvidence, unexplained: Array, sigma: Array) -> Acce
 
 def _usable(b: Blocks) -> Mask:
     """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
-    return np.asarray((b.speed > 2.0) & (np.abs(b.z) < _GREATEST))
+    return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
 
 
-def _compared(b: Blocks, smooth: Sequence[Array]) -> tuple[Array, Mask] | None:
-    """Second differences of v + g int z dt, and what e, c and the lag make of it, (m, k - 1).
+def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
+    """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
 
-    And where they are to be used, (k - 1,). None without v. Each of the ``smooth`` z [1], (k,),
-    tells scale and lag in two rows of its own.
+    And where they are to be used, (k - 1,). None without v.
     """
     if b.v is None:
         return None
-    gained, *scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, *smooth))
+    gained, scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, smooth))
     usable = _usable(b)
     usable = usable[1:] & usable[:-1]
-    each = (x for of, z in zip(scaled, smooth, strict=True) for x in (of, G * np.diff(z)))
-    columns = np.stack([np.diff(b.v) + gained, np.full(gained.size, G * b.length), *each])
+    slope = np.full(gained.size, G * b.length)
+    columns = np.stack([np.diff(b.v) + gained, scaled, slope, G * np.diff(smooth)])
     usable = usable & np.concatenate([[True], usable[:-1]])
     return np.where(usable, np.diff(columns, axis=1, prepend=0.0), 0.0), usable
 
@@ -205,17 +203,15 @@ def _against_speed(
     last: int,
     wander: float,
     densities: tuple[float, float],
-) -> list[_AgainstSpeed]:
+) -> _AgainstSpeed:
     """Information about (c, e, d) and the lag from v against the integral of z, up to the ``last``.
 
     The noise of v is white and that of the integral a random walk, and the grade walks by
     ``wander`` [g/s^0.5]: second differences are then a moving average of order two, which a filter
-    makes white. e is that at the start. ``h`` length of a block [s]; ``densities`` of z and v. One
-    for each z of `_compared`.
+    makes white. e is that at the start. ``h`` length of a block [s]; ``densities`` of z and v.
     """
     if compared is None:
-        none = np.zeros((3, 3)), np.zeros(3), 0.0
-        return [_AgainstSpeed(*none, _LAG**-2.0, 0.0, np.zeros(2))]
+        return _AgainstSpeed(np.zeros((3, 3)), np.zeros(3), 0.0, _LAG**-2.0, 0.0, np.zeros(2))
     from scipy.signal import lfilter
 
     white, walk = densities[1] ** 2 / h, (G * densities[0]) ** 2 * h
@@ -226,14 +222,6 @@ def _against_speed(
     rows = lfilter([1.0], average, np.concatenate([columns, start]))[:, :last] / sigma
     products = rows @ rows.T
     likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
-    return [
-        _without_lag(products[np.ix_(of, of)], float(likelihood), white)
-        for of in ((0, scale, 1, scale + 1, -1) for scale in range(2, len(columns), 2))
-    ]
-
-
-def _without_lag(products: Array, likelihood: float, white: float) -> _AgainstSpeed:
-    """What is known of (c, e), from the products of y, c, e, the lag and the start, (5, 5)."""
     precision, vector = np.zeros((3, 3)), np.zeros(3)
     pair, side = products[1:, 1:], products[1:, 0]
     # the shares of the start and of the lag are taken out with their priors

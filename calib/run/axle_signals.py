@@ -22,7 +22,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
-from calib.base.intervals import QUARTILE
+from calib.base.intervals import scatter
 from calib.base.names import AXLES, WHEELS
 from calib.car.braking import BITE, MOVING
 from calib.car.forces import deceleration
@@ -33,18 +33,17 @@ from calib.run.filters import centred_mean, trailing_mean
 from calib.run.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 
 
-@dataclass(frozen=True)
-class Signals:
-    """Axle signals at the log's own rate, shapes (n,), SI.
+@dataclass(frozen=True, kw_only=True)
+class AxleSignals:
+    """What a car does by its axles, shapes (n,), SI.
 
     ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder);
     ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero where not logged;
     ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed, in time, or None, also
-    where it keeps a value for longer than `HELD`, or its ``delay`` is not sharp; ``speed`` v, else
-    the rear wheels'. ``lead_in`` is true before the first braking; ``sample_time`` [s].
+    where it keeps a value for longer than `_HELD`, or its delay is not sharp; ``speed`` v, else
+    the rear wheels'. ``lead_in`` is true before the first braking.
     """
 
-    time: Array
     p_f: Array
     p_r: Array
     drive_f: Array
@@ -55,6 +54,13 @@ class Signals:
     v: Array | None
     speed: Array
     lead_in: Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class Signals(AxleSignals):
+    """They at the ``time`` [s] of the log's own clock; ``delay`` of v; ``sample_time`` [s]."""
+
+    time: Array
     sample_time: float
     delay: SpeedDelay = IN_TIME
 
@@ -75,7 +81,10 @@ def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
     Raises LogError if the car hardly moves.
     """
     step = log.sample_time
-    omega_f, omega_r = (_axle_speed(log, axle) for axle in "fr")
+    omega_f, omega_r = (
+        0.5 * (without_runout(log[f"omega_{a}l"], step) + without_runout(log[f"omega_{a}r"], step))
+        for a in AXLES
+    )
     p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
     drive_f, drive_r = (log.channels.get(f"T_drive_{a}", np.zeros_like(log.time)) for a in "fr")
     v, delay = _reference_speed(log)
@@ -130,19 +139,13 @@ def causal_signals(log: Log, radius: float) -> Signals:
 
 def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
     """The reference speed [m/s] (n,) in time, and how late it is; None where it cannot be used."""
-    if "v" not in log or held_time(log) > HELD:
+    if "v" not in log or held_time(log) > _HELD:
         return None, IN_TIME
     clock, v, a_x = log.time, log["v"], log["a_x"]
     delay = speed_delay(clock, v, a_x, log.sample_time)
     if not delay.late:
         return v, delay
     return in_time(clock, v, a_x, delay) if delay.sharp else None, delay
-
-
-def _axle_speed(log: Log, axle: str) -> Array:
-    """Mean of left and right wheel speed [rad/s] (n,), without errors of their tone rings."""
-    left, right = (without_runout(log[f"omega_{axle}{side}"], log.sample_time) for side in "lr")
-    return np.asarray(0.5 * (left + right))
 
 
 def rolling_radii(s: Signals) -> tuple[float, float] | None:
@@ -154,7 +157,7 @@ def rolling_radii(s: Signals) -> tuple[float, float] | None:
     return front, rear
 
 
-HELD = 0.06
+_HELD = 0.06
 """Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
 is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
 
@@ -205,8 +208,10 @@ def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) 
     braked = np.flatnonzero(smooth > BITE)
     first = np.inf
     if braked.size:
-        bite = int(braked[0])
-        first = min(time[bite] - SETTLE, time[_leaves(smooth[: bite + 1])]) - _SMOOTH
+        before = smooth[: braked[0] + 1]
+        level = float(np.median(before))
+        leaves = np.flatnonzero(before <= level + 3.0 * scatter(before - level))[-1]
+        first = min(time[braked[0]] - SETTLE, time[leaves]) - _SMOOTH
     rolling = rolls(trailing_mean(z, max(1, round(0.1 / step))))
     return np.asarray((time < first) & rolling & (speed > MOVING))
 
@@ -231,16 +236,9 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     bite = 0 if rolling[-1] else -round(_LEAST / step)  # a coast has none: all of it counts alike
     away = np.abs(smooth - np.median(known[bite:]))
     apart = np.abs(known[4 * width :] - known[: -4 * width])  # a step is in few of them
-    usual = float(np.median(apart)) / QUARTILE / math.sqrt(2.0)
+    usual = scatter(apart) / math.sqrt(2.0)
     odd = away > _DISTURBED * max(usual, FINEST)
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
-
-
-def _leaves(p: Array) -> int:
-    """The sample after which ``p`` (n,) stays above the level of before by more than its noise."""
-    level = float(np.median(p))
-    spread = float(np.median(np.abs(p - level))) / QUARTILE
-    return int(np.flatnonzero(p <= level + 3.0 * spread)[-1])
 
 
 _SLOWEST = 15.0  # wheel speed [rad/s] below which a turn takes longer than a brake to build up
@@ -270,8 +268,7 @@ def without_runout(omega: Array, step: float) -> Array:
     rising = np.maximum.accumulate(angle)
     turn = np.interp(angle + np.pi, rising, time) - np.interp(angle - np.pi, rising, time)
     apart = omega[inside] * turn[inside] / (2.0 * np.pi) - 1.0
-    spread = float(np.median(np.abs(apart))) / QUARTILE
-    near = np.abs(apart) <= 5.0 * max(spread, 1e-9)
+    near = np.abs(apart) <= 5.0 * max(scatter(apart), 1e-9)
     if np.count_nonzero(near) < _FEWEST:
         return omega
     apart, columns = apart[near], _turning(angle[inside][near])

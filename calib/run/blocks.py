@@ -4,26 +4,26 @@ A run in which one axle alone brakes is seen from the pressures of its axles, no
 share of such an axle is known, so its eta and slip give its tyres' stiffness without the pads.
 """
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array
 from calib.car.balance import ForceBalance, force_balance
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from calib.run.axle_signals import Signals, axle_pressure, eta_of
+from calib.run.axle_signals import AxleSignals, Signals, axle_pressure, eta_of
 from calib.run.filters import block_mean
 
 BLOCK = 0.05
 """Length of a block [s]: ten samples at 200 Hz, short compared to a brake application (0.2 s)."""
 
 
-@dataclass(frozen=True)
-class Blocks:
+@dataclass(frozen=True, kw_only=True)
+class Blocks(AxleSignals):
     """Means over blocks, shapes (k,), SI; ``end`` is the time at which a block is complete.
 
     ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal); ``samples`` is
@@ -31,18 +31,8 @@ class Blocks:
     """
 
     end: Array
-    p_f: Array
-    p_r: Array
-    drive_f: Array
-    drive_r: Array
-    z: Array
-    omega_f: Array
-    omega_r: Array
-    v: Array | None
-    speed: Array
     spin_f: Array
     spin_r: Array
-    lead_in: Mask
     samples: int
     length: float
 
@@ -61,20 +51,19 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
     n = samples_of_block(s.sample_time, length)
     last = slice(n - 1, s.time.size // n * n, n)
     step = round(n * s.sample_time, 9)  # by its mean a log that goes on would have another
-    p_f, p_r, drive_f, drive_r, z, omega_f, omega_r, speed = (
-        block_mean(x, n)
-        for x in (s.p_f, s.p_r, s.drive_f, s.drive_r, s.z, s.omega_f, s.omega_r, s.speed)
-    )
+    shared = (field.name for field in fields(AxleSignals) if field.name != "lead_in")
+    signals = ((name, getattr(s, name)) for name in shared)
+    means: dict[str, Any] = {name: x if x is None else block_mean(x, n) for name, x in signals}
+    omega_f, omega_r = (means[f"omega_{axle}"] for axle in "fr")
     return Blocks(
-        s.time[last], p_f, p_r, drive_f, drive_r, z, omega_f, omega_r,
-        v=None if s.v is None else block_mean(s.v, n),
-        speed=speed,
+        **means,
+        end=s.time[last],
         spin_f=np.diff(omega_f, prepend=omega_f[0]) / step,
         spin_r=np.diff(omega_r, prepend=omega_r[0]) / step,
         lead_in=s.lead_in[last],
         samples=n,
         length=step,
-    )  # fmt: skip
+    )
 
 
 def samples_of_block(sample_time: float, length: float = BLOCK) -> int:
@@ -91,19 +80,13 @@ def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance
 Axle = Literal["f", "r"]
 
 
-def braked_alone(p_f: Array, p_r: Array) -> Axle | None:
-    """The only axle whose pressure [Pa] passes the bite in any block, (k,); None for both or none.
+def braked_alone(log: Log) -> Axle | None:
+    """The only axle whose pressure passes the bite in any block; None for both, none, no ``p_mc``.
 
     Wrong where a brake drags or a motor brakes the other axle: pressures do not show that.
     """
-    front, rear = (bool(np.any(p > BITE)) for p in (p_f, p_r))
-    return None if front == rear else "f" if front else "r"
-
-
-def braked_alone_in(log: Log) -> Axle | None:
-    """`braked_alone` of a log; None where it has no ``p_mc``."""
     if "p_mc" not in log:
         return None
     n = samples_of_block(log.sample_time)
-    p_f, p_r = (block_mean(axle_pressure(log, axle), n) for axle in ("f", "r"))
-    return braked_alone(p_f, p_r)
+    front, rear = (bool(np.any(block_mean(axle_pressure(log, axle), n) > BITE)) for axle in "fr")
+    return None if front == rear else "f" if front else "r"

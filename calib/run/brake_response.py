@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
+from calib.base.intervals import scatter
 from calib.car.balance import ForceBalance, brake_forces, force_balance
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
@@ -26,22 +27,21 @@ from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
-from calib.run.filters import block_mean, since
-from calib.run.least_squares import lasting_variance, squares_left
+from calib.run.filters import block_mean, lasting_variance, left_of, products_of, since
 
 _STEP = 0.02  # of the means that are compared [s]
 _TRIED = 0.06  # of the delays that are tried [s]; the slope by the delay tells the rest
 _EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: `pressure_delay` tells greater ones
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
 _REFINED = 2  # times that the slope by the delay is followed
-USUAL, SPREAD = 0.02, 0.06
+_USUAL, _SPREAD = 0.02, 0.06
 """Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
 a force are nearly one, and only what is usual tells them apart."""
 _WIDTH = 0.25
 """Standard deviation of half the variance of the time by which the brakes come late, over the
 square of the delay [1]: a first-order lag has 1/2 more than a shift. In a fast rise an answer that
 is drawn out looks like a force."""
-FORCE = 0.05
+_FORCE = 0.05
 """Standard deviation of the force over the usual brake force before the run [1]."""
 _GROUP = 10  # means over which residuals are averaged to see how they are correlated: 0.2 s
 _LASTING = 1.3
@@ -51,7 +51,7 @@ _AFTER = 0.5  # time after a release that still tells of the brakes [s]; later t
 _BEFORE = 0.5  # time before the pressure rises, in which a car brakes whose pressure is late [s]
 _SLOW = 4.0  # speed below which only what is braked is used [m/s]: a gearbox makes the car creep
 _GONE = 1.0  # speed at which a motor has handed over, and nothing is used below it [m/s]: a jerk
-_FADING = 1.0  # sigma of the force that goes with the speed, as `FORCE`: nearly nothing is known
+_FADING = 1.0  # sigma of the force that goes with the speed, as `_FORCE`: nearly nothing is known
 _LEAST = 1.0  # time of braking that is needed [s]
 _AGE = 10.0  # time over which the trend is written [s]
 _WINDOW, _BETWEEN = 0.3, 0.1  # time of two medians, whose difference is a step [s]
@@ -79,20 +79,17 @@ _NO_STEP = ForceStep(0.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class BrakeResponse:
-    """Delay of the brakes [s], force without pressure [N], each with its standard deviation.
+    """Delay of the brakes [s] and force without pressure, each with its standard deviation.
 
     ``level`` the pads over the nominal ones [1]; ``delay`` is above zero where the deceleration
-    comes after the pressure. ``share`` is ``force`` over the median demanded brake force [1],
-    ``share_sigma`` its standard deviation. ``fading`` the force that goes as the car gets slow over
-    the same [1], with ``fading_sigma``: `_FADING` where the run does not show it. ``step`` is the
-    largest step of the force beside the pressure.
+    comes after the pressure. ``share`` is the force over the median demanded brake force [1],
+    ``fading`` the one that goes as the car gets slow over the same [1]: its sigma is `_FADING`
+    where the run does not show it. ``step`` is the largest step of the force beside the pressure.
     """
 
     level: float
     delay: float
     delay_sigma: float
-    force: float
-    force_sigma: float
     share: float
     share_sigma: float
     fading: float = 0.0
@@ -152,12 +149,12 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         if not (level > 0.0 and usual > 0.0):
             return None
         variance = lasting_variance(y - A @ free, _GROUP)
-        smeared = _WIDTH * (delay**2 + USUAL**2)
-        spread = {2: FORCE * usual, 4: _FADING * usual, 5: level * SPREAD, 6: level * smeared}
+        smeared = _WIDTH * (delay**2 + _USUAL**2)
+        spread = {2: _FORCE * usual, 4: _FADING * usual, 5: level * _SPREAD, 6: level * smeared}
         precision, side = A.T @ A / variance, A.T @ y / variance
         for column, sigma in spread.items():
             precision[column, column] += sigma**-2.0
-        side[5] += (USUAL - delay) / SPREAD / spread[5]
+        side[5] += (_USUAL - delay) / _SPREAD / spread[5]
         covariance = np.linalg.inv(precision)
         solution, errors = covariance @ side, np.sqrt(np.diag(covariance))
         rest = y - A @ solution
@@ -166,8 +163,6 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         level=float(solution[0]),
         delay=delay,
         delay_sigma=float(errors[5]) / level,
-        force=float(solution[2]),
-        force_sigma=float(errors[2]),
         share=float(solution[2]) / usual,
         share_sigma=float(errors[2]) / usual,
         fading=float(solution[4]) / usual,
@@ -197,8 +192,8 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) 
     if not told.any():
         return _NO_STEP
     largest = int(np.argmax(np.where(told, np.abs(steps), 0.0)))
-    scatter = 1.4826 * float(np.median(np.abs(steps[told] - np.median(steps[told]))))
-    return ForceStep(float(at[largest]), float(steps[largest]), scatter)
+    sigma = scatter(steps[told] - np.median(steps[told]))
+    return ForceStep(float(at[largest]), float(steps[largest]), sigma)
 
 
 def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
@@ -236,10 +231,10 @@ def _best(delays: Array, columns: Array, y: Array) -> int:
 
     ``columns`` (m, 5, n) of what ``y`` (n,) is made of, with each delay.
     """
-    rest = squares_left(columns, y[None])
+    rest = left_of(products_of(columns, y[None]))
     A = columns[int(np.argmin(rest))].T
     variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
-    return int(np.argmin(rest / variance + ((delays - USUAL) / SPREAD) ** 2))
+    return int(np.argmin(rest / variance + ((delays - _USUAL) / _SPREAD) ** 2))
 
 
 def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:

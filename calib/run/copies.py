@@ -17,25 +17,18 @@ from calib.base.arrays import Array, Index
 from calib.base.errors import LogError
 from calib.base.names import WHEELS
 from calib.base.units import UnknownUnit, si_of, spelling
+from calib.base.warning import bounds_of
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.logs.source import ColumnSource, Recording
-from calib.run.least_squares import square_left, squares_left
+from calib.run.filters import square_left
 from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
 _WIDEST, _MOST_LAGS = 0.15, 40  # reach of a derivative [s], and at most [samples]
+_ONE_SIGNAL = bounds_of("same_signal")[1]
 _ENOUGH = 4000  # samples that tell where a noise comes from
 _HELD = 1.5  # samples for which a channel keeps its values, from which it is held
-
-
-def made_of_wheels(log: Log) -> bool:
-    """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
-    log = _as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
-    if not _is_noise(log, "v"):
-        return False
-    wheels, v = np.array([[_rough(log, f"omega_{w}") for w in WHEELS]]), _rough(log, "v")
-    return float(squares_left(wheels, v)[0]) < (1.0 - LIMITS.copy_correlation**2) * float(v @ v)
 
 
 def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
@@ -69,9 +62,12 @@ def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
         if min(periods[one], periods[other]) >= _HELD:
             sent = _as_sent(log, (one, other))
             x, y = _rough(sent, one), _rough(sent, other)
-        if abs(float(x @ y)) > LIMITS.copy_correlation and _is_noise(sent, one):
-            same = _alike(np.array([x, y]))
-            if same > LIMITS.copy_correlation:
+        if abs(float(x @ y)) > _ONE_SIGNAL and _is_noise(sent, one):
+            far = x**2 + y**2
+            calm = far <= np.quantile(far, LIMITS.copy_calmer)  # without a bump
+            size = float(np.linalg.norm(x[calm]) * np.linalg.norm(y[calm]))
+            same = abs(float(x[calm] @ y[calm])) / size if size > 0.0 else 0.0
+            if same > _ONE_SIGNAL:
                 yield one, other, same
 
 
@@ -85,14 +81,6 @@ def _as_sent(log: Log, channels: Sequence[str]) -> Log:
         return log
     came = np.flatnonzero(np.diff(log[channels[0]])) + 1
     return replace(log, channels={name: x[came] for name, x in log.channels.items()})
-
-
-def _alike(x: Array) -> float:
-    """Correlation of two noises (2, n) [1], 0 to 1; without the samples of a bump."""
-    far = np.sum(x**2, axis=0)
-    x = x[:, far <= np.quantile(far, LIMITS.copy_calmer)]
-    size = float(np.prod(np.linalg.norm(x, axis=1)))
-    return abs(float(x[0] @ x[1])) / size if size > 0.0 else 0.0
 
 
 def _rough(log: Log, channel: str) -> Array:

@@ -16,6 +16,7 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.names import WHEELS, G
 from calib.car.braking import BITE, MOVING
+from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean, runs
 from calib.run.limits import LIMITS
@@ -26,6 +27,7 @@ DRIVEN = 0.05
 """Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
 and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
 shows."""
+GREATEST = 1.5  # deceleration that no road car reaches [g]: a glitch of a_x
 _SHORTEST, _PAUSE = 0.3, 0.2  # shortest brake event, and release that ends one [s]
 _STROKE = 0.25  # interval in which a rise is judged [s]: over pedal tremble, below a ramp
 SETTLE = 0.1  # left out between lead-in and first event [s]: pressure rises before the bite
@@ -103,21 +105,16 @@ def driving_record(log: Log) -> DrivingRecord:
     z = centred_mean(-log["a_x"] / G, width)
     pressure = centred_mean(log["p_mc"], width) if "p_mc" in log else None
     active = pressure > BITE if pressure is not None else (z > BITE_Z) & (speed > 0.5)
-    braked = _joined(np.asarray(active), step)
+    # short pauses are closed, short applications dropped
+    braked = np.array(active)
+    for start, end in runs(~braked):
+        braked[start:end] = start > 0 and end < time.size and (end - start) * step < _PAUSE
+    for start, end in runs(braked):
+        braked[start:end] = (end - start) * step >= _SHORTEST
     first = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
     before = np.arange(time.size) < first
     wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
     return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, before)
-
-
-def _joined(active: Mask, step: float) -> Mask:
-    """Applications of the brake: short pauses are closed, short applications dropped."""
-    braked = active.copy()
-    for start, end in runs(~active):
-        braked[start:end] = start > 0 and end < active.size and (end - start) * step < _PAUSE
-    for start, end in runs(braked):
-        braked[start:end] = (end - start) * step >= _SHORTEST
-    return braked
 
 
 def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
@@ -173,6 +170,35 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
             part_z = z[first * n + begin : first * n + end + 1]
             best = max(best, (float((end - begin) * driving.step), float(np.ptp(part_z))))
     return best
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Clock of a log.
+
+    ``duration`` [s]; ``rate`` of the mean step [Hz]; ``jitter`` root mean square deviation of
+    the steps from it, without gaps [s]; ``gaps`` as (start [s], length [s]).
+    """
+
+    samples: int
+    duration: float
+    rate: float
+    jitter: float
+    gaps: tuple[tuple[float, float], ...]
+
+
+def sampling_of(time: Array) -> Sampling:
+    """Sampling of a strictly increasing time [s], shape (n,)."""
+    steps, step = np.diff(time), step_of(time)
+    wide = steps > GAP * step
+    jitter = steps[~wide] - step
+    return Sampling(
+        samples=time.size,
+        duration=float(time[-1] - time[0]),
+        rate=1.0 / step,
+        jitter=float(np.sqrt(np.mean(jitter**2))),
+        gaps=tuple((float(time[i]), float(steps[i])) for i in np.flatnonzero(wide)),
+    )
 
 
 def standing(log: Log) -> Mask:

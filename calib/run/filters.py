@@ -1,11 +1,10 @@
-"""Means, low-pass and intervals of a sampled signal."""
+"""Means, low-pass and intervals of a sampled signal, and what least squares leave of many."""
 
 from functools import lru_cache
 
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.base.intervals import QUARTILE
 
 
 def block_mean(x: Array, size: int) -> Array:
@@ -17,30 +16,6 @@ def block_mean(x: Array, size: int) -> Array:
     count = x.shape[-1] // size
     blocks = x[..., : count * size].reshape(*x.shape[:-1], count, size)
     return np.asarray(blocks @ np.ones(size) / size)  # eight times as fast as a mean of short rows
-
-
-def third_difference(x: Array, lag: int) -> Array:
-    """Third differences (n - 3 lag,) over ``lag`` samples each: they hold almost no motion.
-
-    Of white noise they have 20 times its variance.
-
-    >>> third_difference(np.array([0.0, 1.0, 4.0, 9.0, 17.0]), 1)
-    array([0., 1.])
-    """
-    a, b, c, d = (x[i * lag : x.size - (3 - i) * lag] for i in range(4))
-    return np.asarray(d - 3.0 * c + 3.0 * b - a)
-
-
-def typical_differences(x: Array, longest: float) -> list[float]:
-    """Sd of the third differences over 1, 2, 4 ... up to ``longest`` samples, from their median.
-
-    A bite moves few of them. No lag that is longer than a third of ``x`` (n,).
-    """
-    found, lag = [], 1
-    while lag <= longest and 3 * lag < x.size:
-        found.append(float(np.median(np.abs(third_difference(x, lag)))) / QUARTILE)
-        lag *= 2
-    return found
 
 
 def trailing_mean(x: Array, width: int) -> Array:
@@ -125,3 +100,52 @@ def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
     first, last = edges[::2], edges[1::2]
     long = last - first >= least
     return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
+
+
+_SURE = 1e-4  # least over largest pivot from which normal equations are good to 1e-8 [1]
+
+
+def square_left(A: Array, y: Array) -> float:
+    """Least sum of squares of ``y`` (n,) less a mix of the columns of one ``A`` (n, k)."""
+    from scipy.linalg.lapack import dposv
+
+    side = A.T @ y
+    root, shares, failed = dposv(A.T @ A, side)
+    pivots = np.diagonal(root)
+    if failed or pivots.min() < _SURE * pivots.max():  # columns that are nearly alike
+        left = y - A @ np.linalg.lstsq(A, y, rcond=None)[0]
+        return float(left @ left)
+    return float(y @ y - side @ shares)
+
+
+def products_of(columns: Array, y: Array) -> tuple[Array, Array, Array]:
+    """Products of ``columns`` (m, k, n) with each other, with ``y`` (m, n) or (n,), and of y."""
+    gram, side = columns @ np.swapaxes(columns, 1, 2), (columns @ y[..., None])[..., 0]
+    return gram, side, np.sum(y**2, axis=-1)
+
+
+def left_of(products: tuple[Array, Array, Array], ridge: Array | float = 0.0) -> Array:
+    """Least sums of squares of y less a mix of its columns (m,), from their `products_of`.
+
+    ``ridge`` (k,) times the square of each share is added. A column that is zero, or the same as
+    another, adds nothing. Right to 1e-9 of the squares of y.
+    """
+    gram, side, square = products
+    gram = gram + ridge * np.eye(gram.shape[1])
+    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+    size = np.where(size > 0.0, size, 1.0)
+    side = side / size
+    gram = gram / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(size.shape[1])
+    shares = np.linalg.solve(gram, side[..., None])[..., 0]
+    return np.asarray(np.maximum(square - np.sum(side * shares, axis=1), 0.0))
+
+
+def lasting_variance(x: Array, size: int) -> float:
+    """Variance of a residual (n,) as if it were white, by its means over ``size`` samples, too.
+
+    It counts how long an error lasts; at least four means are needed for that.
+    """
+    short = float(np.mean(x**2))
+    if x.size < 4 * size:
+        return short
+    return max(short, size * float(np.var(block_mean(x, size))))

@@ -18,7 +18,7 @@ import numpy as np
 from calib.base.arrays import Array, Index
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, WHEELS, G
-from calib.car.brakes import Brakes, brakes_of
+from calib.car.brakes import brakes_of
 from calib.car.braking import MOVING
 from calib.car.effects.combined import (
     accelerometer_lag,
@@ -39,11 +39,8 @@ from calib.car.model import Model, default_model
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 
-TOLERANCE = 1e-9
-"""Largest change of a_x [m/s^2] in the last iteration."""
-
-ITERATIONS = 50
-"""The sensor effects of a car move a_x by a tenth of it at most: a digit an iteration."""
+_TOLERANCE, _ITERATIONS = 1e-9, 50
+"""Largest change of a_x [m/s^2] in the last iteration; each gains a digit, or more."""
 
 _HEAT_ITERATIONS = 3
 """Friction and heat depend on each other: three iterations are enough for wet pads to agree."""
@@ -80,7 +77,13 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     of forces has none), and when a_x cannot be computed from its reading.
     """
     known = default_model(vehicle)
-    _refuse_force_over_temperature(known.effects, log)
+    for term in known.effects.terms:
+        if term.driver == "temperature" and not term.on_brakes:
+            raise ModelError(
+                f"a term on the {term.place} over temperature cannot be taken out of a log",
+                where=log.source,
+                expected="a term on the brakes, or over speed, pressure, deceleration or time",
+            )
     car = replace(as_driven(vehicle, known.effects), effects=on_links(known.effects, BALANCE))
     effects = on_links(known.effects, (*BRAKES, *READINGS))  # others stay in the car
     ones = np.ones_like(log.time)
@@ -94,9 +97,15 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
         channels[f"omega_{w}"] = channels[f"omega_{w}"] / factor
     factors = (ones, ones)
     if on_links(effects, BRAKES):
-        brakes = _brakes(model, log)
-        history = _heated(brakes, history, log)
+        pressures = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
+        pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
+        brakes = brakes_of(model, pedal, pressures)
         torques = brakes.torques(history)
+        for _ in range(_HEAT_ITERATIONS):
+            lost = (np.abs(torques[f"{a}l"] * log[f"omega_{a}l"]) for a in AXLES)
+            energy_f, energy_r = (integral(log.time, power) for power in lost)  # [J]
+            history = replace(history, energy_f=energy_f, energy_r=energy_r)
+            torques = brakes.torques(history)
         for w in WHEELS:
             gain = brakes.axle(w).torque_gain
             pads = model.pad_friction_f if w[0] == "f" else model.pad_friction_r
@@ -105,16 +114,6 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
         factors = pad_factors(effects, history, clamp[0], clamp[1])
     notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
     return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
-
-
-def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
-    for term in effects.terms:
-        if term.driver == "temperature" and not term.on_brakes:
-            raise ModelError(
-                f"a term on the {term.place} over temperature cannot be taken out of a log",
-                where=log.source,
-                expected="a term on the brakes, or over speed, pressure, deceleration or time",
-            )
 
 
 def _history(model: Model, log: Log) -> RunHistory:
@@ -130,11 +129,11 @@ def _history(model: Model, log: Log) -> RunHistory:
         angle_r=integral(log.time, omega["r"]),
     )
     a_x = felt = _followed(log, accelerometer_lag(model.effects))
-    for _ in range(ITERATIONS):
+    for _ in range(_ITERATIONS):
         run = replace(run, z=deceleration(a_x))
         off = felt - as_sensed(car, model.effects, run, a_x)
         a_x = a_x + off
-        if float(np.max(np.abs(off))) < TOLERANCE:
+        if float(np.max(np.abs(off))) < _TOLERANCE:
             return run
     raise ModelError(
         "the acceleration cannot be computed from its reading",
@@ -169,17 +168,3 @@ def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array
         ratio = 1.0 + since["omega"] / np.maximum(before, MOVING)
         right |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
     return right
-
-
-def _brakes(model: Model, log: Log) -> Brakes:
-    own = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
-    return brakes_of(model, constant_speed(log.time, log["p_mc"], 0.0, source=log.source), own)
-
-
-def _heated(brakes: Brakes, history: RunHistory, log: Log) -> RunHistory:
-    """The run with the heat [J] that its brakes took; friction and heat depend on each other."""
-    for _ in range(_HEAT_ITERATIONS):
-        torques = brakes.torques(history)
-        heat = {a: integral(log.time, np.abs(torques[f"{a}l"] * log[f"omega_{a}l"])) for a in AXLES}
-        history = replace(history, energy_f=heat["f"], energy_r=heat["r"])
-    return history

@@ -9,8 +9,8 @@ import math
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import NINETY
-from calib.run.filters import centred_mean, third_difference, typical_differences
+from calib.base.intervals import NINETY, noise_over
+from calib.run.filters import centred_mean
 
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
 _WIDEST = 8  # most samples between those of the further third differences
@@ -74,8 +74,8 @@ def _noise_of(p: Array) -> float:
     in straight lines, shows its noise over more samples alone: these count where they show
     `_HIDDEN` times as much.
     """
-    fine, *over = typical_differences(p, _WIDEST)
+    fine, *over = noise_over(p, _WIDEST)
     if fine == 0.0:
-        fine = float(np.quantile(np.abs(third_difference(p, 1)), 0.9)) / NINETY
+        fine = float(np.quantile(np.abs(np.diff(p, 3)), 0.9)) / NINETY / math.sqrt(20.0)
     most = max(over, default=0.0)
-    return (most if most > _HIDDEN * fine else fine) / math.sqrt(20.0)
+    return most if most > _HIDDEN * fine else fine

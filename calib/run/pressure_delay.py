@@ -20,13 +20,13 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import AXLES, G
+from calib.base.warning import bounds_of
 from calib.car.braking import BITE
 from calib.logs.clock import step_of
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure
-from calib.run.driving_record import BITE_Z, DRIVEN, DrivingRecord, rolls
-from calib.run.filters import centred_mean, since
-from calib.run.least_squares import lasting_variance, left_of, products_of
+from calib.run.driving_record import BITE_Z, DRIVEN, GREATEST, DrivingRecord, rolls
+from calib.run.filters import centred_mean, lasting_variance, left_of, products_of, since
 from calib.run.limits import LIMITS
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
@@ -97,9 +97,6 @@ class PressureDelay:
         return self.low <= high and low <= self.high
 
 
-_GREATEST = 1.5 * G  # deceleration that no road car reaches [m/s^2]: a glitch of a_x
-
-
 def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, PressureDelay]:
     """The delay of the deceleration after each pressure until a wheel is at its ``limit`` [s].
 
@@ -110,7 +107,7 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
     both = [[f"p_{axle}l", f"p_{axle}r"] for axle in AXLES]
     names = [name for pair in both if all(x in log for x in pair) for name in pair]
     drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
-    true = use & (np.abs(log["a_x"]) <= _GREATEST)
+    true = use & (np.abs(log["a_x"]) <= GREATEST * G)
     of_z = partial(pressure_delay, log.time, driving.z, drives=drives, use=true)
     master = of_z([log["p_mc"]])
     wheels = of_z([axle_pressure(log, axle) for axle in AXLES]) if names else None
@@ -228,6 +225,6 @@ def _by_chance(
     chance /= np.sum(chance)
     middle = np.cumsum(chance) - 0.5 * chance
     value, low, high = np.interp([0.5, 1.0 - _SURE, _SURE], middle, tried).tolist()
-    in_time = float(np.min(squares[np.abs(tried) <= LIMITS.pressure_searched]))
+    in_time = float(np.min(squares[np.abs(tried) <= bounds_of("pressure_clock")[1]]))
     shares = 1.0 - float(short) / variance, 1.0 - in_time / variance
     return PressureDelay(value, low, high, *shares)

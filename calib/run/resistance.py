@@ -14,16 +14,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.car.effects.body import AERODYNAMIC_DRAG, AIR_DENSITY
 from calib.car.effects.effects import Effects
 from calib.car.effects.wheels import ROLLING_RESISTANCE
 from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.run.blocks import Blocks, block_balance
-
-Array = NDArray[np.float64]
 
 MODEL_ERROR = 3e-4
 """What a coast can be off in z for reasons not modelled: wind, road crown, a warm gearbox [1]."""
@@ -51,7 +49,7 @@ class Resistance:
     """
 
     effects: Effects
-    covariance: tuple[tuple[float, float], tuple[float, float]]
+    covariance: tuple[tuple[float, ...], ...]
     known: bool = False
 
     @property
@@ -107,31 +105,19 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         solution[free] = lsq_linear(A[:, free], rest, bounds=(low, high)).x
     covariance = np.linalg.inv(A.T @ A)
     values = np.maximum(solution, 0.0)
-    sigma = np.sqrt(np.diag(covariance))
-    given_too = {name: effects.parameters.get(name, {}) for name in RESISTANCE}
-    found, within = _resistance(values), _resistance(sigma)
+    parameters: dict[str, dict[str, float]] = {}
+    sigmas: dict[str, dict[str, float]] = {}
+    for (effect, name), value, error in zip(
+        (DRAG, ROLLING), values.tolist(), np.sqrt(np.diag(covariance)).tolist(), strict=True
+    ):
+        others_of_it = effects.parameters.get(effect, {})
+        parameters[effect] = {**others_of_it, name: value}
+        sigmas[effect] = {**dict.fromkeys(others_of_it, 0.0), name: error}
     return Resistance(
-        effects=others.with_(
-            Effects(
-                {name: {**given_too[name], **found[name]} for name in RESISTANCE},
-                sigma={
-                    name: {**dict.fromkeys(given_too[name], 0.0), **within[name]}
-                    for name in RESISTANCE
-                },
-            )
-        ),
-        covariance=(
-            (float(covariance[0, 0]), float(covariance[0, 1])),
-            (float(covariance[1, 0]), float(covariance[1, 1])),
-        ),
+        effects=others.with_(Effects(parameters, sigma=sigmas)),
+        covariance=tuple(tuple(row) for row in covariance.tolist()),
         known=all(g is not None for g in given),
     )
-
-
-def _resistance(numbers: Array) -> dict[str, dict[str, float]]:
-    """Two numbers, one for each of the two parameters, as `Effects` has them."""
-    pairs = zip((DRAG, ROLLING), numbers, strict=True)
-    return {effect: {name: float(number)} for (effect, name), number in pairs}
 
 
 def _drag_gain(vehicle: Vehicle, v: Array) -> Array:

@@ -31,19 +31,18 @@ from calib.run.accelerometer import (
     speed_evidence,
 )
 from calib.run.axle_signals import Signals, causal_signals, rolling_radii, signals, wheels_held
-from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone, braked_alone_in
+from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone
 from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
-from calib.run.copies import made_of_wheels
 from calib.run.driving_record import (
     BrakeEvent,
     DrivingRecord,
+    Sampling,
     brake_events,
     driving_record,
-    standing,
+    sampling_of,
 )
 from calib.run.noise import SensorNoise, lead_in_noise, sensor_noise
 from calib.run.pressure_delay import PressureDelay, delays_of
-from calib.run.sampling import Sampling, sampling_of
 from calib.run.sensors import Sensor, sensors_of
 from calib.run.wheels import (
     Axles,
@@ -134,22 +133,9 @@ class Run:
         return float(self.rolling.sum() * self.log.sample_time)
 
     @property
-    def lead_in_driven(self) -> bool:
-        """Whether the car was accelerated before the first event."""
-        if not self.moves:
-            return False
-        rolling = self.driving.before & self.driving.moving
-        return bool((self.driving.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum())
-
-    @property
     def coasting(self) -> float:
         """All unbraked, steady and moving time [s]."""
         return float(self.driving.unbraked.sum() * self.driving.step) if self.moves else 0.0
-
-    @property
-    def standing(self) -> float:
-        """Time in which no wheel turns [s]."""
-        return float(standing(self.log).sum() * self.driving.step) if self.moves else 0.0
 
     @property
     def speed(self) -> float:
@@ -166,7 +152,7 @@ class Run:
     @cached_property
     def alone(self) -> Axle | None:
         """The axle that brakes alone by its pressures; None for both."""
-        return braked_alone_in(self.log) if self.moves else None
+        return braked_alone(self.log) if self.moves else None
 
     @cached_property
     def pressures(self) -> dict[str, PressureDelay]:
@@ -179,11 +165,6 @@ class Run:
     def wheels_held(self) -> float:
         """Mean time for which a wheel speed keeps a value while the car slows [s]."""
         return wheels_held(self.log) if self.moves else 0.0
-
-    @cached_property
-    def v_of_wheels(self) -> bool:
-        """Whether ``v`` is made of the wheel speeds."""
-        return self.moves and "v" in self.log and made_of_wheels(self.log)
 
     @cached_property
     def slips(self) -> dict[str, Array]:
@@ -254,11 +235,6 @@ class Run:
     def rolling_radii(self) -> tuple[float, float] | None:
         """Radii [m] of front and rear wheels on the lead-in; None without ``v`` or a lead-in."""
         return rolling_radii(self.signals)
-
-    @property
-    def only(self) -> Axle | None:
-        """The axle that brakes alone by the pressures of the blocks; None for both."""
-        return braked_alone(self.blocks.p_f, self.blocks.p_r)
 
     @cached_property
     def speed_evidence(self) -> SpeedEvidence:

@@ -24,7 +24,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.intervals import white_noise
+from calib.base.intervals import scatter, white_noise
 from calib.base.names import WHEELS
 from calib.car.lag import integral
 from calib.logs.log import Log
@@ -33,7 +33,6 @@ from calib.run.sensors import resolution_of
 
 _WHEELS = tuple(f"omega_{w}" for w in WHEELS)
 _COMPARED = ("p_mc", "a_x", *_WHEELS, "v")
-_NORMAL = 1.4826  # standard deviation over the median of the absolute values, of normal noise [1]
 _ROUNDS = 3  # steps of Newton's method to a lag between the samples
 VERSION = 1
 _FINE = 0.25  # unit of the whole numbers over the noise [1]: rounding adds 0.3 % to its square
@@ -68,15 +67,16 @@ class Fingerprint:
 
     def __post_init__(self) -> None:
         """Raise ValueError for a fingerprint that is not one of this format."""
-        names = [channel.name for channel in self.channels]
-        if self.version != VERSION:
-            raise ValueError(f"fingerprint of version {self.version}, known is {VERSION}")
-        if not set(_WHEELS) <= set(names) <= set(_COMPARED):
-            raise ValueError(f"a fingerprint has the channels of a run, not {', '.join(names)}")
-        if not all(0.0 < x < math.inf for x in (self.step, *(c.unit for c in self.channels))):
-            raise ValueError("the step and the units of a fingerprint are above 0")
-        if len({_decoded(channel.differences).size for channel in self.channels}) != 1:
-            raise ValueError("the channels of a fingerprint are of one length")
+        names = {channel.name for channel in self.channels}
+        sizes = {_decoded(channel.differences).size for channel in self.channels}
+        units = (self.step, *(channel.unit for channel in self.channels))
+        if (
+            self.version != VERSION
+            or not set(_WHEELS) <= names <= set(_COMPARED)
+            or not all(0.0 < unit < math.inf for unit in units)
+            or len(sizes) != 1
+        ):
+            raise ValueError(f"no fingerprint of a run in version {VERSION} of its format")
 
     @cached_property
     def view(self) -> _View:
@@ -101,24 +101,24 @@ def _agree(a: _View, other: Log, step: float) -> bool:
 
     The lag need not be a whole number of steps: ``other`` is read again between them.
     """
-    b = _view_of(other, step, of=_WHEELS)
+    b = _view_of(other, step)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
     lag = _best_lag(a["wheels"], b["wheels"])
     late = float(lag)
-    for turn in range(_ROUNDS):
+    for _ in range(_ROUNDS):
         rest, far = _rest(a["wheels"], b["wheels"], lag)
         if far > LIMITS.run_far:
             return False
-        if turn == 0 and _alike(a, _view_of(other, step), lag):
+        if _alike(a, b, lag):
             return True
         late += rest
         lag = int(np.ceil(late))
-        b = _view_of(other, step, (lag - late) * step, of=_WHEELS)
+        b = _view_of(other, step, (lag - late) * step)
         sizes = a["wheels"].size, b["wheels"].size
         if min(min(sizes), max(sizes) - abs(lag)) < LIMITS.run_fewest:
             return False
-    return _alike(a, _view_of(other, step, (lag - late) * step), lag)
+    return _alike(a, b, lag)
 
 
 def _alike(one: _View, other: _View, lag: int) -> bool:
@@ -145,7 +145,7 @@ def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
 
 
 def _apart(a: Array, b: Array) -> float:
-    between = spread(a - b) ** 2
+    between = scatter(a - b) ** 2
     noise = _noise_of(a) ** 2 + _noise_of(b) ** 2
     if noise == 0.0:
         return 0.0 if between == 0.0 else np.inf
@@ -192,21 +192,15 @@ def _best_lag(a: Array, b: Array) -> int:
 
 def fingerprint_of(log: Log) -> Fingerprint:
     """The fingerprint of a run, which must have its wheel speeds."""
-    view = _view_of(log)
-    channels = tuple(_channel(name, view[name]) for name in _COMPARED if name in view)
-    return Fingerprint(VERSION, LIMITS.run_means, channels)
-
-
-def _channel(name: str, x: Array) -> _FingerprintChannel:
-    unit = _unit(x)
-    whole = np.round(x / unit).astype(np.int64)
-    return _FingerprintChannel(name, unit, " ".join(map(str, np.diff(whole, 2, prepend=[0, 0]))))
-
-
-def _unit(x: Array) -> float:
-    """A power of two, so that no rounding enters a product with it."""
-    least = max(_FINE * _noise_of(x), float(np.max(np.abs(x), initial=0.0)) / _MOST)
-    return 2.0 ** math.floor(math.log2(least)) if least > 0.0 else 1.0
+    view, channels = _view_of(log), []
+    for name in (channel for channel in _COMPARED if channel in view):
+        x = view[name]
+        least = max(_FINE * _noise_of(x), float(np.max(np.abs(x), initial=0.0)) / _MOST)
+        # a power of two, so that no rounding enters a product with it
+        unit = 2.0 ** math.floor(math.log2(least)) if least > 0.0 else 1.0
+        differences = np.diff(np.round(x / unit).astype(np.int64), 2, prepend=[0, 0])
+        channels.append(_FingerprintChannel(name, unit, " ".join(map(str, differences))))
+    return Fingerprint(VERSION, LIMITS.run_means, tuple(channels))
 
 
 def _decoded(text: str) -> Array:
@@ -218,15 +212,10 @@ def _decoded(text: str) -> Array:
     return np.cumsum(np.cumsum(differences)).astype(float)
 
 
-def _view_of(
-    log: Log,
-    step: float = LIMITS.run_means,
-    offset: float = 0.0,
-    of: tuple[str, ...] = _COMPARED,
-) -> _View:
+def _view_of(log: Log, step: float = LIMITS.run_means, offset: float = 0.0) -> _View:
     """Means over every ``step`` [s] of the channels, from ``offset`` [s] on."""
     time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
-    integrals = {name: integral(log.time, log[name]) for name in of if name in log}
+    integrals = {name: integral(log.time, log[name]) for name in _COMPARED if name in log}
     return _with_wheels(
         {name: np.diff(np.interp(time, log.time, x)) / step for name, x in integrals.items()}
     )
@@ -234,11 +223,6 @@ def _view_of(
 
 def _with_wheels(channels: dict[str, Array]) -> _View:
     return channels | {"wheels": np.mean([channels[name] for name in _WHEELS], axis=0)}
-
-
-def spread(x: Array) -> float:
-    """Standard deviation from zero of most of the values: where a braking begins, lags count."""
-    return float(_NORMAL * np.median(np.abs(x)))
 
 
 def _noise_of(x: Array) -> float:

@@ -6,15 +6,15 @@ from functools import cached_property
 import numpy as np
 
 from calib.base.arrays import Array, Mask
+from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS
 from calib.logs.log import Log
 from calib.run.driving_record import SMOOTH, DrivingRecord
-from calib.run.filters import centred_mean, runs
+from calib.run.filters import runs
 from calib.run.limits import LIMITS
 
 _RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
-_UNKNOWN = float("nan")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,23 +52,10 @@ class Sensor:
         return 0.0 if self.channel in self.log.interpolated else resolution_of(self._x)
 
     @cached_property
-    def _noise(self) -> tuple[float, float, float]:
-        return noise_of(self._x, self._quiet, self.log.sample_time)
-
-    @property
     def noise(self) -> float:
-        """Standard deviation of variations faster than 0.2 s, unbraked; NaN if that is short."""
-        return self._noise[0]
-
-    @property
-    def white(self) -> float:
-        """The uncorrelated part of the noise."""
-        return self._noise[1]
-
-    @property
-    def autocorrelation(self) -> float:
-        """Of the noise, from one sample to the next [1]."""
-        return self._noise[2]
+        """Standard deviation of its white noise, unbraked; NaN if that is too short."""
+        quiet = self._x[self._quiet]
+        return white_noise(quiet) if quiet.size >= LIMITS.noise_fewest else float("nan")
 
     @cached_property
     def flat(self) -> float:
@@ -77,10 +64,17 @@ class Sensor:
 
     @cached_property
     def stuck(self) -> tuple[tuple[float, float], ...]:
-        """Where it is constant while others change, as (from, to) [s]."""
-        if self.driving is None:
+        """Where it is constant for over a second while others change, as (from, to) [s]."""
+        driving = self.driving
+        if driving is None:
             return ()
-        return _stuck(self.channel, self._x, self.log, self.driving)
+        same = np.concatenate([[False], np.diff(self._x) == 0])
+        return tuple(
+            (float(driving.time[start - 1]), float(driving.time[end - 1]))
+            for start, end in runs(same, int(LIMITS.hanging / driving.step) - 1)
+            if (end - start) * driving.step >= LIMITS.hanging
+            and _others_move(self.channel, self.log, driving, slice(start - 1, end))
+        )
 
     @cached_property
     def saturated(self) -> float:
@@ -94,10 +88,7 @@ class Sensor:
         return saturation(-x if name == "a_x" else x, self.log.sample_time)
 
 
-FIGURES = (
-    "channel", "low", "high", "resolution", "noise", "white", "autocorrelation", "flat", "stuck",
-    "saturated",
-)  # fmt: skip
+FIGURES = ("channel", "low", "high", "resolution", "noise", "flat", "stuck", "saturated")
 """What is told of a `Sensor`, by name."""
 
 
@@ -120,27 +111,6 @@ def resolution_of(x: Array) -> float:
     step = float(gaps.min())
     ratio = gaps[gaps < 100 * step] / step
     return step if np.all(np.abs(ratio - np.round(ratio)) < 0.1) else 0.0
-
-
-def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
-    """Noise, its white part [unit of x], and its autocorrelation over one sample [1].
-
-    ``quiet`` samples (n,) of ``x`` (n,) with hardly any signal, ``step`` [s]; NaN with too few of
-    them. Outliers beyond five times the usual size are left out. The high-pass removes about 1/k of
-    the variance, with k samples in 0.2 s; this is corrected, exactly for white noise.
-    """
-    if quiet.sum() < LIMITS.noise_fewest:
-        return (_UNKNOWN,) * 3
-    k = max(5, round(LIMITS.high_pass / step)) | 1
-    rest = (x - centred_mean(x, k))[quiet] / np.sqrt(1.0 - 1.0 / k)
-    usual = np.quantile(np.abs(rest), 0.84)
-    rest = rest[np.abs(rest) <= 5.0 * usual] if usual > 0 else rest
-    variance = float(np.mean(rest**2))
-    if variance <= (1e-12 * max(np.abs(x).max(), 1e-12)) ** 2:  # only rounding errors of the mean
-        return 0.0, 0.0, 0.0
-    white = float(np.sqrt(np.mean(np.diff(rest) ** 2) / 2.0))
-    colour = float(np.mean(rest[1:] * rest[:-1])) / variance
-    return float(np.sqrt(variance)), white, colour
 
 
 def _flatness(x: Array) -> float:
@@ -180,19 +150,6 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
     return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
 
 
-def _stuck(
-    name: str, x: Array, log: Log, driving: DrivingRecord
-) -> tuple[tuple[float, float], ...]:
-    """Intervals of a constant value, longer than a second, in which the car does change."""
-    same = np.concatenate([[False], np.diff(x) == 0])
-    return tuple(
-        (float(driving.time[start - 1]), float(driving.time[end - 1]))
-        for start, end in runs(same, int(LIMITS.hanging / driving.step) - 1)
-        if (end - start) * driving.step >= LIMITS.hanging
-        and _others_move(name, log, driving, slice(start - 1, end))
-    )
-
-
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
     """Whether this channel should have changed, by the other channels.
 
@@ -215,14 +172,12 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
             return False
         if log[name][part.start] == 0:
             return float(z.max()) > 0.3
+        # a channel has noise that a pedal cannot hold: a constant value is then a fault
+        quiet = log[name][driving.unbraked]
+        rustles = quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.rustles
         returns = _returns_with_a_jump(log[name], part.stop)
-        return float(z.min()) < LIMITS.released or returns or _rustles(log[name][driving.unbraked])
+        return float(z.min()) < LIMITS.released or returns or rustles
     return False
-
-
-def _rustles(quiet: Array) -> bool:
-    """Whether a channel has noise that a pedal cannot hold: a constant value is then a fault."""
-    return quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.rustles
 
 
 def _returns_with_a_jump(x: Array, end: int) -> bool:

@@ -22,6 +22,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.intervals import second_differences, white_noise
 from calib.base.names import G
 from calib.car.lag import integral
+from calib.run.driving_record import GREATEST
 from calib.run.filters import block_mean
 
 _BLOCK = 0.05  # length of the means that are compared [s]
@@ -139,7 +140,7 @@ class _Seen:
             return None
         h = size * step
         white, walk = (max(white_noise(x, 2) ** 2, 1e-12) for x in (means, h * slowing))
-        usable = (means > 2.0) & (np.abs(slowing) < 1.5 * G)
+        usable = (means > 2.0) & (np.abs(slowing) < GREATEST * G)
         usable &= h * np.arange(means.size) >= _LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
         none = np.zeros((usable.size, 2))

@@ -225,9 +225,6 @@ _PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0  # E, 
 
 _LOW, _HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [1]
 
-CORRECT = "compare the columns with the car, and correct them with a channel map"
-"""What to do about columns that have changed places."""
-
 
 @dataclass(frozen=True)
 class WheelParts:
@@ -305,14 +302,3 @@ def crossed_diagonal(parts: WheelParts | None, expected: float) -> Crossed | Non
         return None
     wheels = ("fl", "rr") if (part.value < 0.0) is (expected > 0.0) else ("fr", "rl")
     return Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")
-
-
-def what_to_check(less: str) -> str:
-    """Advice for a refusal where the wheels of axle ``less``, front or rear, slip less."""
-    other = "rear" if less == "front" else "front"
-    return (
-        f"are the axles swapped? correct them with a channel map; does a motor or the engine brake "
-        f"the {less} wheels? log T_drive_{less[0]}, or switch regeneration off; does an all-wheel "
-        f"drive couple the axles? open it; are the {other} pads weak (wet, hot, glazed or new), or "
-        f"does ABS work on the {less} wheels?"
-    )

@@ -17,7 +17,7 @@ _FOR = {
 
 def facts(found: Sequence[Findings]) -> Facts:
     """A line for each log, and what it contains."""
-    parts = [Facts(title=one.source, rows=_rows(one)) for one in found]
+    parts = [Facts(title=one.seen.log.source, rows=_rows(one)) for one in found]
     return Facts(notes=[line(one) for one in found], parts=parts)
 
 
@@ -29,7 +29,7 @@ def line(findings: Findings) -> str:
         parts.append(f"warning{'s' * (len(codes) > 1)}: {', '.join(codes)}")
     told = [_FOR[one.purpose] for one in findings.verdicts if one.usable]
     verdict = f"usable for {', '.join(told)}" if told else "not usable"
-    return "; ".join([f"{verdict}: {findings.source}", *parts])
+    return "; ".join([f"{verdict}: {findings.seen.log.source}", *parts])
 
 
 def _why(findings: Findings) -> str:
@@ -48,7 +48,7 @@ def _why(findings: Findings) -> str:
 def _rows(findings: Findings) -> list[Row]:
     return [
         *contents(findings),
-        *(("read", note) for note in findings.notes),
+        *(("read", note) for note in findings.seen.log.notes),
         *(("warning", warning.text) for warning in findings.warnings),
         ("usable", "as far as can be told without a vehicle file"),
         *(

@@ -6,15 +6,14 @@ import scipy.stats
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from calib.base.intervals import QUARTILE, Z95, likelihood_ratio, moving_average, second_differences
-
-
-@pytest.mark.parametrize("made", [[1.0, -0.7], [1.0, -1.2, 0.4]])
-def test_a_moving_average_has_the_covariance_it_is_made_of(made):
-    covariance = 2.0 * np.correlate(made, made, "full")[len(made) - 1 :]
-    average, sigma = moving_average(covariance)
-    assert average == pytest.approx(made)
-    assert sigma**2 == pytest.approx(2.0)
+from calib.base.intervals import (
+    QUARTILE,
+    Z95,
+    likelihood_ratio,
+    noise_over,
+    second_differences,
+    white_noise,
+)
 
 
 def test_second_differences_have_the_variance_of_their_parts():
@@ -29,6 +28,17 @@ def test_second_differences_have_the_variance_of_their_parts():
     for lag, expected in enumerate(made):
         seen = np.mean(differences[lag:] * differences[: differences.size - lag])
         assert seen == pytest.approx(expected, abs=0.03)
+
+
+def test_noise_is_told_from_slow_motion_and_from_a_spike_also_where_a_line_joins_its_values():
+    rng, t = np.random.default_rng(4), np.arange(2000) / 200
+    x = 50.0 - 3.0 * t + 0.1 * rng.normal(size=t.size)
+    x[1000] += 3.0
+    assert white_noise(x) == pytest.approx(0.1, rel=0.1)
+    assert noise_over(x, 8.0) == pytest.approx([0.1] * 4, rel=0.1)
+    seldom = np.interp(np.arange(2000), np.arange(0, 2000, 8), x[::8])
+    assert white_noise(seldom) < 0.03
+    assert noise_over(seldom, 8.0)[-1] > 0.06
 
 
 def test_the_quantiles_are_those_of_the_normal_distribution():

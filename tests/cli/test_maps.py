@@ -53,13 +53,12 @@ def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
     assert brake_cal("map", foreign, *told, "--out", out).code == 0
     ran = brake_cal("check", foreign, "--map", out, "-v")
     assert ran.code == 0
-    assert "from 'LongAcc' [m/s^2] x 1:" in ran.out
-    assert "from 'Brake pressure' [bar] x 100000:" in ran.out
+    assert "from 'LongAcc' [m/s^2] x 1\n" in ran.out
+    assert "from 'Brake pressure' [bar] x 100000\n" in ran.out
     taken = json.loads(brake_cal("check", foreign, "--map", out, "--json").out)["logs"][0]["taken"]
     pressure = next(item for item in taken if item["channel"] == "p_mc")
     assert pressure["source"] == "Brake pressure"
-    assert (pressure["si"], pressure["factor"]) == ("Pa", pytest.approx(1e5))
-    assert pressure["high"] == pytest.approx(16.67e5, rel=1e-3)
+    assert pressure["factor"] == pytest.approx(1e5)
 
 
 def test_the_map_of_a_bus_log_is_usable_at_once(brake_cal, tmp_path):

@@ -8,8 +8,8 @@ import pytest
 from calib.base.warning import RULES, VOID
 from calib.car.balance import pressure_per_g
 from calib.estimation.estimator import estimate
-from calib.estimation.exchanged import axles_exchanged
 from calib.estimation.validate import validate
+from calib.estimation.warnings import axles_exchanged
 from calib.fitting.fit import fit
 from calib.plausibility.check import check
 from tests.support.plant import Plant, as_log, drive, magic

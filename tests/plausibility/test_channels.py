@@ -1,17 +1,19 @@
-"""Two channels with one signal, and wheels of another size."""
+"""Two channels with one signal; wheels of another size, of no car, or that lose pulses."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from calib.base.warning import REFUSE
 from calib.plausibility.channels import at_rest, copied, held, late, pressure_sides
 from calib.plausibility.evidence import Evidence
+from calib.plausibility.rules import FIT, unusable
 from calib.plausibility.wheels import car_wheels, lost_pulses, slip_of_v
-from calib.run.copies import made_of_wheels
 from calib.run.run import Run
-from tests.support.reference_car import CAR, REAL, noisy, stop
-from tests.support.refusals import broken
+from tests.support.plant import WHEELS
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
+from tests.support.refusals import broken, why_not
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +97,6 @@ WHEEL_SPEEDS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
 def test_wheel_speeds_that_are_held_are_no_copies(clean, hertz, code):
     log = sent_at(noisy(clean, 3), hertz, *WHEEL_SPEEDS)
     assert [one.code for one in of(log)] == code
-    assert not made_of_wheels(sent_at(log, hertz, "v"))
 
 
 def test_how_long_wheel_speeds_are_held_is_measured(clean):
@@ -114,3 +115,70 @@ def test_missing_samples_are_no_copies(clean):
 def test_rounding_is_no_noise(clean):
     rounded = {name: np.round(x, 4) for name, x in clean.channels.items() if name != "time"}
     assert found(changed(clean, **rounded)) == []
+
+
+def of_wheels(log):
+    return broken((slip_of_v, lost_pulses), Evidence(Run(log)))
+
+
+@pytest.mark.parametrize(("wheels", "filtered"), [("fl fr", True), ("fl fr rl rr", False)])
+def test_a_v_of_wheels_is_named_also_behind_a_filter(clean, wheels, filtered):
+    log = noisy(clean, 1)
+    v = CAR.front.rolling_radius * np.mean([log[f"omega_{w}"] for w in wheels.split()], axis=0)
+    if filtered:
+        v = np.round(v / 0.02) * 0.02
+    (warning,) = of_wheels(changed(log, v=v))
+    assert warning.code == "v_of_wheels"
+    assert warning.measured < warning.expected[0]
+    assert why_not(changed(log, v=v), "validate") == ["v_of_wheels"]
+
+
+def test_a_v_that_is_off_by_a_factor_is_measured(clean):
+    log = noisy(clean, 2)
+    assert of_wheels(changed(log, v=1.03 * log["v"])) == []
+
+
+@pytest.mark.parametrize("teeth", [48, 96])
+def test_lost_pulses_name_the_wheel(clean, teeth):
+    log, rng = noisy(clean, 4), np.random.default_rng(4)
+    lost = rng.random(log.time.size) < 0.1
+    run = changed(log, omega_rl=log["omega_rl"] * np.where(lost, 1.0 - 1.0 / teeth, 1.0))
+    (warning,) = of_wheels(run)
+    assert warning.code == "lost_pulses"
+    assert "omega_rl" in warning.causes[0]
+    assert warning.measured == pytest.approx(0.1, abs=0.05)  # of some 200 samples
+
+
+def test_bumps_up_and_down_lose_no_pulses(clean):
+    log, rng = noisy(clean, 5), np.random.default_rng(5)
+    spikes = np.where(rng.random(log.time.size) < 0.02, rng.choice([-1.0, 1.0], log.time.size), 0)
+    assert of_wheels(changed(log, omega_fr=log["omega_fr"] * (1.0 + 0.02 * spikes))) == []
+
+
+RAMP = noisy(ramp(REAL), 3)
+
+
+def refused(log):
+    return unusable(Run(log), FIT, (REFUSE,))
+
+
+@pytest.mark.parametrize("offset", [59.6, -30.0])
+def test_an_offset_of_the_wheel_speeds_is_named_with_its_size(offset):
+    log = changed(RAMP, **{f"omega_{w}": RAMP[f"omega_{w}"] + offset for w in WHEELS})
+    first = refused(log)[0]
+    assert first.code == "wheel_offset"
+    assert first.measured == pytest.approx(offset, rel=0.1)
+
+
+@pytest.mark.parametrize("factor", [1.609, 3.6, 1.0 / 3.6])
+def test_another_unit_of_v_is_one(factor):
+    assert refused(changed(RAMP, v=factor * RAMP["v"]))[0].code in (
+        "v_unit",
+        "v_unit_by_a_x",
+        "v_beyond_cars",
+    )
+
+
+@pytest.mark.parametrize("log", [RAMP, replace(stop(REAL), truth={})])
+def test_a_log_with_its_own_v_has_neither(log):
+    assert not {"wheel_offset", "v_unit", "v_unit_by_a_x"} & {one.code for one in refused(log)}

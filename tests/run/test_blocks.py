@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from calib.run.axle_signals import signals
-from calib.run.blocks import blocks, braked_alone, braked_alone_in
+from calib.run.blocks import blocks, braked_alone
 from tests.support.made_runs import changed, made_run
 from tests.support.reference_car import IDEAL, noisy, one_axle, without
 from tests.support.tables import VEHICLE
@@ -51,24 +51,12 @@ def test_a_block_knows_nothing_of_the_future(cut, seed):
         assert np.array_equal(getattr(before, name)[:known], getattr(after, name)[:known])
 
 
-RISING = np.linspace(0.0, 40e5, 50)
-
-
-def test_an_axle_below_the_bite_is_released():
-    below, above = np.full(50, 1.4e5), np.full(50, 1.6e5)
-    assert braked_alone(RISING, below) == "f"
-    assert braked_alone(below, RISING) == "r"
-    assert braked_alone(RISING, above) is None
-    assert braked_alone(RISING, RISING) is None
-    assert braked_alone(below, below) is None
-
-
 @pytest.mark.parametrize("axle", ["f", "r"])
 def test_a_log_tells_by_its_wheel_pressures(axle):
     log = noisy(one_axle(IDEAL, axle, held=0.5e5), 0)
-    assert braked_alone_in(log) == axle
+    assert braked_alone(log) == axle
     renamed = replace(log, name="ramp with both axles", source="both.csv")
-    assert braked_alone_in(renamed) == axle
+    assert braked_alone(renamed) == axle
     other = [f"p_{a}{s}" for a in "fr" for s in "lr"]
-    assert braked_alone_in(without(log, *other)) is None
-    assert braked_alone_in(without(log, "p_mc")) is None
+    assert braked_alone(without(log, *other)) is None
+    assert braked_alone(without(log, "p_mc")) is None

@@ -1,4 +1,4 @@
-"""Means and stretches against the plain ones of numpy."""
+"""Means, stretches and least squares of many fits against the plain ones of numpy."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from calib.run.filters import centred_mean, low_pass, runs, trailing_mean
+from calib.run.filters import (
+    centred_mean,
+    lasting_variance,
+    left_of,
+    low_pass,
+    products_of,
+    runs,
+    trailing_mean,
+)
 
 floats = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
 
@@ -55,3 +63,37 @@ def test_runs_tile_the_mask(mask):
         assert not rebuilt[max(start - 1, 0) : end].any()  # apart from the one before
         rebuilt[start:end] = True
     assert np.array_equal(rebuilt, mask)
+
+
+def test_what_is_left_is_numpy_s_for_each_fit():
+    rng = np.random.default_rng(0)
+    columns = rng.normal(size=(7, 3, 40)) * rng.uniform(1e-3, 1e5, (7, 3, 1))
+    y = rng.normal(size=(7, 40))
+    for one, of, square in zip(columns, y, left_of(products_of(columns, y)), strict=True):
+        left = of - one.T @ np.linalg.lstsq(one.T, of)[0]
+        assert square == pytest.approx(float(left @ left), abs=1e-8 * float(of @ of))
+
+
+def test_a_ridge_is_as_rows_that_want_zero():
+    rng = np.random.default_rng(1)
+    columns, y, ridge = (
+        rng.normal(size=(1, 3, 40)),
+        rng.normal(size=40),
+        np.array([0.0, 4.0, 900.0]),
+    )
+    rows, wanted = np.vstack([columns[0].T, np.diag(np.sqrt(ridge))]), np.append(y, np.zeros(3))
+    left = wanted - rows @ np.linalg.lstsq(rows, wanted)[0]
+    assert left_of(products_of(columns, y), ridge)[0] == pytest.approx(float(left @ left), rel=1e-7)
+
+
+def test_zero_and_doubled_columns_add_nothing():
+    x, y = np.arange(5.0), np.array([1.0, 0.0, 2.0, -1.0, 3.0])
+    alone = left_of(products_of(x[None, None], y))
+    assert left_of(products_of(np.array([[x, 0.0 * x, 3.0 * x]]), y)) == pytest.approx(alone)
+
+
+def test_an_error_that_lasts_counts_for_as_long():
+    rng = np.random.default_rng(2)
+    white = rng.normal(size=40_000)
+    assert lasting_variance(white, 4) == pytest.approx(1.0, rel=0.05)
+    assert lasting_variance(np.repeat(white, 4), 4) == pytest.approx(4.0, rel=0.05)

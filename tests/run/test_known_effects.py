@@ -1,7 +1,6 @@
 """Known effects taken out: what is left is a car without them, and its pads are the true ones.
 
-Truth is the torque and the motion of the simulation, which has its own tests against the plant, and
-a hidden case that another program drove, with its answer.
+Truth is the torque and the motion of the simulation, which has its own tests against the plant.
 """
 
 from dataclasses import replace
@@ -14,12 +13,6 @@ from calib.base.names import WHEELS, G
 from calib.car import forces
 from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.vehicle_file import read_vehicle
-from calib.estimation.agreement import agreement
-from calib.estimation.validate import validate
-from calib.fitting.fit import fit
-from calib.help.samples import sample_logs
-from calib.logs.read import read_log
 from calib.run.known_effects import remove_known_effects
 from tests.support.effect_runs import SEDAN, driven, wave
 
@@ -97,13 +90,6 @@ def test_wheels_that_are_late_keep_their_slip_and_lose_the_delay(with_v):
     assert ("v" in ran.log) == with_v
 
 
-def test_pads_fade_and_the_factor_says_so():
-    effects = {"pad_thermal_fade": {"fade_slope": 0.001, "fade_onset": 150.0}}
-    ran = remove_known_effects(known(effects), driven(effects, wave, temperature=HOT))
-    n = ran.log.time.size
-    assert ran.factor_f == pytest.approx(1.0 - 0.001 * np.maximum(HOT["f"][:n] - 150.0, 0.0))
-
-
 @pytest.mark.parametrize("place", ["front_brakes", "rear_brakes"])
 def test_a_term_on_the_brakes_comes_out_again(place):
     term = EmpiricalTerm(place, "pressure", (0.0, 30e5, 60e5), (0.0, 0.1, -0.1))
@@ -164,50 +150,3 @@ def test_a_temperature_that_a_term_needs_is_not_guessed(place, missing):
     log = replace(driven({}, wave, temperature=heat), source="stop_7.csv")
     with pytest.raises(ModelError, match=f"stop_7.csv: .*T_disc_{missing}"):
         remove_known_effects(known({}, term), log)
-
-
-def test_an_effect_of_no_catalogue_is_refused():
-    with pytest.raises(ModelError, match="unknown effect"):
-        remove_known_effects(known({"magic": {}}), driven({}, wave))
-
-
-@pytest.fixture(scope="module")
-def hidden():
-    """A car whose rear line has a proportioning valve; another program drove it."""
-    folder = sample_logs() / "hidden" / "case_3"
-    vehicle = read_vehicle(folder / "vehicle.toml")
-    ramps = [read_log(folder / "calibration" / f"{n}.parquet") for n in ("ramp", "coast")]
-    stops = [read_log(p) for p in sorted((folder / "holdout").iterdir())]
-    valve = {"rear_proportioning": {"knee": 13.569300499412385e5, "knee_slope": 0.3342603554666}}
-    return vehicle, replace(vehicle, effects=Effects(valve)), ramps, stops
-
-
-TRUE = {"f": 0.9089685720928812, "r": 1.0495420934603412}
-"""mu over the vehicle file's, from the answer of the case."""
-
-
-def worst(vehicle, results):
-    """Largest relative error of the pads over the stops with an answer, front and rear."""
-    answered = [r.figures for r in results if r.figures["pad_friction_f"] is not None]
-    return tuple(
-        max(abs(pads[f"pad_friction_{s}"] / (TRUE[s] * a.pad_friction) - 1.0) for pads in answered)
-        for s, a in (("f", vehicle.front), ("r", vehicle.rear))
-    )
-
-
-def test_pads_need_not_swallow_a_valve_that_is_known(hidden):
-    vehicle, told, ramps, stops = hidden
-    blind = validate(fit(vehicle, ramps), stops)
-    table = fit(told, ramps)
-    seen = validate(table, stops)
-    assert max(worst(vehicle, blind)) > 0.05
-    assert all(r.passed for r in seen)
-    # the pads are 14 % apart from the file's, which a ramp hardly tells, and the interval says so
-    assert max(worst(vehicle, seen)) < 0.7 * max(worst(vehicle, blind))
-    for error, name in zip(worst(vehicle, seen), ("interval_f", "interval_r"), strict=True):
-        assert error < max(result.figures[name] for result in seen)
-    together = agreement(seen)
-    assert together is not None
-    assert together.largest_departure_f < 0.01
-    assert table.vehicle.effects == told.effects
-    assert any("rear_proportioning" in remark for remark in table.remarks)

@@ -8,8 +8,8 @@ from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import read_log
 from calib.logs.write import write_csv
 from calib.plausibility.check import check
+from calib.run.driving_record import sampling_of
 from calib.run.run import Run, figures
-from calib.run.sampling import sampling_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 from tests.support.refusals import why_not
 
@@ -82,12 +82,3 @@ def test_a_late_pressure_is_refused_until_the_channel_map_puts_it_in_time(tmp_pa
 def test_a_motor_whose_torque_is_logged_brakes_without_pressure():
     motor = changed(RUN, p_mc=0.0 * RUN["p_mc"], T_drive_f=0.0 * RUN["p_mc"] - 300.0)
     assert not set(why_not(motor, "validate")) & {"pressure_late", "pressure_foreign"}
-
-
-def test_a_speed_made_of_wheels_is_none_for_a_diagnosis():
-    wheels = [RUN[f"omega_{w}"] for w in ("fl", "fr", "rl", "rr")]
-    for made in (0.32 * wheels[2], 0.08 * sum(wheels)):
-        run = changed(RUN, v=made)
-        assert Run(run).v_of_wheels
-        assert why_not(run, "diagnose")
-    assert why_not(RUN, "diagnose") == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.run.driving_record import driving_record
-from calib.run.sensors import noise_of, resolution_of, saturation, sensors_of
+from calib.run.sensors import resolution_of, saturation, sensors_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 
 
@@ -35,37 +35,6 @@ def test_no_resolution_in_smooth_values_and_in_a_channel_that_was_interpolated()
     coarse = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
     assert sensor(coarse, "p_mc").resolution == pytest.approx(1e5)
     assert sensor(replace(coarse, interpolated=("p_mc",)), "p_mc").resolution == 0.0
-
-
-@pytest.mark.parametrize("rate", [40.0, 1000.0])
-def test_white_noise_is_measured(rate):
-    x = 0.3 * np.random.default_rng(2).normal(size=4000)
-    noise, white, colour = noise_of(x, np.ones(x.size, bool), 1 / rate)
-    assert noise == pytest.approx(0.3, rel=0.05)
-    assert white == pytest.approx(0.3, rel=0.15)  # the high-pass tilts it a little at 40 Hz
-    assert abs(colour) < 0.2
-
-
-def test_coloured_noise_is_told_from_white():
-    from scipy.signal import lfilter
-
-    x = lfilter([1.0], [1.0, -0.6], np.random.default_rng(3).normal(size=20000))
-    _, _, colour = noise_of(x, np.ones(x.size, bool), 1 / 1000)
-    assert colour == pytest.approx(0.6, abs=0.05)
-
-
-def test_slow_motion_and_a_spike_are_not_noise():
-    rng = np.random.default_rng(4)
-    t = np.arange(2000) / 200
-    x = 50 - 3 * t + 0.1 * rng.normal(size=t.size)
-    x[1000] += 3.0
-    noise, _, _ = noise_of(x, np.ones(t.size, bool), 1 / 200)
-    assert noise == pytest.approx(0.1, rel=0.1)
-
-
-def test_no_noise_and_too_little_to_see_it():
-    assert np.isnan(noise_of(np.ones(100), np.arange(100) < 19, 0.005)).all()
-    assert noise_of(np.full(400, 101.3), np.ones(400, bool), 0.005) == (0.0, 0.0, 0.0)
 
 
 def test_saturated_value_is_held_as_no_other_is():

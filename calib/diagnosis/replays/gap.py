@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.intervals import noise_over
 from calib.base.names import WHEELS
 from calib.logs.log import Log
-from calib.run.filters import block_mean, third_difference, typical_differences
+from calib.run.filters import block_mean
 
 UNITS = {"a_x": "m/s^2", **{f"omega_{w}": "rad/s" for w in WHEELS}, "v": "m/s"}
 CHANNELS = tuple(UNITS)
@@ -122,11 +123,10 @@ def _noise_of(log: Log, channel: str) -> float:
 
     A channel that runs in straight lines between its values shows little from sample to sample.
     """
-    fine = float(np.std(third_difference(log[channel], 1)))
-    over = [fine, *typical_differences(log[channel], LONGEST / log.sample_time)]
+    fine = float(np.std(np.diff(log[channel], 3)) / np.sqrt(20.0))
+    over = [fine, *noise_over(log[channel], LONGEST / log.sample_time)]
     straight = channel in log.interpolated or max(over[:4]) > STRAIGHT * fine
-    largest = max(over) if straight else min(max(over), SLOW * fine)
-    return float(largest / np.sqrt(20.0))
+    return max(over) if straight else min(max(over), SLOW * fine)
 
 
 def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:

@@ -65,7 +65,7 @@ def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
     for change, said in (
         (lambda log: changed(log, a_x=-log["a_x"]), "a_x_sign"),
         (lambda log: changed(log, p_mc=0.0 * log["p_mc"]), "stuck"),
-        (lambda log: changed(log, v=radius * log["omega_rl"]), "v_copied"),
+        (lambda log: changed(log, v=radius * log["omega_rl"]), "v_of_wheels"),
         (lambda log: changed(log, p_mc=0.4 * log["p_mc"]), "level_changed"),
     ):
         text = refused(late, with_(late, "hot", change))
