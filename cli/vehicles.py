@@ -74,7 +74,9 @@ def show(
     axle locks first. With the nominal pads, in a straight line, one pressure on both axles, without
     drag.
     """
-    from calib.car.facts_file import facts_document
+    from calib.base.warning import to_dict
+    from calib.car.facts import what_follows
+    from calib.car.plausible import plausible
     from calib.car.vehicle_file import read_vehicle
     from calib.show.sheet import render
     from calib.show.vehicle import sheet
@@ -82,7 +84,8 @@ def show(
     car = read_vehicle(file)
     if plot is not None:
         write_file(plot, render(sheet(car).overview(), plot.suffix.lower()), "--plot")
-    return Answer(facts_document(car).model_dump(by_alias=True), car)
+    warnings = [to_dict(warning) for warning in plausible(car)]
+    return Answer({"name": car.name, "facts": what_follows(car), "warnings": warnings}, car)
 
 
 app = group(

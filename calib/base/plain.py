@@ -136,15 +136,12 @@ class _Plain:
         'at least 12.5\xa0%'
         """
         unit = f"{NBSP}{self.unit}" if self.unit else ""
-        ends = [None if x is None else f"{self.factor * x:.10g}" for x in (low, high)]
-        if ends == [None, None]:
+        least, most = ("" if x is None else f"{self.factor * x:.10g}" for x in (low, high))
+        if not least and not most:
             return "none"
-        if ends[0] is None or ends[1] is None:
-            return (f"at most {ends[1]}" if ends[0] is None else f"at least {ends[0]}") + unit
-        return f"{ends[0]} to {ends[1]}{unit}"
-
-
-_TEXTS = ("key", "of", "name", "unit", "meaning", "reason", "action")
+        if least and most:
+            return f"{least} to {most}{unit}"
+        return f"at least {least}{unit}" if least else f"at most {most}{unit}"
 
 
 def rows(file: str, package: str = "calib.base") -> list[dict[str, str]]:
@@ -159,8 +156,9 @@ def listed(cell: str) -> tuple[str, ...]:
 
 
 def _read(row: dict[str, str]) -> _Plain:
+    texts = ("of", "name", "unit", "meaning", "reason", "action")
     given: dict[str, Any] = {
-        name: row[name] if name in _TEXTS else float(row[name])
+        name: row[name] if name in texts else float(row[name])
         for name in row
         if row[name] and name not in ("key", "judged", "required")
     }

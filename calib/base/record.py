@@ -17,7 +17,7 @@ import re
 from collections.abc import ItemsView, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -57,27 +57,6 @@ class FileSchema(Section):
     schema_version: Literal[1] = Field(alias="schema")
 
 
-class _ErrorSection(Section):
-    """The error."""
-
-    kind: Annotated[
-        str, Field(description="usage, log, vehicle, limits, store, table_not_found and so on")
-    ]
-    message: Annotated[str, Field(description="the whole message, as on stderr")]
-    exit_code: Annotated[int, Field(ge=1, le=255)]
-    what: Annotated[str, Field(description="what was wrong, and what was given")]
-    where: Annotated[str, Field(description="file, channel, key or option; empty if there is none")]
-    expected: Annotated[str, Field(description="what is valid; may be empty")]
-    do: Annotated[str, Field(description="the next step; may be empty")]
-    lines: Annotated[list[str], Field(description="each mistake, where a file has several")]
-
-
-class ErrorFile(FileSchema):
-    """The document that a command with --json prints where it ends with an error."""
-
-    error: _ErrorSection
-
-
 class ByName(Section):
     """A table whose keys are all optional; `entries` are in the order of the file."""
 
@@ -111,8 +90,7 @@ def section(
 
 def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
     """Return the schema of a table from the type of each possible entry."""
-    rows = {name: (kind, None) for name, kind in entries.items()}
-    schema: type[ByName] = section(title, about, rows, ByName)
+    schema: type[ByName] = section(title, about, {n: (k, None) for n, k in entries.items()}, ByName)
     return schema
 
 
@@ -165,14 +143,11 @@ class QuantityMark:
 
 def quantity_pattern(*si: str | None) -> str:
     """Regular expression for a quantity in any unit of these SI units; None for any quantity."""
-    units = "|".join(_unit_pattern(unit) for one in si for unit in spellings(one))
+    units = "|".join(re.escape(unit) for one in si for unit in spellings(one))
+    # every accepted sign for product and power
+    units = units.replace(r"\*", "[*·⋅×]").replace(r"\^2", r"(?:\^2|\*\*2|²)")
     may_be_left_out = "?" if {"1", None} & set(si) else ""
     return rf"^\s*{NUMBER}\s*(?:{units}){may_be_left_out}\s*$"
-
-
-def _unit_pattern(unit: str) -> str:
-    """Regular expression for a unit, with every accepted sign for power and product."""
-    return re.escape(unit).replace(r"\*", "[*·⋅×]").replace(r"\^2", r"(?:\^2|\*\*2|²)")
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,8 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)
 """A quantity without blanks around it."""
 
-_SHOWN = 60
-"""Characters of a wrong value that a message shows."""
-
-_LONGEST_WORD = 60
-"""Characters of a misspelt word for which a known one is looked for."""
+_LONGEST = 60
+"""Characters of a wrong value that a message shows, or of a misspelt word that is looked for."""
 
 _MOST_PARTS = 100
 """Parts of a dotted key; tomllib takes seconds and gigabytes for thousands of them."""
@@ -62,7 +59,7 @@ def nearest(word: str, known: Collection[str]) -> str | None:
     >>> nearest("pad_fade", ["road_grade", "pad_thermal_fade"])
     'pad_thermal_fade'
     """
-    if len(word) > _LONGEST_WORD:  # the comparison takes time with the square of its length
+    if len(word) > _LONGEST:  # the comparison takes time with the square of its length
         return None
     close = difflib.get_close_matches(word, known, n=len(known)) if known else []
     parts = set(word.split("_"))
@@ -106,10 +103,9 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
 def shown(value: object) -> str:
     """A given value as a message shows it."""
     text = repr(value)
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
 def written_quantity(value: float, si: str) -> str | float:
     """Text that `quantity` reads back exactly, ``"1744.0 kg"``; a plain number for ``si`` "1"."""
-    number = value if isinstance(value, int) else float(value)
-    return number if si == "1" else f"{number!r} {si}"
+    return float(value) if si == "1" else f"{float(value)!r} {si}"

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from calib.base.errors import not_finite
 from calib.base.plain import listed, plain, rows
+from calib.base.units import behind
 
 REFUSE, VOID, WARN = "refuse", "void", "warn"
 """What a rule does outside its range: no result, a result of which no sample counts, a warning."""
@@ -43,7 +44,7 @@ class Rule(NamedTuple):
 
 def _read(row: dict[str, str], first: dict[str, str]) -> Rule:
     ends = row if row["low"] or row["high"] else first
-    told = row if row["causes"] or row["below"] else first
+    words = row if row["causes"] or row["below"] else first
     return Rule(
         row["code"],
         row["means"] or first["means"],
@@ -55,20 +56,16 @@ def _read(row: dict[str, str], first: dict[str, str]) -> Rule:
         float(ends["low"] or -math.inf),
         float(ends["high"] or math.inf),
         float(row["sure"] or 0.0),
-        listed(told["causes"]),
-        listed(told["below"]),
+        listed(words["causes"]),
+        listed(words["below"]),
         row["do"] or first["do"],
     )
 
 
-def _rules() -> tuple[Rule, ...]:
-    read = rows("rules.csv")
-    first = {row["code"]: row for row in reversed(read)}
-    return tuple(_read(row, first[row["code"]]) for row in read)
-
-
-RULES = _rules()
-MEANS = {rule.code: rule.means for rule in reversed(RULES)}
+_ROWS = rows("rules.csv")
+_FIRST = {row["code"]: row for row in reversed(_ROWS)}
+RULES = tuple(_read(row, _FIRST[row["code"]]) for row in _ROWS)
+_MEANS = {rule.code: rule.means for rule in reversed(RULES)}
 UNITS = {rule.code: rule.unit for rule in reversed(RULES)}
 """The codes with the unit of what they measure. The ``log`` of those of a vehicle file is the name
 of the vehicle; 1 of a code that measures nothing else says that it is so. A metric past its limit
@@ -104,17 +101,16 @@ class PlausibilityWarning:
     @property
     def text(self) -> str:
         """The warning as a sentence, without the log, and with the most likely cause alone."""
-        name = MEANS.get(self.code) or plain(self.code).name
-        named = self.code if name == self.code else f"{name} ({self.code})"
-        is_so = (UNITS.get(self.code), self.measured, self.expected) == ("1", 1.0, (0.0, 0.0))
-        told = named if is_so else f"{named}: {self.amount}, expected {self.bounds}"
-        return "; ".join([told, *(f"likely {cause}" for cause in self.causes[:1]), self.do])
+        name = _MEANS.get(self.code) or plain(self.code).name
+        text = self.code if name == self.code else f"{name} ({self.code})"
+        if (UNITS.get(self.code), self.measured, self.expected) != ("1", 1.0, (0.0, 0.0)):
+            text = f"{text}: {self.amount}, expected {self.bounds}"
+        return "; ".join([text, *(f"likely {cause}" for cause in self.causes[:1]), self.do])
 
     @property
     def amount(self) -> str:
         """What was measured, with its unit."""
-        unit = UNITS.get(self.code, "1")
-        return f"{self.measured:.3g}" + ("" if unit == "1" else f" {unit}")
+        return f"{self.measured:.3g}{behind(UNITS.get(self.code, '1'))}"
 
     @property
     def bounds(self) -> str:
@@ -158,35 +154,29 @@ def judged(
     Those that a ``purpose`` asks, or all; with one of the consequences ``does``. The gravest row of
     a code comes first, and is the one that tells.
     """
-    found = []
+    warnings = []
     for m in measured:
-        broken = (r for r in _OF[m.code] if purpose in (None, *r.asked) and not _within(r, m))
-        if (rule := next((r for r in broken if r.does in does), None)) is not None:
-            found.append(_warned(rule, log, m))
-    return tuple(found)
+        for rule in _OF[m.code]:
+            low, high = rule.low, rule.high
+            if sure := rule.sure * m.sigma:
+                low, high = min(low, -sure), max(high, sure)
+            outside = m.value < low or m.value > high
+            if outside and rule.does in does and purpose in (None, *rule.asked):
+                warnings.append(_warned(rule, log, m, low, high))
+                break
+    return tuple(warnings)
 
 
 _OF: dict[str, list[Rule]] = {code: [r for r in RULES if r.code == code] for code in UNITS}
 
 
-def _ends(rule: Rule, m: Measured) -> tuple[float, float]:
-    sure = rule.sure * m.sigma
-    return (min(rule.low, -sure), max(rule.high, sure)) if sure else (rule.low, rule.high)
-
-
-def _within(rule: Rule, m: Measured) -> bool:
-    low, high = _ends(rule, m)
-    return not (m.value < low or m.value > high)
-
-
-def _warned(rule: Rule, log: str, m: Measured) -> PlausibilityWarning:
+def _warned(rule: Rule, log: str, m: Measured, low: float, high: float) -> PlausibilityWarning:
     """With the words of the rule, and those of the figure in them."""
-    ends = _ends(rule, m)
-    low, high = (m.shown(end) if math.isfinite(end) else None for end in ends)
-    told = rule.below if m.value < ends[0] and rule.below else rule.causes
-    causes = tuple(one for cause in told for one in listed(cause.format(**m.words)))
+    shown = [m.shown(end) if math.isfinite(end) else None for end in (low, high)]
+    cells = rule.below if m.value < low and rule.below else rule.causes
+    causes = tuple(one for cell in cells for one in listed(cell.format(**m.words)))
     do = rule.do.format(**m.words)
-    return PlausibilityWarning(m.code, log, m.shown(m.value), (low, high), causes, do)
+    return PlausibilityWarning(m.code, log, m.shown(m.value), (shown[0], shown[1]), causes, do)
 
 
 def bounds_of(code: str) -> tuple[float, float]:

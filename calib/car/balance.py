@@ -27,9 +27,9 @@ from calib.base.arrays import Array
 from calib.base.names import G
 from calib.car.effects.combined import total_axle_moment, total_body_force, total_load_shift
 from calib.car.effects.effects import Effects
-from calib.car.forces import axle_loads, braking_sum
+from calib.car.forces import axle_loads
 from calib.car.history import Motion, constant_speed
-from calib.car.vehicle import Axle, Vehicle
+from calib.car.vehicle import Vehicle
 
 T = TypeVar("T", float, Array)
 
@@ -86,7 +86,7 @@ def force_balance(
         drive = (np.zeros_like(z), np.zeros_like(z))
     other_f, other_r = (moment - torque for moment, torque in zip(moments, drive, strict=True))
     moment_f, moment_r = (
-        moment_at_road(axle, moment, rate)
+        np.asarray((moment + 2.0 * axle.wheel_inertia * rate) / axle.rolling_radius)  # (1)
         for axle, moment, rate in zip(axles, (other_f, other_r), spin, strict=True)
     )
     body = total_body_force(vehicle, effects, motion)
@@ -99,7 +99,7 @@ def force_balance(
         other_f=other_f / vehicle.front.rolling_radius,
         other_r=other_r / vehicle.rear.rolling_radius,
         body=body,
-        tyre_sum=braking_sum(vehicle, z, body),
+        tyre_sum=vehicle.weight * z - body,  # (5), (17)
     )
 
 
@@ -119,15 +119,6 @@ def braked_tyres(
     """
     front, rear = turning_shares(vehicle)
     return share * brake - front * slowed, (1.0 - share) * brake - rear * slowed
-
-
-def moment_at_road(axle: Axle, moment: Array | float, spin: Array) -> Array:
-    """Force at the road [N] of the moments on both wheels of an axle besides the brake, (1).
-
-    ``moment`` [N m per axle], positive when it slows; ``spin`` d omega/dt [rad/s^2], negative while
-    the wheels slow, so that their inertia reduces the force.
-    """
-    return np.asarray((moment + 2.0 * axle.wheel_inertia * spin) / axle.rolling_radius)  # (1)
 
 
 def brake_forces(

@@ -13,12 +13,7 @@ from dataclasses import dataclass
 from calib.base.arrays import Array
 from calib.base.names import WHEELS
 from calib.car import forces
-from calib.car.effects.combined import (
-    caliper_pressure,
-    line_pressure,
-    pad_factors,
-    wheel_factors,
-)
+from calib.car.effects.combined import caliper_pressure, line_pressure, pad_factors, wheel_factors
 from calib.car.effects.effect import Pair
 from calib.car.history import RunHistory
 from calib.car.model import Model
@@ -73,9 +68,8 @@ def brakes_of(model: Model, rest: RunHistory, own: Mapping[str, Array]) -> Brake
     uneven = {w[0] for w in wheel_factors(effects, rest)}
     clamp: dict[str, Array] = {}
     for side in "lr" if own or uneven else "l":
-        front, rear = caliper_pressure(
-            model.effects, rest, arrives[f"f{side}"], arrives[f"r{side}"]
-        )
+        pair = (arrives[f"f{side}"], arrives[f"r{side}"])
+        front, rear = caliper_pressure(effects, rest, *pair)
         clamp |= {f"f{side}": front, f"r{side}": rear}
     differ = [w for w in WHEELS if w[1] == "l" or own or w[0] in uneven]
     return Brakes(model, {w: clamp[w] for w in differ})

@@ -54,11 +54,6 @@ def tyre_force(
     return (axle.wheel_inertia * spin_rate + torque + drag_moment) / axle.rolling_radius  # (1)
 
 
-def braking_sum(vehicle: Vehicle, z: Array, body_force: Array | float = 0.0) -> Array:
-    """Sum of all tyre forces [N] at z [1], (5) and (17), less the ``body_force`` [N]."""
-    return vehicle.weight * z - body_force  # (5), (17)
-
-
 def split(vehicle: Vehicle, z: Array, D: Array, level: Array | None = None) -> tuple[Array, Array]:
     """Normalised forces F_f, F_r [1] of the axles from D = F_f - F_r [1], (11), (12) under (18).
 

@@ -13,7 +13,7 @@ reach from a microcar to a heavy coach, and a mass that is 10 % wrong passes.
 import json
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -83,9 +83,6 @@ KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
 REFERENCE = {key.path: key.example for key in KEYS if not (key.optional and key.left_out is None)}
 """What the file of the reference car says, by path of the key."""
 
-_WIDTH = 96
-"""Longest comment [characters]."""
-
 _HEAD = """\
 # A vehicle for brake-cal. Values of an axle are for one wheel; quantities have a unit, in quotes.
 # Judge it with `brake-cal vehicle check`, see what follows from it with `brake-cal vehicle show`.
@@ -109,19 +106,19 @@ def vehicle_text(values: Mapping[str, str]) -> str:
     text = _HEAD
     for section, keys in groupby(KEYS, lambda key: key.section):
         head = f"[{section}]\n" if section else ""
-        text += f"\n{head}" + "\n".join("".join(_lines(key, values)) for key in keys)
+        text += f"\n{head}" + "\n".join(_commented(key, values) for key in keys)
     return text + _TAIL
 
 
-def _lines(key: VehicleKey, values: Mapping[str, str]) -> Iterator[str]:
+def _commented(key: VehicleKey, values: Mapping[str, str]) -> str:
     measure = f"measure: {key.measure}" if key.unit else key.measure
     usual = [f"usual: {key.usual}"] if key.unit else []
-    for line in (*textwrap.wrap(key.meaning, _WIDTH), *textwrap.wrap(measure, _WIDTH), *usual):
-        yield f"# {line}\n"
+    about = (*textwrap.wrap(key.meaning, 96), *textwrap.wrap(measure, 96), *usual)
     if key.optional and key.path not in values:
-        yield f"# {key.name} = {key.example}\n"
+        line = f"# {key.name} = {key.example}"
     else:
-        yield f"{key.name} = {_written(key, values[key.path])}\n"
+        line = f"{key.name} = {_written(key, values[key.path])}"
+    return "".join(f"{part}\n" for part in (*(f"# {text}" for text in about), line))
 
 
 def _written(key: VehicleKey, value: str) -> str:

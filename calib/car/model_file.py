@@ -202,12 +202,12 @@ def write_model(model: Model, path: Path) -> None:
         "schema": 1,
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
         "tyre": {
-            name: written_quantity(float(value), "m" if name == "relaxation" else "1")
+            name: written_quantity(value, "m" if name == "relaxation" else "1")
             for name, value in asdict(model.tyre).items()
         },
         "effects": {
             name: {
-                p.name: written_quantity(float(values[p.name]), p.unit)
+                p.name: written_quantity(values[p.name], p.unit)
                 for p in definition(effects, name).card.parameters
                 if p.name in values or p.default is None
             }

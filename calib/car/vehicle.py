@@ -124,10 +124,10 @@ def require_same_car(
     ``where`` names its file. Cars that were ``weighed`` may differ in their mass.
     """
     free = {*NOT_OF_THE_CAR, "front.pad_friction", "rear.pad_friction", *["mass"] * weighed}
-    ours, theirs = _numbers(car), _numbers(other)
+    theirs = _numbers(other)
     differ = [
         f"{key} {theirs[key]:.6g} for {x:.6g}"
-        for key, x in ours.items()
+        for key, x in _numbers(car).items()
         if key not in free and theirs[key] != x
     ]
     if differ:
@@ -140,9 +140,9 @@ def require_same_car(
 
 
 def _numbers(car: Vehicle) -> dict[str, float]:
-    of = asdict(car)
-    axles = {f"{side}.{k}": x for side in ("front", "rear") for k, x in of[side].items()}
-    return {**{k: x for k, x in of.items() if isinstance(x, float)}, **axles}
+    parts = asdict(car)
+    axles = {f"{end}.{k}": x for end in ("front", "rear") for k, x in parts[end].items()}
+    return {**{k: x for k, x in parts.items() if isinstance(x, float)}, **axles}
 
 
 _SHARES = (0.5, 2.0)

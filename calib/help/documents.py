@@ -86,10 +86,6 @@ _FILES = {
     "table": ("store.record_file:RecordFile", "record.json: a stored table without its curves"),
     "summary": ("store.record_file:SummaryFile",
                 "summary.json of a validation, as far as an export reads it"),
-    "vehicle-facts": ("car.facts_file:VehicleFactsFile",
-                      "what `vehicle show --json` prints of a vehicle file"),
-    "error": ("base.record:ErrorFile",
-              "what a command with --json prints where it ends with an error"),
 }  # fmt: skip
 """Kinds of files: the class of each, but that of limits, which is made of the metrics; content."""
 FILES = {name: text for name, (_, text) in _FILES.items()}

@@ -20,8 +20,7 @@ from calib.car.braking import BITE
 from calib.car.effects.combined import (
     as_driven,
     as_read,
-    speed_delay,
-    wheel_speed_delay,
+    reading_delay,
     wheel_speed_factors,
 )
 from calib.car.history import ALIKE, Motion, RunHistory, constant_speed
@@ -171,7 +170,11 @@ def replay(
         model,
         log.time,
         as_pressed(log["p_mc"], step),
-        first_speed(log, as_driven(model.vehicle, model.effects), speed_delay(model.effects)),
+        first_speed(
+            log,
+            as_driven(model.vehicle, model.effects),
+            reading_delay(model.effects, "speed_delay"),
+        ),
         wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         drive_torque={a: log[f"T_drive_{a}"] for a in AXLES if f"T_drive_{a}" in log},
@@ -240,9 +243,9 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
     for w in WHEELS:
         slip = model.tyre.leading(state.slip[brakes.twin(w)], run.moving(state.v), run.time)
         omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
-        omega = delayed(run.time, omega, wheel_speed_delay(model.effects))
+        omega = delayed(run.time, omega, reading_delay(model.effects, "wheel_speed_delay"))
         channels[f"omega_{w}"] = omega * read[w] if w in read else omega
-    return channels | {"v": delayed(run.time, state.v, speed_delay(model.effects))}
+    return channels | {"v": delayed(run.time, state.v, reading_delay(model.effects, "speed_delay"))}
 
 
 def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:

@@ -26,8 +26,7 @@ from calib.car.effects.combined import (
     as_sensed,
     on_links,
     pad_factors,
-    speed_delay,
-    wheel_speed_delay,
+    reading_delay,
     wheel_speed_factors,
 )
 from calib.car.effects.effect import BALANCE, BRAKES, READINGS
@@ -160,7 +159,10 @@ def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array
     taken as constant.
     """
     gained = integral(log.time, -G * history.z)
-    late = {"v": speed_delay(effects), "omega": wheel_speed_delay(effects)}
+    late = {
+        "v": reading_delay(effects, "speed_delay"),
+        "omega": reading_delay(effects, "wheel_speed_delay"),
+    }
     since = {name: gained - delayed(log.time, gained, delay) for name, delay in late.items()}
     right = {"v": log["v"] + since["v"]} if "v" in log and late["v"] else {}
     if late["omega"]:

@@ -30,7 +30,7 @@ _KNM = 1e3
 
 def facts(vehicle: Vehicle) -> Facts:
     """What follows from a vehicle with its nominal pads."""
-    from calib.car.facts_file import what_follows
+    from calib.car.facts import what_follows
 
     found = what_follows(vehicle)
     biased = found.front_biased_up_to

@@ -65,7 +65,6 @@ def test_loads_and_sums_against_statics(car, F_f, F_r):
     F_xf, F_xr = F_f * F_zf, F_r * F_zr
     z = np.asarray((F_xf + F_xr) / (car.mass * 9.80665))
     assert forces.axle_loads(car, z) == pytest.approx((F_zf, F_zr), rel=1e-9)
-    assert forces.braking_sum(car, z) == pytest.approx(F_xf + F_xr, rel=1e-9)
     L_f, L_r, h = car.cg_to_front_axle, car.cg_to_rear_axle, car.cg_height
     load_f, load_r = forces.axle_loads(car, z)
     ratio = F_f * (L_r + z * h) / (F_r * (L_f - z * h))  # (8); (9), (10) are 1 over it
@@ -164,10 +163,9 @@ def test_forces_account_for_what_simulate_adds():
         assert torque == pytest.approx(log.truth[f"true_Tb_{w}"])
         assert 0.5 * load == pytest.approx(log.truth[f"true_Fz_{w}"], rel=1e-6)
         assert force[1:] == pytest.approx(log.truth[f"true_Fx_{w}"][1:], abs=0.01)
-    wanted = forces.braking_sum(VEHICLE, z, total_body_force(VEHICLE, effects, motion))
-    assert total[1:] == pytest.approx(wanted[1:], abs=0.02)
-    without = forces.braking_sum(VEHICLE, z)
-    assert np.min(without - wanted) > 10.0  # the drag is there to be accounted for
+    drag = total_body_force(VEHICLE, effects, motion)
+    assert total[1:] == pytest.approx((VEHICLE.weight * z - drag)[1:], abs=0.02)  # (5), (17)
+    assert np.min(drag) > 10.0  # it is there to be accounted for
 
 
 def test_mean_slip_is_weighed_by_load():

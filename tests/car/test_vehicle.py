@@ -12,7 +12,7 @@ from calib.base.errors import VehicleError
 from calib.base.names import names_a_table
 from calib.base.units import si_of, to_si
 from calib.car.effects.effects import Effects
-from calib.car.facts_file import what_follows
+from calib.car.facts import what_follows
 from calib.car.forces import axle_loads
 from calib.car.keys import KEYS, REFERENCE, vehicle_text
 from calib.car.vehicle import Axle, Vehicle, mass_used, require_same_car, weighed

@@ -10,7 +10,7 @@ import typer.main
 
 from calib import __version__
 from calib.base.errors import BrakeCalError, InputError, StoreError
-from calib.base.record import ErrorFile, json_schema
+from calib.help.documents import documents
 from calib.store.store import Store
 from cli.group import Group, first_sentence
 from cli.main import app
@@ -58,7 +58,7 @@ def test_help(brake_cal, monkeypatch, path):
 def test_what_is_typed_wrong_ends_with_2_and_one_document(brake_cal, path):
     ran = brake_cal(*path, "--jsno", "--json")
     document = json.loads(ran.out)
-    jsonschema.validate(document, json_schema(ErrorFile))
+    jsonschema.validate(document, documents()["error"].schema)
     assert (ran.code, document["error"]["kind"]) == (2, "usage")
     assert brake_cal(*path, "-q", "-v", "--no-such").code == 2
 
@@ -114,7 +114,7 @@ def test_an_error_is_a_line_on_stderr_a_document_and_an_exit_code(
     monkeypatch.setattr(Store, "entries", fail)
     ran = brake_cal("tables", "list", "--json")
     document = json.loads(ran.out)
-    jsonschema.validate(document, json_schema(ErrorFile))
+    jsonschema.validate(document, documents()["error"].schema)
     assert (ran.code, ran.err) == (code, f"error: {error}\n")
     assert (document["error"]["kind"], document["error"]["lines"]) == (kind, [*error.lines])
     assert brake_cal("tables", "list").out == ""

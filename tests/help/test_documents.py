@@ -21,6 +21,7 @@ COMMANDS = (
     ("plot-json", "plot car --out table.png"),
     ("simulate-json", "simulate stop.csv --vehicle car.toml --out sim.csv"),
     ("effects-json", "effects hydraulic_lag"),
+    ("vehicle-facts", "vehicle show car.toml"),
     ("map-json", "map my_ramp.csv"),
     ("settings-json", "settings"),
     ("manual-json", "manual"),
@@ -37,9 +38,9 @@ COMMANDS = (
     ("batch-json", "batch validate stop.csv --table car --out checked --workers 1"),
     ("fleet-json", "fleet checked/results.parquet --out fleet"),
 )
-ELSEWHERE = {"diagnose-json", "qualification-json", "refused-json"}
-"""Commands that take long, and one that ends with an error: see the tests of `calib.diagnose`,
-`calib.help` and `cli.station`."""
+ELSEWHERE = {"diagnose-json", "qualification-json", "refused-json", "error"}
+"""Commands that take long, and those that end with an error: see the tests of `calib.diagnose`,
+`calib.help`, `cli.station` and `cli.commands`."""
 
 
 def test_every_document_is_looked_at():

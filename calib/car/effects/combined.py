@@ -197,11 +197,6 @@ def accelerometer_lag(effects: Effects) -> float:
     return sum((hook(own)[0] for hook, own in _hooks(effects, "accelerometer_lag")), 0.0)
 
 
-def speed_delay(effects: Effects) -> float:
-    """Time [s] by which v is read late."""
-    return sum((hook(own) for hook, own in _hooks(effects, "speed_delay")), 0.0)
-
-
-def wheel_speed_delay(effects: Effects) -> float:
-    """Time [s] by which all wheel speeds are read late."""
-    return sum((hook(own) for hook, own in _hooks(effects, "wheel_speed_delay")), 0.0)
+def reading_delay(effects: Effects, link: str) -> float:
+    """Time [s] by which v (``speed_delay``) or all wheels (``wheel_speed_delay``) are read late."""
+    return sum((hook(own) for hook, own in _hooks(effects, link)), 0.0)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from typing import Self
 
 _ByParameter = Mapping[str, Mapping[str, float]]
-"""A number for each parameter of each effect, by effect name and parameter name."""
 
 
 @dataclass(frozen=True)

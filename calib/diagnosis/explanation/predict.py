@@ -179,10 +179,12 @@ def predict(
     use = np.abs(force / load)
     bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
     slip = plain * (1.0 + np.stack(bent, axis=1))
-    late = combined.wheel_speed_delay(effects)
+    late = combined.reading_delay(effects, "wheel_speed_delay")
     slip = np.array([[delayed(run.time, x, late) for x in side] for side in slip])
     gained = integral(run.time, -G * z)
-    shown = delayed(run.time, gained, combined.speed_delay(effects))  # by v as it is read
+    shown = delayed(
+        run.time, gained, combined.reading_delay(effects, "speed_delay")
+    )  # by v as it is read
     v = run.v_read + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     turning = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(turning * (1.0 - slip))

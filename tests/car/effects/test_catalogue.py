@@ -14,12 +14,11 @@ from calib.car.effects.combined import (
     caliper_pressure,
     line_pressure,
     pad_factors,
-    speed_delay,
+    reading_delay,
     total_axle_moment,
     total_body_force,
     total_load_shift,
     wheel_factors,
-    wheel_speed_delay,
     wheel_speed_factors,
 )
 from calib.car.effects.effects import Effects
@@ -97,7 +96,8 @@ def test_at_nothing_no_link_of_the_chain_is_changed(name, data):
         assert np.array_equal(nothing, np.zeros(200))
     assert np.array_equal(as_read(SEDAN, effects, history, history.z), history.z)
     assert as_driven(SEDAN, effects) == SEDAN
-    assert accelerometer_lag(effects) == speed_delay(effects) == wheel_speed_delay(effects) == 0.0
+    delays = [reading_delay(effects, f"{link}speed_delay") for link in ("", "wheel_")]
+    assert [accelerometer_lag(effects), *delays] == [0.0, 0.0, 0.0]
 
 
 def restless(t):

@@ -1,18 +1,14 @@
 """What follows from a vehicle file: loads, torque per pressure, distribution of the brake force.
 
-It is the document of `brake-cal vehicle show --json`.
+`brake-cal vehicle show --json` has them under ``facts``.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from pydantic import ConfigDict, Field
 
 from calib.base.names import G
 from calib.base.plain import finite
-from calib.base.record import FileSchema, Section
-from calib.base.warning import to_dict
 from calib.car.balance import (
     force_per_pressure,
     friction_used,
@@ -22,7 +18,6 @@ from calib.car.balance import (
     pressure_per_g,
 )
 from calib.car.forces import axle_loads
-from calib.car.plausible import plausible
 from calib.car.vehicle import Axle, Vehicle
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
@@ -83,34 +78,6 @@ class _VehicleFacts:
     front: _AxleFacts
     rear: _AxleFacts
     distribution: tuple[_Braking, ...]
-
-
-class _WarningEntry(Section):
-    """A figure outside its usual range; a bound that is not there is null."""
-
-    model_config = ConfigDict(strict=False)
-
-    code: str
-    log: Annotated[str, Field(description="name of the vehicle")]
-    measured: float
-    expected: tuple[float | None, float | None]
-    causes: Annotated[list[str], Field(description="the most likely first")]
-    do: str
-
-
-class VehicleFactsFile(FileSchema):
-    """What follows from a vehicle file, in bar, kg, m, N m and g."""
-
-    name: str
-    facts: _VehicleFacts
-    warnings: list[_WarningEntry]
-
-
-def facts_document(vehicle: Vehicle) -> VehicleFactsFile:
-    """The document of a vehicle."""
-    warnings = [_WarningEntry(**to_dict(one)) for one in plausible(vehicle)]
-    facts = what_follows(vehicle)
-    return VehicleFactsFile(schema=1, name=vehicle.name, facts=facts, warnings=warnings)
 
 
 def what_follows(vehicle: Vehicle) -> _VehicleFacts:
