@@ -1,4 +1,4 @@
-"""The times of a log: the step of a clock, and even clocks of few digits.
+"""The times of a log: the step of a clock, even clocks of few digits, and clocks that cannot be.
 
 true      0.00000  0.00667  0.01333  0.02000      150 Hz
 written   0.000    0.007    0.013    0.020        whole milliseconds: steps of 7 and of 6 ms
@@ -9,6 +9,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
+from calib.base.plain import counted
+from calib.base.units import spelling
 
 GAP = 3.5
 """A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
@@ -109,3 +111,92 @@ def check_running(time: Array, where: str) -> None:
             expected="increasing times",
             do="two recordings in one file? split them",
         )
+
+
+_MIN_SAMPLES = 50
+"""Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""
+_RATES = 40.0, 1000.0
+"""Sample rates that a log can have [Hz]."""
+_UNITS = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+"""Units that a time is written in [s]."""
+_BURST = 0.25
+"""A step shorter than this share of the mean one follows at once: what is handed out together."""
+_BURSTS = 0.1
+"""Largest share of such steps [1]: frames of a bus wait for each other by a tenth of a step."""
+_STANDING = 0.3
+"""Share of a log that its clock jumps over, every second, where it has too many digits [1]."""
+
+
+def check_clock(time: Array, where: str, unit: str = "s") -> None:
+    """Check ``time`` [s], shape (n,): enough samples, increasing, and `check_steps`."""
+    if time.size < _MIN_SAMPLES:
+        raise LogError(
+            f"only {time.size} samples", where=where, expected=f"at least {_MIN_SAMPLES}"
+        )
+    check_increasing(time, where)
+    check_steps(time, where, unit)
+
+
+def check_steps(time: Array, where: str, unit: str = "s") -> None:
+    """Check that an increasing time [s] (n,) has steps that a recorder makes.
+
+    ``unit`` is that in which it was written. Raises LogError for another unit, for a clock that
+    jumps over a part of each second, and for samples that come in bursts.
+    """
+    steps = np.diff(time)
+    usual, mean = float(np.median(steps)), float(np.mean(steps))
+    low, high = (1.0 / rate for rate in reversed(_RATES))
+    written = usual / _UNITS.get(spelling(unit), 1.0)
+    meant = [other for other, size in _UNITS.items() if low <= written * size <= high]
+    if meant and not 0.2 * low <= usual <= 5.0 * high:
+        raise LogError(
+            f"the unit of the time is {unit}: the step would be {usual:.3g} s",
+            where=f"{where}: time",
+            expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
+            do=f"is it in {meant[0]}? correct the header, or give the unit in a channel map",
+        )
+    # milliseconds with four digits count a tenth of each second, and jump
+    jumps = np.flatnonzero(steps > 10.0 * usual)
+    often = jumps.size > 1 and steps[jumps].sum() >= _STANDING * (time[-1] - time[0])
+    if often and np.allclose(np.diff(time[jumps]), 1.0, atol=0.05):
+        jump = float(np.median(steps[jumps]))
+        raise LogError(
+            f"the clock counts {1.0 - jump:.2g} s of every second, and jumps by {jump:.2g} s",
+            where=f"{where}: time",
+            expected="parts of a second that go up to the next one",
+            do="are its milliseconds written with more than three digits? export the time in s",
+        )
+    if np.mean(steps < _BURST * mean) > _BURSTS:
+        long = float(np.median(steps[steps > mean]))
+        raise LogError(
+            f"samples come in bursts, every {1e3 * long:.3g} ms: their times are those at which an "
+            "adapter handed them out",
+            where=f"{where}: time",
+            expected="the time at which each was sent or measured",
+            do="record with time stamps of the hardware, or lower the latency of the adapter",
+        )
+
+
+def check_increasing(time: Array, where: str) -> None:
+    """Check that ``time`` [s], shape (n,), is strictly increasing. Raises LogError."""
+    lost = np.flatnonzero(~np.isfinite(time))
+    if lost.size:
+        raise LogError(
+            f"no time in row {lost[0] + 1} ({counted(lost.size, 'such row')})",
+            where=f"{where}: time",
+            expected="a number in every row",
+            do="export again",
+        )
+    wrong = np.flatnonzero(~(np.diff(time) > 0))
+    if wrong.size == 0:
+        return
+    row = int(wrong[0]) + 1
+    back = time[row] < time[row - 1]
+    raise LogError(
+        f"time {'goes back' if back else 'does not increase'} in row {row + 1}, to "
+        f"{time[row] - time[0]:.6f} s after {time[row - 1] - time[0]:.6f} s since the start "
+        f"({counted(wrong.size, 'such row')})",
+        where=f"{where}: time",
+        expected="strictly increasing time",
+        do="export again, or delete the repeated rows",
+    )

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import LogError
+from calib.base.names import CHANNELS
 from calib.logs.clock import GAP, is_ascending, step_of
 
 BRIDGE = 0.2
@@ -160,3 +162,76 @@ def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
     sigma = noise * np.sqrt(1.0 / n + centre**2 / spread + 0.5)  # 0.5 of the ends of the bridge
     straight = float(np.abs(x - line).max()) <= allowed + 4.0 * noise
     return straight and abs(at_origin) <= allowed + 3.0 * float(sigma)
+
+
+ENDS = 1.0
+"""Longest time [s] at the start or the end of a log for which a channel may have no value."""
+
+
+def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """The rows from the first value of the last channel that begins to the first last value.
+
+    ``channels`` by name, (n,) each, are NaN where they have no value. One without a value for more
+    than `ENDS` [s] at an end counts as one with a gap. Returns (m,) each, and a note.
+    """
+    time = channels.get("time")
+    if time is None or not np.isfinite(time).all():
+        return channels, ()
+    begin, end, late = 0, time.size, list[str]()
+    for name, values in channels.items():
+        present = np.flatnonzero(~np.isnan(values)) if name in CHANNELS else np.empty(0, np.intp)
+        if not present.size:
+            continue
+        first, last = int(present[0]), int(present[-1])
+        if time[first] - time[0] > ENDS or time[-1] - time[last] > ENDS:
+            continue
+        if first > 0 or last + 1 < time.size:
+            late.append(name)
+        begin, end = max(begin, first), min(end, last + 1)
+    if not late or begin >= end:
+        return channels, ()
+    note = (
+        f"{', '.join(late)}: no value at the start or the end; "
+        f"the first {begin} and the last {time.size - end} rows were left out"
+    )
+    return {name: values[begin:end] for name, values in channels.items()}, (note,)
+
+
+def complete_channels(
+    channels: dict[str, Array], require: tuple[str, ...], where: str
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """The channels that are finite in every row, and a note on each dropped one.
+
+    Raises LogError for an empty one in ``require``, and for missing values in what every log has.
+    """
+    kept, notes = {}, []
+    for name, values in channels.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size == 0:
+            kept[name] = values
+        elif np.isnan(values).all():
+            if name in require:
+                raise LogError(
+                    f"the channel is empty: no value in {values.size} rows",
+                    where=f"{where}: {name}",
+                    expected="a value in every row",
+                    do="run `brake-cal check`: it lists the remaining uses of the log",
+                )
+            notes.append(f"{name} is empty and was left out")
+        elif name in CHANNELS and CHANNELS[name].required:
+            first = int(bad[0])
+            kind = "no value" if np.isnan(values[first]) else "an infinite value"
+            raise LogError(
+                f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1}, "
+                f"{channels['time'][first] - channels['time'][0]:.3f} s after the start",
+                where=f"{where}: {name}",
+                expected="a finite value in every row",
+                do="export all channels on one clock, or cut the log before the gap: a gap is "
+                f"bridged {ONLY}",
+            )
+        else:
+            notes.append(
+                f"{name} has no value in {bad.size} of {values.size} rows, "
+                f"first in row {bad[0] + 1}, and was left out"
+            )
+    return kept, tuple(notes)

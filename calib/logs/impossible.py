@@ -22,8 +22,7 @@ from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS, WHEELS
 from calib.base.units import from_si
 from calib.logs.clock import is_ascending
-from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
-from calib.logs.verify import ENDS
+from calib.logs.gaps import BRIDGE, ENDS, ChannelHole, fill_rows
 
 Mask = NDArray[np.bool_]
 
@@ -107,7 +106,7 @@ def without_impossible(
             marked.append(Marked(name, count, float(time[first]), float(values[name][first])))
             values[name] = np.where(mask, np.nan, values[name])
     filled, _, bridged = fill_rows({one.channel: values[one.channel] for one in marked}, time)
-    within = (time > time[0] + ENDS) & (time < time[-1] - ENDS)  # what ends may lack: `verify`
+    within = (time > time[0] + ENDS) & (time < time[-1] - ENDS)  # ends may lack some
     for one in marked:
         many = np.count_nonzero(found[one.channel] & within) > max(_FEW * time.size, 1.0)
         if many and CHANNELS[one.channel].required:
@@ -175,3 +174,24 @@ def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Arr
     long = np.where(step > _QUICK, possible.long, 0.0) * step
     to_zero = np.maximum(possible.nonzero, possible.zero * quick)
     return possible.up * quick + slack + long, to_zero + long
+
+
+_ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
+"""By SI unit: far above all values that a car can have, and that a wrong unit can make of them."""
+_ABSURD_ELSE = 1e12
+"""Above seconds since 1970, too."""
+
+
+def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
+    """Raise LogError for a value so large that the file must be damaged; channels in SI by name."""
+    for name, values in channels.items():
+        most = _ABSURD.get(CHANNELS[name].si, _ABSURD_ELSE) if name in CHANNELS else _ABSURD_ELSE
+        absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
+        if absurd.size:
+            row = int(absurd[0])
+            raise LogError(
+                f"row {row + 1} holds {values[row]:.3g} (SI)",
+                where=f"{where}: {name}",
+                expected="a value that can be measured",
+                do="the file is damaged or the unit is wrong: export it again",
+            )

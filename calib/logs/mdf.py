@@ -20,7 +20,7 @@ from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged, n
 _VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""
 
-FRAME = "CAN_DataFrame"
+_FRAME = "CAN_DataFrame"
 """Name of the channel for data frames in the ASAM standard."""
 
 _TIME_SYNC = 1
@@ -182,7 +182,7 @@ def _frames(mdf: Any, groups: list[int], known: Dbc, where: str) -> list[Frames]
     found = []
     for number in groups:
         names = {c.name for c in mdf.groups[number].channels}
-        if f"{FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
+        if f"{_FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
             found += _frames_of_group(mdf, number, names, known, where)
     parts: dict[tuple[str, Key], list[Frames]] = {}
     for item in found:
@@ -204,12 +204,14 @@ def _frames_of_group(
     mdf: Any, number: int, names: set[str], known: Dbc, where: str
 ) -> list[Frames]:
     try:
-        identifier = mdf.get(f"{FRAME}.ID", group=number)
+        identifier = mdf.get(f"{_FRAME}.ID", group=number)
         extended, bus, length = (
-            mdf.get(f"{FRAME}.{name}", group=number).samples if f"{FRAME}.{name}" in names else None
+            mdf.get(f"{_FRAME}.{name}", group=number).samples
+            if f"{_FRAME}.{name}" in names
+            else None
             for name in ("IDE", "BusChannel", "DataLength")
         )
-        data = mdf.get(f"{FRAME}.DataBytes", group=number).samples
+        data = mdf.get(f"{_FRAME}.DataBytes", group=number).samples
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where, "frames") from cause
     ids, time = identifier.samples, identifier.timestamps

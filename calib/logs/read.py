@@ -15,15 +15,14 @@ from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
 from calib.logs.channel_map import TRUTH, Assigned, ChannelMap, assign, without_unit
-from calib.logs.clock import is_ascending, on_line
+from calib.logs.clock import check_clock, is_ascending, on_line
 from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
-from calib.logs.gaps import fill_rows
-from calib.logs.impossible import without_impossible
+from calib.logs.gaps import complete_channels, fill_rows, without_open_ends
+from calib.logs.impossible import refuse_absurd, without_impossible
 from calib.logs.log import Log
 from calib.logs.resample import Resampled, of_several_clocks, on_one_clock, traces_of
 from calib.logs.source import ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
-from calib.logs.verify import check_clock, complete_channels, refuse_absurd, without_open_ends
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels that fit and validation need."""

@@ -15,12 +15,11 @@ from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import to_si
 from calib.logs.channel_map import MAP_IT, ChannelMap, assign
-from calib.logs.clock import GAP, step_of
+from calib.logs.clock import GAP, check_increasing, step_of
 from calib.logs.formats import stem_of
 from calib.logs.log import Log
 from calib.logs.read import open_log, recorded_clock
 from calib.logs.source import Recording
-from calib.logs.verify import check_increasing
 
 TIME = "time"
 

@@ -10,10 +10,9 @@ from calib.base.names import WHEELS
 from calib.base.units import from_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
-from calib.logs.clock import step_of
+from calib.logs.clock import check_steps, step_of
 from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
-from calib.logs.verify import check_steps
 from calib.run.filters import runs
 from calib.suggest.columns import (
     GIVE_RADIUS,

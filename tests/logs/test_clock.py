@@ -1,10 +1,105 @@
-"""Even clocks of few digits, and times out of order."""
+"""Clocks as recorders, loggers and spreadsheets write them: read rightly, or refused by name."""
 
 import numpy as np
 import pytest
 
 from calib.base.errors import LogError
 from calib.logs.clock import check_running, evened, on_line, step_of
+from calib.logs.read import read_log
+from tests.support.made_runs import made_run, stop
+
+RUN = made_run(stop(), rate=100.0)
+UNITS = {"p_mc": ("bar", 1e-5), "a_x": ("m/s^2", 1.0), "v": ("m/s", 1.0)} | {
+    f"omega_{w}": ("rad/s", 1.0) for w in ("fl", "fr", "rl", "rr")
+}
+
+
+def write(folder, times, head="time [s]", channels=UNITS):
+    """The run as CSV with these cells of time."""
+    rows = [",".join([head, *(f"{name} [{UNITS[name][0]}]" for name in channels)])]
+    values = [RUN[name] * UNITS[name][1] for name in channels]
+    rows += [f"{t}," + ",".join(f"{x:.5f}" for x in row) for t, *row in zip(times, *values)]  # noqa: B905
+    path = folder / "run.csv"
+    path.write_text("\n".join([*rows, ""]))
+    return path
+
+
+def test_rows_of_several_clocks_are_put_on_one(tmp_path):
+    """Pressure, wheels and v in rows of their own; straight lines between 10 ms err by 1e-3."""
+    cells, start = [], 1.7e9
+    for i, t in enumerate(RUN.time):
+        p, a, v = RUN["p_mc"][i] * 1e-5, RUN["a_x"][i], RUN["v"][i]
+        cells.append((t, f"{p:.5f},{a:.5f},,,,,"))
+        wheels = ",".join(f"{RUN[f'omega_{w}'][i]:.5f}" for w in ("fl", "fr", "rl", "rr"))
+        cells.append((t + 0.0021, f",,{wheels},"))
+        if i % 5 == 0:
+            cells.append((t + 0.0007, f",,,,,,{v:.5f}"))
+    names = ("p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
+    rows = ["time [s]," + ",".join(f"{n} [{UNITS[n][0]}]" for n in names)]
+    rows += [f"{start + t:.6f},{row}" for t, row in sorted(cells)]
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([*rows, ""]))
+    log = read_log(path)
+    at = log.time - start
+    assert log.sample_time == pytest.approx(0.01, rel=1e-3)
+    assert np.all(np.diff(log.time) > 0.005)
+    later = np.interp(at - 0.0021, RUN.time, RUN["omega_fl"])
+    np.testing.assert_allclose(log["omega_fl"], later, atol=2e-3)
+    np.testing.assert_allclose(log["p_mc"], np.interp(at, RUN.time, RUN["p_mc"]), atol=2e3)
+
+
+@pytest.mark.parametrize("unit", ["sec", "s", "ms"])
+def test_a_number_with_its_unit_is_a_time(tmp_path, unit):
+    scale = 1e3 if unit == "ms" else 1.0
+    path = write(tmp_path, [f"{scale * t:.4g} {unit}" for t in RUN.time], head="time")
+    np.testing.assert_allclose(read_log(path).time, RUN.time - RUN.time[0], atol=1e-6)
+
+
+def test_days_of_a_spreadsheet_are_a_unit(tmp_path):
+    path = write(tmp_path, [f"{45000.5 + t / 86400.0:.11f}" for t in RUN.time], head="time [d]")
+    time = read_log(path).time
+    np.testing.assert_allclose(time - time[0], RUN.time - RUN.time[0], atol=2e-6)
+
+
+def test_a_header_may_have_line_breaks_in_quotes(tmp_path):
+    path = write(tmp_path, [f"{t:.3f}" for t in RUN.time])
+    head, rest = path.read_text().split("\n", 1)
+    broken = ",".join('"' + cell.replace(" [", "\n[") + '"' for cell in head.split(","))
+    path.write_text(f"{broken}\n{rest}")
+    assert read_log(path).time.size == RUN.time.size
+
+
+def four_digits(t):
+    """Milliseconds with four digits: 0.05 s after a second is .0050."""
+    return f"{int(t)}.{round(1e3 * (t % 1.0)):04d}"
+
+
+HANDED_OUT = np.ceil(RUN.time / 0.016) * 0.016
+BURSTS = HANDED_OUT + 1.2e-4 * np.append(0, np.diff(HANDED_OUT) == 0.0)
+
+REFUSED = {
+    "ms that are s": ([f"{t:.3f}" for t in RUN.time], "time [ms]", "is it in s?"),
+    "s that are ms": ([f"{1e3 * t:.0f}" for t in RUN.time], "time [s]", "is it in ms?"),
+    "four digits": ([four_digits(t) for t in RUN.time + 1e-6], "time [s]", "digits"),
+    "bursts": ([f"{t:.5f}" for t in BURSTS], "time [s]", "adapter"),
+}
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_a_clock_that_cannot_be_is_named_before_anything_else(tmp_path, kind):
+    cells, head, names = REFUSED[kind]
+    with pytest.raises(LogError) as error:
+        read_log(write(tmp_path, cells, head))
+    assert names in error.value.do
+    assert str(error.value.where).endswith("time")
+
+
+def test_an_optional_channel_of_an_unknown_unit_is_left_out(tmp_path):
+    path = write(tmp_path, [f"{t:.3f}" for t in RUN.time])
+    path.write_text(path.read_text().replace("v [m/s]", "v [furlong/h]"))
+    log = read_log(path)
+    assert "v" not in log
+    assert any("furlong" in note for note in log.notes)
 
 
 def kept(size, lost=()):

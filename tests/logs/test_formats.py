@@ -49,23 +49,6 @@ def test_another_kind_is_named(tmp_path, ending, data, says):
     assert says in refusal(read_log, path, kind=LogError)
 
 
-TABLE = "time [s],v [m/s],a_x [g]\n" + "0.1,20.5,0.2\n" * 500
-
-
-@pytest.mark.parametrize(
-    ("ending", "text"),
-    [
-        (".csv", TABLE + "We drove on wet tile, and\n" * 30 + "went home\n"),
-        (".log", "We drove on wet tile and\nwent home"),
-        (".asc", "We drove on wet tile and\nwent home"),
-    ],
-)
-def test_text_of_another_kind_is_not_called_cut_off(tmp_path, ending, text):
-    path = tmp_path / f"notes{ending}"
-    path.write_text(text)
-    assert "cut off" not in refusal(read_log, path, write_dbc(tmp_path), kind=LogError)
-
-
 def test_a_table_that_begins_with_a_word_of_another_kind_is_a_table():
     refuse_other_kind(b"date time [s],v [m/s]\n0.0,20.5\n", ".csv", "run.csv")
     refuse_other_kind(b"(time),v [m/s]\n0.0,20.5\n", ".csv", "run.csv")

@@ -1,7 +1,6 @@
 """Logs written and read back: their channels, and every column."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.logs.whole import WholeColumn, WholeLog, read_whole
 from calib.logs.write import DECIMALS, WRITERS, write_csv, write_parquet
-from tests.support.recordings import ramp, write_map, write_mdf
+from tests.support.recordings import write_map, write_mdf
 
 ROWS = 50
 
@@ -106,17 +105,3 @@ def test_every_format_is_the_same_log_in_si(tmp_path):
         assert list(back.channels) == list(ref.channels)
         for name, values in ref.channels.items():
             np.testing.assert_array_equal(back[name], values, err_msg=f"{ending} {name}")
-
-
-def test_another_reader_sees_values_and_units_of_mdf(tmp_path):
-    from asammdf import MDF
-
-    whole = read_whole(Path(ramp().source))
-    write_log(whole, tmp_path / "run.mf4")
-    with MDF(tmp_path / "run.mf4") as mdf:
-        assert mdf.version == "4.10"
-        for column in whole.columns[1:]:
-            signal = mdf.get(column.name)
-            assert signal.unit == column.unit
-            np.testing.assert_array_equal(signal.samples, column.values)
-            np.testing.assert_array_equal(signal.timestamps, whole.time)

@@ -13,6 +13,7 @@ from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource
 from calib.suggest.propose import Suggestion, suggest, to_toml
+from calib.suggest.words import BRAKE, LONG, MASTER, SPEED, STEERING, corner, score
 from tests.support.made_runs import made_run, stop
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
@@ -135,16 +136,18 @@ TIME = 1e3 * RUN.time
         (changed("nRad_HL", RNG.normal(size=N) + 300), "omega_rl", "nRad_HL"),
         (lost(V, slice(300, 360)), "v", V),
         (foreign() | {("Raw", "Nm"): PRESSURE}, "p_mc", P),
+        *((foreign() | {(name, "Nm"): RNG.normal(size=N) - 80.0}, "T_drive_f", name)
+          for name in ("Motor torque", "Drive torque request front")),
         (foreign() | {("Raw", "%"): PRESSURE}, "p_mc", P),
         (without(foreign(COAST), A) | {("acc 1", "g"): -COAST["a_x"] / 9.8}, "a_x", "acc 1"),
     ],
     ids=["no pressure", "no deceleration", "no wheel", "torque", "late pressure", "another wheel",
-         "long gap", "of a torque", "of a demand", "unnamed at a coast"],
+         "long gap", "of a torque", "of no axle", "asked for", "of a demand", "unnamed at a coast"],
 )  # fmt: skip
 def test_what_is_not_there_is_not_invented(columns, channel, left):
     result = suggestion(columns)
     assert channel not in {p.channel for p in result.proposals}
-    assert channel == "v" or channel in result.missing
+    assert channel in ("v", "T_drive_f") or channel in result.missing
     assert left in result.left
 
 
@@ -250,11 +253,6 @@ def test_what_is_found(columns, channel, source, sure):
     assert not result.doubts
 
 
-@pytest.mark.parametrize("name", ["Motor torque", "Drive torque request front"])
-def test_a_torque_of_no_axle_and_a_demand_are_no_torque_of_the_drive(name):
-    assert name in suggestion(foreign() | {(name, "Nm"): RNG.normal(size=N) - 80.0}).left
-
-
 @pytest.mark.parametrize(
     "path",
     [SAMPLES / name for name in ("sedan/ramp_wet_asphalt.csv", "sedan/dry_asphalt_stop.csv",
@@ -324,3 +322,44 @@ def test_each_axle_may_have_a_radius():
     proposals = found(columns, radii=(0.3, 0.315))
     scales = [proposals[f"omega_{w}"].mapping.scale for w in WHEELS]
     assert scales == pytest.approx([1 / 1.08, 1 / 1.08, 1 / 1.134, 1 / 1.134])
+
+
+@pytest.mark.parametrize(
+    ("wheel", "names"),
+    [
+        ("fl", ["omega_fl", "nRad_VL", "speed_lf", "front_l", "WhlSpdFrntLe"]),
+        ("fr", ["WheelSpeedFR", "Rad_VoRe"]),
+        ("rl", ["WhlSpd_RL_Meas", "wheel speed, left rear", "WhlSpdReLe", "Rad_HiLi"]),
+        ("rr", ["Raddrehzahl hinten rechts", "Rear-Right Wheel", "ESP_HR_Radgeschw_02"]),
+        (None, ["Front Axle Left Wheel", "velocity", "frontal area", "omega_rear", "l r"]),
+    ],
+)
+def test_corner(wheel, names):
+    """Parts of a corner that are not beside each other are not certain."""
+    assert {name: corner(name) for name in names} == dict.fromkeys(names, wheel)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "names", "others"),
+    [
+        (SPEED, ["GW1_FzgGeschw", "vFzg", "VehSpdEsc", "CarSpeed"], ["v_Soll", "WhlSpd"]),
+        (LONG, ["LongAcc", "ESP_Laengsbeschl", "VehALgt"], ["LatAcc", "ESP_Querbeschl"]),
+        (BRAKE, ["ESP_Bremsdruck"], []),
+        (MASTER, ["pTHZ", "pVordruck"], []),
+        (STEERING, ["LWI_Lenkradwinkel", "StrgAg"], []),
+    ],
+)
+def test_names_of_vehicle_buses(quantity, names, others):
+    assert min(score(name, quantity) for name in names) > 0
+    assert all(score(name, quantity) < 1 for name in others)
+
+
+def test_of_two_speeds_the_likelier():
+    """The car's before one of something, what was driven before what is shown or filtered."""
+    for likely, less in (
+        ("vehicle speed", "speed"),
+        ("GW1_FzgGeschw", "KBI_angez_Geschw"),
+        ("GPS_Speed", "GPS_Speed_filtered"),
+    ):
+        assert score(likely, SPEED) > score(less, SPEED)
+    assert score("engine speed", SPEED) == -1

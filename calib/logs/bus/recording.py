@@ -207,8 +207,8 @@ def decode(
     if not len(data):
         return ChannelTrace(clock, frames.time[chosen], np.zeros(0))
     little = signal.byte_order == "little_endian"
-    bits = raw(data, signal.start, signal.length, little)
-    codes = number(bits, signal.length, signal.is_signed, signal.is_float)
+    bits = _raw(data, signal.start, signal.length, little)
+    codes = _number(bits, signal.length, signal.is_signed, signal.is_float)
     values = codes * float(signal.scale) + float(signal.offset)
     names = {float(code): str(name) for code, name in (signal.choices or {}).items()}
     state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
@@ -221,7 +221,7 @@ def decode(
 def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np.bool_]:
     """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
     little = signal.byte_order == "little_endian"
-    here: NDArray[np.bool_] = frames.length > last_byte(signal.start, signal.length, little)
+    here: NDArray[np.bool_] = frames.length > _last_byte(signal.start, signal.length, little)
     if not signal.multiplexer_ids or signal.multiplexer_signal is None:
         return here
     selector = message.get_signal_by_name(signal.multiplexer_signal)
@@ -229,28 +229,28 @@ def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np
     if not here.any():
         return here
     ends = selector.byte_order == "little_endian"
-    codes = raw(frames.data, selector.start, selector.length, ends)
+    codes = _raw(frames.data, selector.start, selector.length, ends)
     here &= np.isin(codes, np.asarray(signal.multiplexer_ids, np.uint64))
     return here
 
 
-def raw(data: NDArray[np.uint8], start: int, length: int, little: bool) -> NDArray[np.uint64]:
+def _raw(data: NDArray[np.uint8], start: int, length: int, little: bool) -> NDArray[np.uint64]:
     """Unsigned integers of ``length`` bits, (n,), from frames (n, bytes); ``start`` as in a DBC.
 
-    >>> raw(np.array([[0x34, 0x12]], np.uint8), 0, 16, little=True)
+    >>> _raw(np.array([[0x34, 0x12]], np.uint8), 0, 16, little=True)
     array([4660], dtype=uint64)
-    >>> raw(np.array([[0x12, 0x34]], np.uint8), 7, 16, little=False)
+    >>> _raw(np.array([[0x12, 0x34]], np.uint8), 7, 16, little=False)
     array([4660], dtype=uint64)
     """
     begin = _first(start, little)
     byte, bit = divmod(begin, 8)
-    part = data[:, byte : last_byte(start, length, little) + 1]
+    part = data[:, byte : _last_byte(start, length, little) + 1]
     bits = np.unpackbits(part, axis=1, bitorder="little" if little else "big")
     place = np.uint64(1) << np.arange(length, dtype=np.uint64)
     return bits[:, bit : bit + length] @ (place if little else place[::-1])
 
 
-def last_byte(start: int, length: int, little: bool) -> int:
+def _last_byte(start: int, length: int, little: bool) -> int:
     """Index of the last byte of a frame that a signal uses."""
     return (_first(start, little) + length - 1) // 8
 
@@ -260,7 +260,7 @@ def _first(start: int, little: bool) -> int:
     return start if little else 8 * (start // 8) + 7 - start % 8
 
 
-def number(value: NDArray[np.uint64], length: int, signed: bool, real: bool) -> Array:
+def _number(value: NDArray[np.uint64], length: int, signed: bool, real: bool) -> Array:
     """Values of raw integers of ``length`` bits: unsigned, two's complement or IEEE 754."""
     if real:
         integer, floating = _REAL[length]

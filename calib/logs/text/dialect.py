@@ -149,7 +149,7 @@ def _decimal(separator: str, data: bytes, start: int, where: str) -> str:
 
 _TOP = 200
 """Lines in which the header is looked for."""
-RUN = 3
+_RUN = 3
 """Rows with numbers that make a run; fewer, if the file has no more."""
 
 
@@ -243,7 +243,7 @@ def _first_row(table: Sequence[Sequence[str]], width: int, numbers: Sequence[int
 
     filled = [i for i, row in enumerate(table) if row]
     for place, index in enumerate(filled):
-        if all(is_row(table[i]) for i in filled[place : place + RUN]):
+        if all(is_row(table[i]) for i in filled[place : place + _RUN]):
             return index
     return len(table)
 
