@@ -95,9 +95,3 @@ def test_cycles_of_abs_in_slow_messages_are_possible():
     slow = np.where(np.arange(1000) % 40 < 20, 1.0, 0.6)
     channels["omega_fl"][600:] *= slow[600:]
     assert not without_impossible(channels, "log")[1]
-
-
-@pytest.mark.parametrize("rate", [40.0, 200.0])
-def test_a_simulated_step_of_pressure_is_possible(rate):
-    log = made_run(lambda t: np.where((t > 2.0) & (t < 3.0), 60.0, 0.0), rate=rate, noise=0.0)
-    assert not without_impossible(log.channels, "log")[1]

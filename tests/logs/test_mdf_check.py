@@ -69,12 +69,6 @@ def test_a_file_that_the_recorder_did_not_finish(tmp_path, vlsd):
         assert any(" 200 records" in note for note in found.notes)
 
 
-def test_two_buses_stay_apart(tmp_path):
-    rows = [replace(row, bus=bus) for row in ROWS for bus in (1, 2)]
-    found, _ = opened(tmp_path, logger_mf4(rows))
-    assert {c.full for c in found.columns[1:]} >= {"1.WHEELS.WhlFL", "2.WHEELS.WhlFL"}
-
-
 DATA = logger_mf4(ROWS)
 COUNT = DATA.index(struct.pack("<QQHHLLL", 1, 0, 6, 0, 0, 20, 0)) + 8
 """Where the group of the received frames counts its records."""

@@ -179,7 +179,7 @@ RIM = without(foreign(), *(f"nRad_{w}" for w in ("VL", "VR", "HL", "HR"))) | {
             {"told": {"p_mc": "Brake pressure [bar]"}},
             ("Brake pressure", "bar", 1.0),
         ),
-        (RIM, "omega_fl", {"radii": (0.3, 0.3)}, ("WheelSpeed_FL", "rad/s", 1 / 3.6 / 0.3)),
+        (RIM, "omega_fl", {}, None),
         # 17 could be rad/s or km/h: a radius of 0.278 m makes both alike
         ({(n, None if n[:4] == "nRad" else u): x for (n, u), x in foreign().items()},
          "omega_fl", {}, None),
@@ -203,8 +203,11 @@ def test_a_doubt_is_asked_and_told(columns, doubtful, told, expected):
 def test_wheels_that_are_told_respect_the_radius():
     columns = {(n.replace("WheelSpeed", "Rim"), unit): x for (n, unit), x in RIM.items()}
     told = {f"omega_{wheel}": f"Rim_{wheel.upper()}" for wheel in WHEELS}
-    mapping = found(columns, told=told, radii=(0.3, 0.3))["omega_fl"].mapping
-    assert (mapping.unit, mapping.scale) == ("rad/s", pytest.approx(1 / 3.6 / 0.3))
+    for said in ({}, told):  # each axle may have a radius
+        proposals = found(columns if said else RIM, told=said, radii=(0.3, 0.315))
+        mappings = [proposals[f"omega_{wheel}"].mapping for wheel in ("fl", "rr")]
+        assert [mapping.unit for mapping in mappings] == ["rad/s", "rad/s"]
+        assert [m.scale for m in mappings] == pytest.approx([1 / 3.6 / 0.3, 1 / 3.6 / 0.315])
     with pytest.raises(InputError):
         suggestion(columns, told=told)
 
@@ -316,14 +319,6 @@ def test_mirrored_wheels_get_a_sign():
     assert signs == {"fl": 1, "fr": -1, "rl": 1, "rr": -1}
 
 
-def test_each_axle_may_have_a_radius():
-    columns = {key: x for key, x in foreign().items() if not key[0].startswith("nRad")}
-    columns |= {(f"Wheel_{w.upper()}", "km/h"): 3.6 * 0.3 * RUN[f"omega_{w}"] for w in WHEELS}
-    proposals = found(columns, radii=(0.3, 0.315))
-    scales = [proposals[f"omega_{w}"].mapping.scale for w in WHEELS]
-    assert scales == pytest.approx([1 / 1.08, 1 / 1.08, 1 / 1.134, 1 / 1.134])
-
-
 @pytest.mark.parametrize(
     ("wheel", "names"),
     [
@@ -352,14 +347,3 @@ def test_corner(wheel, names):
 def test_names_of_vehicle_buses(quantity, names, others):
     assert min(score(name, quantity) for name in names) > 0
     assert all(score(name, quantity) < 1 for name in others)
-
-
-def test_of_two_speeds_the_likelier():
-    """The car's before one of something, what was driven before what is shown or filtered."""
-    for likely, less in (
-        ("vehicle speed", "speed"),
-        ("GW1_FzgGeschw", "KBI_angez_Geschw"),
-        ("GPS_Speed", "GPS_Speed_filtered"),
-    ):
-        assert score(likely, SPEED) > score(less, SPEED)
-    assert score("engine speed", SPEED) == -1

@@ -114,21 +114,6 @@ def test_objects_that_the_writer_does_not_count(folder, compressed):
 
 
 ONE = frame(0.0, 256, bytes(8))
-PADDED = block(65, bytes(19)) + ONE
-
-
-@pytest.mark.parametrize(
-    "data",
-    [
-        blf([ONE], 1, unpacked=0),
-        blf([PADDED], 2),
-        blf([PADDED], 2, unpacked=HEADER + 32 + len(PADDED) + (32 + len(PADDED)) % 4),
-    ],
-    ids=["no unpacked size", "padding that is not counted", "padding that is counted"],
-)
-def test_what_a_writer_may_leave_out(folder, data):
-    (folder / "plain.blf").write_bytes(data)
-    assert check_whole(folder / "plain.blf") == (1, ())
 
 
 def lost(compressed):

@@ -1,5 +1,8 @@
 """Signals of a DBC: what cantools decodes frame by frame, and what is no measurement."""
 
+import logging
+import warnings
+
 import cantools
 import numpy as np
 import pytest
@@ -7,6 +10,7 @@ import pytest
 from calib.base.errors import ChannelMapError, LogError
 from calib.logs.bus.dbc import read_databases
 from calib.logs.bus.recording import decode, described, frames_of
+from tests.support.databases import SAMPLES
 from tests.support.recordings import DBC
 
 MUX = """VERSION ""
@@ -158,9 +162,49 @@ def test_names_of_more_than_32_characters(tmp_path):
     assert known(tmp_path, text).buses[""][1, False].get_signal_by_name(long).unit == "km/h"
 
 
-def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):
-    text = 'VERSION ""\nNS_ :\nBS_:\nBU_: A\nBO_ 1 M: 16 A\n'
-    text += ' SG_ Text : 0|80@1+ (1,0) [0|0] "" A\n SG_ Speed : 80|8@1+ (1,0) [0|0] "km/h" A\n'
-    dbc = known(tmp_path, text)
-    columns, _ = described([frames_of("0", (1, False), np.zeros(1), [bytes(16)])], dbc)
-    assert [c.name for c in columns] == ["Speed"]
+FRAMES = 30
+
+
+def theirs(path):
+    """Frames of canmatrix by identifier."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import canmatrix.formats
+
+        logging.getLogger("canmatrix").setLevel(logging.CRITICAL)
+        found = canmatrix.formats.loadp(str(path))
+    return {
+        (frame.arbitration_id.id, bool(frame.arbitration_id.extended)): frame
+        for matrix in found.values()
+        for frame in matrix.frames
+    }
+
+
+def random_frames(key, length):
+    rows = np.random.default_rng(key[0]).integers(0, 256, (FRAMES, length), np.uint8)
+    data = [bytes(row) for row in rows]
+    return data, frames_of("0", key, np.arange(float(FRAMES)), data)
+
+
+def ours(frames, message, signal):
+    """Value by number of the frame."""
+    found = decode(frames, message, signal)
+    return dict(zip(found.time.astype(int).tolist(), found.values.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("path", sorted(SAMPLES.glob("*.*[dkx][bcm][cdl]")), ids=lambda p: p.name)
+def test_signals_are_those_of_another_reader(path):
+    matrix, compared = theirs(path), 0
+    for key, message in read_databases({"": [path]}, "can", "x").buses[""].items():
+        data, frames = random_frames(key, message.length)
+        decoded = [matrix[key].decode(row) for row in data]
+        for signal in message.signals:
+            expected = {i: float(row[signal.name].phys_value) for i, row in enumerate(decoded)
+                        if signal.name in row}  # fmt: skip
+            found = ours(frames, message, signal)
+            assert found.keys() == expected.keys(), signal.name
+            np.testing.assert_allclose(
+                [found[i] for i in expected], list(expected.values()), rtol=1e-12, equal_nan=True
+            )
+            compared += len(expected)
+    assert compared >= 20

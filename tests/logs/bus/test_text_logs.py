@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from calib.base.errors import ChannelMapError, LogError
+from calib.base.errors import LogError
 from calib.logs.read import read_log
 from tests.support.recordings import MAP, write_bus
 from tests.support.refusals import refusal
 
 CHART = MAP.format(dbc='dbc = "chassis.dbc"\n')
-DBC = 'VERSION ""\nNS_ :\nBS_:\nBU_: A\nBO_ 5 DOORS: 8 A\n SG_ Open : 0|1@1+ (1,0) [0|1] "" A\n'
 
 
 @pytest.fixture(scope="module")
@@ -67,18 +66,3 @@ def test_a_message_on_two_buses_must_be_chosen(folder, lines):
     (folder / "can1.toml").write_text(chart)
     log, whole = read(folder, both, "can1.toml"), read(folder, lines)
     np.testing.assert_array_equal(log["omega_fl"], whole["omega_fl"])
-
-
-@pytest.mark.parametrize(
-    ("chart", "error"),
-    [
-        (CHART.replace("chassis", "foreign"), LogError),
-        (CHART.replace('"PMc"', '"PMC"'), ChannelMapError),
-    ],
-    ids=["another bus", "no such signal"],
-)
-def test_a_map_that_does_not_fit(folder, chart, error):
-    (folder / "foreign.dbc").write_text(DBC)
-    (folder / "other.toml").write_text(chart)
-    with pytest.raises(error):
-        read_log(folder / "whole.log", folder / "other.toml")

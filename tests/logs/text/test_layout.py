@@ -7,6 +7,7 @@ from calib.base.errors import LogError
 from calib.logs.channel_map import ChannelMap, Mapping, assign
 from calib.logs.source import Column
 from calib.logs.text.csv import open_csv
+from tests.support.refusals import refusal
 
 NAMES, UNITS = "Time,Brake,v", "s,bar,km/h"
 ROWS = "".join(f"{i / 100:.2f},{i / 10:.1f},{90 - i / 8:.3f}\n" for i in range(60))
@@ -78,3 +79,35 @@ def test_a_table_of_bus_frames_is_no_log():
     rows = "".join(f"{10 * i},0000013B,false,Rx,0,2,{i % 90:02d},00\n" for i in range(60))
     with pytest.raises(LogError, match="frames of a bus"):
         open_csv(("Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2\n" + rows).encode(), "run.csv")
+
+
+TWO = "time [s],p_mc [bar]\n"
+SAMPLES = "".join(f"{i / 200:.3f},{i / 10:.2f}\n" for i in range(60))
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        (TWO + SAMPLES).replace(",", " , ").encode(),
+        (TWO.replace("p_mc [bar]", '"p_mc [bar]"') + SAMPLES).encode(),
+        (TWO + SAMPLES).replace("0.015", "open").encode(),
+    ],
+    ids=["spaces", "quotes", "text in another column"],
+)
+def test_reads_the_columns_that_are_asked_for(data):
+    source = open_csv(data, "run.csv")
+    assert source.columns == (Column("time", "s"), Column("p_mc", "bar"))
+    np.testing.assert_array_equal(source.read([1])[0], np.arange(60) / 10)
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b"MDF     \0\0\0\0", "not text"),
+        ((TWO + SAMPLES.replace("0.015,0.30", "0.015,open")).encode(), "row 4: 'open'"),
+        ((TWO + SAMPLES.replace("0.015,", "0.015,7,")).encode(), "row 4 has 3 cells"),
+        (b"time;p_mc\ns;bar\n", ""),
+    ],
+)
+def test_what_is_no_table(data, says):
+    assert says in refusal(lambda: open_csv(data, "run.csv").read([0, 1]), kind=LogError)
