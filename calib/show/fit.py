@@ -13,8 +13,7 @@ from calib.show.origin import PageOrigin, origin
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet
 from calib.show.table import sheet
-from calib.store.answer import answer, verdict
-from calib.store.figures import effect_figures
+from calib.store.figures import answer, effect_figures, verdict
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, limiting
 from calib.table.budget import summary as budget_summary

@@ -1,14 +1,62 @@
-"""The figures of a table that a person reads: effects, and the means of several cars."""
+"""What a person reads of a table: may it be used, its effects, the means of several cars."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from calib.base.plain import NBSP
 from calib.base.random_effects import quantile95
 from calib.car.effects.catalogue import every_effect
+from calib.store.state import DRAFT, REJECTED, RELEASED
+from calib.store.version import Stored
 from calib.table.pad_levels import pad_levels
 from calib.table.table import Scatter, Table, Value
+
+
+@dataclass(frozen=True)
+class Answer:
+    """``usable`` where it is released; ``may`` says so in words.
+
+    ``decelerations`` of the known rows [1], ``ends`` what ends them; ``next`` the next step.
+    """
+
+    usable: bool
+    may: str
+    decelerations: tuple[float, float]
+    ends: str
+    next: str
+
+
+def answer(stored: Stored) -> Answer:
+    """May this table be used, how far does it reach, and what comes next."""
+    state, q = stored.state, stored.table.quality
+    peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
+    if peak is not None and q.get("eta_peak_is_real"):
+        ends = f"eta has its peak at {peak:.2f} g"
+    else:
+        ends = "the ramp ends" if end is None else f"the ramp ends at {end:.2f} g"
+    steps = {
+        RELEASED: f"brake-cal tables export {stored.name} --format ecu --out {stored.name}_ecu",
+        DRAFT: f"brake-cal validate {stored.id} STOP... --out results",
+        REJECTED: "find the cause and fit the car again, or release it on new evidence",
+    }
+    return Answer(
+        usable=state.released,
+        may=("yes: " if state.released else "no: ") + state.words,
+        decelerations=stored.table.paper.usable,
+        ends=ends,
+        next=steps.get(state.word, "fit the car again"),
+    )
+
+
+def verdict(stored: Stored) -> str:
+    """For what a version is usable, and up to how many g, in one line."""
+    uses = {DRAFT: "for trials, not yet for an ECU", RELEASED: "for an ECU"}
+    word = stored.state.word
+    if word not in uses:
+        return f"{stored.id} is of no use: it is {word}"
+    return f"{stored.id} is {uses[word]}, up to {stored.table.paper.usable[1]:.2f}{NBSP}g"
 
 
 @dataclass(frozen=True)

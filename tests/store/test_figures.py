@@ -1,11 +1,13 @@
-"""Effects of a table as figures: units of the cards, intervals within their ranges."""
+"""What a table may be used for; its effects: units of the cards, intervals within their ranges."""
 
 from dataclasses import replace
 
 import pytest
 
 from calib.car.effects.effects import DefinedIn, Effects
-from calib.store.figures import effect_figures
+from calib.store.figures import answer, effect_figures, verdict
+from calib.store.state import StateDecision
+from calib.store.store import Store
 from tests.support.tables import made_table
 
 
@@ -21,16 +23,10 @@ def test_an_interval_within_the_range_of_the_card_is_that_of_the_sigma():
     assert one.ci95 == pytest.approx((0.464, 0.856), abs=1e-4)
     assert one.unit == "m^2"
     assert str(one) == "drag_area 0.66 m^2 (95 %: 0.464 to 0.856)"
-
-
-def test_no_drag_is_negative():
-    (one,) = effect_figures(with_drag(0.0, 0.1))
-    assert one.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)
-
-
-def test_a_value_that_was_given_has_no_interval():
-    (one,) = effect_figures(with_drag(0.66, 0.0))
-    assert str(one) == "drag_area 0.66 m^2 (given)"
+    (none,) = effect_figures(with_drag(0.0, 0.1))
+    assert none.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)  # no drag is negative
+    (given,) = effect_figures(with_drag(0.66, 0.0))
+    assert str(given) == "drag_area 0.66 m^2 (given)"
 
 
 def test_an_effect_whose_file_was_not_given_has_si_units():
@@ -41,3 +37,14 @@ def test_an_effect_whose_file_was_not_given_has_si_units():
     (one,) = effect_figures(replace(table, vehicle=car, effects=effects))
     assert one.unit == "SI"
     assert one.ci95 == pytest.approx((-1.98, -0.02), abs=1e-3)
+
+
+@pytest.mark.parametrize("word", ["draft", "released", "rejected", "withdrawn"])
+def test_only_a_released_version_is_usable(store, word):
+    stored = Store(store).save(made_table(), StateDecision(word, "made for a test"))
+    found = answer(stored)
+    assert found.usable == (word == "released")
+    # the last row of the made table, at 0.30 g, is extrapolated
+    assert found.decelerations == pytest.approx((0.0, 0.285))
+    told = f"{found.decelerations[1]:.2f}\xa0g" in verdict(stored)
+    assert told == (word in ("draft", "released"))

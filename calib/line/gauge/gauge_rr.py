@@ -152,16 +152,11 @@ def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) ->
 
 
 @dataclass(frozen=True)
-class _VarianceComponent:
-    """Standard deviation with its 95 % interval, and ``variance``: zero for a negative one.
-
-    ``raw_variance`` as estimated; in the metric's unit, or that squared.
-    """
+class _Component:
+    """Standard deviation in the metric's unit, with its 95 % interval."""
 
     sd: float
     ci95: tuple[float, float]
-    variance: float
-    raw_variance: float
 
 
 @dataclass(frozen=True)
@@ -173,30 +168,21 @@ class _Ratio:
 
 
 @dataclass(frozen=True)
-class _Categories:
-    """Number of distinct categories, rounded down and ``uncut``, with its 95 % interval."""
-
-    value: int
-    uncut: float
-    ci95: tuple[float, float]
-
-
-@dataclass(frozen=True)
 class GaugeRR:
     """Components of a metric's scatter, as the document has them.
 
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
     ``gauge`` and ``total``; ``negative`` those whose estimated variance is negative, and counts as
-    zero; ``grr`` share of the gauge in the total standard deviation; ``grr_of_tolerance`` six of
-    its standard deviations over the tolerance, None without one; ``cars_differ`` whether the
-    interval of the cars' standard deviation is above zero.
+    zero; ``grr`` share of the gauge in the total standard deviation; ``ndc`` rounded down;
+    ``grr_of_tolerance`` six standard deviations of the gauge over the tolerance, None without one;
+    ``cars_differ`` whether the interval of the cars' standard deviation is above zero.
     """
 
     anova: tuple[_VarianceSource, ...]
-    components: dict[str, _VarianceComponent]
+    components: dict[str, _Component]
     negative: tuple[str, ...]
     grr: _Ratio
-    ndc: _Categories
+    ndc: _Ratio
     grr_of_tolerance: _Ratio | None
     cars_differ: bool
 
@@ -209,11 +195,12 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     """
     if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
-    variances = {name: np.asarray(value) for name, value in found.variances.items()}
-    raw = _derived(variances)
-    point = _derived({name: np.maximum(x, 0.0) for name, x in variances.items()})
+    point = _derived({name: np.maximum(x, 0.0) for name, x in found.variances.items()})
     spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(found).items()})
-    components = {n: _component(float(point[n]), float(raw[n]), spread[n]) for n in point}
+    ends = {name: np.sqrt(_ends(x)).tolist() for name, x in spread.items()}
+    components = {
+        name: _Component(math.sqrt(x), (ends[name][0], ends[name][1])) for name, x in point.items()
+    }
     (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(spread)
     gauge, per = components[GAUGE], _SIGMAS / tolerance if tolerance else math.nan
     low, high = gauge.ci95
@@ -222,15 +209,10 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
         components,
         tuple(name for name in components if found.variances.get(name, 0.0) < 0.0),
         _Ratio(float(grr), _ends(grrs)),
-        _Categories(int(min(float(ndc), 1e9)), float(ndc), _ends(ndcs)),
+        _Ratio(int(min(float(ndc), 1e9)), _ends(ndcs)),
         _Ratio(per * gauge.sd, (per * low, per * high)) if tolerance else None,
         components[CAR].ci95[0] > 0.0,
     )
-
-
-def _component(variance: float, raw: float, draws: Array) -> _VarianceComponent:
-    low, high = map(math.sqrt, _ends(draws))
-    return _VarianceComponent(math.sqrt(variance), (low, high), variance, raw)
 
 
 def _drawn(found: Anova) -> dict[str, Array]:

@@ -20,8 +20,6 @@ from calib.table.table import LogReference
 
 _COLUMNS = ("log", "car", "station", "road", "vehicle")
 _FILE = f"a CSV file with columns {', '.join(_COLUMNS)}; the last three may be left out"
-_MORE = "more"
-"""What the cells beyond the last column are called."""
 
 
 @dataclass(frozen=True)
@@ -69,29 +67,22 @@ def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
         text = data.decode("utf-8-sig")
-        if "\0" in text:
-            raise csv.Error("it holds a NUL")
-        head = text.partition("\n")[0]
-        rows = csv.DictReader(
-            (line for line in text.splitlines() if line.strip()),
-            delimiter=";" if ";" in head and "," not in head else ",",
-            restkey=_MORE,
-            restval="",
-            skipinitialspace=True,
-        )
-        heads = [name.strip() for name in rows.fieldnames or ()]
-        if not {"log", "car"} <= {*heads} <= {*_COLUMNS} or len({*heads}) < len(heads):
-            raise InputError(f"columns {', '.join(heads)}", where=path, expected=_FILE)
-        for row in rows:
-            cells = {str(key).strip(): str(cell).strip() for key, cell in row.items()}
-            if _MORE in cells or not (cells["log"] and cells["car"]):
-                what = f"line {rows.line_num} has no log or car, or too many cells"
-                raise InputError(what, where=path, expected=_FILE)
-            own = cells.pop("vehicle", "")
-            file = path.parent / own if own else vehicle
-            yield Place(path.parent / cells.pop("log"), vehicle=file, **cells)
+        mark = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
+        lines = [line for line in text.splitlines() if line.strip()]
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=mark)]
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
+    heads = rows[0] if rows else []
+    if not {"log", "car"} <= {*heads} <= {*_COLUMNS} or len({*heads}) < len(heads):
+        raise InputError(f"columns {', '.join(heads)}", where=path, expected=_FILE)
+    for number, row in enumerate(rows[1:], 2):
+        cells = dict(zip(heads, row, strict=False))
+        if len(row) > len(heads) or not (cells.get("log") and cells.get("car")):
+            what = f"row {number} has no log or car, or too many cells"
+            raise InputError(what, where=path, expected=_FILE)
+        own = cells.pop("vehicle", "")
+        file = path.parent / own if own else vehicle
+        yield Place(path.parent / cells.pop("log"), vehicle=file, **cells)
 
 
 def readings(

@@ -240,7 +240,7 @@ def _result(
         gauge = gauge_rr(analysis, tolerance)
     except ValueError:
         return GaugeResult(name, values, None, (), GaugeVerdict.NOT_JUDGED)
-    of_cars = (gauge.grr.value, float(gauge.ndc.value)) if gauge.cars_differ else (None, None)
+    of_cars = (gauge.grr.value, gauge.ndc.value) if gauge.cars_differ else (None, None)
     of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
     figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
     judgements = judge(_limits_of(name, limits), figures)
