@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from calib.base.errors import RevisionError, StoreError
 from calib.store.fleet import released_cars
 from calib.store.merge import merge
 from calib.store.store import Store
@@ -59,16 +58,3 @@ def test_a_mean_stands_for_its_cars_or_for_one_more(store, tmp_path):
     elsewhere = Store(tmp_path / "line")
     elsewhere.save(mean, RELEASE)
     assert list(released_cars(elsewhere, NEW, ())) == ["golden@1"]
-
-
-def test_a_store_without_such_cars(store):
-    store.save(car(1))
-    with pytest.raises(StoreError):
-        released_cars(store, NEW, ())
-
-
-def test_no_mean_is_made_of_a_car_and_one_that_rests_on_it(store):
-    first = store.save(car(1), RELEASE)
-    rests = store.save(car(2, parents=(TableReference(first.id, first.digest),)))
-    with pytest.raises(RevisionError):
-        merge([first, rests], "golden")

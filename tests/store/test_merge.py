@@ -136,19 +136,6 @@ def test_the_draws_and_the_figures_of_the_mean_tell_the_same_car(copies):
         assert abs(np.mean(drawn) - of) < 0.1 * np.std(drawn)
 
 
-def test_the_parts_of_the_budget_add_up_to_what_the_mean_leaves_open(copies):
-    mean = merge(copies, "golden")
-    cal, rests = mean.calibration, mean.budget
-    assert sum(rests.ratio.values()) == pytest.approx(cal.pad_log_ratio.sigma**2)
-    assert math.sqrt(sum(rests.stiffness.values())) == pytest.approx(
-        cal.slip_stiffness.sigma / cal.slip_stiffness.value
-    )
-    pads = (cal.pad_friction_f, cal.pad_friction_r)
-    for axle, pad in zip(rests.axles, pads, strict=True):
-        assert math.hypot(*axle.values()) == pytest.approx(pad.sigma / pad.value)
-    assert {"noise", "zeros"} & {*rests.level, *rests.ratio, *rests.stiffness} == set()
-
-
 def test_what_all_cars_share_does_not_shrink_with_their_number(copies):
     few, many = merge(copies[:2], "golden"), merge(copies, "golden")
     one = copies[0].table.budget
@@ -209,15 +196,6 @@ def test_what_has_no_mean_is_refused(parents):
     with pytest.raises(RevisionError) as error:
         merge(parents, "mean")
     assert error.value.exit_code == 2
-
-
-def test_the_mean_is_no_version_of_a_car_and_all_reasons_come_at_once():
-    with pytest.raises(RevisionError) as error:
-        merge(PAIR, "sedan")
-    assert len(error.value.what.split("; ")) == 1
-    with pytest.raises(RevisionError) as error:
-        merge([*of_vehicle(mass=1750.0), PAIR[1]], "sedan")
-    assert len(error.value.what.split("; ")) > 2
 
 
 def test_what_is_open_about_a_car_is_no_other_vehicle():

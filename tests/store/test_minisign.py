@@ -1,13 +1,10 @@
 """Keys and signatures of Debian's minisign: what is read, made, and refused."""
 
 import os
-import shutil
 import stat
-import subprocess
 import sys
 import traceback
 from base64 import b64decode, b64encode
-from pathlib import Path
 
 import pytest
 
@@ -20,8 +17,7 @@ from calib.store.minisign import (
     read_signature,
     verify,
 )
-from tests.store.golden.make import COMMENT, DATA, HERE, PASSWORD, little_memory
-from tests.support.signing import ADA
+from tests.store.golden.make import COMMENT, DATA, HERE, PASSWORD
 
 CHEAP = {"opslimit": 2**15, "memlimit": 2**24}
 OPEN = HERE / "open.key"
@@ -67,35 +63,6 @@ def test_keys_and_signatures_of_minisign(outcome, name):
     assert public.file == (HERE / f"{name}.pub").read_bytes()
     assert outcome((HERE / f"{name}.minisig").read_bytes(), public=public) == COMMENT
     assert outcome(key.sign(DATA, "line 7"), public=public) == "line 7"
-
-
-def test_line_ends_of_windows_are_read(outcome, tmp_path):
-    assert outcome(CONTENT.replace(b"\n", b"\r\n")) == COMMENT
-    for name in ("open.pub", "open.key"):
-        (tmp_path / name).write_bytes((HERE / name).read_bytes().replace(b"\n", b"\r\n"))
-    assert read_public_key(tmp_path / "open.pub") == PUBLIC
-    assert read_secret_key(tmp_path / "open.key", never).public == PUBLIC
-
-
-@pytest.mark.skipif(shutil.which("minisign") is None, reason="minisign is not installed")
-@pytest.mark.parametrize("password", ["", "Bremse 9"])
-def test_minisign_signs_and_verifies_with_our_keys(files, outcome, tmp_path, password):
-    public = generate(*files, password)
-    (tmp_path / "data.bin").write_bytes(DATA)
-
-    def minisign(*words):
-        line = ["minisign", *words, "-m", "data.bin", "-p", "car.pub"]
-        return subprocess.run(
-            line, cwd=tmp_path, input=f"{password}\n", text=True, preexec_fn=little_memory
-        ).returncode
-
-    assert minisign("-S", "-s", "car.key", "-t", COMMENT) == 0
-    beside = tmp_path / "data.bin.minisig"
-    assert outcome(beside.read_bytes(), public=public) == COMMENT
-    beside.write_bytes(read_secret_key(files[0], lambda: password).sign(DATA, "line 7"))
-    assert minisign("-V") == 0
-    beside.write_bytes(read_secret_key(files[0], lambda: password).sign(DATA + b"!", "line 7"))
-    assert minisign("-V") != 0
 
 
 # Refused
@@ -162,26 +129,6 @@ def test_no_refusal_shows_the_key_or_the_password(tmp_path):
         assert b64encode(SMALL[-104:]).decode()[4:-4] not in said
 
 
-def test_want_of_memory_is_an_error_of_the_program():
-    """The key asks for 1 GiB where there are 400 MB."""
-    code = (
-        "import resource, sys; from pathlib import Path\n"
-        "from calib.base.errors import KeyFileError\n"
-        "from calib.store.minisign import read_secret_key\n"
-        "resource.setrlimit(resource.RLIMIT_AS, (400_000_000, 400_000_000))\n"
-        "try: read_secret_key(Path(sys.argv[1]), lambda: 'a')\n"
-        "except KeyFileError as error: print('memory' in str(error))"
-    )
-    line = [sys.executable, "-c", code, HERE / "sensitive.key"]
-    root = Path(__file__).parents[2]
-    ran = subprocess.run(line, cwd=root, capture_output=True, text=True, check=True)
-    assert (ran.stdout, ran.stderr) == ("True\n", "")
-
-
-def test_a_key_shows_its_number_only():
-    assert repr(ADA) == f"SecretKey({ADA.public.key_id})"
-
-
 # New pairs
 
 
@@ -205,15 +152,6 @@ def test_an_existing_file_is_not_replaced(files, existing):
         generate(*files, "")
     assert refusal.value.where == files[existing]
     assert [path.read_text() for path in files if path.exists()] == ["precious"]
-
-
-def test_a_link_to_nowhere_and_one_file_for_both_are_refused(files):
-    with pytest.raises(KeyFileError):
-        generate(files[0], files[0], "")
-    files[0].symlink_to(files[0].with_name("elsewhere"))
-    with pytest.raises(KeyFileError):
-        generate(*files, "")
-    assert [path.name for path in files[0].parent.iterdir()] == ["car.key"]
 
 
 @pytest.mark.parametrize("write", [1, 2])

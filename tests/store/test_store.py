@@ -46,15 +46,6 @@ def test_what_is_foreseen_is_what_is_saved(store):
     assert store.foreseen(made_table(30.0), RELEASE).version == 2
 
 
-def test_one_content_is_one_sequence_of_bytes(tmp_path):
-    for name in "ab":
-        Store(tmp_path / name).save(made_table())
-        Store(tmp_path / name).save(made_table(28.0))
-    versions = [files_under(tmp_path / name / "sedan") for name in "ab"]
-    assert versions[0] == versions[1]
-    assert len(versions[0]) == 2 * 7  # a record, three curves, two maps and the draws
-
-
 def test_an_unsound_table_is_not_stored(store):
     table = made_table()
     wrong = replace(table, paper=replace(table.paper, f1=2.0 * table.paper.f1))
@@ -86,12 +77,6 @@ def test_a_read_only_store_is_refused_and_still_read(stored, store, monkeypatch)
     assert files_under(store.folder) == before
     assert store.save(made_table()).version == 1
     assert store.load("sedan").version == 1
-
-
-def test_a_store_that_is_a_file_is_refused(tmp_path):
-    (tmp_path / "tables").write_text("")
-    with pytest.raises(StoreError):
-        Store(tmp_path / "tables").save(made_table())
 
 
 # Loading

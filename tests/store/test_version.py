@@ -2,17 +2,12 @@
 
 import json
 
-import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from calib.base.errors import DamagedTable
 from calib.store.store import Store
-from calib.store.version import curve_bytes, read_curve
 from tests.support.tables import made_table
 
 
@@ -26,34 +21,11 @@ def path(store):
     return store.save(made_table()).path
 
 
-@given(arrays(np.float64, st.integers(0, 30), elements=st.floats(allow_nan=False)))
-def test_columns_come_back_to_the_bit(column):
-    back = read_curve(curve_bytes({"eta": column, "D": -column}))
-    assert list(back) == ["eta", "D"]
-    assert back["eta"].tobytes() == column.tobytes()
-    assert back["D"].tobytes() == (-column).tobytes()
-
-
 def test_pandas_reads_it_plainly_and_the_unit_is_in_the_field(path):
     found = pd.read_parquet(path / "difference.parquet")
     pd.testing.assert_frame_equal(found, pd.DataFrame(vars(made_table().difference)))
     units = [field.metadata for field in pq.read_schema(path / "difference.parquet")]
     assert units == [{b"unit": b"1"}] * 7
-
-
-@pytest.mark.parametrize("data", [b"", b"PAR1", b"no such file" * 20])
-def test_other_bytes_are_no_curve(data):
-    with pytest.raises(ValueError, match=r"\w"):
-        read_curve(data)
-
-
-def test_the_record_is_for_reading(path):
-    text = (path / "record.json").read_text()
-    document = json.loads(text)
-    assert text == json.dumps(document, indent=2, sort_keys=True) + "\n"
-    assert document["id"] == "sedan@1"
-    assert document["parents"][0] == {"name": "ramp.csv", "digest": "ab" * 32}
-    assert document["record"]["vehicle"]["mass"] == 1744.0
 
 
 def flip(path, offset):

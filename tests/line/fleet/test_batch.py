@@ -2,10 +2,8 @@
 
 import os
 import pickle
-import signal
 import subprocess
 import sys
-from multiprocessing import active_children
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -16,9 +14,8 @@ from calib.estimation.limits import Limit
 from calib.estimation.metrics import METRICS
 from calib.estimation.validate import validate_one
 from calib.line.fleet.batch import run_batch
-from calib.line.fleet.journal import NAME, BatchJournal
+from calib.line.fleet.journal import NAME
 from calib.line.fleet.work import Job
-from calib.line.fleet.workers import Pool
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import read_log
 from calib.logs.text.dialect import TextFormat
@@ -110,33 +107,9 @@ def test_a_log_that_kills_its_worker_is_a_row_and_is_tried_again(run, six):
     assert rows == whole
 
 
-def test_a_log_for_which_memory_is_short_is_tried_again(run, six, monkeypatch):
-    def short(*arguments, **told):
-        raise MemoryError
-
-    with monkeypatch.context() as patched:
-        patched.setattr("calib.line.fleet.work.read_log", short)
-        assert run("logs/car_00000.csv").counts == {"error": 1}
-    again = run("logs/car_00000.csv")
-    assert (again.fresh, again.counts) == (1, {"passed": 1})
-
-
 def test_a_worker_of_another_version_ends_the_run(run, six, fitted):
     with pytest.raises(BatchError):
         run(six, job=Job("validate", table=fitted, version="0.0.0"))
-
-
-def test_a_full_disk_is_told_and_no_log_is_done_twice(run, six, monkeypatch):
-    executor = Here()
-
-    def full(self, rows):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(BatchJournal, "add", full)
-    with pytest.raises(OSError, match="No space"):
-        run(six, executor=executor)
-    assert executor.renewed == 0
-    assert len(set(executor.done)) == len(executor.done)
 
 
 MAPS = (
@@ -161,22 +134,6 @@ def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
     bus.write_text("VERSION 2")
     found.append(settings(**MAPS[-1]))
     assert len(set(found)) == len(found) == 6
-
-
-def test_a_killed_worker_costs_no_row(job, fleet, undisturbed, tmp_path):
-    pool, killed = Pool(2), []
-
-    def report(batch):
-        if batch.done >= 8 and not killed:
-            killed.append(active_children()[0].pid)
-            os.kill(killed[0], signal.SIGKILL)
-
-    try:
-        done = run_batch(job, [str(fleet)], tmp_path, pool, report)
-    finally:
-        pool.close()
-    assert killed
-    assert done.results.read_bytes() == undisturbed
 
 
 # A batch that says how far it is.

@@ -59,11 +59,3 @@ def test_for_a_diagnosis_a_log_is_a_folder():
     assert found("cars/*", command="diagnose") == ["cars/1", "cars/more/2"]
     assert found("cars/1", command="diagnose") == ["cars/1"]
     assert {"cars/1", "cars/more/2"} == set(found("cars/**", command="diagnose"))
-
-
-@pytest.mark.parametrize("out", ["logs/deep", "logs"])
-def test_results_may_lie_beside_logs(out):
-    Path(out, "results.parquet").touch()
-    inner = [] if out == "logs/deep" else ["logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
-    assert found("logs", out=out) == ["logs/a.csv", *inner]
-    assert found("logs/deep", out=out) == ["logs/deep/c.csv", "logs/deep/er/b.PARQUET"]

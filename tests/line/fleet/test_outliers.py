@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
 from scipy.stats import binom, norm, t
 
-from calib.line.fleet.outliers import SHARE, effective, judge, named
+from calib.line.fleet.outliers import effective, judge
 from calib.line.fleet.summary import drifting
 
 
@@ -17,20 +15,6 @@ def spread(values, least=0.0):
 
 def cars_named(values):
     return np.flatnonzero(judge(np.atleast_2d(values)).named.any(axis=0)).tolist()
-
-
-def by_definition(p, share):
-    """Benjamini and Hochberg (1995), (1): the k smallest, k the last with p_(k) <= k/m share."""
-    ranked = sorted(p)
-    held = [k for k in range(1, len(p) + 1) if ranked[k - 1] <= k / len(p) * share]
-    return [x <= ranked[held[-1] - 1] for x in p] if held else [False] * len(p)
-
-
-@given(st.lists(st.floats(0.0, 1.0) | st.floats(0.0, 0.1), min_size=1, max_size=50))
-def test_named_is_the_rule_of_benjamini_and_hochberg(p):
-    expected = by_definition(p, SHARE * (1 - 1e-12))
-    assume(expected == by_definition(p, SHARE * (1 + 1e-12)))  # on the limit rounding decides
-    assert named(np.array(p), SHARE).tolist() == expected
 
 
 FLEETS = 25

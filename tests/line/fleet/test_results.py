@@ -4,7 +4,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.base.errors import InputError
-from calib.line.fleet.results import line_order, open_fleet
+from calib.line.fleet.results import open_fleet
 from calib.line.fleet.rows import Column
 from tests.support.fleet_results import LOST, results
 
@@ -30,12 +30,6 @@ def test_the_line_is_in_the_natural_order_of_names_or_of_a_column(tmp_path):
     turned = open_fleet(path, "built")
     assert turned.logs == fleet.logs[::-1]
     assert turned.numbers("built").tolist() == sorted(fleet.numbers("built").tolist())
-
-
-def test_numbers_in_names_count_and_what_is_not_known_goes_to_the_end_in_the_order_given():
-    assert line_order(["b2", "a10", "a9"]) == [2, 1, 0]
-    assert line_order([np.nan, 2.0, None, -1.0]) == [3, 1, 0, 2]
-    assert line_order([True, None, False]) == [2, 0, 1]
 
 
 def test_what_is_no_results_file_is_refused(tmp_path):

@@ -7,11 +7,9 @@ from threading import Event
 
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from calib.line.fleet.batch import run_batch
-from calib.line.fleet.watch import Settled, watch
+from calib.line.fleet.watch import watch
 from tests.support.fleet_logs import Here, validating
 
 RESULTS = Path("out/results.parquet")
@@ -99,22 +97,3 @@ def test_a_folder_that_is_away_for_a_while_is_told_once(seen, six):
     assert [row.log for row in told] == ["a.csv"]
     assert len(trouble) == 2
     assert "in" in trouble[0]
-
-
-@given(st.lists(st.integers(0, 3), min_size=1, max_size=30), st.integers(1, 4))
-def test_a_file_is_given_once_for_each_rest(tmp_path_factory, sizes, settle):
-    """Looked at every second: ready when it was the same for ``settle`` seconds, once for each."""
-    path = tmp_path_factory.mktemp("s") / "a.csv"
-    settled, given_at, expected, rest = Settled(settle), [], [], 0
-    for now, size in enumerate(sizes):
-        changed = now == 0 or size != sizes[now - 1]
-        if changed:
-            path.write_bytes(b"x" * size)
-            os.utime(path, ns=(now, now))
-        rest = 0 if changed else rest + 1
-        if rest == settle:
-            expected.append(now)
-        for ready in settled.look([str(path)], float(now)):
-            settled.give(ready)
-            given_at.append(now)
-    assert given_at == expected

@@ -19,7 +19,3 @@ def test_every_limit_has_its_meaning_and_reason_above_it():
         i = next(i for i, line in enumerate(lines) if line.startswith(f"{figure} = "))
         assert lines[i - 1] == f"# why: {row['reason']}"
         assert {**OF_STOPS, **OF_CAR}[figure] in lines[i - 2]
-
-
-def test_every_figure_stands_in_it():
-    assert all(name in limits_file() for name in {*OF_CAR, *OF_STOPS})
