@@ -17,15 +17,15 @@ from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
-    from calib.line.station.identity import Identity
+    from calib.line.station.station import Identity
 
-IDENTIFIER = "calib.line.station.identity:identifier"
+IDENTIFIER = "calib.line.station.station:identifier"
 NAME = "Name of the station."
 
 
 @dataclass(frozen=True)
 class Who:
-    """What identifies a run at the line, as `calib.line.station.identity.Identity` has it."""
+    """What identifies a run at the line, as `calib.line.station.station.Identity` has it."""
 
     serial: Annotated[str | None, option("Serial number.", "S", make=IDENTIFIER)]
     vin: Annotated[str | None, option("Vehicle identification.", "V", make=IDENTIFIER)]
@@ -82,8 +82,7 @@ def station(
     from calib.base.write import workshop
     from calib.line.station.files import outputs_of, publish_run, why_not_exported
     from calib.line.station.golden import golden_table
-    from calib.line.station.identity import Identity
-    from calib.line.station.station import judged_car
+    from calib.line.station.station import Identity, judged_car
     from calib.show.station_page import StationRun, store_and_write
 
     ramps, who = [ramp, *more], Identity(**vars(identity))

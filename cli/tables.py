@@ -25,7 +25,7 @@ def list_(
 ) -> Answer:
     """List every version of every table, or those of a car."""
     from calib.show.store import listed
-    from calib.store.listing import chosen, row_of
+    from calib.store.figures import chosen, row_of
 
     rows = chosen(map(row_of, store.entries(state)), since, serial=serial, vin=vin)
     none = f"{store.folder} holds no {'such table' if store.now().names else 'table'}"

@@ -22,8 +22,7 @@ from calib.line.station.files import (
     to_text,
     why_not_exported,
 )
-from calib.line.station.identity import TITLES
-from calib.line.station.station import StationOutcome
+from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of

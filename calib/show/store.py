@@ -8,8 +8,8 @@ import numpy as np
 from calib.base.plain import counted, plain
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.judged import budget_rows, ramp_rows
+from calib.store.figures import Row as Listed
 from calib.store.figures import answer, effect_figures, mean_figures, verdict
-from calib.store.listing import Row as Listed
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored

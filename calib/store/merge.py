@@ -18,8 +18,7 @@ from calib.base.names import PROGRAM
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
-from calib.store.mean import inflated, mean_curves, mean_pads
-from calib.store.mixture import mean_maps
+from calib.store.mean import inflated, mean_curves, mean_maps, mean_pads
 from calib.store.version import Stored
 from calib.table.compare import changes
 from calib.table.table import Array, FleetScatter, Provenance, Scatter, Table, TableReference

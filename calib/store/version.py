@@ -74,7 +74,7 @@ def write_version(table: Table, version: int, path: Path) -> None:
     path.mkdir(parents=True)
     digests = {}
     for name, columns in curves.items():
-        data = curve_bytes(columns)
+        data = _curve_bytes(columns)
         digests[f"{name}.parquet"] = _sha256(data)
         _write(path / f"{name}.parquet", data)
     _write(path / RECORD, _content(record, table.digest, version, digests))
@@ -115,7 +115,7 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     return stored
 
 
-def curve_bytes(columns: dict[str, Array]) -> bytes:
+def _curve_bytes(columns: dict[str, Array]) -> bytes:
     """A Parquet file of named ``columns``, each (n,), in the given order, with their units.
 
     Without compression and in one row group: the same columns give the same bytes.
@@ -132,7 +132,7 @@ def curve_bytes(columns: dict[str, Array]) -> bytes:
     return sink.getvalue()
 
 
-def read_curve(data: bytes) -> dict[str, Array]:
+def _read_curve(data: bytes) -> dict[str, Array]:
     """Columns of a Parquet file, each float64 (n,). Raises ValueError for any other file."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -168,7 +168,7 @@ def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:
     data = _bytes(path)
     if _sha256(data) != digests[path.name]:
         raise DamagedTable(f"{path.name}: its bytes differ from their digest", where=path.parent)
-    return read_curve(data)
+    return _read_curve(data)
 
 
 def _bytes(path: Path) -> bytes:

@@ -5,9 +5,8 @@ from functools import cache
 from pathlib import Path
 
 from calib.car.vehicle_file import read_vehicle
-from calib.line.station.identity import Identity
 from calib.line.station.limits_file import LIMITS
-from calib.line.station.station import StationOutcome, judged_car
+from calib.line.station.station import Identity, StationOutcome, judged_car
 from calib.logs.read import read_log
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"

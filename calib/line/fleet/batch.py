@@ -27,7 +27,7 @@ from calib.logs.read import FORMATS
 _CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
 
-AHEAD = 3
+_AHEAD = 3
 """Submitted chunks for each worker: one in progress and the others waiting."""
 
 
@@ -118,7 +118,7 @@ class Sweep:
         size = min(self.most, 1 + self.total // (8 * self.executor.workers))
         items = (self._item(name, path) for name, path in logs)
         while chunk := tuple(islice(items, size)):
-            self._drain(AHEAD * self.executor.workers - 1)
+            self._drain(_AHEAD * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
 

@@ -103,7 +103,7 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
     values = table.column(order).to_pylist()
     unknown = sum(map(_is_unknown, values))
     rest = f" ({unknown} rows without it at the end)" if unknown else ""
-    table = table.take(line_order(values))
+    table = table.take(_line_order(values))
     head = {column.name for column in HEAD}
     return FleetFile(
         path,
@@ -114,10 +114,10 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
     )
 
 
-def line_order(values: Sequence[object]) -> list[int]:
+def _line_order(values: Sequence[object]) -> list[int]:
     """Indices that sort ``values``, text in natural order; unknown values go to the end.
 
-    >>> line_order(["car10", "car9", None, "car1"])
+    >>> _line_order(["car10", "car9", None, "car1"])
     [3, 1, 0, 2]
     """
     return sorted(range(len(values)), key=lambda i: (_is_unknown(values[i]), _key(values[i])))

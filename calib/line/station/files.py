@@ -24,14 +24,13 @@ from calib.base.write import publish, workshop, write_whole
 from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
-from calib.line.station.identity import Identity
-from calib.line.station.station import StationCheck, StationOutcome
+from calib.line.station.station import Identity, StationCheck, StationOutcome
 from calib.store.version import Stored
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 REFUSED = "refused.json"
 _SCHEMA = 1
-FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
+_FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 
 def export_name(form: str) -> str:
@@ -45,7 +44,7 @@ EXPORTS = frozenset(map(export_name, ENDINGS))
 
 def outputs_of(stops: Sequence[str], forms: Sequence[str]) -> list[str]:
     """Every file that a run may write, with hold-outs named ``stops`` and exports ``forms``."""
-    return [*FIXED, REFUSED, *map(export_name, forms), *(f"{stop}.parquet" for stop in stops)]
+    return [*_FIXED, REFUSED, *map(export_name, forms), *(f"{stop}.parquet" for stop in stops)]
 
 
 def why_not_exported(stored: Stored) -> str:
@@ -70,7 +69,7 @@ def _stale(out: Path) -> set[str]:
     found = {*EXPORTS, REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
-        found |= {n for n in names if isinstance(n, str) and n == Path(n).name and n not in FIXED}
+        found |= {n for n in names if isinstance(n, str) and n == Path(n).name and n not in _FIXED}
     return found
 
 

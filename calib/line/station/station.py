@@ -5,7 +5,7 @@ ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or 
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +20,6 @@ from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgemen
 from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.estimation.validate import NONE, Validation, proof_of, validate_one
 from calib.fitting.fit import fit
-from calib.line.station.identity import NOBODY, Identity
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
@@ -34,6 +33,45 @@ from calib.table.table import Table
 _LEVEL = 0.06
 """Change of the brakes from the ramp to the stops [1] from which it is named: pads with one load
 and one temperature repeat to 2 %, and the estimate of a stop errs by 2 %."""
+
+
+_LONGEST = 64
+"""Largest number of characters of an identifier."""
+
+TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
+"""Names of the identifiers in a report."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Identifiers of a run at the line, each None where none was given.
+
+    ``serial`` of the car or brake control unit; ``vin``; ``station`` where it ran; ``rxswin`` the
+    software identification of UN R156.
+    """
+
+    serial: str | None = None
+    vin: str | None = None
+    station: str | None = None
+    rxswin: str | None = None
+
+    def given(self) -> dict[str, str]:
+        """The identifiers that were given, by name.
+
+        >>> Identity(vin="WVWZZZ1JZXW000001").given()
+        {'vin': 'WVWZZZ1JZXW000001'}
+        """
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+NOBODY = Identity()
+
+
+def identifier(text: str) -> str:
+    """Return the text of an identifier. Raises ValueError for one that no report can show."""
+    if not text.strip() or len(text) > _LONGEST or not text.isprintable():
+        raise ValueError(f"not an identifier: 1 to {_LONGEST} characters that can be printed")
+    return text
 
 
 @dataclass(frozen=True)

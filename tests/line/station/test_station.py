@@ -11,9 +11,8 @@ from calib.car.vehicle_file import read_vehicle
 from calib.estimation.estimator import estimate
 from calib.estimation.limits import Limit
 from calib.line.station.files import to_dict
-from calib.line.station.identity import NOBODY
 from calib.line.station.limits_file import LIMITS
-from calib.line.station.station import StationOutcome, judged_car
+from calib.line.station.station import NOBODY, StationOutcome, judged_car
 from calib.logs.read import read_log
 from calib.store.merge import merge
 from calib.store.version import Stored
