@@ -65,7 +65,7 @@ def _of_v(driving: DrivingRecord, radius: float, by_a_x: float) -> Iterator[Meas
     least, most = bounds_of("v_unit_by_a_x")
     known = low <= by_a_x <= high
     wrong = not low <= radius <= high or (known and not least <= radius / by_a_x <= most)
-    offset = speed_offset(driving) if wrong else None
+    offset = _speed_offset(driving) if wrong else None
     if offset is not None and known:
         value, sigma, without = offset
         agrees = abs(math.log(without / by_a_x)) < _UNIT_KNOWN
@@ -79,7 +79,7 @@ def _of_v(driving: DrivingRecord, radius: float, by_a_x: float) -> Iterator[Meas
         yield Measured("v_unit_by_a_x", radius / by_a_x, words=words)
 
 
-def speed_offset(driving: DrivingRecord) -> tuple[float, float, float] | None:
+def _speed_offset(driving: DrivingRecord) -> tuple[float, float, float] | None:
     """Offset of the wheel speeds against v [rad/s], its sigma, and the radius without it [m].
 
     omega = v/R + offset + what slips, which is in proportion to z. None where the speed hardly

@@ -97,9 +97,9 @@ class Accelerometer:
 class _AgainstSpeed:
     """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
 
-    e = bias + grade, d = bias + drag. ``precision`` (3, 3), ``vector`` (3,); ``likelihood`` its
-    logarithm where c, e and d are zero, up to a constant; of the lag ``own`` precision [1/s^2],
-    ``side`` [1/s] and ``along`` (c, e), (2,), how the lag moves with them [1/s].
+    e = bias + grade, d = bias + drag. ``likelihood`` its logarithm where c, e and d are zero, up to
+    a constant; of the lag ``own`` precision [1/s^2], ``side`` [1/s] and ``along`` (c, e), (2,), how
+    the lag moves with them [1/s].
     """
 
     precision: Array
@@ -248,11 +248,9 @@ def _on_lead_in(told: SpeedEvidence, unexplained: Array, sigma: Array) -> tuple[
 def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     """The scale c [1] over all of a run where it is likelier that of no sensor, else 0.
 
-    0 without ``v`` or a braking: rolling, z is noise for the most part. Without a grade that walks,
-    which explains what such a scale does. It takes no part in what is corrected: a run with such a
-    scale is not used. By means of z over `_SECOND`: the noise of a_x is in the integral and in what
-    a scale makes of it alike, and looks like a scale of 1. No vehicle is needed: the resistance on
-    the lead-in is that of usual cars, and says little of the scale.
+    0 without ``v`` or a braking. Without a grade that walks, which explains what such a scale does.
+    By means of z over `_SECOND`: the noise of a_x, in the integral and in what a scale makes of it
+    alike, looks like a scale of 1. The resistance on the lead-in is that of usual cars.
     """
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0

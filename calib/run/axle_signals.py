@@ -80,13 +80,11 @@ def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
 
     Raises LogError if the car hardly moves.
     """
-    step = log.sample_time
+    read, step = causal_signals(log, radius), log.sample_time
     omega_f, omega_r = (
         0.5 * (without_runout(log[f"omega_{a}l"], step) + without_runout(log[f"omega_{a}r"], step))
         for a in AXLES
     )
-    p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
-    drive_f, drive_r = (log.channels.get(f"T_drive_{a}", np.zeros_like(log.time)) for a in "fr")
     v, delay = _reference_speed(log)
     speed = radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
@@ -95,22 +93,15 @@ def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
             where=log.source,
             expected="a braking from more than 8 m/s",
         )
-    z = deceleration(log["a_x"])
-    rolling = _lead_in(log.time, np.maximum(p_f, p_r), z, speed, step)
+    rolling = _lead_in(log.time, np.maximum(read.p_f, read.p_r), read.z, speed, step)
     rolling &= _undisturbed(eta_of(omega_f, omega_r), rolling, step)
-    return Signals(
-        time=log.time,
-        p_f=p_f,
-        p_r=p_r,
-        drive_f=drive_f,
-        drive_r=drive_r,
-        z=z,
+    return replace(
+        read,
         omega_f=omega_f,
         omega_r=omega_r,
         v=v,
         speed=speed,
         lead_in=rolling,
-        sample_time=step,
         delay=delay,
     )
 
@@ -121,12 +112,13 @@ def causal_signals(log: Log, radius: float) -> Signals:
     Nothing in them depends on a later sample.
     """
     omega_f, omega_r = (0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES)
+    drive_f, drive_r = (log.channels.get(f"T_drive_{a}", np.zeros_like(log.time)) for a in AXLES)
     return Signals(
         time=log.time,
         p_f=axle_pressure(log, "f"),
         p_r=axle_pressure(log, "r"),
-        drive_f=log["T_drive_f"],
-        drive_r=log["T_drive_r"],
+        drive_f=drive_f,
+        drive_r=drive_r,
         z=deceleration(log["a_x"]),
         omega_f=omega_f,
         omega_r=omega_r,

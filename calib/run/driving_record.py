@@ -76,7 +76,7 @@ class DrivingRecord:
 class BrakeEvent:
     """One application of the brakes.
 
-    ``start``, ``end`` [s]; ``first``, ``last`` sample numbers; ``pressure`` highest [Pa] or None;
+    ``start``, ``end`` [s]; ``first`` sample number; ``pressure`` highest [Pa] or None;
     ``z_low``, ``z_high`` range of the deceleration from its start to its end [1]; ``speed_start``,
     ``speed_end`` [m/s]; ``braking`` time above 3 m/s [s]; ``rise`` length of the longest steady
     rise of the braking [s] and ``rise_z`` its range of deceleration [1].
@@ -85,7 +85,6 @@ class BrakeEvent:
     start: float
     end: float
     first: int
-    last: int
     pressure: float | None
     z_low: float
     z_high: float
@@ -131,7 +130,6 @@ def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
         start=float(driving.time[start]),
         end=float(driving.time[last]),
         first=start,
-        last=last,
         pressure=None if driving.pressure is None else float(driving.pressure[part].max()),
         z_low=float(z.min()),
         z_high=float(z.max()),

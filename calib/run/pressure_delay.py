@@ -114,7 +114,7 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
     if master is None or wheels is None:
         return {"p_mc": master} if master else {}
     if not drives:
-        behind = [delay_of_wheel(log.time, log[name], log["p_mc"], use) for name in names]
+        behind = [_delay_of_wheel(log.time, log[name], log["p_mc"], use) for name in names]
         told = [master.less(x) for x in behind if x and x.explained > LIMITS.explained_curve]
         if len(told) == len(names) and wheels.within(told):
             return {"p_mc": master, **dict(zip(names, told, strict=True))}
@@ -151,7 +151,7 @@ def pressure_delay(
     return _by_chance(tried, columns, z[at], known, _EXACT, _FORCE * usual)
 
 
-def delay_of_wheel(time: Array, wheel: Array, master: Array, use: Mask) -> PressureDelay | None:
+def _delay_of_wheel(time: Array, wheel: Array, master: Array, use: Mask) -> PressureDelay | None:
     """The delay of a wheel's pressure after the ``master`` cylinder's [Pa]; None without braking.
 
     A valve between them may limit or reduce: the one is a curve over the other. ``time`` [s];

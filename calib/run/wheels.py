@@ -236,7 +236,7 @@ class WheelParts:
     z: float
 
 
-class Crossed(NamedTuple):
+class _Crossed(NamedTuple):
     """A front and a rear wheel whose columns have changed places, and the part that tells it [1].
 
     ``others`` the two wheels that slip less or more than the rest, in words.
@@ -275,7 +275,7 @@ def _alone(part: IntervalEstimate, others: float, z: float) -> bool:
     return abs(part.value) - part.half >= least
 
 
-def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed | None:
+def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed | None:
     """Front and rear wheel of one side that are exchanged; None where that is not sure.
 
     ``alone`` is the axle that brakes alone, "f" or "r", or None.
@@ -286,10 +286,10 @@ def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed 
     if not _alone(x, max(abs(parts.axles.value), abs(parts.sides.value)), parts.z):
         return None
     wheels = ("fl", "rl") if (x.value < 0.0) is (alone != "r") else ("fr", "rr")
-    return Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
+    return _Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
 
 
-def crossed_diagonal(parts: WheelParts | None, expected: float) -> Crossed | None:
+def crossed_diagonal(parts: WheelParts | None, expected: float) -> _Crossed | None:
     """Front and rear wheel of a diagonal that are exchanged; None where that is not likely.
 
     ``expected`` is E [1] as the table of the car has it. A bend moves L too, and leaves E.
@@ -301,4 +301,4 @@ def crossed_diagonal(parts: WheelParts | None, expected: float) -> Crossed | Non
     if not (_alone(part, max(e, x), parts.z) and low < abs(part.value) < high and e < low):
         return None
     wheels = ("fl", "rr") if (part.value < 0.0) is (expected > 0.0) else ("fr", "rl")
-    return Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")
+    return _Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")

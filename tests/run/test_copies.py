@@ -13,7 +13,6 @@ from calib.plausibility.check import check
 from calib.run.copies import (
     came_at,
     computed_channels,
-    factor_between,
     period_of,
     shares_of_speed,
     twice,
@@ -48,16 +47,6 @@ def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed
     np.testing.assert_allclose(
         np.interp(middle, np.arange(x.size), found), (x[came[1:-1]] + x[came[2:]]) / 2.0
     )
-
-
-@pytest.mark.parametrize("period", [2, 33])
-def test_a_parabola_that_is_held_is_wrong_by_its_bend_alone(period):
-    t = np.arange(1000.0)
-    true = 30.0 - 1e-2 * t - 5e-6 * t**2
-    x = held(true, period)
-    last = 1000 - period - 1000 % period
-    assert np.max(np.abs(straight(x) - true)[:last]) <= 5e-6 * period**2 / 4 + 1e-12
-    assert np.max(np.abs(x - true)) > 1e-2 * (period - 1)
 
 
 def test_a_value_that_stays_for_long_came_again_with_each_period():
@@ -116,13 +105,6 @@ def test_a_pressure_made_of_a_torque_is_found_and_refused():
 )
 def test_what_is_no_copy(unit, values):
     assert not list(computed_channels(*log_with(unit, values)))
-
-
-@pytest.mark.parametrize("factor", [0.01, -3.0, 1e6])
-def test_factor(factor):
-    x = np.random.default_rng(2).normal(size=50)
-    assert factor_between(factor * x, x) == pytest.approx(factor)
-    assert factor_between(factor * (x + 0.1), x) is None
 
 
 @pytest.mark.parametrize("width", [2, 16])

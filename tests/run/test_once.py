@@ -51,4 +51,4 @@ def test_a_validation_makes_each_view_of_a_log_once(fitted):
     _, counted = calls(lambda: validate(table, [log]))
     ecu = {"remove_known_effects": 2, "blocks": 2}
     assert {x: counted[x] for x in OF_A_LOG if counted[x] > ecu.get(x, 1)} == {}
-    assert counted["causal_signals"] == 1
+    assert counted["causal_signals"] == 2
