@@ -6,9 +6,11 @@ A row refuses the run, makes its result void, or warns. Further rows of a code, 
 or consequences, leave out what they have from the first one.
 """
 
+import json
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from calib.base.errors import not_finite
@@ -66,6 +68,11 @@ _ROWS = rows("rules.csv")
 _FIRST = {row["code"]: row for row in reversed(_ROWS)}
 RULES = tuple(_read(row, _FIRST[row["code"]]) for row in _ROWS)
 _MEANS = {rule.code: rule.means for rule in reversed(RULES)}
+LIMITS = SimpleNamespace(
+    **{row["name"]: json.loads(row["value"]) for row in rows("log_limits.csv")}
+)
+"""Further numbers by which a log is looked at, each with its unit and its reason."""
+
 UNITS = {rule.code: rule.unit for rule in reversed(RULES)}
 """The codes with the unit of what they measure. The ``log`` of those of a vehicle file is the name
 of the vehicle; 1 of a code that measures nothing else says that it is so. A metric past its limit

@@ -5,9 +5,8 @@ Each function is a figure of `rules.csv` by its name.
 
 from collections.abc import Iterator, Sequence
 
-from calib.base.warning import Measured, bounds_of
+from calib.base.warning import LIMITS, Measured, bounds_of
 from calib.plausibility.evidence import Evidence
-from calib.run.limits import LIMITS
 from calib.run.run import Run
 from calib.run.wheels import Slipping
 

@@ -12,14 +12,13 @@ import numpy as np
 from calib.base.arrays import Mask
 from calib.base.intervals import scatter
 from calib.base.names import WHEELS
-from calib.base.warning import Measured, bounds_of, relative
+from calib.base.warning import LIMITS, Measured, bounds_of, relative
 from calib.car.balance import front_biased_up_to
 from calib.car.braking import BITE, MOVING
 from calib.car.plausible import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE, SMOOTH, DrivingRecord
-from calib.run.limits import LIMITS
 from calib.run.wheels import crossed_side
 
 _SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # taken for each other [m/s]

@@ -17,12 +17,11 @@ from calib.base.arrays import Array, Index
 from calib.base.errors import LogError
 from calib.base.names import WHEELS
 from calib.base.units import UnknownUnit, si_of, spelling
-from calib.base.warning import bounds_of
+from calib.base.warning import LIMITS, bounds_of
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.logs.source import ColumnSource, Recording
 from calib.run.filters import square_left
-from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
 _WIDEST, _MOST_LAGS = 0.15, 40  # reach of a derivative [s], and at most [samples]

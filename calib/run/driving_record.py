@@ -15,11 +15,11 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import WHEELS, G
+from calib.base.warning import LIMITS
 from calib.car.braking import BITE, MOVING
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean, runs
-from calib.run.limits import LIMITS
 
 BITE_Z = 0.08  # deceleration that is braking if no pressure is logged [g]: above drag and engine
 STEADY = 0.15  # largest deceleration of a car that rolls [g]

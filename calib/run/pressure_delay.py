@@ -20,14 +20,13 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import AXLES, G
-from calib.base.warning import bounds_of
+from calib.base.warning import LIMITS, bounds_of
 from calib.car.braking import BITE
 from calib.logs.clock import step_of
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure
 from calib.run.driving_record import BITE_Z, DRIVEN, GREATEST, DrivingRecord, rolls
 from calib.run.filters import centred_mean, lasting_variance, left_of, products_of, since
-from calib.run.limits import LIMITS
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
 _USUAL, _SPREAD = 0.02, 0.06

@@ -26,9 +26,9 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.intervals import scatter, white_noise
 from calib.base.names import WHEELS
+from calib.base.warning import LIMITS
 from calib.car.lag import integral
 from calib.logs.log import Log
-from calib.run.limits import LIMITS
 from calib.run.sensors import resolution_of
 
 _WHEELS = tuple(f"omega_{w}" for w in WHEELS)
@@ -133,9 +133,8 @@ def _alike(one: _View, other: _View, lag: int) -> bool:
     kinds = [apart for name, apart in each.items() if not name.startswith("omega_")]
     kinds += [float(np.median(wheels))] if wheels else []
     apart = float(np.median(kinds)) if kinds else np.inf
-    return apart < LIMITS.run_alike or (
-        apart < LIMITS.run_two and _together(list(pairs.values())) > LIMITS.run_together
-    )
+    together = apart < LIMITS.run_two and _together(list(pairs.values())) > LIMITS.run_together
+    return bool(apart < LIMITS.run_alike or together)
 
 
 def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:

@@ -8,10 +8,10 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS
+from calib.base.warning import LIMITS
 from calib.logs.log import Log
 from calib.run.driving_record import SMOOTH, DrivingRecord
 from calib.run.filters import runs
-from calib.run.limits import LIMITS
 
 _RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""

@@ -21,11 +21,11 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import WHEELS, G
+from calib.base.warning import LIMITS
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord
 from calib.run.filters import block_mean, centred_mean, runs, without_single
-from calib.run.limits import LIMITS
 
 
 @dataclass(frozen=True)
@@ -272,7 +272,7 @@ def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
 def _alone(part: IntervalEstimate, others: float, z: float) -> bool:
     """Whether X or L is larger than the ``others``, and than what unlike brakes make at ``z``."""
     least = max(LIMITS.crossed_alone * others, LIMITS.crossed_least * z)
-    return abs(part.value) - part.half >= least
+    return bool(abs(part.value) - part.half >= least)
 
 
 def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed | None:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.plain import bound, meanings
+from calib.base.warning import LIMITS
 from calib.car.balance import front_biased_up_to
 from calib.car.braking import MOVING
 from calib.car.forces import slip
@@ -18,7 +19,6 @@ from calib.line.station.golden import golden_metrics
 from calib.logs.log import Log
 from calib.run.driving_record import DrivingRecord
 from calib.run.filters import block_mean
-from calib.run.limits import LIMITS
 from calib.run.run import Run
 from calib.table.table import MEASURED, Table, TyreCurve
 
