@@ -172,10 +172,9 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
 
 
 def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) -> ForceStep:
-    """The largest step of ``rest`` (n,) in the longest braking, see `ForceStep`.
+    """The largest step of ``rest`` (n,) in the longest braking, by medians: a bump is no step.
 
-    ``nominal`` what the pressure makes; both over the usual brake force [1]. Medians, not means:
-    a bump is no step. ``step`` from one to the next [s].
+    ``nominal`` what the pressure makes; both over the usual brake force [1]; ``step`` [s].
     """
     on = np.flatnonzero(braked == 1.0)
     longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)

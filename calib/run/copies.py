@@ -89,16 +89,13 @@ def _rough(log: Log, channel: str) -> Array:
 
 
 def _differences(log: Log, channel: str) -> Array:
-    """Second differences of a channel without those over a gap, which every channel has alike."""
+    """Second differences of a channel, none over a gap: every channel has that alike."""
     even = np.diff(log.time) <= GAP * log.sample_time
     return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
 
 
 def _is_noise(log: Log, channel: str) -> bool:
-    """Whether the second differences are more than rounding, and those of noise.
-
-    Those of noise change their sign from one to the next, those of a smooth signal do not.
-    """
+    """Whether the second differences are those of noise, which change their sign, no rounding."""
     differences = _differences(log, channel)
     square = float(differences @ differences)
     rounding = LIMITS.copy_steps * resolution_of(log[channel])

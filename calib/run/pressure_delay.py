@@ -179,10 +179,9 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
 def _shifted(
     time: Array, pressures: Sequence[Array], at: Index, counts: Mask
 ) -> tuple[Array, Mask, Array]:
-    """Delays that are tried (m,), those that leave enough of what ``counts`` (n,) of the samples.
+    """Delays (m,) that leave enough of what ``counts`` (n,) of the samples ``at``.
 
-    With each of them: whether the pressures are known at the samples ``at`` (m, n), and what they
-    are (k, m, n).
+    With each whether the pressures are known there (m, n), and what they are (k, m, n).
     """
     then = time[at] - _TRIED[:, None]
     known = then <= time[-1]

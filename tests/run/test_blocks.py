@@ -1,15 +1,13 @@
-"""Blocks against numpy, causality by changing the future, and the axle that brakes alone."""
+"""Blocks against numpy, and the axle that brakes alone."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks, braked_alone
-from tests.support.made_runs import changed, made_run
+from tests.support.made_runs import made_run
 from tests.support.reference_car import IDEAL, noisy, one_axle, without
 from tests.support.tables import VEHICLE
 
@@ -30,25 +28,6 @@ def test_block_means_are_numpys(rate, samples):
     assert b.spin_f[1:] == pytest.approx(np.diff(b.omega_f) / 0.05)
     assert b.eta == pytest.approx(b.omega_r / b.omega_f)
     assert np.array_equal(b.lead_in, np.isin(b.end, s.time[s.lead_in]))
-
-
-@settings(max_examples=8)
-@given(st.integers(400, 1600), st.integers(0, 2**31))
-def test_a_block_knows_nothing_of_the_future(cut, seed):
-    """What comes after ``cut`` drawn anew: no block that is complete by then changes."""
-    rng = np.random.default_rng(seed)
-    other = {
-        name: np.where(np.arange(x.size) < cut, x, x * rng.uniform(0.5, 1.5, x.size))
-        for name, x in RUN.channels.items()
-        if name != "time"
-    }
-    before, after = (
-        blocks(signals(log, VEHICLE.rear.rolling_radius)) for log in (RUN, changed(RUN, **other))
-    )
-    assume(after.v is not None)  # v is used or not by the whole run
-    known = cut // before.samples
-    for name in ("end", "p_f", "z", "omega_f", "omega_r", "v", "speed", "spin_f", "spin_r"):
-        assert np.array_equal(getattr(before, name)[:known], getattr(after, name)[:known])
 
 
 @pytest.mark.parametrize("axle", ["f", "r"])

@@ -49,12 +49,6 @@ def test_trailing_mean_is_the_plain_one(x, n):
     assert trailing_mean(np.array(x), n) == pytest.approx(expected, abs=1e-9)
 
 
-@given(floats, floats, st.integers(1, 20))
-def test_trailing_mean_knows_nothing_of_the_future(past, future, n):
-    short = trailing_mean(np.array(past), n)
-    assert np.array_equal(trailing_mean(np.array(past + future), n)[: len(past)], short)
-
-
 @given(mask=arrays(bool, st.integers(0, 40)))
 def test_runs_tile_the_mask(mask):
     rebuilt = np.zeros_like(mask)

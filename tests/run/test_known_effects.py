@@ -90,17 +90,6 @@ def test_wheels_that_are_late_keep_their_slip_and_lose_the_delay(with_v):
     assert ("v" in ran.log) == with_v
 
 
-@pytest.mark.parametrize("place", ["front_brakes", "rear_brakes"])
-def test_a_term_on_the_brakes_comes_out_again(place):
-    term = EmpiricalTerm(place, "pressure", (0.0, 30e5, 60e5), (0.0, 0.1, -0.1))
-    log = _with_term(term)
-    ran = remove_known_effects(known({}, term), log)
-    for w in WHEELS:
-        wheel = axle(SEDAN, w)
-        torque = forces.brake_torque(wheel, wheel.pad_friction, pressure_of(ran.log, w))
-        assert np.max(np.abs(torque - log.truth[f"true_Tb_{w}"])) < 0.01
-
-
 def _with_term(term, heat=None):
     from calib.car.model import default_model
     from calib.model.simulate import simulate

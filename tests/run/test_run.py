@@ -77,8 +77,3 @@ def test_a_late_pressure_is_refused_until_the_channel_map_puts_it_in_time(tmp_pa
     assert why_not(moved, "fit") == []
     assert moved.time[-1] == pytest.approx(late.time[-1] - 1.5)  # after it the pressure is unknown
     assert moved["p_mc"] == pytest.approx(late["p_mc"][: moved.time.size], abs=1e3)
-
-
-def test_a_motor_whose_torque_is_logged_brakes_without_pressure():
-    motor = changed(RUN, p_mc=0.0 * RUN["p_mc"], T_drive_f=0.0 * RUN["p_mc"] - 300.0)
-    assert not set(why_not(motor, "validate")) & {"pressure_late", "pressure_foreign"}
