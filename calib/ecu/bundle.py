@@ -22,8 +22,7 @@ from calib.base.errors import ExchangeError
 from calib.base.write import publish, workshop, write_whole
 from calib.car.model import default_model
 from calib.ecu import car_source
-from calib.estimation.channels import A_X, ANSWERS, CHANNELS, FL, limits, samples_of
-from calib.estimation.online import answered
+from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.filters import as_comment

@@ -23,11 +23,10 @@ from calib.car.balance import force_per_pressure, front_share, turning_shares
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
 from calib.ecu.translation import structure, translated
-from calib.estimation.channels import ANSWERS, CHANNELS, limits
-from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects
-from calib.estimation.online import answered
+from calib.estimation.online import ANSWERS, CHANNELS, answered, limits
 from calib.estimation.reasons import Reason
+from calib.estimation.state import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.step import started
 from calib.exports.build import maps_of
 from calib.exports.dataset import MOST_AXES, Axis, Grid

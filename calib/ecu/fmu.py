@@ -19,8 +19,8 @@ from calib.base.templates import templates
 from calib.base.write import write_whole
 from calib.car.model import WET_ASPHALT, Model
 from calib.ecu.car_source import SOURCE, sources
-from calib.estimation.channels import REASON, VARIABLES, Variable
 from calib.estimation.known import known_effects
+from calib.estimation.online import REASON, VARIABLES, Variable
 from calib.estimation.reasons import Reason
 from calib.exports.filters import printable
 from calib.exports.labels import prefix

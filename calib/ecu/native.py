@@ -18,9 +18,8 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
 from calib.ecu.car_source import SOURCE, require_plain, sources
-from calib.estimation.channels import ANSWERS, rows_of, samples_of
 from calib.estimation.estimator import Estimate
-from calib.estimation.online import READ_OUT
+from calib.estimation.online import ANSWERS, READ_OUT, rows_of, samples_of
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.validate import Coded
 from calib.logs.log import Log

@@ -1,7 +1,7 @@
 """Other ways to the pad friction, shown beside the estimate: the paper's, and what it argues with.
 
-The curves f1(eta), f2(eta) hold on the road of the ramp: what they cost on another one is the
-difference of the last two `METHODS`. One that cannot be used on a run says NaN.
+The curves f1(eta), f2(eta) hold on the road of the ramp. A method that cannot be used on a run says
+NaN.
 
     y = J d omega/dt - F_bar R F_z + mu_n C P = -zeta C P        (23)
     y = theta u,   theta = zeta,   u = -C P                      (24)
@@ -16,28 +16,23 @@ from collections.abc import Callable
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.balance import ForceBalance, force_balance, front_share
-from calib.car.effects import pads
+from calib.car.balance import ForceBalance, force_balance
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.history import DISCS, START, constant_speed, heated
-from calib.car.lag import integral
 from calib.car.vehicle import Axle
 from calib.estimation.estimator import Estimate
-from calib.table.maps import Reader
 from calib.table.table import Table
 
 RATE, PRESSURE = 8.0, 20e5
 """Rate of the gradient law [1/s], 90 % of a step of zeta in 0.3 s, at a pressure [Pa] of a usual
 braking; it grows with its square."""
 _MEMORY = 0.5  # of the mean gain [s]: short against a stop, long against road noise (0.1 s)
-_FADE = {p.name: p.typical for p in pads.FADE.card.parameters}
 
 
-def nominal(e: Estimate, front: Array | float = 1.0, rear: Array | float = 1.0) -> Pair:
-    """The nominal pads, times factors."""
-    one = np.ones_like(e.read.time)
-    return e.car.front.pad_friction * front * one, e.car.rear.pad_friction * rear * one
+def nominal(e: Estimate, factor: Array | float = 1.0) -> Pair:
+    """The nominal pads, times a factor."""
+    factor = factor * np.ones_like(e.read.time)
+    return e.car.front.pad_friction * factor, e.car.rear.pad_friction * factor
 
 
 def mean_gain(e: Estimate) -> Pair:
@@ -54,27 +49,7 @@ def mean_gain(e: Estimate) -> Pair:
     pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
     above, below = (lfilter([1.0], pole, x) for x in (u * e.forces.balance.demanded, u * u))
     factor = np.divide(above, below, out=np.ones_like(u), where=below > 0.0)
-    return nominal(e, factor, factor)
-
-
-def temperature(e: Estimate) -> Pair:
-    """Nominal pads that depend on nothing but the temperature of their discs: the paper's [17].
-
-    Of [17] the paper only says that all heat is absorbed and dissipated by the disc. The law of the
-    pads is not told; here it is `pad_thermal_fade` at the typical values of its card: no change up
-    to 150 degC, then 0.1 % less friction per kelvin. Heat is that of nominal pads; a logged
-    `T_disc` gives the first value only. On wet pads it says what nominal pads would do. NaN
-    where thermal fade is a known effect, which is taken out already.
-    """
-    if pads.FADE.card.name in e.car.effects:
-        return nominal(e, np.nan, np.nan)
-    s, heat = e.read, {}
-    front = e.car.front.rolling_radius * e.forces.nominal_f * s.omega_f
-    rear = e.car.rear.rolling_radius * e.forces.nominal_r * s.omega_r
-    for side, power in (("f", 0.5 * front), ("r", 0.5 * rear)):
-        start = e.ran.log.channels.get(f"T_disc_{side}", (START,))[0]
-        heat[side] = heated(s.time, integral(s.time, np.abs(power)), DISCS[side], float(start))
-    return nominal(e, *pads.faded(_FADE, constant_speed(s.time, s.p_f, 0.0, heat), s.p_f, s.p_r))
+    return nominal(e, factor)
 
 
 # The paper's law ---------------------------------------------------------------------------------
@@ -123,19 +98,6 @@ def by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
     return F_f * b.load_f - b.moment_f, F_r * b.load_r - b.moment_r
 
 
-def by_map(table: Table, eta: Array, b: ForceBalance) -> Pair:
-    """Brake forces [N] that share the demanded one as the map of the table says, without v.
-
-    They are those of tyres at z + f1(z, eta) and z + f2(z, eta) under the live loads, and (18)
-    holds exactly. ``eta`` zeroed (22) (n,). Beyond the ends of the map its last values.
-    """
-    ratios = Reader(table.map, ("ratio",))
-    z = np.clip(b.demanded / table.vehicle.weight, *ratios.axes[0][[0, -1]])
-    (ratio,) = ratios(z, (eta - 1.0) / z, np.zeros_like(eta))
-    share = front_share(table.vehicle, ratio)
-    return share * b.demanded, (1.0 - share) * b.demanded
-
-
 def gain(axle: Axle) -> float:
     """gamma [1/(N^2 m^2 s)] that adapts this axle at `RATE` at `PRESSURE`."""
     return RATE / (axle.torque_gain * PRESSURE) ** 2
@@ -158,9 +120,7 @@ def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
 METHODS: dict[str, Callable[[Estimate], Pair]] = {
     "nominal": nominal,
     "mean_gain": mean_gain,
-    "temperature": temperature,
     "gradient_as_written": as_written,
     "gradient_paper": lambda e: adapted(e, by_curves(e.table, e.eta, e.forces.balance)),
-    "gradient_map": lambda e: adapted(e, by_map(e.table, e.eta, e.forces.balance)),
 }
 """The methods by the names that they have in files."""

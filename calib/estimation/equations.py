@@ -18,9 +18,17 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import G
-from calib.estimation.constants import Constants
 from calib.estimation.reasons import Reason
-from calib.estimation.state import LevelFilter, Number, Sample, SpeedFilter, State, Sums, Zero
+from calib.estimation.state import (
+    Constants,
+    LevelFilter,
+    Number,
+    Sample,
+    SpeedFilter,
+    State,
+    Sums,
+    Zero,
+)
 
 
 class BlockState(NamedTuple, Generic[Number]):

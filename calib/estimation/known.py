@@ -13,7 +13,7 @@ from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
 from calib.run.resistance import DRAG, ROLLING, Resistance
-from calib.table.pad_levels import pad_levels
+from calib.table.budget import pad_levels
 from calib.table.table import Table
 
 

@@ -6,22 +6,87 @@ What `calib.estimation.estimator` has of an ECU, and the reference of its C code
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array, Index, Mask
 from calib.base.names import G
+from calib.base.plain import rows
 from calib.car.vehicle import Vehicle
-from calib.estimation import channels as at
-from calib.estimation.constants import Constants
 from calib.estimation.known import as_driven
 from calib.estimation.readout import Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
+from calib.estimation.state import Constants
+from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.run.filters import block_mean
 from calib.run.noise import SensorNoise
 from calib.run.run import Run
 from calib.table.table import Table
+
+
+class Variable(NamedTuple):
+    """A number of an ECU, or of its FMU [SI]; a row of `variables.csv`, which lists them by order.
+
+    A sensor that works reads ``low`` to ``high``. From sample to sample it changes by ``jump`` and
+    ``rate`` times their distance in time [s] at most; what changes by more is an error of the bus.
+    ``estimator`` and ``car`` its causality and variability in the FMU of either.
+    """
+
+    estimator: str
+    car: str
+    name: str
+    unit: str
+    meaning: str
+    low: float
+    high: float
+    jump: float
+    rate: float
+
+
+def _read(row: dict[str, str]) -> Variable:
+    estimator, car, name, unit, meaning, *numbers = row.values()
+    return Variable(estimator, car, name, unit, meaning, *(float(x or "nan") for x in numbers))
+
+
+VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.estimation"))}
+CHANNELS = {x.name: x for x in VARIABLES.values() if "input" in x.estimator}
+"""What an ECU reads at one time; a sample (10,) has this order, in Python and in C."""
+
+P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_ = range(len(CHANNELS))
+OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, None)
+
+REASON = VARIABLES.pop("reason")
+ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
+"""What is answered: (7, 3), each a median with its 95 % bounds, beside a `Reason`."""
+
+
+_LONGEST_GAP = 10.0  # [s]: all but the zeros is forgotten by then
+
+
+def rows_of(log: Log) -> Index:
+    """The place (n,) of each sample of a log in `samples_of` it."""
+    steps, most = np.diff(log.time) / log.sample_time, _LONGEST_GAP / log.sample_time
+    missed = np.where(steps > GAP, np.round(np.minimum(steps, most)), 1.0)
+    return np.append(0, np.cumsum(missed)).astype(np.intp)
+
+
+def samples_of(log: Log) -> Array:
+    """What an ECU would read in a log (m, 10), by `CHANNELS`: nothing, so NaN, in its gaps."""
+    rows = rows_of(log)
+    samples = np.full((rows[-1] + 1, len(CHANNELS)), np.nan)
+    nothing = np.zeros_like(log.time)
+    samples[rows] = np.stack([log.channels.get(name, nothing) for name in CHANNELS], axis=1)
+    return samples
+
+
+def limits(sample_time: float) -> tuple[Array, Array, Array]:
+    """Low and high ends and largest changes of `CHANNELS` (10,) between calls [s]."""
+    sensors = CHANNELS.values()
+    low, high, jump, rate = np.array([(x.low, x.high, x.jump, x.rate) for x in sensors]).T
+    return low, high, np.minimum(jump + rate * sample_time, high - low)
+
 
 READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
 """Fields of a `Readout` by the order of `ANSWERS`."""
@@ -33,10 +98,10 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     ``car`` as it is driven, with the known effects that it takes out; the pad frictions are those
     that act, with them. Where a sensor fails, as in a gap of the log, its last good reading counts.
     """
-    rows, step, radius = at.rows_of(log), log.sample_time, car.front.rolling_radius
-    x, good = _held(at.samples_of(log), step, radius)
+    rows, step, radius = rows_of(log), log.sample_time, car.front.rolling_radius
+    x, good = _held(samples_of(log), step, radius)
     time = step * np.arange(len(x), dtype=np.float64)
-    held = {"time": time, **dict(zip(at.CHANNELS, x.T, strict=True))}
+    held = {"time": time, **dict(zip(CHANNELS, x.T, strict=True))}
     run = Run(replace(log, channels=held), car, causal=True)
     b, ran = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
@@ -45,7 +110,7 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
     b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, ran.vehicle)
     why = np.where(good, disturbances(used, ran.log, run.signals), Reason.FAULT)
-    told = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, at.DRIVEN] > 0.5)
+    told = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, DRIVEN] > 0.5)
     reason = np.where(good, told.step.reason, Reason.FAULT)
     told = told.with_pads(ran.factor_f, ran.factor_r)
     told = replace(told, step=told.step._replace(reason=reason))
@@ -59,25 +124,25 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
     its bounds; all are finite.
     """
     time = sample_time * np.arange(len(samples), dtype=np.float64)
-    channels = {"time": time, **dict(zip(at.CHANNELS, samples.T, strict=True))}
+    channels = {"time": time, **dict(zip(CHANNELS, samples.T, strict=True))}
     told = online(table, table.vehicle, Log("", "", "", channels))
     return np.vstack([told.step.reason, *(getattr(told, name) for name in READ_OUT)]).T
 
 
 def _held(x: Array, sample_time: float, radius: float) -> tuple[Array, Mask]:
     """Samples (n, 10) with the last good readings, and where all sensors work (n,)."""
-    low, high, jump = at.limits(sample_time)
+    low, high, jump = limits(sample_time)
     inside = (x >= low) & (x <= high)
     raw = _last(x, inside)
     taken = inside & (np.abs(np.diff(raw, axis=0, prepend=raw[:1])) <= jump)
     last = _last(x, taken)
-    a_x, p = last[:, at.A_X], last[:, at.P_MC]
-    changed = np.append(True, x[1:, at.A_X] != a_x[:-1])
+    a_x, p = last[:, A_X], last[:, P_MC]
+    changed = np.append(True, x[1:, A_X] != a_x[:-1])
     since_when = np.maximum.accumulate(np.where(changed, np.arange(len(x)), 0))
     held_time, c = sample_time * (np.arange(len(x)) - since_when), Constants
     frozen = held_time > c.held_time - 0.5 * sample_time
     frozen &= np.abs(p - p[since_when]) > c.held_pressure
-    frozen &= radius * last[:, at.FL] > c.moving
+    frozen &= radius * last[:, FL] > c.moving
     return last, taken.all(axis=1) & ~frozen
 
 

@@ -16,10 +16,9 @@ from calib.base.intervals import Z95
 from calib.base.names import AXLES, WHEELS
 from calib.car.balance import brake_forces, front_share
 from calib.car.forces import speed_ratio
-from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects, known_slips
 from calib.estimation.reasons import Reason
-from calib.estimation.state import Sample
+from calib.estimation.state import Constants, Sample, constants
 from calib.estimation.step import Answer, run, widened
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance

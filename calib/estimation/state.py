@@ -1,11 +1,123 @@
-"""What the estimator is given of a block, and what it remembers."""
+"""What the step takes from a table, what it is given of a block, and what it remembers."""
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Generic, NamedTuple, TypeVar
+from functools import lru_cache
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
 
 from calib.base.arrays import Array
+from calib.car.beliefs import CAR, LOG, SENSOR
+from calib.car.braking import BITE, MOVING
+from calib.run.driving_record import NOMINAL_RADIUS, STEADY
+from calib.run.noise import WALK, SensorNoise
+from calib.table.maps import Reader
+from calib.table.table import Table
+
+LEVEL = ("level", "level_lower", "level_upper")
+PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "change_upper")
+SLIP = ("log_slip", "log_slip_sigma")
+"""Columns of the maps that the step reads, in the shape in which it has them."""
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What the step takes from a table, and its tuned numbers."""
+
+    pads: Reader  # of `PADS` over what is seen
+    slip: Reader  # of `SLIP` over the same
+    level: Reader  # of `LEVEL` over z
+    before: Reader  # of `PADS` before eta is read
+    noise_rim: float  # densities of the sensors' noise: of the wheels' rims [m/s s^0.5]
+    noise_z: float  # as in `SensorNoise`
+    noise_v: float
+    radii: float  # rolling radius of the front wheels over that of the rear ones [1]
+    late: float  # time by which v comes after the wheel speeds [s], and its sigma
+    late_sigma: float
+    ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
+    block: float  # [s]
+    bite: float = BITE  # pressure of a brake that is applied [Pa]
+    moving: float = MOVING  # [m/s]
+    steady: float = STEADY  # deceleration of a car that rolls, at most [1]
+    q_radius: float = WALK  # of the zeros of eta and slip [1/sqrt(s)]
+    memory: float = 0.3  # of the means that go into the map [s]
+    before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
+    untouched: float = 7e4  # pressure up to which they do not [Pa]
+    settle: float = 0.3  # time of braking before an answer stands [s]
+    least_pressure: float = 2e5  # [Pa]
+    least_z: float = 0.05  # below it eta says nothing [1]
+    usual_z: float = 0.1  # at which the maps are read before any braking [1]
+    least_mean_z: float = 0.01  # below it there is none [1]
+    least_share: float = 0.02  # of a level, or of the pressure that acts: below there is none [1]
+    least_level: float = 0.05  # of any pads: soaked ones [1]
+    most_level: float = 3.0  # the best of racing pads, with a tenth of error [1]
+    level_sigma: float = CAR.pad_level.sigma  # of a level before any braking [1]
+    q_level: float = 0.01  # [1/sqrt(s)]
+    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
+    q_rate: float = 0.02
+    jump: float = 3.0  # beyond it an error of prediction is a step of the level [sigma]
+    r_level: float = 0.007  # of a block, relative: road and body
+    lag: float = CAR.brake_lag.mean  # time constant of the brakes [s], and its sigma
+    lag_sigma: float = CAR.brake_lag.sigma
+    r_lag: float = 0.2  # of the force that is still to come: no brake lags by first order alone
+    least_lag: float = 0.004
+    apart: float = 0.02  # of the clocks of a_x and speeds [s]
+    zero: float = CAR.zero.sigma  # of a zero before any rolling [1]
+    offset: float = SENSOR.a_x_offset.sigma  # of bias and slope before any rolling [1]
+    q_bias: float = 1e-4  # of a_x as it warms up [1/sqrt(s)]
+    q_grade: float = 0.001  # of bias and slope [1/sqrt(s)]
+    scale: float = LOG.a_x_scale_step.mean  # a_x reads too much while braking, and its sigma
+    scale_sigma: float = LOG.a_x_scale_step.sigma
+    ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
+    unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
+    narrower: float = 0.2  # by which a reading takes all of the place of what was known [1]
+    r_slip: float = 0.04  # of the slip of a block, relative
+    log_slip: float = CAR.log_slip.mean  # ln(slip/z) before any braking, 0.04, and its sigma [1]
+    log_slip_sigma: float = CAR.log_slip.sigma
+    q_slip: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
+    q_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
+    slowest: float = 0.3  # speed of the rims that counts, at least [m/s]
+    steering: float = math.radians(5.0)  # of the driver's wheel; acts on eta as much as the signal
+    lateral: float = 3.0  # acceleration by the speeds of the wheels past which eta is another
+    # [m/s^2]; radii 0.5 % apart, left to right, look like as much at 30 m/s
+    lock: float = 0.15  # departure of a wheel from the others that only ABS or a lock shows [1]
+    slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
+    turning: float = MOVING / NOMINAL_RADIUS  # below that none locks [rad/s]
+    recover: float = 1.0  # after that the filters behind the signals have forgotten it [s]
+    held_time: float = 0.25  # a_x is frozen where it keeps a value for that [s] while a car rolls
+    held_pressure: float = 5e5  # and the pressure moves by that [Pa]
+
+
+def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
+    """What the step takes from a ``table``; ``noise`` of the sensors."""
+    return Constants(
+        **_of_table(table),
+        noise_rim=float(table.vehicle.front.rolling_radius * noise.omega),
+        noise_z=float(noise.z),  # Python's numbers are three times as fast
+        noise_v=float(noise.v),
+        block=block,
+        settle=block * max(1, round(Constants.settle / block)),  # else a rounding could decide it
+    )
+
+
+@lru_cache(maxsize=4)
+def _of_table(table: Table) -> dict[str, Any]:
+    """What no log changes."""
+    car, draws = table.vehicle, table.draws
+    return {
+        "pads": Reader(table.map, PADS),
+        "slip": Reader(table.map, SLIP),
+        "level": Reader(table.level_map, LEVEL),
+        "before": Reader(table.level_map, PADS),
+        "radii": car.front.rolling_radius / car.rear.rolling_radius,
+        "late": float(np.mean(draws.v_late)),
+        "late_sigma": float(np.std(draws.v_late)),
+        "ramp_ratio": float(np.mean(draws.log_pad_ratio)),
+    }
+
 
 Number = TypeVar("Number", float, Array)
 """Of one block, or of each of many (k,)."""

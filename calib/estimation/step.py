@@ -16,7 +16,6 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.base.names import G
-from calib.estimation.constants import Constants
 from calib.estimation.equations import (
     BlockState,
     aged,
@@ -32,7 +31,7 @@ from calib.estimation.equations import (
     update_zero,
     weighed,
 )
-from calib.estimation.state import LevelFilter, Sample, State, Zero
+from calib.estimation.state import Constants, LevelFilter, Sample, State, Zero
 
 
 class Answer(NamedTuple):

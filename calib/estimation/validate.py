@@ -12,10 +12,9 @@ from functools import cached_property
 
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import MassUsed, Vehicle, mass_used, require_same_car
-from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate_run, run_of
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
-from calib.estimation.metrics import Figures, baseline_errors, counted_samples, score, share
+from calib.estimation.metrics import Figures, baseline_errors, budget, counted_samples, score, share
 from calib.estimation.readout import Readout
 from calib.estimation.warnings import warnings_of
 from calib.logs.log import Log

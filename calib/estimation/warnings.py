@@ -2,7 +2,7 @@
 
 Whether the wheel speeds of a stop are in their columns is told by
 
-    (z, eta - 1) of the braking  against  what each scenario of `calib.fitting.stops` would show
+    (z, eta - 1) of the braking  against  what each scenario of `calib.fitting.maps` would show
 
 The mean of the likelihoods over the scenarios (pads alike or apart, weak ones too, any road, the
 zero of the day), of eta as given and of 1/eta, as with exchanged axles. A front wheel that has
@@ -23,7 +23,7 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
-from calib.fitting.stops import scenarios, seen
+from calib.fitting.maps import scenarios, seen
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.pads import of_changes
 from calib.plausibility.rules import VALIDATE, warnings_on
@@ -31,7 +31,7 @@ from calib.run.brake_response import brake_response
 from calib.run.resistance import Resistance
 from calib.run.run import Run
 from calib.run.wheels import crossed_diagonal
-from calib.table.pad_levels import pad_levels
+from calib.table.budget import pad_levels
 from calib.table.table import Table
 
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])

@@ -15,8 +15,7 @@ from calib.exports.content import Content
 from calib.store.evidence import Quality
 from calib.store.version import Stored
 from calib.table.breakpoints import Misfit, misfit
-from calib.table.exported import LEAST_BITS
-from calib.table.fixed_point import Fixed
+from calib.table.exported import LEAST_BITS, Fixed
 
 _CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "

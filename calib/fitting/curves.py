@@ -14,8 +14,6 @@ Every draw has its D at an eta; the table has their median and the middle 95 %. 
 without drag, one master-cylinder pressure for both axles.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from calib.base.arrays import Array
@@ -24,7 +22,7 @@ from calib.car.forces import paper_curves
 from calib.car.tyre import NEAR_PEAK, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, Shown, shown
-from calib.fitting.posterior import parts_of
+from calib.fitting.posterior import Posterior, parts_of
 from calib.model.ramp import SETTINGS, RampRun
 from calib.table.budget import OWN
 from calib.table.table import (
@@ -35,8 +33,6 @@ from calib.table.table import (
     PaperCurves,
     TyreCurve,
 )
-
-Pulls = Mapping[str, Array]
 
 _BAND = (0.5, 0.025, 0.975)
 _SURE = 0.00135  # share of the draws in which eta must go on rising to doubt its peak: 3 sigma
@@ -62,16 +58,13 @@ def readable_up_to(of: Shown) -> float:
 
 
 def difference_curves(
-    car: Vehicle, e: Ensemble, pulls: Pulls, runs: list[RampRun], z_end: float
+    car: Vehicle, e: Posterior, runs: list[RampRun], z_end: float
 ) -> tuple[DifferenceCurve, PaperCurves]:
-    """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it.
-
-    ``pulls`` of the draws, as of `parts_of`.
-    """
+    """D(eta) up to ``z_end`` [1], where eta grows flat, and f1, f2(eta) of Fig. 6 from it."""
     of = ridge(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(of.eta[-1]), SETTINGS.rows)
     seen = [_seen(car, run, of) for run in runs]
-    d = DifferenceCurve(*_columns(eta, differences(of, eta), pulls, seen))
+    d = DifferenceCurve(*_columns(eta, differences(of, eta), e, seen))
     return d, paper_of(car, d, np.interp(eta, of.eta, of.z))
 
 
@@ -92,7 +85,7 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
     return PaperCurves(d.eta, z, f1, f1_lower, f1_upper, f2, f2_lower, f2_upper, d.count, d.flag)
 
 
-def tyre_curve(e: Ensemble, pulls: Pulls, of: Shown, runs: list[RampRun]) -> TyreCurve:
+def tyre_curve(e: Posterior, of: Shown, runs: list[RampRun]) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle, up to the greatest measured.
 
     Draws have no more force than `NEAR_PEAK` of their peak.
@@ -102,18 +95,14 @@ def tyre_curve(e: Ensemble, pulls: Pulls, of: Shown, runs: list[RampRun]) -> Tyr
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
     slips = np.median(of.slips, axis=1)
     seen = [np.interp(run.blocks.z[run.use], of.z, slip) for run in runs for slip in slips]
-    return TyreCurve(*_columns(grid, tyre_forces(e, grid), pulls, seen))
+    forces = np.array([np.interp(grid, x, g) for x, g in _tyres(e)])
+    return TyreCurve(*_columns(grid, forces, e, seen))
 
 
 def differences(of: Shown, eta: Array) -> Array:
     """D of the draws of a ridge at ``eta`` (k,) of its rising branch, (n, k) [1]."""
     rows = zip(np.maximum.accumulate(1.0 + of.shift, axis=1), np.subtract(*of.forces), strict=True)
     return np.array([np.interp(eta, x, D) for x, D in rows])
-
-
-def tyre_forces(e: Ensemble, slip: Array) -> Array:
-    """g of the draws at ``slip`` (k,), (n, k) [1]."""
-    return np.array([np.interp(slip, x, g) for x, g in _tyres(e)])
 
 
 def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
@@ -124,7 +113,7 @@ def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
     return list(zip(slips, e.peak[:, None] * use, strict=True))
 
 
-def _columns(grid: Array, draws: Array, pulls: Pulls, seen: list[Array]) -> tuple[Array, ...]:
+def _columns(grid: Array, draws: Array, e: Posterior, seen: list[Array]) -> tuple[Array, ...]:
     """Grid, median and band of the ``draws`` (n, k), blocks ``seen`` near each row, flags, own."""
     off = np.abs(np.concatenate(seen) - grid[:, None])
     count = np.count_nonzero(off < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
@@ -132,7 +121,7 @@ def _columns(grid: Array, draws: Array, pulls: Pulls, seen: list[Array]) -> tupl
     flags = np.full(grid.size, EXTRAPOLATED)
     flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED  # 0 at 0 is known
     flags[enough] = MEASURED
-    parts = parts_of(draws.T, pulls)
+    parts = parts_of(draws.T, e.pulls)
     whole = np.sum([*parts.values()], axis=0)
     of_run = np.sum([parts[part] for part in OWN], axis=0)
     share = np.divide(of_run, whole, out=np.zeros(grid.size), where=whole > 0.0)

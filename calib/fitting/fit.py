@@ -4,12 +4,14 @@ logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> tabl
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 
 import numpy as np
 
+from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
+from calib.base.intervals import QUARTILE
 from calib.base.names import PROGRAM
 from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged
 from calib.car.balance import front_biased_up_to
@@ -18,7 +20,6 @@ from calib.car.braking import BITE
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle, mass_used, weighed
 from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_curve
-from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import draws_of
 from calib.fitting.known import known_before
 from calib.fitting.maps import maps, pressure_odds
@@ -27,11 +28,12 @@ from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated
 from calib.fitting.posterior import parts_of
 from calib.fitting.quality import explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
-from calib.model.ramp import RampRun, prepare, sort_runs
+from calib.model.ramp import SETTINGS, RampRun, nominal_forces, prepare, sort_runs
 from calib.model.roller_bench import RollerBench
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.rules import FIT
 from calib.run.blocks import BLOCK
+from calib.run.filters import runs as runs_of
 from calib.run.noise import worst_noise
 from calib.run.resistance import RESISTANCE, Resistance
 from calib.run.resistance import identify as identify_resistance
@@ -100,8 +102,7 @@ def fit(
     ensemble, figures = explained(car, runs, before, told, refused, bool(mistakes))
     held = list(zip(told, ensemble.held.tolist(), strict=True))
     # curves over eta and the level of both axles' pads are of ramps on which both brake
-    fourth = slice(None, None, 4)
-    some, pulls = ensemble.take(fourth), {p: x[fourth] for p, x in ensemble.pulls.items()}
+    some = ensemble.thinned(4)
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in both)
     of = ridge(car, some, np.linspace(0.0, z_max, 201))
     z_end = readable_up_to(of)
@@ -124,14 +125,14 @@ def fit(
     }
     pads, budget = calibration_of(car, scale, ratio, stiffness, variances)
     require_possible_pads(car, pads, warnings, motor_in(causes))
-    difference, paper = difference_curves(car, some, pulls, both, z_end)
+    difference, paper = difference_curves(car, some, both, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
         difference=difference,
         paper=paper,
-        tyre=tyre_curve(some, pulls, of, both),
+        tyre=tyre_curve(some, of, both),
         calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
@@ -204,3 +205,51 @@ def _provenance(
         program=PROGRAM,
         parents=tuple(TableReference(id_, table.digest) for id_, table in fleet.items()),
     )
+
+
+def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
+    """The ramp without blocks in which a bump or a gear shift acts; ``left_out`` says which.
+
+        eta             ~ 1, N, N^2, N^3, dN/dt, t     over the braked blocks, N nominal force
+        demanded force  ~ 1, N, N t, dN/dt
+
+    Both follow the pressure smoothly. What stands out and comes back, at pressures that the ramp
+    goes beyond, would bend the tyre's curve; what lasts to the end stays in.
+    """
+    left_out = np.zeros_like(run.use)
+    if np.count_nonzero(run.braked) >= SETTINGS.fewest_blocks:
+        nominal = np.add(*nominal_forces(vehicle, run, 0.0))
+        of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, nominal)
+        time, eta, force, N = (x[run.braked] for x in of_run)
+        N = N / np.max(N)
+        t, rate, one = (time - np.mean(time)) / np.ptp(time), np.gradient(N, time), np.ones_like(N)
+        spread = np.subtract(*np.quantile(eta, [0.95, 0.05]))
+        wild = _off([one, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
+        wild |= _off([one, N, N * t, rate], force, SETTINGS.disturbance_of_force * np.max(force))
+        left_out[run.braked] = _passing(wild, N)
+    return replace(run, use=run.use & ~left_out, left_out=left_out)
+
+
+def _off(terms: list[Array], y: Array, least: float) -> Mask:
+    """Where ``y`` (n,) is far off its smooth course: by ``least``, and by its usual scatter."""
+    from scipy.optimize import least_squares
+
+    A = np.column_stack(terms)
+    start = np.linalg.lstsq(A, y, rcond=None)[0]
+    smooth = least_squares(lambda x: A @ x - y, start, loss="cauchy", f_scale=least / 3.0)
+    rest = np.abs(A @ smooth.x - y)
+    scatter = np.median(rest) / QUARTILE
+    return np.asarray(rest > max(least, SETTINGS.disturbance_gate * scatter))
+
+
+def _passing(wild: Mask, N: Array) -> Mask:
+    """Of the ``wild`` blocks (n,) the groups that end, with what rings on; none if they are many.
+
+    A group ends where the run is calm before it, after it, and at more force than it had.
+    """
+    near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
+    left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5
+    for first, end in runs_of(near):
+        beyond = int(np.count_nonzero(~near & (np.max(N[first:end]) < N)))
+        left_out[first:end] = min(first, wild.size - end, beyond) >= few
+    return left_out & (np.mean(left_out) < SETTINGS.disturbance_share)

@@ -53,6 +53,12 @@ class Posterior(Ensemble):
     misfit: float
     held: Array
 
+    def thinned(self, step: int) -> "Posterior":
+        """Each ``step``-th draw, with its pulls."""
+        which = slice(None, None, step)
+        pulls = {part: pull[which] for part, pull in self.pulls.items()}
+        return replace(self, **vars(Ensemble.take(self, which)), pulls=pulls)
+
 
 def parts_of(x: Array, pulls: Mapping[str, Array]) -> dict[str, Array]:
     """Variance (k,) of each of ``x`` (k, n), functions of the draws, by the cause of the error.

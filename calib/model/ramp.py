@@ -78,7 +78,7 @@ class RampRun:
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
     is exact; ``only`` the axle that brakes alone, None where both do; ``left_out`` blocks
-    of the braking in which something else acts, see `calib.fitting.disturbances`.
+    of the braking in which something else acts, see `calib.fitting.fit`.
     """
 
     name: str

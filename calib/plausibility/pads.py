@@ -15,7 +15,7 @@ from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, relative
 from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle
-from calib.table.pad_levels import pad_levels
+from calib.table.budget import pad_levels
 from calib.table.table import Calibration, Value
 
 _POSSIBLE = (0.05, 1.0)

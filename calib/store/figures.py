@@ -13,7 +13,7 @@ from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
-from calib.table.pad_levels import pad_levels
+from calib.table.budget import pad_levels
 from calib.table.table import Scatter, Table, Value
 
 

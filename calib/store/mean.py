@@ -34,9 +34,8 @@ from calib.fitting.curves import paper_of
 from calib.fitting.ensemble import KEPT, ensemble_of
 from calib.fitting.maps import maps
 from calib.fitting.pads import calibration_of
-from calib.table.budget import own, shared
+from calib.table.budget import PadLevels, own, pad_levels, pad_scale, shared
 from calib.table.maps import Draws, LevelMap, PadMap
-from calib.table.pad_levels import PadLevels, pad_levels, pad_scale
 from calib.table.table import Array, DifferenceCurve, Table, TyreCurve, Value
 
 _CARS = "cars"

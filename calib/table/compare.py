@@ -161,6 +161,8 @@ def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
     ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
     band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
     worst = int(np.argmax(np.abs(gap)))
+    # how many of the stops are seen at each cell; alike where the map does not say
+    shares = (m.share if isinstance(m, PadMap) else np.ones_like(m.z) for m in (a, b))
     return _CurveGap(
         curve=name,
         start=float(a.z[0]),
@@ -168,13 +170,8 @@ def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
         largest=float(gap[worst]),
         at=float(a.z[worst]),
         rms=float(np.sqrt(np.mean(gap**2))),
-        in_bands=_usual(_over(gap, band), np.minimum(*(_shares(m) for m in (a, b)))),
+        in_bands=_usual(_over(gap, band), np.minimum(*shares)),
     )
-
-
-def _shares(m: Map) -> Array:
-    """How many of the stops are seen at each cell (n,) [1]; alike where the map does not say."""
-    return m.share if isinstance(m, PadMap) else np.ones_like(m.z)
 
 
 def _usual(x: Array, weights: Array) -> float:

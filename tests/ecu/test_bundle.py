@@ -8,7 +8,7 @@ import pytest
 from calib.base.errors import ProgramError
 from calib.ecu.bundle import names, write_bundle
 from calib.ecu.native import Native
-from calib.estimation.channels import samples_of
+from calib.estimation.online import samples_of
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
 from calib.table.exported import Precision

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from calib.ecu.fmu import V0, simulated, write_fmu
-from calib.estimation.channels import ANSWERS, CHANNELS
-from calib.estimation.online import answered
+from calib.estimation.online import ANSWERS, CHANNELS, answered
 from calib.model.simulate import simulate
 from calib.table.exported import Precision
 from tests.support.ecu_code import SEDAN

@@ -11,9 +11,18 @@ from calib.car.effects.effects import Effects
 from calib.ecu.car_source import require_plain
 from calib.ecu.native import Native, coded
 from calib.ecu.translation import translated
-from calib.estimation.channels import A_X, CHANNELS, DRIVEN, FL, OMEGA, P_MC, STEERING, samples_of
 from calib.estimation.limits import DEFAULTS
-from calib.estimation.online import answered
+from calib.estimation.online import (
+    A_X,
+    CHANNELS,
+    DRIVEN,
+    FL,
+    OMEGA,
+    P_MC,
+    STEERING,
+    answered,
+    samples_of,
+)
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate_one
 from calib.run.blocks import BLOCK

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.car.vehicle import MassUsed
-from calib.estimation.agreement import agreement, stiffness
+from calib.estimation.agreement import agreement
 from calib.estimation.metrics import METRICS
 from calib.estimation.validate import HOLDOUT, Validation
 from tests.estimation.test_metrics import made_estimate
@@ -45,12 +45,6 @@ def test_stops_of_different_stiffness_are_of_two_roads():
     assert together == [("-0.25", "-0.22"), ("0.02", "0.05")]
 
 
-def test_a_stiffness_is_that_of_the_slip():
-    (stop,) = stops(-0.2)
-    told = np.array(stiffness(stop.estimate))
-    assert told == pytest.approx(np.array([-0.2, 0.04]))
-
-
 def test_stops_of_one_road_are_rarely_parted():
     rng = np.random.default_rng(3)
     made = stops(0.0)[0]
@@ -60,11 +54,6 @@ def test_stops_of_one_road_are_rarely_parted():
         found = agreement([replace(made, estimate=on_road(made.estimate, x)) for x in values])
         parted += found is None or len(found.roads) > 1
     assert parted < 0.08 * 300
-
-
-def test_many_stops_do_not_bridge_two_roads():
-    between = np.linspace(-0.3, 0.1, 9)
-    assert len(groups(stops(*between, sigma=0.02))) > 1
 
 
 def test_the_largest_departure_is_within_a_road():

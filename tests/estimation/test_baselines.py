@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.car.effects.effects import Effects
-from calib.estimation.baselines import METHODS, as_written, gain, mean_gain, temperature
+from calib.estimation.baselines import METHODS, as_written, gain, mean_gain
 from calib.estimation.estimator import estimate
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
@@ -34,13 +34,6 @@ def test_a_law_that_is_unstable_has_no_error(fitted):
     for name in UNSTABLE:
         assert np.isnan(METHODS[name](e)[0]).all()
     assert np.mean(e.valid[e.braked & (e.read.speed > 5.0)]) > 0.5
-
-
-def test_unless_asked_for_they_are_left_out(fitted):
-    """A batch does not ask, and must not pay for it."""
-    (found,) = validate(fitted, [noisy(stop(), 3)])
-    assert "baselines" not in vars(found)
-    assert "mean_gain" in found.baselines
 
 
 def test_errors_are_against_truth_or_the_speed(fitted):
@@ -71,9 +64,6 @@ def test_mean_gain_is_the_mean_weighted_by_force(ideal):
     assert front[e.valid & (e.time > 3.0)] == pytest.approx(mean, rel=0.005)
 
 
-# Temperature -------------------------------------------------------------------------------------
-
-
 def run_of(log, known=None, s=None, eta=None, car=CAR):
     """A run as the methods need it."""
     s = s or signals(log, car.rear.rolling_radius)
@@ -90,60 +80,6 @@ def run_of(log, known=None, s=None, eta=None, car=CAR):
 @pytest.fixture(scope="module")
 def braking():
     return stop(IDEAL, 40e5)
-
-
-def rolling(log, pressure, omega):
-    """The log at a constant pressure [Pa] and wheel speed [rad/s]: a descent."""
-    held = {"p_mc": pressure, **{f"omega_{w}": omega for w in ("fl", "fr", "rl", "rr")}}
-    channels = {name: np.full_like(log.time, x) for name, x in held.items()}
-    return replace(log, channels={**log.channels, **channels})
-
-
-def test_constant_braking_gives_the_exponential(braking):
-    """mu = mu_n (1 - 0.001 (T - 150)) above 150 degC; T by the closed form of the disc."""
-    descent = rolling(braking, 30e5, 60.0)
-    t = descent.time - descent.time[0]
-    for found, torque_gain, capacity in zip(
-        temperature(run_of(descent)),
-        (2.0 * 28.84e-4 * 0.1309, 2.0 * 11.34e-4 * 0.1240),
-        (3700.0, 2300.0),
-        strict=True,
-    ):
-        end = 20.0 + 0.38 * torque_gain * 30e5 * 60.0 * 300.0 / capacity
-        T = end + (100.0 - end) * np.exp(-t / 300.0)
-        assert T[-1] > 150.0
-        assert found == pytest.approx(0.38 * (1.0 - 0.001 * np.maximum(T - 150.0, 0.0)), rel=1e-9)
-
-
-def test_a_logged_temperature_gives_the_start(braking):
-    warm = {"T_disc_f": np.linspace(400.0, 900.0, braking.time.size)}
-    front, rear = temperature(run_of(replace(braking, channels={**braking.channels, **warm})))
-    assert front[0] == pytest.approx(0.38 * 0.75)
-    assert front[-1] > 0.38 * 0.6
-    assert rear[0] == 0.38
-
-
-def test_temperature_is_causal(braking):
-    log = noisy(braking, 1)
-    later, half = rolling(log, 90e5, 90.0), log.time.size // 2
-    mixed = {name: np.where(np.arange(log.time.size) < half, x, later[name])
-             for name, x in log.channels.items()}  # fmt: skip
-    one = temperature(run_of(log))
-    other = temperature(run_of(replace(log, channels=mixed)))
-    for a, b in zip(one, other, strict=True):
-        assert a[:half] == pytest.approx(b[:half], abs=1e-12)
-    assert other[0][-1] < one[0][-1]
-
-
-def test_it_knows_nothing_of_wet_pads(braking):
-    """The same pressure and speed give the same pads, whatever the car decelerates."""
-    wet = replace(braking, channels={**braking.channels, "a_x": 0.5 * braking["a_x"]})
-    one, other = (temperature(run_of(x)) for x in (braking, wet))
-    assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
-
-
-def test_a_fade_that_is_known_is_not_taken_twice(braking):
-    assert np.isnan(temperature(run_of(braking, Effects({"pad_thermal_fade": {}})))).all()
 
 
 # The law as it is written ------------------------------------------------------------------------
@@ -209,7 +145,7 @@ def test_it_is_frozen_where_no_pads_bite(braking):
         assert np.mean(np.diff(pad)[acts] != 0.0) > 0.9
 
 
-@pytest.mark.parametrize("name", ["gradient_as_written", "gradient_paper", "gradient_map"])
+@pytest.mark.parametrize("name", ["gradient_as_written", "gradient_paper"])
 @pytest.mark.parametrize("pad", [0.38, 0.2])
 def test_the_law_is_right_on_the_car_that_the_paper_describes(ideal, name, pad):
     """Constant pads alike, no noise, no drag, exact radii, the road of the ramp: within 2 %.

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from calib.base.intervals import Z95
-from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
+from calib.estimation.metrics import budget
 from calib.fitting.fit import fit
 from tests.support.reference_car import CAR, IDEAL, REAL, WET, held, noisy, ramp, stop, without
 

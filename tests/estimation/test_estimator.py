@@ -9,10 +9,10 @@ import pytest
 from calib.base.names import WHEELS, G
 from calib.car.balance import brake_forces
 from calib.estimation.baselines import METHODS
-from calib.estimation.constants import Constants
 from calib.estimation.estimator import estimate
 from calib.estimation.known import known_resistance, nominal_car
 from calib.estimation.reasons import Reason
+from calib.estimation.state import Constants
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
@@ -28,7 +28,6 @@ from tests.support.reference_car import (
     noisy,
     ramp,
     stop,
-    true_forces,
     with_pads,
     without,
 )
@@ -111,18 +110,6 @@ CHANGED = (0.31 / 0.38, 0.27 / 0.38)
 """Pads of WET over those of the ramp."""
 
 
-def test_wet_pads_and_their_change_since_the_ramp_are_found(result):
-    e, b = result, result.best
-    for pads, change, true, off in (
-        (b.pads_f, b.change_f, CHANGED[0], 0.03),
-        (b.pads_r, b.change_r, CHANGED[1], 0.08),
-    ):
-        assert np.mean(pads.value[e.valid]) == pytest.approx(0.38 * true, rel=off)
-        assert np.mean(change.value[e.valid]) == pytest.approx(true, rel=off)
-    assert min(held(e, 0.31, 0.27)) > 0.85
-    assert min(held(e, *CHANGED, "change")) >= 0.9
-
-
 # In doubt: the tyres, the accelerometer.
 
 
@@ -152,29 +139,6 @@ def test_a_wrong_accelerometer_is_put_right_with_v(fitted, wet, scale, bias):
     assert G * sensor.bias == pytest.approx(-bias, abs=0.05)
     assert min(held(e, 0.31, 0.27)) > 0.9
     assert np.mean(e.best.pads_f.value[e.valid]) == pytest.approx(0.31, rel=0.03)
-
-
-def test_torque_is_that_of_one_wheel(fitted, wet, result):
-    """(2) with the estimate: faces A r mu p."""
-    v = result.valid
-    expected = 2 * 28.84e-4 * 0.1309 * result.best.pads_f.value * wet["p_mc"]
-    assert result.best.torque_f.value[v] == pytest.approx(expected[v])
-    true = wet.truth["true_Tb_fl"]
-    assert np.mean(result.best.torque_f.value[v] / true[v]) == pytest.approx(1.0, abs=0.03)
-
-
-def test_normalised_forces_are_those_of_the_plant(fitted, wet, result):
-    v = result.valid
-    for force, true in zip(result.normalised, true_forces(wet), strict=True):
-        assert np.sqrt(np.mean((force - true)[v] ** 2)) < 0.07 * np.mean(true[v])
-
-
-def test_eta_is_zeroed_on_the_lead_in(fitted):
-    larger = replace(WET, radius_scale=(1.0, 1.004))
-    e = estimate(fitted, stop(larger))
-    assert e.zeros[0] == pytest.approx(1.0 / 1.004, abs=2e-5)
-    free = e.time < 1.4
-    assert e.eta[free] == pytest.approx(1.0, abs=2e-5)
 
 
 def test_without_v_it_works_and_promises_less(fitted, wet, result):
@@ -297,22 +261,6 @@ def test_spikes_of_one_sample_are_no_abs(fitted, wet, result):
     assert np.mean(e.valid) > 0.9 * np.mean(result.valid)
 
 
-def test_low_pressure_gate(fitted):
-    """1.5 bar are felt, and too little to say anything of a pad."""
-    e = estimate(fitted, noisy(stop(REAL, pressure=1.5e5), 0))
-    assert not np.any(e.valid)
-
-
-def test_released_brake_is_not_valid(fitted):
-    def twice(t):
-        return 25e5 * (1.5 < t < 3.5 or t > 4.5)
-
-    e = estimate(fitted, noisy(as_log(drive(REAL, twice, 27.0, duration=7.0, stop_speed=2.0)), 0))
-    released = (e.time > 3.55) & (e.time < 4.5)
-    assert not np.any(e.valid[released])
-    assert np.mean(e.valid[(e.time > 5.0) & (e.read.speed > 3.0)]) > 0.95
-
-
 @pytest.mark.parametrize("rolled", [0.4, 0.0])
 def test_with_less_of_a_lead_in_the_interval_is_wider(fitted, wet, rolled):
     whole, short = (estimate(fitted, cut(wet, first)) for first in (0.0, 1.5 - rolled))
@@ -323,22 +271,6 @@ def test_with_less_of_a_lead_in_the_interval_is_wider(fitted, wet, rolled):
 
 
 # What the estimate starts from.
-
-
-def test_nominal_pads_of_another_vehicle_are_what_the_nominal_rival_says(fitted, wet):
-    wrong = replace(
-        CAR,
-        front=replace(CAR.front, pad_friction=0.5),
-        rear=replace(CAR.rear, pad_friction=0.6),
-    )
-    e = estimate(fitted, wet, wrong)
-    front, rear = METHODS["nominal"](e)
-    assert (set(front), set(rear)) == ({0.5}, {0.6})
-    # the sum of forces finds the level at once, whatever the file says
-    late = e.valid & (e.time > 3.0)
-    total = 28.84 * 130.9 * e.best.pads_f.value + 11.34 * 124.0 * e.best.pads_r.value
-    true = 28.84 * 130.9 * 0.31 + 11.34 * 124.0 * 0.27
-    assert np.mean(total[late]) == pytest.approx(true, rel=0.03)
 
 
 def test_the_change_is_over_the_ramp_and_not_over_the_file(fitted, wet, result):

@@ -8,7 +8,7 @@ import pytest
 from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
 from calib.estimation import baselines as law
-from tests.support.tables import B_SHIFT, B_Z, VEHICLE, A, C, K, made_table
+from tests.support.tables import VEHICLE, C, K, made_table
 
 DT = 0.005
 AXLE = VEHICLE.front
@@ -104,38 +104,3 @@ def test_curves_give_the_straight_tyre_and_the_level():
     assert F_f - F_r == pytest.approx(C * (eta - 1.0), rel=0.012)
     front = (1.6494 + 0.615 * z) / 2.805
     assert front * F_f + (1.0 - front) * F_r == pytest.approx(z - 0.02, abs=1.5e-6)  # (18)
-
-
-def test_beyond_the_curves_their_ends_hold():
-    front, rear = law.by_curves(
-        made_table(), np.array([0.999, 1.0, 1.005, 1.006]), balance(np.zeros(4))
-    )
-    assert (front[0], front[3]) == (front[1], front[2])
-    assert (rear[0], rear[3]) == (rear[1], rear[2])
-
-
-NOMINAL = np.log(28.84 * 130.9 / (11.34 * 124.0))
-"""ln of the front brake force over the rear one of Table I, with pads and radii alike."""
-
-
-def read(z, shift):
-    """By the map of `made_table`: ln of front over rear brake force, both, and the balance."""
-    b = balance(z)
-    front, rear = law.by_map(made_table(), 1.0 + shift * b.demanded / VEHICLE.weight, b)
-    return np.log(front / rear), (front, rear), b
-
-
-def test_the_map_shares_the_force_and_18_is_exact():
-    z, shift = np.linspace(0.12, 0.7, 9), np.linspace(-0.0035, 0.019, 9)
-    ratio, brakes, b = read(z, shift)
-    F_f, F_r = forces(brakes, b)
-    assert F_f * b.load_f + F_r * b.load_r == pytest.approx(VEHICLE.weight * z, rel=1e-12)
-    expected = NOMINAL + A + B_Z * b.demanded / VEHICLE.weight + B_SHIFT * shift
-    assert ratio == pytest.approx(expected, abs=1e-9)
-
-
-def test_beyond_the_map_its_ends_hold():
-    z, shift = np.array([0.3, 0.95]), np.array([0.05, 0.0])
-    ratio, _, b = read(z, shift)
-    first = B_Z * b.demanded[0] / VEHICLE.weight + B_SHIFT * 0.02
-    assert ratio == pytest.approx(NOMINAL + A + np.array([first, 0.8 * B_Z]), abs=1e-9)

@@ -71,13 +71,6 @@ def test_every_settled_sample_has_an_answer(fitted, wet, read):
             assert np.all(np.isfinite(x[settled(e)])), name
 
 
-def test_the_ecu_needs_no_speed(fitted, wet, found):
-    e = estimate(fitted, without(wet, "v"))
-    which = settled(e) & settled(found)
-    ours, theirs = e.ecu.pads_f.value[which], found.ecu.pads_f.value[which]
-    assert ours == pytest.approx(theirs, rel=0.01)
-
-
 @pytest.mark.parametrize("last", [1.75, 4.013])
 def test_what_comes_later_changes_no_bit(fitted, wet, found, last):
     early = estimate(fitted, cut(wet, 0.0, last))

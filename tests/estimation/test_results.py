@@ -7,10 +7,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from calib.base.intervals import Z95
 from calib.estimation import results
 from calib.estimation.results import to_dict, write_result, write_results
-from tests.estimation.test_metrics import SIGMA, N, made_estimate
+from tests.estimation.test_metrics import N, made_estimate
 from tests.estimation.test_validate import made
 from tests.support.tables import stored_as
 
@@ -52,27 +51,6 @@ def test_columns_are_those_of_the_contract(tmp_path):
     assert [kinds.pop(name) for name in ("valid", "ecu_valid")] == ["bool", "bool"]
     assert kinds.pop("ecu_reason") == "int64"
     assert set(kinds.values()) == {"double"}
-
-
-def test_one_row_per_sample_with_the_numbers_of_the_estimate(tmp_path):
-    valid = np.arange(N) % 3 == 0
-    e = made_estimate(0.41, 0.35, valid=valid)
-    path = tmp_path / "a.parquet"
-    write_result(e, path)
-    table = pq.read_table(path)
-    assert table.num_rows == N
-    read = {name: table.column(name).to_numpy() for name in table.column_names}
-    assert np.array_equal(read["time"], e.time)
-    assert np.array_equal(read["valid"], valid)
-    assert read["pad_friction_f"] == pytest.approx(np.full(N, 0.41))
-    ends = np.exp(Z95 * SIGMA)
-    assert read["pad_friction_r_lower"] == pytest.approx(np.full(N, 0.35 / ends))
-    assert read["pad_friction_f_upper"] == pytest.approx(np.full(N, 0.41 * ends))
-    assert np.array_equal(read["ecu_reason"], e.ecu.step.reason)
-    # per wheel, positive when it brakes: (2) with Table I
-    assert read["brake_torque_fl"] == pytest.approx(np.full(N, 2 * 0.41 * 28.84e-4 * 0.1309 * 20e5))
-    assert np.array_equal(read["brake_torque_fl"], read["brake_torque_fr"])
-    assert np.array_equal(read["brake_torque_rl"], e.best.torque_r.value)
 
 
 def test_every_log_and_the_summary(tmp_path):

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from calib.base.names import G
-from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
 from calib.estimation.equations import update
 from calib.estimation.reasons import Reason
-from calib.estimation.state import Sample, SpeedFilter
+from calib.estimation.state import LEVEL, PADS, SLIP, Constants, Sample, SpeedFilter
 from calib.estimation.step import run as run_all
 from calib.estimation.step import started, step
 from calib.table.maps import LevelMap, Reader
@@ -144,24 +143,6 @@ def test_the_ratio_is_that_of_the_map(apart):
     assert last.slip == pytest.approx(z - 3.0 - SHIFT + apart * (0.2 + z), abs=0.05)
 
 
-def test_without_a_speed_the_slip_is_that_of_the_map():
-    seeing, blind = (run(stop(apart=1.2, with_v=v))[0][-1] for v in (True, False))
-    assert abs(blind.ratio[0] - (A + B_Z * 0.32 + B_SHIFT * SHIFT)) < 0.1
-    assert blind.slip_sigma > seeing.slip_sigma
-    assert blind.ratio[2] - blind.ratio[1] > seeing.ratio[2] - seeing.ratio[1]
-
-
-def test_a_lag_of_the_brakes_is_found():
-    answers, s = run(stop(lag=0.15), constants(noise_z=1e-3))
-    assert s.level.lag == pytest.approx(0.15, abs=0.04)
-    then = s.level.lag
-    assert answers[-1].level[0] == pytest.approx(math.log(0.8), abs=0.015)
-    # it is the car's, and outlives the stop
-    rolled = [replace_sample(x, pressure=0.0, nominal=0.0) for x in stop(rolling=3.0, last=0.0)]
-    _, s = run(rolled, state=s)
-    assert s.level.lag == then
-
-
 @pytest.mark.parametrize("noise", [1e-6, 1e-4, 1e-3])
 @pytest.mark.parametrize("lag", [0.001, 0.08, 0.15])
 def test_a_lag_is_found_however_quiet_the_sensors_are(lag, noise):
@@ -213,14 +194,6 @@ def test_without_a_lead_in_all_is_finite_and_wide():
     assert short[-1].level[0] == pytest.approx(math.log(0.8), abs=0.1)
 
 
-def test_unlike_wheels_of_the_car_are_no_slip_although_nothing_rolled():
-    one, other = (
-        run(stop(rolling=0.0, wheels=radii), constants(radii=radii))[0][-1] for radii in (1.0, 1.03)
-    )
-    assert other.zero_eta == pytest.approx(1.03 * one.zero_eta)
-    assert other.ratio == pytest.approx(one.ratio)
-
-
 def test_reasons():
     blocks = stop()
     answers, s = run(blocks)
@@ -245,15 +218,6 @@ def test_an_eta_that_no_stop_shows_is_not_read():
     assert last.reason == Reason.BEYOND_MAP
     assert last.ratio == pytest.approx([0, -1, 1], abs=0.3)
     assert last.level[0] == pytest.approx(math.log(0.8), abs=0.02)
-
-
-def test_in_the_limit_of_no_noise_the_forces_are_exact():
-    quiet = constants(
-        noise_rim=1e-9, noise_z=1e-9, noise_v=1e-9, late_sigma=0.0, scale=0.0, scale_sigma=1e-9
-    )
-    answers, _ = run(stop(lag=quiet.lag), quiet)
-    assert answers[-1].level[0] == pytest.approx(math.log(0.8), abs=2e-4)
-    assert answers[-1].ratio[0] == pytest.approx(A + B_Z * 0.32 + B_SHIFT * SHIFT, abs=5e-3)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -18,7 +18,7 @@ from calib.exports.filters import printable
 from calib.exports.labels import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.store.evidence import Quality
 from calib.store.store import Store
-from calib.table.fixed_point import BITS, fixed_axis, to_fixed
+from calib.table.exported import BITS, fixed_axis, to_fixed
 from tests.support.tables import made_table
 
 # C99, 6.4.2.1, without the names that C and C++ keep for themselves.

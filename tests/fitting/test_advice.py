@@ -8,8 +8,8 @@ import pytest
 
 from calib.base.intervals import Z95
 from calib.car.tyre_file import read_tyres
-from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
+from calib.estimation.metrics import budget
 from calib.fitting.fit import fit
 from calib.model.roller_bench_file import read_roller_bench
 from calib.table.budget import RAMP, STOP, advice_lines

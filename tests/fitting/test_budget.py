@@ -118,14 +118,3 @@ def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
         assert "mass" not in known
         rest = {part: x for part, x in unknown.items() if part != "mass"}
         assert known == pytest.approx(rest, rel=1e-6)
-
-
-def test_runs_that_differ_in_level_are_noise(clean):
-    """Two levels 5 % apart: their mean is known to a quarter of that over the root of two."""
-    run = replace(prepared(noisy(clean, 1), effects=EFFECTS), accelerometer=None)
-    lower, upper = (replace(run, brake_sum=x * run.brake_sum) for x in (0.975, 1.025))
-    (mean, alike), (same, apart) = (
-        level_of(CAR, of, SURE, 0.0) for of in ([run] * 2, [lower, upper])
-    )
-    assert same == pytest.approx(mean)
-    assert apart["noise"] - alike["noise"] == pytest.approx(0.025**2 / 2.0, rel=1e-3)

@@ -159,27 +159,6 @@ def test_a_fall_that_some_draws_do_not_have_is_no_peak():
     assert readable_up_to(sure) == pytest.approx(0.45, abs=0.01)
 
 
-def test_curves_over_eta_end_where_it_grows_flat(all_tables, gentle):
-    """With eta a parabola over z, a tenth of its first slope is left at 0.9 of the peak's z, where
-    eta - 1 has 0.99 of its peak."""
-    for table in [*all_tables, *gentle]:
-        slope = np.gradient(table.paper.eta, table.paper.z)
-        assert np.all(slope > 0.07 * slope[0])
-        d, q = table.difference, table.quality
-        reached = (d.eta[-1] - 1.0) / (q["eta_peak"] - 1.0)
-        assert 0.97 < reached <= 1.0 + 1e-9
-
-
-def test_tyre_is_extrapolated_past_the_force_that_was_seen(gentle):
-    """The front axle carried 0.33 g and its excess; the curve goes 10 % further."""
-    force = true_forces(ramp(IDEAL, slope=3e5))[0].max()
-    for table in gentle:
-        t = table.tyre
-        assert t.force[-1] == pytest.approx(1.1 * force, rel=0.05)
-        assert np.all(t.force[t.flag == MEASURED] < 1.03 * force)
-        assert t.flag[-1] == EXTRAPOLATED
-
-
 @given(
     z=st.floats(0.01, 0.5),
     compliance=st.floats(0.02, 0.08),

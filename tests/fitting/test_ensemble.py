@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from calib.car.tyre import FORMS
 from calib.fitting.ensemble import draws_of, ensemble_of, spread_evenly, unit_slips
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
@@ -48,13 +47,6 @@ def test_a_brush_slips_as_its_formula_says():
     assert unit.rolls.all()
 
 
-def test_small_forces_slip_by_the_compliance_of_every_form():
-    small = np.array([1e-4])
-    for form in FORMS:
-        unit = unit_slips(CAR, one_car(form), small, of_axles(0.7 * small, 0.3 * small))
-        assert unit.slip[0, 0] == pytest.approx(0.7 * small / loads(small)[0], rel=1e-3)
-
-
 def test_compliance_grows_and_the_peak_falls_with_the_load():
     """At the load N over half the weight: c N^q, m N^-p, and similarity in m."""
     q, p = 0.2, 0.1
@@ -74,28 +66,12 @@ def test_a_road_of_half_the_peak_is_a_tyre_of_half_the_peak():
     assert road.slip == pytest.approx(tyre.slip)
 
 
-def test_without_force_nothing_slips():
-    unit = unit_slips(CAR, one_car(), Z, of_axles(0.0 * Z, Z))
-    assert np.all(unit.slip[0] == 0.0)
-    assert np.all(unit.slip[1] > 0.0)
-
-
 def test_beyond_the_peak_or_off_the_road_a_wheel_does_not_roll():
     front, rear = loads(Z)
     assert not unit_slips(CAR, one_car(), Z, of_axles(0.9 * front, 0.1 * Z)).rolls.any()
     assert not unit_slips(CAR, one_car(), Z, of_axles(0.1 * Z, 0.9 * rear)).rolls.any()
     lifting = np.array([L_F / H])  # where the rear load is zero
     assert not unit_slips(CAR, one_car(), lifting, np.zeros((2, 1, 1))).rolls.any()
-
-
-def test_taking_draws_takes_all_of_each():
-    ratio = 0.1 * np.arange(7.0)
-    e = one_car(log_pad_ratio=ratio)
-    two = e.take(np.array([5, 1]))
-    assert (e.size, two.size) == (7, 2)
-    assert two.log_pad_ratio == pytest.approx([0.5, 0.1])
-    assert {x.shape[0] for x in vars(two).values()} == {2}
-    assert e.take(ratio > 0.35).log_pad_ratio == pytest.approx([0.4, 0.5, 0.6])
 
 
 @pytest.mark.parametrize("dimension", [1, 6, 11])

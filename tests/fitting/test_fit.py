@@ -11,7 +11,6 @@ import pytest
 
 from calib.base.errors import LogError
 from calib.car.balance import front_biased_up_to
-from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
@@ -23,7 +22,6 @@ from calib.model.simulate import simulate
 from calib.plausibility.wheels import eta_rise
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
-from calib.table.invariants import violations
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import (
     CAR,
@@ -36,7 +34,6 @@ from tests.support.reference_car import (
     stop,
     swapped,
     with_pads,
-    with_ratio,
     without,
 )
 from tests.support.refusals import refusal
@@ -85,15 +82,6 @@ def test_same_logs_in_two_processes_give_the_same_bytes(tmp_path):
         assert len(files) == 7
         written.append({p.relative_to(store): p.read_bytes() for p in files})
     assert written[0] == written[1]
-
-
-def test_table_is_sound_and_names_its_parents(table, run):
-    assert violations(table) == ()
-    assert table.name == CAR.name
-    assert [(log.name, log.digest, log.role) for log in table.provenance.logs] == [
-        ("ramp", run.digest, "ramp")
-    ]
-    assert table.provenance.program.startswith("brake-cal ")
 
 
 def test_truth_is_never_read(run, table):
@@ -159,16 +147,6 @@ def test_a_log_without_braking_serves_as_a_coast(table, run, coast):
         assert abs(better.value - truth) < 3.0 * better.sigma
 
 
-def test_resistance_of_the_vehicle_file_is_kept(run):
-    known = {
-        "aerodynamic_drag": {"drag_area": 0.66},
-        "rolling_resistance": {"coefficient": 0.011},
-    }
-    given = fit(replace(CAR, effects=Effects(known)), [run])
-    area = given.effects.parameters["aerodynamic_drag"]["drag_area"]
-    assert area == pytest.approx(0.66, rel=0.02)
-
-
 @pytest.mark.parametrize(("front", "rear"), [(0.41, 0.36), (0.3, 0.36)])
 def test_pad_friction_is_found_within_its_sigma(front, rear):
     clean = ramp(with_pads(REAL, front, rear), slope=5e5 * 0.38 / front)
@@ -189,23 +167,6 @@ def test_pad_friction_is_found_within_its_sigma(front, rear):
         left = 0.15 * 0.10 / math.hypot(0.15, 0.10)
         assert c.pad_friction_f.sigma < math.hypot(0.27 * left, 0.03) * c.pad_friction_f.value
         assert c.pad_friction_r.sigma < math.hypot(0.73 * left, 0.03) * c.pad_friction_r.value
-
-
-def test_interval_of_the_scale_counts_the_ratio():
-    """Without v the ratio is open; the scale moves against it and must say so."""
-    clean = without(ramp(with_ratio(IDEAL, 1.15)), "v")
-    for seed in range(2):
-        c = fit(CAR, [noisy(clean, seed)]).calibration
-        assert abs(c.pad_scale.value - 1.0) < 2.5 * c.pad_scale.sigma
-        # front share 0.73: half of the ratio times twice the difference from one half
-        assert c.pad_scale.sigma > 0.22 * c.pad_log_ratio.sigma
-
-
-def test_mass_tolerance_widens_the_pads(run, table):
-    sloppy = fit(replace(CAR, mass_tolerance=0.05), [run]).calibration
-    assert sloppy.pad_scale.sigma == pytest.approx(
-        math.hypot(table.calibration.pad_scale.sigma, 0.05), rel=0.02
-    )
 
 
 def test_a_glitch_of_a_x_that_no_car_can_do_takes_no_part(run, table):
@@ -310,44 +271,6 @@ def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
     assert both.pad_scale.sigma > alone.pad_scale.sigma
 
 
-def test_rise_of_eta_does_not_follow_a_wheel_that_locks_at_times(clean):
-    b = blocks(signals(clean, CAR.rear.rolling_radius))
-    use = (b.z > 0.1) & (b.z < 0.4)
-    rise, _ = eta_rise(b, use)
-    locking = np.where(use & (np.arange(b.end.size) % 4 == 0), 0.7, 1.0)
-    hit, _ = eta_rise(replace(b, omega_r=b.omega_r * locking), use)
-    assert 0.5 * rise < hit < rise
-    assert math.isnan(eta_rise(b, np.zeros(b.end.size, bool))[0])
-
-
-def test_noise_widens_and_does_not_refuse():
-    """Five times the usual noise: single samples of p_mc pass the pressure at which pads bite."""
-    rolling = as_log(drive(REAL, lambda t: 0.0, 30.0, duration=12.0), "coast")
-
-    def loud(log, number):
-        usual = noisy(log, number)
-        x = {k: log[k] + 5.0 * (usual[k] - log[k]) for k in log.channels if k != "time"}
-        return replace(usual, channels={**log.channels, **x})
-
-    table = fit(CAR, [loud(ramp(REAL), 0), loud(rolling, 10)])
-    quiet = fit(CAR, [noisy(ramp(REAL), 0), noisy(rolling, 10)])
-    for one, other in (
-        (table.calibration.pad_friction_f, quiet.calibration.pad_friction_f),
-        (table.calibration.pad_friction_r, quiet.calibration.pad_friction_r),
-    ):
-        low, high = one.ci95
-        assert low < 0.38 < high
-        assert one.sigma > other.sigma
-
-
 def test_order_of_the_logs_does_not_change_a_bit():
     logs = [read_log(path) for path in LOGS]
     assert fit(CAR, logs).digest == fit(CAR, logs[::-1]).digest
-
-
-def test_peak_and_bias_are_reported(table):
-    # Table I: front share 28.84*130.9/(28.84*130.9 + 11.34*124.0); (6), (8): z where F_f = F_r
-    share = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
-    assert table.quality["front_biased_up_to"] == pytest.approx((share * 2.805 - 1.6494) / 0.615)
-    assert table.quality["deceleration_max"] == pytest.approx(0.57, abs=0.02)
-    assert table.quality["runs"] == 1.0

@@ -109,13 +109,6 @@ def test_the_right_tyre_file_narrows(run, alone, tyre):
     assert not told(known_before(CAR, [tyre()], {}), e.held)
 
 
-def test_files_of_front_and_rear_are_those_of_their_axles(tyre):
-    (one,) = known_before(CAR, [tyre(1.1), tyre(0.9)], {})
-    front, rear = (module.LINEAR + module.TO_LINEAR @ one.mean[-3:])[:2]
-    assert front == pytest.approx(1.0 / (1.1 * STIFFNESS), rel=1e-6)
-    assert rear == pytest.approx(1.0 / (0.9 * STIFFNESS), rel=1e-6)
-
-
 @pytest.mark.parametrize("factor", [0.8, 1.25])
 def test_a_tyre_file_a_fifth_off_leaves_the_truth_inside(run, tyre, factor):
     e = posterior(CAR, [run], UNSAID, known=known_before(CAR, [tyre(factor)], {}))
@@ -148,14 +141,6 @@ def fleet():
 
     ratios = (0.93, 1.0, 1.07, 0.97, 1.04)
     return {f"c{i}@1": car(10 + i, ratio) for i, ratio in enumerate(ratios)}
-
-
-def test_cars_of_one_tyre_tell_of_the_next(run, alone, fleet):
-    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, (), fleet))
-    assert e.held[0] > 0.6
-    assert np.std(np.log(e.compliance_f)) < 0.85 * np.std(np.log(alone.compliance_f))
-    assert inside(e.log_pad_ratio, math.log(RATIO))
-    assert inside(e.compliance_f, 1.0 / STIFFNESS)
 
 
 def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):

@@ -8,7 +8,6 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 
 from calib.fitting import maps as module
-from calib.fitting import stops
 from calib.fitting.ensemble import Shown
 from calib.fitting.maps import maps
 from calib.fitting.posterior import posterior
@@ -93,20 +92,6 @@ def test_cells_are_the_conditional_quantiles_of_a_gaussian(monkeypatch, follows,
             assert upper - lower == pytest.approx(2.0 * Z95 * sigma, rel=0.15)
 
 
-def test_moments_of_the_slip_are_those_of_the_toy(monkeypatch):
-    pad_map, _ = made(monkeypatch, FOLLOWS)
-    ratio = OF_RAMP**2 + CHANGE**2
-    eta = RISE**2 * ratio + NOISE**2
-    shift = pad_map.axes["shift"]
-    j = int(np.argmin(np.abs(shift - BASE)))
-    both = RISE * FOLLOWS * ratio
-    left = math.sqrt(FOLLOWS**2 * ratio + SCATTER**2 - both**2 / eta)
-    at = pad_map.grid("log_slip")[3, j], pad_map.grid("log_slip_sigma")[3, j]
-    assert at[0][0] == pytest.approx(-3.0 + both / eta * (shift[j] - BASE), abs=0.02)
-    assert at[1][0] == pytest.approx(left, rel=0.05)
-    assert np.ptp(at[0]) == np.ptp(at[1]) == 0.0
-
-
 def test_before_eta_is_read_the_ratio_is_as_drawn(monkeypatch):
     _, before = made(monkeypatch, 0.0)
     sigma = math.hypot(OF_RAMP, CHANGE)
@@ -144,8 +129,8 @@ def fresh(table):
     """Stops drawn at random, of other places than those of the map."""
     rng = np.random.default_rng(11)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stops, "spread_evenly", lambda count, d: rng.uniform(1e-9, 1.0, (count, d)))
-        return stops.scenarios(CAR, table[0], 8192)
+        patch.setattr(module, "spread_evenly", lambda count, d: rng.uniform(1e-9, 1.0, (count, d)))
+        return module.scenarios(CAR, table[0], 8192)
 
 
 def read(pad_map, z, shift, place):
@@ -183,7 +168,7 @@ def shares(true, found, of, keep):
 def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
     """The reading has no noise here; a map has at least its own, so bounds are a little wide."""
     _, pad_map, _ = table
-    at = Shown(*(x[..., 0] for x in stops.seen(CAR, fresh, np.array([z]))))
+    at = Shown(*(x[..., 0] for x in module.seen(CAR, fresh, np.array([z]))))
     true = fresh.log_pad_ratio if of == "ratio" else fresh.change
     where, shift = np.full(true.size, z), at.shift / z
     if sees:
@@ -208,21 +193,3 @@ def test_ranks_of_the_level_are_uniform(table, fresh):
         level = fresh.level(float(z))
         ranks = [np.mean(level <= getattr(before, f"level{end}")[i]) for end in BOUNDS]
         assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.015)
-
-
-def test_before_eta_is_read_bounds_hold_their_share(table, fresh):
-    _, _, before = table
-    i = int(np.argmin(np.abs(before.z - 0.3)))
-    rolls = stops.seen(CAR, fresh, before.z).rolls[:, i]
-    for of, true in (("ratio", fresh.log_pad_ratio), ("change", fresh.change)):
-        ranks = [np.mean(true[rolls] <= getattr(before, of + end)[i]) for end in BOUNDS]
-        assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.02)
-
-
-def test_the_slip_narrows(table):
-    """With v a stop says more: in a place of the slip the bounds are no wider than over all."""
-    _, pad_map, before = table
-    z, shift = pad_map.axes["z"], pad_map.axes["shift"]
-    i, j = int(np.argmin(np.abs(z - 0.3))), int(np.argmin(np.abs(shift - 0.02)))
-    width = (pad_map.grid("ratio_upper") - pad_map.grid("ratio_lower"))[i, j]
-    assert width.max() < (before.ratio_upper - before.ratio_lower)[i]

@@ -9,9 +9,9 @@ import pytest
 from calib.base.plain import rows
 from calib.car.beliefs import STOP, Stop, beliefs_of
 from calib.car.vehicle import WEIGHED
-from calib.fitting import stops
+from calib.fitting import maps as stops
 from calib.fitting.ensemble import DEPART_AT
-from calib.fitting.stops import scenarios, seen
+from calib.fitting.maps import scenarios, seen
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 
@@ -58,21 +58,6 @@ def test_mean_and_sigma_are_those_of_the_list(drawn, name, column):
     found = getattr(drawn, column)
     assert np.mean(found) == pytest.approx(mean, abs=0.03 * sigma)
     assert np.std(found) == pytest.approx(sigma, rel=0.05)
-
-
-def test_tails_of_the_pads_are_those_of_a_mixture(drawn):
-    share, mean, sigma = cases("log_pad_ratio")
-    for beyond in (0.05, 0.2, 0.4):
-        upper = 0.5 * np.array(
-            [math.erfc((beyond - m) / s / math.sqrt(2.0)) for m, s in zip(mean, sigma, strict=True)]
-        )
-        assert np.mean(drawn.change > beyond) == pytest.approx(share @ upper, abs=0.01)
-
-
-def test_the_ratio_in_the_stop_is_that_of_the_ramp_and_its_change():
-    ratio = np.array([-0.1, 0.0, 0.2])
-    s = scenarios(CAR, one_car(log_pad_ratio=ratio), 300)
-    assert s.log_pad_ratio - s.change == pytest.approx(np.tile(ratio, 100))
 
 
 def test_a_further_case_of_one_quantity_leaves_all_others_as_they_are(monkeypatch, drawn):
@@ -181,20 +166,6 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
     assert at.rolls.all()
 
 
-def test_better_front_pads_and_softer_roads_raise_eta():
-    usual = seen(CAR, still(), np.array([0.3])).shift
-    assert seen(CAR, still(change=0.1), np.array([0.3])).shift > usual
-    assert seen(CAR, still(stiff=SOFTER), np.array([0.3])).shift > usual
-    assert seen(CAR, still(stiff=SOFTER), np.array([0.3])).slip == pytest.approx(
-        math.exp(0.2) * seen(CAR, still(), np.array([0.3])).slip, rel=0.15
-    )
-
-
-def test_level_holds_mass_and_offset_of_a_x():
-    """A twentieth of the deceleration that is none, and 2 % more mass."""
-    assert still(offset=0.015, mass=0.02).level(0.3) == pytest.approx(math.log(0.95) + 0.02)
-
-
 def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
     """Relative, linear between the decelerations at which it is kept: here 0.1 z and -0.2 z."""
     usual = still()
@@ -206,7 +177,3 @@ def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
         plain, at = seen(CAR, usual, np.array([z])), seen(CAR, along, np.array([z]))
         assert at.shift / plain.shift == pytest.approx(1.0 + 0.1 * z)
         assert at.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)
-
-
-def test_a_road_that_cannot_carry_the_force_is_told():
-    assert not seen(CAR, still(peak=0.3), np.array([0.5])).rolls.any()

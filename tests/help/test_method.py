@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import calib
-from calib.estimation.constants import Constants
+from calib.estimation.state import Constants
 from calib.help.page import FOLDER
 from calib.run.blocks import BLOCK
 

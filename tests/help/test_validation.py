@@ -5,10 +5,10 @@ import re
 import numpy as np
 
 from calib.car.braking import MOVING
-from calib.estimation.constants import Constants
 from calib.estimation.estimator import COLUMNS
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.reasons import Reason
+from calib.estimation.state import Constants
 from calib.help.page import FOLDER
 
 PAGE = (FOLDER / "validation.md").read_text()

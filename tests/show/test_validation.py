@@ -82,5 +82,5 @@ def test_every_method_is_on_the_page_of_stops(fitted):
     (row,) = tables[1].rows
     cells = dict(zip(tables[1].heads[1:], row[1:], strict=True))
     assert set(cells) == {name.replace("_", " ") for name in found.baselines}
-    front, rear = found.baselines["gradient_map"]
-    assert cells["gradient map"] == f"{100 * front:.1f} / {100 * rear:.1f}"
+    front, rear = found.baselines["gradient_paper"]
+    assert cells["gradient paper"] == f"{100 * front:.1f} / {100 * rear:.1f}"

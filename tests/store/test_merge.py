@@ -14,8 +14,8 @@ from calib.estimation.estimator import estimate
 from calib.store.merge import merge
 from calib.store.state import OUTSIDE, VersionState
 from calib.store.store import Store
+from calib.table.budget import pad_levels
 from calib.table.invariants import violations
-from calib.table.pad_levels import pad_levels
 from tests.support.cars_of_a_line import car_table, cars, version
 from tests.support.reference_car import WET, noisy, stop
 from tests.support.tables import VEHICLE, from_content

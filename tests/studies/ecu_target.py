@@ -19,8 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.ecu.bundle import write_bundle
 from calib.ecu.native import Native
-from calib.estimation.channels import samples_of
-from calib.estimation.online import answered
+from calib.estimation.online import answered, samples_of
 from calib.estimation.reasons import Reason
 from calib.logs.read import read_log
 from calib.store.store import Store

@@ -9,7 +9,7 @@ import pytest
 
 from calib.base.arrays import Array
 from calib.ecu.native import OUTPUTS
-from calib.estimation.channels import CHANNELS, OMEGA
+from calib.estimation.online import CHANNELS, OMEGA
 from calib.store.store import Store
 from tests.support.programs import needs
 

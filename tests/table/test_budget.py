@@ -1,16 +1,14 @@
 """Budgets as numbers and words."""
 
 import math
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.plain import rows
-from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, own, shared, summary
-from calib.table.table import TableBudget
-from tests.support.tables import VEHICLE, from_content, made_table
+from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, summary
+from tests.support.tables import VEHICLE
 
 PARTS = [x for x in rows("budget.csv", "calib.table")[0] if x not in ("do", "of")]
 VARIANCES = st.dictionaries(st.sampled_from(PARTS), st.floats(0.0, 1e-2), max_size=len(PARTS))
@@ -51,20 +49,3 @@ def test_a_mass_that_was_stated_needs_no_scale():
     for mass, weigh in ((0.005, False), (0.02, False), (0.03, True), (0.0329, True)):
         lines = advice_lines([{"mass": mass, **rest}] * 2)
         assert any("--mass" in line for line in lines) == weigh
-
-
-def test_own_and_shared_are_all_of_a_variance():
-    level = {"mass": 4e-4, "noise": 1e-5, "zeros": 2e-5, "cars": 3e-4}
-    assert own(level) == pytest.approx(3e-5)
-    assert shared(level) == {"mass": 4e-4, "cars": 3e-4}
-    assert own({}) == 0.0
-
-
-def test_a_budget_comes_back_from_the_record():
-    one = TableBudget({"mass": 0.03}, {"tyres": 0.02}, {"mass": 9e-4}, {"noise": 1e-4}, {})
-    held = replace(made_table(), budget=one)
-    assert held.digest != made_table().digest
-    read = from_content(*held.content())
-    assert read.budget == one
-    assert read.digest == held.digest
-    assert read.budget.axles == ({"mass": 0.03}, {"tyres": 0.02})

@@ -53,14 +53,6 @@ def test_only_the_common_axis_counts(table):
     assert not far.identical
 
 
-def test_a_gap_without_a_band_is_infinitely_many_bands(table):
-    def bare(table):
-        D = table.difference
-        return replace(table, difference=replace(D, lower=D.D, upper=D.D))
-
-    assert gap_of(diff(bare(table), bare(made_table(28.0))), "D").in_bands == float("inf")
-
-
 def test_changes_are_sorted_into_sections(table):
     scale = replace(table.calibration.pad_scale, value=1.1)
     other = replace(

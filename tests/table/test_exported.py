@@ -28,11 +28,6 @@ def curved():
     return PadMap.of(axes, **columns, **seen, share=np.ones_like(z), prior=half)
 
 
-def test_in_double_on_all_rows_nothing_changes():
-    table = made_table()
-    assert as_exported(table, Precision()).digest == table.digest
-
-
 def test_breakpoints_are_those_where_the_map_bends():
     """Linear between two values of z and three of shift: those are kept, and nothing is lost."""
     values = np.outer([1.0, 0.2, 0.5], [0.3, -0.2, 0.4, 0.5])[..., None]
@@ -132,11 +127,6 @@ def test_600_bytes_hold_the_map():
     places = [np.sort(draw.uniform(*ends, 30)) for ends in ((0.1, 0.8), (0.0, 0.04), (-1.0, 1.0))]
     gap = table.map.on(places).ratio - curved().on(places).ratio
     assert np.sqrt(np.mean(gap**2)) < 0.015
-
-
-def test_points_that_an_axis_lacks_are_all_of_its_own():
-    made = written_map(made_map(), Precision(points=16), "map")
-    assert [len(axis.values) for axis in made.axes.values()] == [4, 5, 3]
 
 
 def test_an_axis_that_no_longer_increases_is_refused():

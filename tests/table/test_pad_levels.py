@@ -1,13 +1,12 @@
 """Level and ratio of pads against the brake force of both axles (2)."""
 
 import math
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.table.pad_levels import pad_levels, pad_scale
+from calib.table.budget import pad_levels, pad_scale
 from tests.support.cars_of_a_line import car_table
 from tests.support.tables import VEHICLE
 
@@ -29,10 +28,3 @@ def test_the_level_is_the_brake_force_of_both_axles_and_the_way_back_is_exact(le
     assert found.level == pytest.approx(math.log(told / nominal), abs=1e-12)
     assert found.ratio == pytest.approx(ratio, abs=1e-12)
     assert math.log(pad_scale(VEHICLE, found)) == pytest.approx(level, abs=1e-12)
-
-
-def test_level_and_ratio_are_those_of_the_vehicle_file():
-    front = replace(VEHICLE.front, pad_friction=2.0 * VEHICLE.front.pad_friction)
-    rear = replace(VEHICLE.rear, pad_friction=2.0 * VEHICLE.rear.pad_friction)
-    found = pad_levels(replace(VEHICLE, front=front, rear=rear), car_table(1).calibration)
-    assert (found.level, found.ratio) == (pytest.approx(-math.log(2.0)), pytest.approx(0.0))

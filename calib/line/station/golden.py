@@ -22,8 +22,7 @@ from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import own
-from calib.table.pad_levels import pad_levels
+from calib.table.budget import own, pad_levels
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5
