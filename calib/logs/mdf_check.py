@@ -66,8 +66,7 @@ class _Group:
 def check_mdf(path: Path) -> _Checked:
     """Compare a file with its links, and count the records of an unfinished one.
 
-    Raises LogError for a file that is not MDF, cut off, damaged, or not finished in a way that
-    asammdf cannot.
+    Raises LogError for a file that is not MDF, cut off, damaged, or cannot be finished.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)

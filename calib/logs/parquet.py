@@ -26,9 +26,8 @@ _MDF_CLOCK = "timestamps"
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
     """Open a Parquet file; ``text_format`` is not used.
 
-    A unit may also stand in the name. The index of a file exported by asammdf is the time in
-    seconds; asammdf drops all other units. Time stamps are in seconds from the first row. Raises
-    LogError for a file that is empty, cut off or not Parquet.
+    A unit may also stand in the name. asammdf exports no unit; its index is the time in seconds.
+    Time stamps are in seconds from the first row. Raises LogError for a file that is not whole.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq

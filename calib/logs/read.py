@@ -35,10 +35,7 @@ _WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 @dataclass(frozen=True)
 class Opened:
-    """An opened log: what names it, its columns, and the SHA-256 of its bytes.
-
-    A context that closes the file of a recording.
-    """
+    """An opened log, a context: its path, its columns, and the SHA-256 of its bytes."""
 
     path: Path
     source: ColumnSource | Recording
@@ -100,8 +97,7 @@ def read_log(
     data: bytes | None = None,
     file: Path | None = None,
 ) -> Log:
-    """Read one run; the ending gives the format, ``channel_map`` names and units of foreign
-    columns.
+    """Read one run; the ending gives the format, ``channel_map`` names foreign columns.
 
     Channels in ``require`` must be there; others that are empty are left out, with a note. Raises
     LogError for a file that is not a valid log, ChannelMapError for a map that does not fit.
@@ -210,10 +206,7 @@ def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
 def _in_time(
     channels: dict[str, Array], taken: list[Assigned], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The channels without the delays that the map states, in the rows that all have, and notes.
-
-    Raises LogError where no row is left.
-    """
+    """The channels without the delays of the map, in the rows that all have, and notes."""
     time = channels["time"]
     late = {item.channel: item.mapping.delay for item in taken if item.mapping.delay}
     if not late or not is_ascending(time):
@@ -248,10 +241,7 @@ def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Ass
 
 
 def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
-    """The bytes of a log; ``where`` names it in messages.
-
-    Raises LogError if ``path`` is not a readable file of a known format.
-    """
+    """The bytes of a log; ``where`` names it. Raises LogError for no file of a known format."""
     with _as_log(path, path if where is None else where, any_format) as kind:
         return read_bounded(path, kind)
 

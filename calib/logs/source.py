@@ -15,9 +15,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it; ``full`` tells those of one ``name`` apart. ``unit`` may be
-    None.
-    """
+    """A column as the file names it; ``full`` is another where several have one ``name``."""
 
     name: str
     unit: str | None
@@ -47,8 +45,7 @@ def address_of(column: Column, columns: Sequence[Column]) -> str:
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """An opened table: ``read`` takes indices of columns, and gives arrays as written, NaN for
-    empty.
+    """An opened table: ``read`` gives columns as written, by index, with NaN for empty cells.
 
     ``rates`` [Hz], by index, of the columns that were recorded on another clock than the rows.
     """

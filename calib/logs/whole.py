@@ -129,9 +129,7 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
 
 @dataclass(frozen=True)
 class Inventory:
-    """One column: range in ``unit``, rows with a value, ``rate`` [Hz], start and length of gaps
-    [s].
-    """
+    """One column: range in ``unit``, rows with a value, rate [Hz], start and length of gaps [s]."""
 
     name: str
     unit: str | None

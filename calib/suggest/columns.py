@@ -28,8 +28,7 @@ _TOGETHER, _RATIO = 0.99, 0.1
 
 @dataclass(frozen=True)
 class Series:
-    """A numeric column, (n,), in SI; ``si`` is None without a unit, ``?`` for one that is not
-    known.
+    """A numeric column, (n,), in SI; ``si`` is None without a unit, ``?`` for an unknown one.
 
     ``name`` is the address that only this column has, ``rate`` [Hz] None if that of the rows.
     """

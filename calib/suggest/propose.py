@@ -171,8 +171,7 @@ def to_toml(
 ) -> str:
     """The channel map as TOML; comments say how sure each entry is.
 
-    DBC files and text format are those of ``read_with``; paths lead from ``folder``, or are
-    absolute.
+    DBC files and text format are those of ``read_with``; paths lead from ``folder``, if given.
     """
     lines = [f"# proposed from {one_line(found.log)}", "schema = 1"]
     databases = read_with.databases if read_with else {}

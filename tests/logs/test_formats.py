@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.formats import TABLES, ending_of, refuse_other_kind, stem_of
+from calib.logs.formats import refuse_other_kind
 from calib.logs.read import FORMATS, read_log
 from tests.support.recordings import (
     RAMP,
@@ -52,22 +52,6 @@ def test_another_kind_is_named(tmp_path, ending, data, says):
 def test_a_table_that_begins_with_a_word_of_another_kind_is_a_table():
     refuse_other_kind(b"date time [s],v [m/s]\n0.0,20.5\n", ".csv", "run.csv")
     refuse_other_kind(b"(time),v [m/s]\n0.0,20.5\n", ".csv", "run.csv")
-
-
-@pytest.mark.parametrize(
-    ("name", "ending", "stem"),
-    [
-        ("ramp.csv.gz", ".csv.gz", "ramp"),
-        ("ramp.2.CSV.GZ", ".csv.gz", "ramp.2"),
-        ("ramp", "", "ramp"),
-        ("ramp.gz", ".gz", "ramp"),
-    ],
-)
-def test_ending_and_stem(name, ending, stem):
-    path = Path("runs.2024") / name
-    assert ending_of(path) == ending
-    assert stem_of(path) == stem
-    assert ending in TABLES or ending in ("", ".gz")
 
 
 @pytest.mark.parametrize(

@@ -115,10 +115,6 @@ def test_values_that_are_no_run(tmp_path, columns, named):
     assert named in refused(write(tmp_path, columns))
 
 
-def test_the_fewest_samples_are_read(tmp_path):
-    assert read_log(write(tmp_path, table(50))).time.size == 50
-
-
 @pytest.mark.parametrize(
     ("head", "cells"),
     [

@@ -34,9 +34,7 @@ _NEXT = 8
 
 
 def open_blf(path: Path, dbc: Databases) -> Recording:
-    """Open a BLF file. Raises LogError as `check_whole`, without a DBC, and if it describes no
-    frame.
-    """
+    """Open a BLF file. Raises LogError as `check_whole` and `open_asc`."""
     where = str(path)
     can = need("can", "can", where)
     known = require_dbc(dbc, "can", where)

@@ -107,8 +107,7 @@ class Dbc:
 def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
     """Read the files of a channel map; ``extra`` of the package installs cantools.
 
-    Raises ChannelMapError for a file that is missing or not valid, and for an identifier that is
-    described twice on a bus.
+    Raises ChannelMapError for a file that is not valid, and an identifier twice on a bus.
     """
     cantools: Any = need("cantools", extra, where)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here

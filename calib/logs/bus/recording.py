@@ -9,7 +9,7 @@ byte 1 15 . . . . . . 8                       byte 1 15 . . . . . . 8
 import re
 from array import array
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias, cast
 
@@ -116,17 +116,15 @@ def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
     return read_databases(databases, extra, where)
 
 
-def gathered(
-    messages: "Iterable[can.Message]", dbc: Dbc, where: str, here: Callable[[], str] = str
-) -> Gathered:
-    """All frames of a file. Raises LogError, with the place, if python-can cannot read it."""
+def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathered:
+    """All frames of a file. Raises LogError if python-can cannot read it."""
     found = Gathered(dbc)
     try:
         found.take(messages)
     except LogError:
         raise
     except Exception as cause:  # a damaged file makes python-can raise almost anything
-        what = f"not readable after frame {len(found.times)}{here()}"
+        what = f"not readable after frame {len(found.times)}"
         raise damaged(where, what, "a whole and undamaged log") from cause
     if not found.times:
         raise LogError("the log has no frames", where=where, expected="a log of bus frames")
@@ -171,10 +169,7 @@ def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: s
 
 
 def described(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["Place"]]:
-    """Column, frames, message and signal of every signal that is a number.
-
-    The full name begins with the bus where there are several.
-    """
+    """Column and place of every signal that is a number; several buses are named in the column."""
     found = [(item, message) for item in frames if (message := dbc.find(item.bus, item.key))]
     buses = Counter(message.name for _, message in found)
     columns, signals = [], []

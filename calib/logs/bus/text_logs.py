@@ -33,14 +33,13 @@ class Counted:
 
     def __init__(self, file: TextIO, path: Path):
         self.file, self.path = file, path
-        self.frames, self.line, self.last = 0, 0, ""
+        self.frames, self.last = 0, ""
 
     def __iter__(self) -> Iterator[str]:
         return self
 
     def __next__(self) -> str:
         line = next(self.file)
-        self.line += 1
         self.frames += bool(self.frame.match(line))
         self.last = line if line.strip() else self.last
         return line
@@ -60,7 +59,7 @@ class Counted:
     def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
         """The frames that python-can reads. Raises LogError if it does not read all."""
         try:
-            found = gathered(self._whole(messages), dbc, str(self.path), self._here)
+            found = gathered(self._whole(messages), dbc, str(self.path))
         except LogError:
             if self.frames:
                 self._require_line_end()
@@ -82,14 +81,11 @@ class Counted:
                 raise damaged(self.path, f"a frame at {message.timestamp:.6f} s has {has}")
             yield message
 
-    def _here(self) -> str:
-        return f", line {self.line} is {self.last.strip()[:60]!r}"
-
     def _require_line_end(self) -> None:
         if self.last and not self.is_whole(self.last):
             whole = self.frames - bool(self.frame.match(self.last))
-            what = f"cut off within the last line, after {whole} whole frames{self._here()}"
-            raise damaged(self.path, what, "an end of line")
+            what = f"cut off within the last line, {self.last.strip()[:60]!r}, after {whole} whole"
+            raise damaged(self.path, f"{what} frames", "an end of line")
 
 
 def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
@@ -121,9 +117,7 @@ _END = re.compile(r"end\s+triggerblock", re.IGNORECASE)
 
 
 class _AscLines(Counted):
-    """python-can skips the line after the header if that has none on internal events: such a line
-    is inserted, so that no frame is lost.
-    """
+    """python-can skips a line after a header without internal events: one is inserted."""
 
     reader = "ASCReader"
     frame = re.compile(

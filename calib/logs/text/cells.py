@@ -45,12 +45,8 @@ _ENDINGS = {
 def column_from_cell(cell: str) -> Column:
     """Split a header cell into name and unit.
 
-    >>> column_from_cell("p_mc [bar]")
-    Column(name='p_mc', unit='bar', full='')
     >>> column_from_cell("Druck_HZ_bar")
     Column(name='Druck_HZ', unit='bar', full='Druck_HZ_bar')
-    >>> column_from_cell("p_mc")
-    Column(name='p_mc', unit=None, full='')
     """
     cell = cell.strip()
     found = _split(cell, "[", "]")

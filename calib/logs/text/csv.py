@@ -153,9 +153,7 @@ class TextRows:
         return bool(before) and len(cell) < min(map(len, before))
 
     def read(self, indices: Sequence[int]) -> list[Array]:
-        """Some columns as numbers, times of day as seconds. Raises LogError with the row of a bad
-        cell.
-        """
+        """Some columns as numbers, clocks as seconds. Raises LogError with a bad row."""
         import pyarrow as pa
         import pyarrow.csv as arrow_csv
 

@@ -14,10 +14,7 @@ GZIP = b"\x1f\x8b"
 
 
 def gunzip(data: bytes, where: str) -> bytes:
-    """The content of all members of a gzip file.
-
-    Raises LogError for a file that is cut off, damaged, not gzip, or larger than a log may be.
-    """
+    """The content of a gzip file. Raises LogError for one that is damaged or too large."""
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
             found = file.read(LOG.most + 1)
@@ -46,11 +43,9 @@ _HEAD = 4096
 
 
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
-    """Convert the text of a file to UTF-8 without a byte order mark; without one UTF-16 shows in
-    zeros.
+    """Convert text to UTF-8 without a byte order mark. Raises LogError for what is no text.
 
-    Other bytes are not changed: numbers are the same in all 8-bit encodings. Raises LogError for
-    bytes that are not text.
+    Other bytes are not changed: numbers are the same in all 8-bit encodings.
     """
     for mark, name in _MARKS.items():
         if data.startswith(mark):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from calib.base.errors import ChannelMapError
 from calib.logs.bus.text_logs import open_candump
 from calib.logs.read import read_log
 from tests.support.databases import DBC, KCD
@@ -56,11 +55,6 @@ def test_one_identifier_with_a_meaning_on_each_bus(folder, buses, factors):
     for name, factor in factors.items():
         np.testing.assert_allclose(found[name], factor * np.arange(60), err_msg=name)
     assert all(any(f"bus {bus}" in note for note in notes) for bus in buses)
-
-
-def test_a_frame_must_have_one_meaning(folder):
-    with pytest.raises(ChannelMapError):
-        opened(folder, {"can0": ["wheels.kcd", "doors.dbc"]})
 
 
 @pytest.mark.parametrize(("name", "bus"), [("run.log", "can0"), ("run.asc", "0"), ("run.mf4", "0")])

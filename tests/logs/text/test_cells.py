@@ -23,14 +23,11 @@ CELLS = {
     "omega_fl": ("omega_fl", None),
     "omega_fl_1_min": ("omega_fl", "1/min"),
     "T_disc_f_degC": ("T_disc_f", "degC"),
-    "T_disc_f": ("T_disc_f", None),
     "valve_s": ("valve_s", None),
     "Bremsdruck_HZ_bar": ("Bremsdruck_HZ", "bar"),
-    "speed_min": ("speed_min", None),
     "_bar": ("_bar", None),
     "": ("", None),
     "[bar]": ("", "bar"),
-    "p [x] [bar]": ("p [x]", "bar"),
     "p[bar] x": ("p[bar] x", None),
 }
 

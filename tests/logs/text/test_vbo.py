@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
-from calib.logs.read import read_log
 from calib.logs.text.vbo import open_vbo
 from tests.support.refusals import refusal
 
@@ -89,18 +88,6 @@ def test_time_of_day_runs_on_past_midnight(start):
     source = open_vbo(vbo(start), "run.vbo")
     (time,) = source.read([1])
     np.testing.assert_allclose(time, start + np.arange(60) / 100, rtol=0, atol=1e-6)
-
-
-@pytest.mark.smoke
-def test_as_a_log_through_a_map(tmp_path):
-    path = tmp_path / "stop.VBO"
-    path.write_bytes(vbo())
-    channel_map = tmp_path / "map.toml"
-    channel_map.write_text('schema = 1\n[channels.p_mc]\nsource = "Brake_Pressure"\n')
-    log = read_log(path, channel_map, require=())
-    assert log.name == "stop"
-    assert log["v"][0] == 10.0
-    assert log["p_mc"][4] == pytest.approx(5e5)
 
 
 @pytest.mark.parametrize(
