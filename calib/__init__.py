@@ -15,35 +15,20 @@ from typing import TYPE_CHECKING, Any
 from calib.base.names import VERSION
 
 if TYPE_CHECKING:
-    from calib.car.model import default_model
-    from calib.car.vehicle_file import read_vehicle
-    from calib.diagnosis.diagnose import diagnose
-    from calib.estimation.estimator import estimate
-    from calib.estimation.validate import validate
-    from calib.exports.export import export
-    from calib.fitting.fit import fit
-    from calib.help.samples import sample_logs
-    from calib.logs.read import read_log
-    from calib.model.simulate import simulate
-    from calib.plausibility.check import check
-    from calib.store.store import Store
+    from calib.car.model import default_model as default_model
+    from calib.car.vehicle_file import read_vehicle as read_vehicle
+    from calib.diagnosis.diagnose import diagnose as diagnose
+    from calib.estimation.estimator import estimate as estimate
+    from calib.estimation.validate import validate as validate
+    from calib.exports.export import export as export
+    from calib.fitting.fit import fit as fit
+    from calib.help.samples import sample_logs as sample_logs
+    from calib.logs.read import read_log as read_log
+    from calib.model.simulate import simulate as simulate
+    from calib.plausibility.check import check as check
+    from calib.store.store import Store as Store
 
 __version__ = VERSION
-
-__all__ = [
-    "Store",
-    "check",
-    "default_model",
-    "diagnose",
-    "estimate",
-    "export",
-    "fit",
-    "read_log",
-    "read_vehicle",
-    "sample_logs",
-    "simulate",
-    "validate",
-]
 
 _HOMES = {
     "Store": "calib.store.store",
@@ -61,6 +46,8 @@ _HOMES = {
 }
 """The module of each name. It is imported when the name is first used: ``import calib`` is
 fast."""
+
+__all__ = [*_HOMES]
 
 
 def __getattr__(name: str) -> Any:

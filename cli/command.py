@@ -13,14 +13,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, signature
+from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args, get_origin
 
 import typer
+from typer.core import TyperGroup
 
 from cli.console import emit, emit_json, misuse, this_run, warn
-from cli.group import Group, first_sentence
-from cli.options import option
+from cli.options import from_settings, option
 from cli.outputs import check_file, write_page
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Answer:
     Attributes
     ----------
     document : of --json, but for its "schema".
-    result : for people: a text, facts, or what `calib.show.kinds` tells as facts. Their warnings
+    result : for people: a text, facts, or what `calib.show.facts` tells as facts. Their warnings
         go to stderr, with --json too.
     exit_code : 0 if it passed.
     out : the folder that was written, which the next step names.
@@ -55,7 +56,7 @@ class Answer:
         """The result as it is told."""
         if isinstance(self.result, str):
             return self.result
-        from calib.show.kinds import facts_of
+        from calib.show.facts import facts_of
 
         return facts_of(self.result).written(self.out)
 
@@ -75,8 +76,8 @@ def _flag(text: str, *flags: str) -> Any:
 Quiet = Annotated[bool, _flag("Print the verdict alone, warnings and errors.", "--quiet", "-q")]
 Verbose = Annotated[bool, _flag("Print all details of the answer.", "--verbose", "-v")]
 Force = Annotated[bool, _flag("Replace a file that exists, whatever it holds.", "--force")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
-Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")]
+_Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+_Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")]
 
 
 def command(
@@ -95,8 +96,8 @@ def command(
             p.name: p.annotation for p in declared if is_dataclass(p.annotation)
         }
         own = {p.name: _parameter(p) for one in declared for p in _parts(one)}
-        more: dict[str, Any] = {"report": Report} if report else {}
-        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in own else {"json": Json})
+        more: dict[str, Any] = {"report": _Report} if report else {}
+        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in own else {"json": _Json})
         every = [*own.values(), *(_added(name, hint) for name, hint in more.items())]
         infos = {p.name: get_args(p.annotation)[1] for p in every}
         writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
@@ -105,11 +106,16 @@ def command(
 
         @wraps(body)
         def run(**given: Any) -> None:
-            this_run().inputs |= {
-                name: files
-                for name, value in given.items()
-                if name not in writes and (files := _files(value))
-            }
+            for name, info in infos.items():
+                if getattr(info, "setting", "") and not given[name]:
+                    found = from_settings(info.setting) if info.when(given) else None
+                    if found is None:
+                        found = info.built_in if given[name] is None else given[name]
+                    given[name] = found
+            for name in given.keys() - writes:
+                value = given[name] if isinstance(given[name], list) else [given[name]]
+                if files := [one for one in value if isinstance(one, Path)]:
+                    this_run().inputs[name] = files
             for name, info in writes.items():
                 if given[name] is not None and info.writes != "folder":
                     check_file(given[name], info.writes, _flag_of(name, info))
@@ -134,6 +140,44 @@ def command(
 
 def _added(name: str, hint: Any) -> Parameter:
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
+
+
+class Row(NamedTuple):
+    """A command in the help of its group."""
+
+    heading: str
+    name: str
+    summary: str
+
+
+class Group(TyperGroup):
+    """Commands under their headings; a summary is never cut."""
+
+    def rows(self) -> list[Row]:
+        """Every command in the order of the help."""
+        found: dict[str, Any] = dict(self.commands)
+        return [Row(one.rich_help_panel, name, one.short_help) for name, one in found.items()]
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the commands in the order of the help."""
+        return [row.name for row in self.rows()]
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write each subject with its commands."""
+        width = max(len(row.name) for row in self.rows())
+        for heading, rows in groupby(self.rows(), lambda row: row.heading):
+            with formatter.section(heading):
+                formatter.write_dl([(row.name.ljust(width), row.summary) for row in rows])
+
+
+def first_sentence(text: str) -> str:
+    r"""The first sentence of a help text, in one line and without its full stop.
+
+    >>> first_sentence("Fit the table of a car.\n\nMore on it.")
+    'Fit the table of a car'
+    """
+    paragraph = " ".join(text.strip().split("\n\n")[0].split())
+    return paragraph.split(". ")[0].removesuffix(".")
 
 
 def add(app: typer.Typer, heading: str, *commands: Any) -> None:
@@ -196,16 +240,15 @@ def _parameter(given: Parameter) -> Parameter:
 
 def _default(hint: Any, optional: bool = True) -> Any:
     kind = get_args(hint)[0]
-    built_in = getattr(get_args(hint)[1], "built_in", None)
+    info = get_args(hint)[1]
+    built_in = getattr(info, "built_in", None)
+    if getattr(info, "setting", "") and built_in is not None:
+        return None  # it may come from the settings
     if built_in is not None or type(None) in get_args(kind):
         return built_in
     if kind is bool:
         return False
     return [] if optional and getattr(kind, "__origin__", None) is list else Parameter.empty
-
-
-def _files(value: Any) -> list[Path]:
-    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, Path)]
 
 
 def _made(name: str, info: Any, value: Any) -> Any:
@@ -230,7 +273,7 @@ def _flag_of(name: str, info: Any) -> str:
 
 
 def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:
-    facts = this_run().facts = answer.facts
+    facts = answer.facts
     if not isinstance(facts, str):
         warn(facts.warnings)
         if page is not None:

@@ -5,14 +5,13 @@ printed for people is made safe for a terminal on its way.
 """
 
 import json
-import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field, fields, is_dataclass
-from pathlib import Path, PurePath
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 import typer
@@ -22,51 +21,46 @@ from calib.base.errors import printable
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from calib.base.settings_file import Project
     from calib.show.facts import Facts
 
 
-PIPED_WIDTH = 120
+_PIPED_WIDTH = 120
 """Columns of a table that does not go to a terminal, if COLUMNS is not set; lines stay whole."""
 
 
 @dataclass
-class CommandRun:
+class _CommandRun:
     """One run of the program: what was asked for, and what it answered.
 
     ``inputs`` are the files that were given, by the name of their parameter; ``documents`` counts
-    the JSON documents that were printed; ``facts`` are those of the answer, if it has any.
+    the JSON documents that were printed; ``project`` has the settings, once they were asked for.
     """
 
     quiet: bool = False
     verbose: bool = False
     force: bool = False
     documents: int = 0
-    facts: "Facts | str" = ""
     inputs: dict[str, list[Path]] = field(default_factory=dict)
+    project: "Project | None" = None
+    uses_settings: bool = False
 
     def file(self, name: str) -> Path | None:
         """The file of an option, if one was given."""
         return next(iter(self.inputs.get(name, ())), None)
 
-    def told(self, name: str) -> str:
-        """Name and digest of the file of an option; "" if none was given."""
-        from calib.base.digest import file_digest
 
-        file = self.file(name)
-        return f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else ""
-
-
-_RUN: ContextVar[CommandRun] = ContextVar("run")
+_RUN: ContextVar[_CommandRun] = ContextVar("run")
 
 
 def begin() -> None:
     """Begin a run: nothing is asked for, nothing is printed."""
-    _RUN.set(CommandRun())
+    _RUN.set(_CommandRun())
 
 
-def this_run() -> CommandRun:
+def this_run() -> _CommandRun:
     """The run that goes on; one that asks for nothing where none was begun."""
-    return _RUN.get(CommandRun())
+    return _RUN.get(_CommandRun())
 
 
 def say(message: str) -> None:
@@ -134,20 +128,16 @@ def plain(value: object) -> Any:
 
     A number that is not finite becomes null. Raises TypeError for anything else.
     """
-    if value is None or isinstance(value, bool | str | int):
-        return value
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    if isinstance(value, PurePath):
-        return str(value)
-    if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    from pydantic_core import to_jsonable_python
+
+    return to_jsonable_python(value, inf_nan_mode="null", fallback=_unwrapped)
+
+
+def _unwrapped(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {str(key): plain(part) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(part) for part in value]
+        return dict(value)
     if hasattr(value, "tolist"):  # numpy scalars and arrays, without importing numpy
-        return plain(value.tolist())
+        return value.tolist()
     raise TypeError(f"{type(value).__name__} has no place in a JSON document")
 
 
@@ -199,6 +189,6 @@ def _console(stream: IO[str]) -> "Console":
         def render_str(self, text: str, **options: Any) -> Text:
             return super().render_str(printable(text, "\n\t"), **options)
 
-    width = PIPED_WIDTH if _piped(stream) else None
+    width = _PIPED_WIDTH if _piped(stream) else None
     # Names and remarks of users may hold brackets and colons, so no string is taken as markup.
     return SafeConsole(file=stream, width=width, highlight=False, markup=False, emoji=False)

@@ -15,7 +15,7 @@ from cli.options import Car, Map, OwnEffects, Workers, logs, option
 from cli.outputs import check_folder, stems_of, writing
 
 
-class Greedy(TyperCommand):
+class _Greedy(TyperCommand):
     """A command whose ``--holdout`` takes all logs up to the next option, as from a shell's *."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -36,7 +36,7 @@ class Greedy(TyperCommand):
     "sample_logs/hidden/case_0/calibration/ramp.parquet "
     "--holdout sample_logs/hidden/case_0/holdout/stop_a.parquet "
     "--vehicle sample_logs/hidden/case_0/vehicle.toml --out found",
-    cls=Greedy,
+    cls=_Greedy,
 )
 def diagnose(
     logs: list[Path] = logs("Logs to search in."),
@@ -58,8 +58,8 @@ def diagnose(
     from calib.car.effects.catalogue import with_own
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.written import files_of, text_of, to_dict, write_folder
+    from calib.show.facts import facts_of
     from calib.show.html import page_of
-    from calib.show.kinds import facts_of
 
     files = files_of(stems_of(named([*logs, *holdout])[len(logs) :], "--holdout"))
     check_folder(out, [file.as_posix() for file in files])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cli.command import DAMAGED, Answer, command
 from cli.console import at_option, misuse, say
-from cli.options import Table, Tables, argument, option, table_versions
+from cli.options import Table, Tables, argument, option
 from cli.outputs import EITHER, check_file, check_folder, refuse_foreign, writing
 from cli.sign import Signed
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from calib.store.version import Stored
     from calib.table.exported import Precision
 
-BITS = "In integers of 8, 16 or 32 bits; for c-header, a2l, ecu and FMUs."
-SINGLE = "In single precision; for c-header, a2l, ecu and FMUs."
+_BITS = "In integers of 8, 16 or 32 bits; for c-header, a2l, ecu and FMUs."
+_SINGLE = "In single precision; for c-header, a2l, ecu and FMUs."
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,8 @@ class Shape:
     points: Annotated[
         int | None, option("Breakpoints on each axis, least error; else all rows.", "N")
     ]
-    bits: Annotated[int | None, option(BITS, "BITS", "--fixed-point")]
-    single: Annotated[bool, option(SINGLE, None, "--float")]
+    bits: Annotated[int | None, option(_BITS, "BITS", "--fixed-point")]
+    single: Annotated[bool, option(_SINGLE, None, "--float")]
 
     def precision(self, code: bool = False) -> "Precision | None":
         """What is asked for, for C ``code`` or not; None for the full table."""
@@ -41,7 +41,7 @@ class Shape:
             return Precision(self.points, self.bits, self.single, code)
 
 
-EXPORT_OPTIONS = (
+_EXPORT_OPTIONS = (
     "--format, --points, --fixed-point, --float, --sample-time, --prefix, --elf, --without-effect"
 )
 
@@ -96,7 +96,7 @@ def export(
         "unreleased": unreleased,
     }
     written: WrittenCode | Exported
-    with at_option(EXPORT_OPTIONS, ExchangeError), writing(out):
+    with at_option(_EXPORT_OPTIONS, ExchangeError), writing(out):
         if kind in CODES:
             how = shape.precision() or Precision()
             step = 0.01 if sample_time is None else sample_time
@@ -135,7 +135,7 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     """
     from calib.exports.compare import difference, parent
     from calib.exports.read import read_back
-    from calib.show.differences import returned, returned_document
+    from calib.show.store import returned, returned_document
 
     found = read_back(file)
     stored = parent(found, store)
@@ -154,9 +154,7 @@ def _name(name: str) -> str:
 
 @command("brake-cal tables merge car@1 car@2 car@3 --name golden")
 def merge(
-    tables: list[str] = argument(
-        "name@version or path, one of each car", "CAR@1 CAR@2 ...", autocompletion=table_versions
-    ),
+    tables: list[str] = argument("name@version or path, one of each car", "CAR@1 CAR@2 ..."),
     *,
     name: str = option("Name of the mean table.", "NAME", make=_name),
     store: Tables,

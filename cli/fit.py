@@ -11,17 +11,16 @@ from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
     from calib.model.roller_bench import RollerBench
-    from calib.show.origin import PageOrigin
     from calib.store.version import Stored
 
-BENCH = "Brake forces of both axles, of the same pads on a roller brake tester."
-READ_BENCH = "calib.model.roller_bench_file:read_roller_bench"
-Bench = Annotated["RollerBench | None", option(BENCH, "B.toml", typed=Path | None, make=READ_BENCH)]
+_BENCH = "Brake forces of both axles, of the same pads on a roller brake tester."
+_ROLLERS = "calib.model.roller_bench_file:read_roller_bench"
+_Bench = Annotated["RollerBench | None", option(_BENCH, "B.toml", typed=Path | None, make=_ROLLERS)]
 
-TYRE = "Tyre property file (.tir) of both axles; given twice, of the front and the rear axle."
-READ_TYRES = "calib.car.tyre_file:read_tyres"
-Tyres = Annotated["tuple[TyreFile, ...]", option(TYRE, "T.tir", typed=list[Path], make=READ_TYRES)]
-FLEET = "Believe, to half, that tyres and loads are those of the released cars of this model."
+_TYRE = "Tyre property file (.tir) of both axles; given twice, of the front and the rear axle."
+_TIR = "calib.car.tyre_file:read_tyres"
+_Tyres = Annotated["tuple[TyreFile, ...]", option(_TYRE, "T.tir", typed=list[Path], make=_TIR)]
+_FLEET = "Believe, to half, that tyres and loads are those of the released cars of this model."
 
 
 @command(
@@ -36,9 +35,9 @@ def fit(
     model: KnownModel,
     effect: OwnEffects,
     mass: Mass,
-    bench: Bench,
-    tyre: Tyres,
-    fleet_prior: bool = option(FLEET),
+    bench: _Bench,
+    tyre: _Tyres,
+    fleet_prior: bool = option(_FLEET),
     store: Tables,
     channel_map: Map,
 ) -> Answer:
@@ -70,8 +69,8 @@ def fit(
     tell_kin(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
-    of = origin("vehicle", "model", "bench", "tyre")
-    found = Fitted(stored, mass_used(car, mass), ramps, of)
+    files = files_of("vehicle", "model", "bench", "tyre")
+    found = Fitted(stored, mass_used(car, mass), ramps, files)
     return Answer(document(found), found, live=True)
 
 
@@ -81,12 +80,7 @@ def tell_kin(store: Tables, stored: "Stored") -> None:
         say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
 
 
-def origin(*options: str) -> "PageOrigin":
-    """The date of a page, and the files of the options that its result is made from."""
-    from datetime import UTC, datetime
-
-    from calib.show.origin import origin_of
-
-    files = {name: this_run().file(name) for name in options}
-    files["channel map"] = this_run().file("channel_map")
-    return origin_of(datetime.now(UTC).date().isoformat(), files)
+def files_of(*options: str) -> dict[str, Path]:
+    """The files that were given as ``options`` or as the channel map, by their role on a page."""
+    named = {name: name.replace("_", " ") for name in (*options, "channel_map")}
+    return {role: file for name, role in named.items() if (file := this_run().file(name))}

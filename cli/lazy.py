@@ -6,8 +6,7 @@ from typing import Any, ClassVar
 
 import typer
 
-from cli.command import add
-from cli.group import Group, Row
+from cli.command import Group, Row, add
 
 
 class LazyGroup(Group):

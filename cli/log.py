@@ -1,17 +1,56 @@
-"""`brake-cal log`: every column of a log and its events, a part of it, its other formats."""
+"""`brake-cal check` and `log`: for what a log can be used, what is in it, its other formats."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cli.command import Answer, command
-from cli.console import misuse, say
-from cli.logs import read_whole
+from cli.command import FAILED, UNREADABLE, Answer, command
+from cli.console import complain, misuse, progress, say
+from cli.logs import named, source_of, tell
 from cli.options import Map, logs, option, require_known
 from cli.outputs import PAGES, write_file, write_page
 
 if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
+    from calib.plausibility.check import Findings
     from calib.run.events import RunEvent
+
+
+@command("brake-cal check sample_logs/sedan/*.csv")
+def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answer:
+    """Say for what each log can be used, as far as can be told without a vehicle file.
+
+    One line for each; -v shows what the log contains as well. Exit code 1 if a log is usable for
+    nothing, 3 if one cannot be read.
+    """
+    from calib.base.errors import InputError
+    from calib.logs.read import open_log, read_opened
+    from calib.plausibility.check import check as look_at
+    from calib.plausibility.check import to_dict
+    from calib.run.copies import computed_channels
+    from calib.show.check import facts
+
+    found: list[Findings] = []
+    failed: list[tuple[Path, InputError]] = []
+    with progress() as step:  # a log that cannot be read does not stop the check of the others
+        for i, (path, name) in enumerate(zip(logs, named(logs), strict=True)):
+            step(f"reading {name.name}", i, len(logs))
+            try:
+                file, data = source_of(path)
+                with open_log(file, channel_map, data=data) as source:
+                    run = read_opened(source, channel_map, require=())
+                tell(run)
+                found.append(look_at(run, computed_channels(run, source.source)))
+            except InputError as error:
+                failed.append((path, error))
+    for _, wrong in failed:
+        complain(str(wrong))
+    document = {
+        **({"error": failed[0][1].to_dict()} if failed else {}),
+        "logs": [to_dict(f) for f in found],
+        "unreadable": [{"source": path, "error": str(wrong)} for path, wrong in failed],
+    }
+    useless = FAILED * (not all(one.usable for one in found))
+    return Answer(document, facts(found), UNREADABLE if failed else useless)
 
 
 @command(
@@ -38,7 +77,7 @@ def log(
     --until cut at times of its own clock. Columns of a --map get their canonical names, sign and
     scale.
     """
-    from calib.logs.whole import channels_log, cut, inventory
+    from calib.logs.whole import channels_log, cut, inventory, read_whole
     from calib.logs.write import WRITERS
     from calib.run.events import run_events
     from calib.show.facts import Facts
@@ -50,7 +89,8 @@ def log(
         raise misuse("takes one log", "--out")
     looked: list[tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]] = []
     for path in logs:
-        whole = read_whole(path, channel_map)
+        file, data = source_of(path)
+        whole = read_whole(file, channel_map, data=data)
         whole = whole if start is until is None else cut(whole, start, until)
         part = _chosen(whole, channel)
         if out is not None and (write := WRITERS.get(out.suffix.lower())):

@@ -1,19 +1,15 @@
 """Logs of the command line: files, and one log from stdin that is written as `-`."""
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from cli.console import Step, complain, say, this_run
+from cli.console import Step, say, this_run
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.logs.log import Log
-    from calib.logs.read import Opened
-    from calib.logs.whole import WholeLog
-
-T = TypeVar("T")
 
 NAMED = Path("stdin.csv")
 """What a log from stdin is called in messages and results; it is text."""
@@ -40,25 +36,6 @@ def read_all(
     return found
 
 
-def each(paths: Sequence[Path], work: Callable[[Path], T], step: Step) -> list[T]:
-    """What ``work`` makes of each log; all that are refused are told, and there is no result."""
-    from calib.base.errors import LogError
-
-    found: list[T] = []
-    refused: list[LogError] = []
-    for path in paths:
-        try:
-            found.append(work(path))
-        except LogError as error:
-            refused.append(error)
-        step()
-    for wrong in refused[:-1]:
-        complain(str(wrong))
-    if refused:
-        raise refused[-1]
-    return found
-
-
 def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | None = None) -> "Log":
     """Read a log, a file or that on stdin, and tell with -v what was read.
 
@@ -66,30 +43,14 @@ def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | No
     """
     from calib.logs.read import REQUIRED, read_log
 
-    name, data = _known(path)
+    name, data = source_of(path)
     needed = REQUIRED if require is None else require
     log = read_log(name, mapping, require=needed, data=data)
     tell(log)
     return log
 
 
-def read_whole(path: Path, mapping: "ChannelMap | None") -> "WholeLog":
-    """Read every column of a log, a file or that on stdin. Raises LogError."""
-    from calib.logs import whole
-
-    name, data = _known(path)
-    return whole.read_whole(name, mapping, data=data)
-
-
-def opened(path: Path, mapping: "ChannelMap | None") -> "Opened":
-    """Open a log, a file or that on stdin. Raises LogError."""
-    from calib.logs.read import open_log
-
-    name, data = _known(path)
-    return open_log(name, mapping, data=data)
-
-
-def _known(path: Path) -> tuple[Path, bytes | None]:
+def source_of(path: Path) -> tuple[Path, bytes | None]:
     """What names a log, and its bytes where they are on stdin."""
     return (NAMED, _stdin()) if is_stdin(path) else (path, None)
 

@@ -1,13 +1,26 @@
-"""`brake-cal doctor` and `qualify`: whether the program works on this machine."""
+"""`brake-cal demo`, `doctor` and `qualify`: the program tried on this machine."""
 
+import glob
+import io
+import os
+import shlex
+import shutil
+import sys
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextvars import copy_context
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from calib.base.names import PROGRAM, VERSION
 from cli.command import FAILED, Answer, command
-from cli.console import json_text, progress
+from cli.console import json_text, progress, say
 from cli.options import option
-from cli.outputs import check_folder, write_folder
+from cli.outputs import check_folder, write_file, write_folder
+
+if TYPE_CHECKING:
+    from calib.help.demo import Ran, Step
 
 DOCUMENT, REPORT = "qualification.json", "qualification.html"
 
@@ -62,3 +75,66 @@ def qualify(
     contents = [(REPORT, page), (DOCUMENT, json_text(document).encode())]
     write_folder(out, contents, DOCUMENT)
     return Answer(document, facts(document), FAILED * (document["verdict"] == "failed"))
+
+
+@command("brake-cal demo", "brake-cal demo --out somewhere")
+def demo(
+    *,
+    out: Path = option(
+        "Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")
+    ),
+) -> Answer:
+    """Try the program on the sample logs, in about half a minute.
+
+    Runs commands that check, fit, validate, diagnose and draw, and says what each answered; a page
+    links the pages they wrote and the paper's figures. Exit code 1 if one gave another answer than
+    expected.
+    """
+    from calib.help.demo import INDEX, STEPS, facts
+    from calib.help.samples import sample_logs
+    from calib.show.html import page_of
+
+    check_folder(out, (INDEX,))
+    shutil.copytree(sample_logs(), out / "sample_logs", dirs_exist_ok=True)
+    ran = {}
+    with progress(f"running {len(STEPS)} commands in {out}", len(STEPS)) as done:
+        for step in STEPS:
+            ran[step] = got = _run(out, step)
+            if not step.figure or not got.passed:
+                failed = "" if got.passed else "FAILED: "
+                say(f"\n{step.what}\n  {step.line}\n  {failed}{got.answer}")
+            done()
+    found = facts(ran)
+    write_file(out / INDEX, page_of(found).encode())
+    answers = [vars(step) | vars(got) for step, got in ran.items()]
+    return Answer(
+        {"folder": out, "index": out / INDEX, "verdict": found.verdict, "steps": answers},
+        replace(found, tables=[], next=f"open {out / INDEX}"),
+        FAILED * (found.verdict == "failed"),
+    )
+
+
+def _run(folder: Path, step: "Step") -> "Ran":
+    """Run one line as a shell in ``folder`` would; its answer is the first line that it prints."""
+    from calib.base.names import SETTINGS_VARIABLE
+    from calib.help.demo import Ran
+    from cli.main import main
+
+    kept, argv = dict(os.environ), sys.argv
+    os.environ |= {SETTINGS_VARIABLE: ""}  # no settings of a project around it
+    os.environ.pop("COLUMNS", None)  # lines stay whole
+    out, err, code = io.StringIO(), io.StringIO(), 0
+    with chdir(folder), redirect_stdout(out), redirect_stderr(err):
+        words = shlex.split(f"{step.line} -q")
+        sys.argv = [file for word in words for file in sorted(glob.glob(word)) or [word]]
+        try:
+            copy_context().run(main)
+        except SystemExit as ended:
+            code = int(ended.code or 0)
+        finally:
+            sys.argv = argv
+            os.environ.clear()
+            os.environ.update(kept)
+    lines = (out.getvalue() or err.getvalue()).strip().splitlines()
+    answer = lines[0] if lines else ""
+    return Ran(answer, not code and step.expected in answer)

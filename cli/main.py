@@ -11,15 +11,14 @@ import typer
 
 from calib.base.errors import AnswerError, BrakeCalError, FolderGone, program_failure
 from calib.base.names import PROGRAM
-from cli.command import Quiet, Verbose, group
+from cli.command import Quiet, Row, Verbose, group
 from cli.console import begin, complain, emit_json, say, this_run
-from cli.group import Row
 from cli.lazy import LazyGroup
 
-UsageError: Any = typer.BadParameter.__base__
+_UsageError: Any = typer.BadParameter.__base__
 """What typer raises for a wrong command line; it exports only the one for a wrong value."""
 
-SUBJECTS = {
+_SUBJECTS = {
     "One car": {
         "check": "Say for what each log can be used, as far as can be told without a vehicle file",
         "fit": "Make the look-up table of a car from ramped brakings",
@@ -49,7 +48,7 @@ SUBJECTS = {
         "vehicle": "Vehicle files: write one, judge one, see what follows",
     },
     "Help": {
-        "demo": "Try the program on the sample logs, in about fifteen seconds",
+        "demo": "Try the program on the sample logs, in about half a minute",
         "manual": "Show the pages of the manual, or one of them",
         "doctor": "Say whether the program can work on this machine",
         "qualify": "Try the program on this machine against known truths",
@@ -59,12 +58,13 @@ SUBJECTS = {
 
 PLACES = {
     "tables": "tables:app",
-    "limits": "station:limits",
+    "check": "log:check",
+    **{name: f"station:{name}" for name in ("limits", "repeatability")},
     **{name: f"many:{name}" for name in ("batch", "watch", "fleet")},
     **{name: f"reference:{name}" for name in ("effects", "settings", "schema", "manual")},
     "map": "maps:map_",
     "vehicle": "vehicles:app",
-    **{name: f"machine:{name}" for name in ("doctor", "qualify")},
+    **{name: f"machine:{name}" for name in ("demo", "doctor", "qualify")},
 }
 """Where a command is, if not under its name in a file of its name."""
 
@@ -74,7 +74,7 @@ class Commands(LazyGroup):
 
     places: ClassVar = {
         Row(subject, name, summary): f"cli.{PLACES.get(name, f'{name}:{name}')}"
-        for subject, names in SUBJECTS.items()
+        for subject, names in _SUBJECTS.items()
         for name, summary in names.items()
     }
 
@@ -125,8 +125,8 @@ def main() -> None:
 
 
 def _run() -> int:
-    started = time.monotonic()
-    code = _code(sys.argv[1:])
+    started, words = time.monotonic(), sys.argv[1:]
+    code = _code(words)
     if this_run().verbose:
         say(f"took {time.monotonic() - started:.1f} s, exit code {code}")
     return code
@@ -140,7 +140,7 @@ def _code(words: Sequence[str]) -> int:
         _fail(words, error.to_dict())
         complain(str(error))
         return error.exit_code
-    except UsageError as error:
+    except _UsageError as error:
         _fail(words, _usage(error))
         error.show()
         return int(error.exit_code)
@@ -155,10 +155,12 @@ def _code(words: Sequence[str]) -> int:
 
 def _crashed(words: Sequence[str], error: Exception) -> int:
     """Exit code of an error that nobody caught: never that of a verdict; where, with -v."""
-    if isinstance(error, FileNotFoundError) and not _has_folder():
-        failure: BrakeCalError = FolderGone("the working folder is gone", do="change to another")
-    else:
-        failure = program_failure(error)
+    failure: BrakeCalError = program_failure(error)
+    if isinstance(error, FileNotFoundError):
+        try:
+            os.getcwd()
+        except FileNotFoundError:
+            failure = FolderGone("the working folder is gone", do="change to another")
     if this_run().verbose:
         import traceback
 
@@ -166,15 +168,6 @@ def _crashed(words: Sequence[str], error: Exception) -> int:
     _fail(words, failure.to_dict())
     complain(str(failure))
     return failure.exit_code
-
-
-def _has_folder() -> bool:
-    """Whether the folder that the program runs in is still there."""
-    try:
-        os.getcwd()
-    except FileNotFoundError:
-        return False
-    return True
 
 
 def _fail(words: Sequence[str], error: dict[str, Any]) -> None:

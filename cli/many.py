@@ -17,7 +17,7 @@ from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.diagnose import stoppable
-from cli.options import argument, option, table_names
+from cli.options import argument, option
 from cli.outputs import check_folder, write_folder, writing
 
 if TYPE_CHECKING:
@@ -27,40 +27,38 @@ if TYPE_CHECKING:
     from calib.line.fleet.work import Job
 
 
-def _is(command: Command) -> Callable[[typer.Context], bool]:
-    """Whether the job is ``command``; an argument is read before options that are not given."""
-    return lambda context: context.params.get("command") == command
+def _is(command: Command) -> Callable[[dict[str, Any]], bool]:
+    """Whether the job is ``command``."""
+    return lambda given: given["command"] == command
 
 
-JobCommand = Annotated[
+_JobCommand = Annotated[
     Command, typer.Argument(metavar="COMMAND", help="fit, validate, check or diagnose each log.")
 ]
-JobTable = Annotated[
-    str | None, option("validate: name, name@version or path.", "TABLE", autocompletion=table_names)
-]
+_JobTable = Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
 CAR = "fit, validate: vehicle file; of the settings for fit only."
-JobCar = Annotated["Vehicle | None", options.vehicle(CAR, setting="vehicle", when=_is(Command.FIT))]
+_Car = Annotated["Vehicle | None", options.vehicle(CAR, setting="vehicle", when=_is(Command.FIT))]
 LIMITS, WITH_LIMITS = "validate: limits for pass or fail.", _is(Command.VALIDATE)
-JobLimits = Annotated[
+_JobLimits = Annotated[
     "tuple[Limit, ...] | None",
     options.limits(LIMITS, options.LIMITS_OF_STOPS, always=False, when=WITH_LIMITS),
 ]
-Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
-Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
+_Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
+_Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
 
 
 @dataclass(frozen=True)
 class Inputs:
     """What batch and watch take for all logs."""
 
-    out: Out
+    out: _Out
     workers: options.Workers
-    table: JobTable
+    table: _JobTable
     store: options.Tables
-    vehicle: JobCar
-    limits: JobLimits
+    vehicle: _Car
+    limits: _JobLimits
     channel_map: options.Map
-    fresh: Fresh
+    fresh: _Fresh
 
     def job(self, command: Command) -> "Job":
         """The job for each log. Refuses missing inputs and those that are not used."""
@@ -99,7 +97,7 @@ class Inputs:
     "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
 )
 def batch(
-    command: JobCommand,
+    command: _JobCommand,
     logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
     *,
     given: Inputs,
@@ -142,7 +140,7 @@ def batch(
 
 @command("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
-    command: JobCommand,
+    command: _JobCommand,
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
     given: Inputs,
@@ -229,8 +227,8 @@ def fleet(
     from calib.base.plain import counted
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import document, summarise
+    from calib.show.facts import facts_of
     from calib.show.html import page_of
-    from calib.show.kinds import facts_of
 
     if results.is_dir():
         if order or metric or out:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.names import STORE
-from cli.console import at_option, misuse, say
+from cli.console import at_option, misuse, say, this_run
 
 if TYPE_CHECKING:
     from calib.car.effects.catalogue import OwnEffect
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.store.store import Store
 
-READ_MAP = "calib.logs.channel_map_file:read_channel_map"
+_READ_MAP = "calib.logs.channel_map_file:read_channel_map"
 LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
@@ -36,8 +36,6 @@ def option(
     text: str,
     metavar: str | None = None,
     *flags: str,
-    setting: str = "",
-    when: Callable[[typer.Context], bool] = lambda context: True,
     **more: Any,
 ) -> Any:
     """An option with its help ``text``.
@@ -45,16 +43,13 @@ def option(
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    setting : key of the settings file whose value it has where it is not given, and
-        where the arguments that were given allow it, as ``when`` says.
     more : for typer, and: ``typed``, what is typed, if that is not what the command gets; ``make``,
         what its value becomes, ``always`` of None, too; ``known``, "module:NAME" of a collection
         whose names are completed and others refused; ``writes``, the kind of the file that is
-        written there, see `cli.outputs`, or "folder"; ``built_in``, its value where nothing else
-        gives one.
+        written there, see `cli.outputs`, or "folder"; ``setting``, the key of the settings file
+        whose value it has where it is not given, and where ``when`` allows it of all that was
+        given, by name; ``built_in``, its value where nothing else gives one.
     """
-    if setting:
-        more["callback"] = _from_settings(setting, when)
     as_typer_has_it: Any = typer.Option  # to its types the first flag is a default
     return _declared(as_typer_has_it, flags, text, metavar, flags=flags, **more)
 
@@ -77,13 +72,21 @@ def _declared(
     writes: str | None = None,
     built_in: Any = None,
     flags: tuple[str, ...] | None = None,
+    setting: str = "",
+    when: Callable[[dict[str, Any]], bool] = lambda given: True,
     **more: Any,
 ) -> Any:
     if known:
         more["autocompletion"] = lambda incomplete: _known(known)
     made = kind(*words, help=text, metavar=metavar, **more)
     ours = {"typed": typed, "always": always, "writes": writes, "built_in": built_in}
-    vars(made).update(ours, flags=flags, make=_checked(make, known) if make or known else None)
+    vars(made).update(
+        ours,
+        flags=flags,
+        setting=setting,
+        when=when,
+        make=_checked(make, known) if make or known else None,
+    )
     return made
 
 
@@ -121,65 +124,18 @@ def require_known(written: str, known: Collection[str], what: str = "") -> str:
     return same[0]
 
 
-def _from_settings(name: str, when: Callable[[typer.Context], bool]) -> Callable[..., Any]:
-    """Callback that takes a value from the settings file, which is read once in a run."""
+def from_settings(key: str) -> Any:
+    """The value of a setting, None for none; the file is read once in a run."""
+    run = this_run()
+    if run.project is None:
+        from calib.base.settings_file import find_project
 
-    def value_of(context: typer.Context, asked: typer.CallbackParam, value: Any) -> Any:
-        source = context.get_parameter_source(str(asked.name))
-        given = context.resilient_parsing or source is None or source.name != "DEFAULT"
-        if given or not when(context):
-            return value
-        told = context.meta  # which all contexts of a run share
-        if "project" not in told:
-            from calib.base.settings_file import find_project
-
-            told["project"] = find_project()
-        setting = told["project"].settings[name]
-        if setting is None:
-            return value
-        if not told.setdefault("project.used", False):
-            told["project.used"] = True
-            say(f"settings of {told['project'].file}")
-        return setting
-
-    return value_of
-
-
-# Tables at the Tab key: only folders of the store are read, no file of a table.
-
-
-def _begun(context: typer.Context, incomplete: str) -> dict[str, Path]:
-    """Tables of the store of the command line, of the settings, or the usual one."""
-    from calib.store.folders import names_in
-
-    store = context.params.get("store") or _store_of_the_settings()
-    begun = incomplete.partition("@")[0]
-    return {name: Path(store) / name for name in names_in(Path(store)) if name.startswith(begun)}
-
-
-def _store_of_the_settings() -> Path:
-    from calib.base.errors import BrakeCalError
-    from calib.base.settings_file import find_project
-
-    try:
-        return find_project().settings["store"] or STORE
-    except BrakeCalError:
-        return STORE
-
-
-def table_names(context: typer.Context, incomplete: str) -> list[str]:
-    """Names of the tables; of one that is alone its versions as well."""
-    names = [*_begun(context, incomplete)]
-    versions = table_versions(context, incomplete) if "@" in incomplete or len(names) == 1 else []
-    return versions if "@" in incomplete else [*names, *versions]
-
-
-def table_versions(context: typer.Context, incomplete: str) -> list[str]:
-    """``name@version`` of every table, the newest first."""
-    from calib.store.folders import versions_in
-
-    begun = _begun(context, incomplete)
-    return [f"{name}@{n}" for name, path in begun.items() for n in reversed(versions_in(path))]
+        run.project = find_project()
+    value = run.project.settings[key]
+    if value is not None and not run.uses_settings:
+        run.uses_settings = True
+        say(f"settings of {run.project.file}")
+    return value
 
 
 # What is typed becomes what a command works with.
@@ -265,7 +221,7 @@ def limits(text: str, make: str, always: bool = True, **more: Any) -> Any:
 
 def channel_map(text: str = "Channel map, and DBC.", **more: Any) -> Any:
     """Option for a channel map."""
-    return option(text, "M.toml", "--map", typed=Path | None, make=READ_MAP, **more)
+    return option(text, "M.toml", "--map", typed=Path | None, make=_READ_MAP, **more)
 
 
 def vehicle(text: str, always: bool = False, **more: Any) -> Any:
@@ -276,8 +232,8 @@ def vehicle(text: str, always: bool = False, **more: Any) -> Any:
 
 Tables = Annotated[
     "Store",
-    option("Directory of the tables.", "DIR", typed=Path, make="calib:Store", built_in=STORE,
-           setting="store"),
+    option("Directory of the tables, tables/ if not given.", "DIR", typed=Path,
+           make="calib:Store", built_in=STORE, setting="store"),
 ]  # fmt: skip
 Car = Annotated[
     "Vehicle", vehicle("Vehicle file; else that of the settings.", always=True, setting="vehicle")
@@ -286,15 +242,15 @@ OtherPads = Annotated[
     "Vehicle | None", vehicle("Other nominal pads than the table's; never the settings' vehicle.")
 ]
 Map = Annotated["ChannelMap | None", channel_map(setting="map")]
-MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
-Mass = Annotated["float | None", option(MASS, "MASS", typed=str | None, make=_mass)]
-READ_EFFECTS = "calib.car.effects.effect_file:read_own_effects"
+_MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
+Mass = Annotated["float | None", option(_MASS, "MASS", typed=str | None, make=_mass)]
+_READ_EFFECTS = "calib.car.effects.effect_file:read_own_effects"
 EFFECT = (
     "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The file is "
     "executed as Python: give only files that you trust."
 )
 OwnEffects = Annotated[
-    "tuple[OwnEffect, ...]", option(EFFECT, "FILE.py", typed=list[Path], make=READ_EFFECTS)
+    "tuple[OwnEffect, ...]", option(EFFECT, "FILE.py", typed=list[Path], make=_READ_EFFECTS)
 ]
 StopLimits = Annotated[
     "tuple[Limit, ...]", limits("Limits that decide pass or fail.", LIMITS_OF_STOPS)
@@ -307,10 +263,8 @@ BY = "Who says so; else the person of the settings, or the user of this computer
 By = Annotated[str | None, option(BY, "NAME", setting="by")]
 Reason = Annotated[str, option("Why, for the journal.", "TEXT", make=words)]
 TABLE = "name, name@version or path of a version"
-Table = Annotated[str, argument(TABLE, "TABLE", autocompletion=table_names)]
-Version = Annotated[
-    str, argument("name@version", "TABLE@N", make=_version, autocompletion=table_versions)
-]
+Table = Annotated[str, argument(TABLE, "TABLE")]
+Version = Annotated[str, argument("name@version", "TABLE@N", make=_version)]
 KEY = "Public key: its file, or its text."
 PublicKey = Annotated[str | None, option(KEY, "PUBLIC", setting="keys.public")]
 Required = Annotated[
@@ -319,5 +273,5 @@ Required = Annotated[
 SignedBy = Annotated[
     str | None,
     option(f"{KEY} With --require-signed.", "PUBLIC", setting="keys.public",
-           when=lambda asked: bool(asked.params["require_signed"])),
+           when=lambda given: bool(given["require_signed"])),
 ]  # fmt: skip

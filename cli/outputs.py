@@ -26,7 +26,16 @@ EITHER = "either"
 
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
     """Refuse a place where no file of a kind can be written, an input, and a foreign file."""
-    endings = _endings(kind)
+    from calib.logs.write import WRITERS
+    from calib.show.sheet import ENDINGS
+
+    endings = {
+        "picture": ENDINGS,
+        "drawing": (*ENDINGS, *PAGES),
+        "page": PAGES,
+        "log": (*ENDINGS, *PAGES, *WRITERS),
+        "simulation": (".csv", ".parquet"),
+    }.get(kind, ())
     if endings and out.suffix.lower() not in endings:
         raise misuse(f"{out} must end in {', '.join(endings)}", option)
     if out.is_dir() and kind != EITHER:
@@ -35,20 +44,6 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
     _refuse_inputs([out], option)
     if ours := _ours(out, kind):
         refuse_foreign(out, ours, option)
-
-
-def _endings(kind: str) -> tuple[str, ...]:
-    """Endings of a kind of file; () for any."""
-    from calib.logs.write import WRITERS
-    from calib.show.sheet import ENDINGS
-
-    return {
-        "picture": ENDINGS,
-        "drawing": (*ENDINGS, *PAGES),
-        "page": PAGES,
-        "log": (*ENDINGS, *PAGES, *WRITERS),
-        "simulation": (".csv", ".parquet"),
-    }.get(kind, ())
 
 
 def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
@@ -112,11 +107,11 @@ def write_file(out: Path, content: bytes, option: str = OUT) -> None:
 def write_page(out: Path, result: object, live: bool = True, option: str = OUT) -> None:
     """Write a result as a page; pictures are ``live`` if they can, else it is said what to install.
 
-    A `calib.show.kinds` result or its facts.
+    A `calib.show.facts` result or its facts.
     """
+    from calib.show.facts import facts_of
     from calib.show.html import page_of
     from calib.show.interactive import EXTRA, installed
-    from calib.show.kinds import facts_of
 
     if live and not installed():
         say(f"the pictures stand still; to zoom in them: pip install 'brake-cal[{EXTRA}]'")

@@ -7,7 +7,7 @@ from cli import options
 from cli.command import Answer, command
 from cli.console import misuse, progress, say
 from cli.logs import is_stdin, read
-from cli.options import argument, option, require_known, table_names
+from cli.options import argument, option, require_known
 from cli.outputs import PAGES, write_page, writing
 
 if TYPE_CHECKING:
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 )
 def plot(
     what: list[str] = argument(
-        "A table (name, name@version or path), a log, a result of validate.",
-        "TABLE|RESULT|LOG...",
-        autocompletion=table_names,
+        "A table (name, name@version or path), a log, a result of validate.", "TABLE|RESULT|LOG..."
     ),
     *,
     out: Path | None = option(
@@ -44,9 +42,9 @@ def plot(
     A log: its channels. A PDF or HTML file holds all pages, of PNG and SVG there is one file per
     page; without --out they are PNG files in this directory, named after their content.
 
-    Panels for --figure, of a table: f1-f2, map, tyre, and forces of a ramp. Of two tables: pads,
-    map, f1-f2. Of a stop or a result: pads, axle-torques, normalised-forces, slip. Of a log: slip,
-    eta, and its channels: omega, p_mc, ...
+    Panels for --figure, of a table: f1-f2, map, tyre, and forces of a ramp. Of two tables: map,
+    f1-f2. Of a stop or a result: pads, axle-torques, normalised-forces, slip. Of a log: eta, and
+    its channels: omega, p_mc, ...
     """
     from dataclasses import replace
 

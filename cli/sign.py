@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
 from cli.console import misuse, say
-from cli.options import By, Required, SignedBy, Tables, argument, option, table_versions
+from cli.options import By, Required, SignedBy, Tables, argument, option
 
 if TYPE_CHECKING:
     from calib.store.minisign import PublicKey
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     "brake-cal tables sign sedan-2up@2 --key line.key",
 )
 def sign(
-    table: str | None = argument("name@version", "TABLE@N", autocompletion=table_versions),
+    table: str | None = argument("name@version", "TABLE@N"),
     *,
     key: Path = option("Secret key; keep it.", "SECRET"),
     new_key: Path | None = option(

@@ -42,7 +42,7 @@ def simulate(
     rate: float | None = option(f"Samples per second of the manoeuvre, {RATE:g}."),
     noise: int | None = option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0),
     channel_map: "ChannelMap | None" = options.channel_map(
-        setting="map", when=lambda c: c.params.get("log") is not None
+        setting="map", when=lambda given: given["log"] is not None
     ),
 ) -> Answer:
     """Drive a model of a car by the pressure of a log.

@@ -1,4 +1,4 @@
-"""`brake-cal station` and `limits`: one car, from its logs to a verdict."""
+"""`brake-cal station`, `limits`, `repeatability`: a car from its logs to a verdict; the gauge."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,29 +8,30 @@ from typing import TYPE_CHECKING, Annotated
 
 from cli import options
 from cli.command import FAILED, Answer, command
-from cli.console import misuse, progress, say, this_run
+from cli.console import json_text, misuse, progress, say, this_run
 from cli.fit import tell_kin
 from cli.logs import read
-from cli.options import argument, day, logs_by_name, option, table_names, words
-from cli.outputs import check_folder, stems_of, write_file, writing
+from cli.options import argument, day, logs_by_name, option, words
+from cli.outputs import check_folder, stems_of, write_file, write_folder, writing
 from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
     from calib.line.station.station import Identity
 
-IDENTIFIER = "calib.line.station.station:identifier"
+_ID = "calib.line.station.station:identifier"
 NAME = "Name of the station."
+GAUGE = "repeatability.json"
 
 
 @dataclass(frozen=True)
 class Who:
     """What identifies a run at the line, as `calib.line.station.station.Identity` has it."""
 
-    serial: Annotated[str | None, option("Serial number.", "S", make=IDENTIFIER)]
-    vin: Annotated[str | None, option("Vehicle identification.", "V", make=IDENTIFIER)]
-    station: Annotated[str | None, option(NAME, "NAME", setting="station.name", make=IDENTIFIER)]
-    rxswin: Annotated[str | None, option("Software identification, UN R156.", "R", make=IDENTIFIER)]
+    serial: Annotated[str | None, option("Serial number.", "S", make=_ID)]
+    vin: Annotated[str | None, option("Vehicle identification.", "V", make=_ID)]
+    station: Annotated[str | None, option(NAME, "NAME", setting="station.name", make=_ID)]
+    rxswin: Annotated[str | None, option("Software identification, UN R156.", "R", make=_ID)]
 
 
 @command(
@@ -51,9 +52,7 @@ def station(
     ),
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
-    golden: str | None = option(
-        "Golden table of the model.", "TABLE", autocompletion=table_names, setting="station.golden"
-    ),
+    golden: str | None = option("Golden table of the model.", "TABLE", setting="station.golden"),
     accept_warnings: str | None = option(
         "Release a car with warnings, and say why.", "REASON", make=words
     ),
@@ -112,7 +111,7 @@ def station(
                 golden=reference,
                 accepted=accept_warnings or "",
                 by=by or "",
-                limits_file=this_run().told("limits"),
+                limits_file=_limits_file(),
             )
         with writing(out), workshop(out) as work:
             stored, document = store_and_write(found, store, forms, date or "", work)
@@ -123,6 +122,14 @@ def station(
     if export and (why := why_not_exported(stored) or unsigned * bool(signed.public)):
         say(f"no exports: {why}")
     return Answer(document, StationRun(found, stored), FAILED * (not found.passed), out)
+
+
+def _limits_file() -> str:
+    """Name and digest of the file of limits; "" if none was given."""
+    from calib.base.digest import file_digest
+
+    file = this_run().file("limits")
+    return f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else ""
 
 
 @contextmanager
@@ -161,3 +168,56 @@ def limits(
     if out is not None:
         write_file(out, text.encode())
     return Answer({"limits": document()}, text.rstrip("\n") if out is None else "")
+
+
+@command(
+    "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
+    "brake-cal repeatability wet/*.csv --plan plan.csv --vehicle car.toml",
+)
+def repeatability(
+    logs: list[Path] | None = argument("Ramps of the plan; if none, all.", "LOG"),
+    *,
+    vehicle: Path | None = option(
+        "Vehicle, if the plan names none per log; else that of the settings.",
+        "V.toml",
+        setting="vehicle",
+    ),
+    plan: Path = option("Columns log,car,station,road,vehicle.", "P.csv"),
+    metric: list[str] = option(
+        "Judge only this metric; repeatable.", "NAME", known="calib.line.gauge.study:METRICS"
+    ),
+    eta: float = option("eta - 1 where D, f1 and f2 are compared [%].", "PERCENT", built_in=0.15),
+    limits: Path | None = option(
+        "Limits of grr and ndc, and tolerances; never the settings'.", "L.toml"
+    ),
+    out: Path | None = option("Write repeatability.json and .png here.", "DIR", writes="folder"),
+    channel_map: options.Map,
+) -> Answer:
+    """Judge the calibration as a gauge, from repeated ramps.
+
+    The ramps are of several cars. Every ramp is fitted alone; analysis of variance then splits the
+    scatter of each metric into repeat, station and car. Exit code 0 if all hold their limits (%GRR
+    up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
+    is then given of that too.
+    """
+    from calib.base.plain import counted
+    from calib.line.gauge.plan import read_plan, readings
+    from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict
+    from calib.show.repeatability import sheet
+    from calib.show.sheet import render
+
+    check_folder(out, (GAUGE, "repeatability.png"))
+    held = read_gauge_limits(limits)
+    places, reference = read_plan(plan, logs or [], vehicle), eta / 100.0
+    if any(place.vehicle is None for place in places):
+        raise misuse("needed: not every log has one in the plan", "--vehicle")
+    with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
+        found = study(
+            readings(places, channel_map, reference, metric or METRICS, step), held, reference
+        )
+    document = to_dict(found)
+    if out is not None:
+        written = json_text({"schema": 1, **document}).encode()
+        picture = render(sheet(found).overview(), ".png")
+        write_folder(out, [(GAUGE, written), ("repeatability.png", picture)], GAUGE)
+    return Answer(document, found, FAILED * (not found.passed))

@@ -8,7 +8,7 @@ from cli import options
 from cli.command import DAMAGED, Answer, add, command, group
 from cli.console import misuse, say
 from cli.exchange import compare, export, merge
-from cli.options import argument, day, option, table_names
+from cli.options import argument, day, option
 from cli.sign import sign
 
 
@@ -43,7 +43,7 @@ def show(table: options.Table, *, store: options.Tables) -> Answer:
 
 @command("brake-cal tables log sedan-2up")
 def log(
-    table: str = argument("name, or name@version", "TABLE", autocompletion=table_names),
+    table: str = argument("name, or name@version", "TABLE"),
     *,
     store: options.Tables,
 ) -> Answer:
@@ -64,8 +64,8 @@ def log(
 
 @command("brake-cal tables diff sedan-2up@1 sedan-2up")
 def diff(
-    a: str = argument("name, name@version or path", "A", autocompletion=table_names),
-    b: str = argument("name, name@version or path", "B", autocompletion=table_names),
+    a: str = argument("name, name@version or path", "A"),
+    b: str = argument("name, name@version or path", "B"),
     *,
     store: options.Tables,
 ) -> Answer:
@@ -73,7 +73,7 @@ def diff(
 
     They are equal, equal within their 95 % bands, or different.
     """
-    from calib.show.differences import compared, compared_document
+    from calib.show.store import compared, compared_document
     from calib.table.compare import diff as differ
 
     first, second = store.load(a), store.load(b)
@@ -83,7 +83,7 @@ def diff(
 
 @command("brake-cal tables verify", "brake-cal tables verify sedan-2up")
 def verify(
-    name: str | None = argument("one table; if not given, all", "NAME", autocompletion=table_names),
+    name: str | None = argument("one table; if not given, all", "NAME"),
     *,
     key: options.PublicKey,
     store: options.Tables,
@@ -117,7 +117,7 @@ def verify(
     return Answer(document, verified(verdicts, bool(key)) if rows else none, DAMAGED * (not sound))
 
 
-Proof = Annotated[
+_Proof = Annotated[
     Path | None, option("summary.json of a validation, or station.json.", "FILE", "--evidence")
 ]
 
@@ -135,7 +135,7 @@ class _Decision:
     'brake-cal tables release sedan-2up@2 --reason "four stops agree" '
     "--evidence results/sedan/summary.json"
 )
-def release(table: options.Version, *, evidence: Proof, decision: _Decision) -> Answer:
+def release(table: options.Version, *, evidence: _Proof, decision: _Decision) -> Answer:
     """Release a version, so that it may be exported.
 
     Others are measured by it, too. With --evidence the file must be of this version and must not
@@ -145,7 +145,7 @@ def release(table: options.Version, *, evidence: Proof, decision: _Decision) -> 
 
 
 @command('brake-cal tables reject sedan-2up@1 --reason "one ramp only"')
-def reject(table: options.Version, *, evidence: Proof, decision: _Decision) -> Answer:
+def reject(table: options.Version, *, evidence: _Proof, decision: _Decision) -> Answer:
     """Reject a version, so that it is no longer used.
 
     A bare name never means it, and it is not exported.

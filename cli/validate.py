@@ -7,8 +7,8 @@ from cli import options
 from cli.command import FAILED, Answer, command
 from cli.console import at_option, progress, say, this_run
 from cli.exchange import Shape
-from cli.fit import origin
-from cli.logs import each, named, read
+from cli.fit import files_of
+from cli.logs import named, read
 from cli.options import logs, option
 from cli.outputs import check_folder, stems_of, writing
 from cli.sign import Signed
@@ -80,17 +80,15 @@ def validate(
     how = shape.precision(code is not None)
     asked: dict[str, Any] = {"mass": mass} | (_exported(used, how) if how else {})
     runs: list[Log] = []
-
-    def one(path: Path) -> "Validation":
-        run = read(path, channel_map)
-        refuse_copy(run, [], runs)
-        found = validate_one(used, run, vehicle, limits, **asked)
-        runs.append(run)
-        return found
-
+    results: list[Validation] = []
     told = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
     with progress(told, len(logs)) as step:
-        results = each(logs, one, step)
+        for path in logs:
+            run = read(path, channel_map)
+            refuse_copy(run, [], runs)
+            results.append(validate_one(used, run, vehicle, limits, **asked))
+            runs.append(run)
+            step()
     summary = to_dict(stored, results, how)
     if out is not None:
         with writing(out):
@@ -98,7 +96,7 @@ def validate(
         for path in paths:
             say(f"wrote {path}")
     failed = FAILED * (not all(result.passed for result in results))
-    judged = Validated(stored, results, how, origin("vehicle", "model", "limits"))
+    judged = Validated(stored, results, how, files_of("vehicle", "model", "limits"))
     return Answer(summary, judged, failed, out)
 
 

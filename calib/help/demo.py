@@ -1,16 +1,14 @@
 """The demo: command lines on the sample logs, and the index of what they answered and left.
 
-Each car is a chain: a line needs what the lines before it made. The answer is known where the log
-is simulated, with its true torques, and where an effect is hidden from the vehicle file.
+A line needs what the lines before it made. The answer is known where the log is simulated, with its
+true torques, and where an effect is hidden from the vehicle file.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import groupby
-from operator import itemgetter
 
 from calib.base.plain import counted, rows
-from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
+from calib.show.facts import FAILED, PASSED, WORDS, Facts, Table
 
 INDEX = "index.html"
 _FOLDERS = {
@@ -43,29 +41,22 @@ class Ran:
     passed: bool
 
 
-CHAINS = tuple(
-    tuple(Step(**{key: row[key] for key in Step.__annotations__}) for row in chain)
-    for _, chain in groupby(rows("demo.csv", "calib.help"), itemgetter("car"))
-)
-"""The steps of each car."""
+STEPS = tuple(Step(**row) for row in rows("demo.csv", "calib.help"))
 
 
 def facts(ran: Mapping[Step, Ran]) -> Facts:
-    """The index; its links lead from the folder of the demo. A step that is not in ``ran`` had no
-    turn.
-    """
-    steps = [step for chain in CHAINS for step in chain]
-    passed = [step for step in steps if step in ran and ran[step].passed]
-    verdict = PASSED if passed == steps else FAILED
-    drawn = sorted((s for s in steps if s.figure), key=lambda s: int(s.figure.split()[0]))
+    """The index; its links lead from the folder of the demo."""
+    passed = sum(one.passed for one in ran.values())
+    verdict = PASSED if passed == len(ran) else FAILED
+    drawn = sorted((s for s in ran if s.figure), key=lambda s: int(s.figure.split()[0]))
     return Facts(
         title="brake-cal demo",
         verdict=verdict,
         word=WORDS[verdict],
-        headline=f"{len(passed)} of {counted(len(steps), 'command')} gave what was expected",
+        headline=f"{passed} of {counted(len(ran), 'command')} gave what was expected",
         tables=[
             _table("What was done; each command can be typed again in this folder.",
-                   {s.what: s for s in steps if not s.figure}, ran),
+                   {s.what: s for s in ran if not s.figure}, ran),
             _table("The paper's figures, drawn with these cars.",
                    {f"Fig. {s.figure}: {s.what}": s for s in drawn}, ran),
             Table(("folder", "what is in it"), list(_FOLDERS.items()), links=list(_FOLDERS)),
@@ -74,10 +65,7 @@ def facts(ran: Mapping[Step, Ran]) -> Facts:
 
 
 def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran]) -> Table:
-    cells, verdicts, links = [], [], []
-    for name, step in steps.items():
-        one = ran.get(step)
-        cells.append((name, step.line, one.answer if one else "not run"))
-        verdicts.append(UNJUDGED if one is None else PASSED if one.passed else FAILED)
-        links.append(step.leaves if one and one.passed else "")
+    cells = [(name, step.line, ran[step].answer) for name, step in steps.items()]
+    verdicts = [PASSED if ran[step].passed else FAILED for step in steps.values()]
+    links = [step.leaves if ran[step].passed else "" for step in steps.values()]
     return Table(("step", "command", "answer"), cells, caption, verdicts, links)

@@ -1,22 +1,19 @@
-"""Whether the program can work on this machine: packages, machine, store. Nothing is written."""
+"""Whether the program can work on this machine: packages, settings, store. Nothing is written."""
 
 import os
 import platform
 import re
-import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, metadata, requires, version
+from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
 from packaging.requirements import Requirement
-from packaging.version import Version
 
 from calib.base.errors import InputError, SettingsError
 from calib.base.names import NAME, STORE
 from calib.base.plain import counted
-from calib.base.processes import cores
 from calib.help.samples import sample_logs
 from calib.store.folders import names_in, unplaced, versions_in
 
@@ -33,7 +30,7 @@ _EXTRAS = {
 
 
 def environment() -> dict[str, str]:
-    """Names and values of what the program runs on; a value may be empty where it is not told."""
+    """Names and values of what the program runs on; a value may be empty."""
     processor = platform.processor()
     with suppress(OSError):  # Linux tells its name here alone
         text = Path("/proc/cpuinfo").read_text()
@@ -47,45 +44,19 @@ def environment() -> dict[str, str]:
     }
 
 
-@dataclass(frozen=True)
-class Need:
-    """A package: ``lowest`` version declared, the one ``found``, its ``extra``; "" for none."""
-
-    package: str
-    lowest: str
-    found: str
-    extra: str = ""
-
-    @property
-    def met(self) -> bool:
-        """Whether it is there in a version that holds."""
-        return bool(self.found) and Version(self.found) >= Version(self.lowest or "0")
-
-    def __str__(self) -> str:
-        lowest = f" (needs {self.lowest} or later)" if self.lowest else ""
-        return f"{self.package} {self.found or 'is missing'}{lowest}"
-
-
-def needs() -> Iterator[Need]:
-    """Python and every package that is declared for users; not installed, Python alone."""
-    lowest, lines = "", list[str]()
+def packages() -> Iterator[tuple[Requirement, str, str]]:
+    """Each package that is declared for users, its installed version and extra; "" for none."""
+    lines = list[str]()
     with suppress(PackageNotFoundError):
-        lowest = metadata(NAME)["Requires-Python"].removeprefix(">=")
         lines = requires(NAME) or []
-    yield Need("python", lowest, platform.python_version())
-    for asked in map(Requirement, lines):
-        at_least = "".join(s.version for s in asked.specifier if s.operator == ">=")
+    for need in map(Requirement, lines):
+        installed = ""
+        with suppress(PackageNotFoundError):
+            installed = version(need.name)
         for extra in ("", *_EXTRAS):
-            if asked.marker is None or asked.marker.evaluate({"extra": extra}):
-                yield Need(asked.name, at_least, _installed(asked.name), extra)
+            if need.marker is None or need.marker.evaluate({"extra": extra}):
+                yield need, installed, extra
                 break
-
-
-def _installed(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return ""
 
 
 @dataclass(frozen=True)
@@ -100,44 +71,32 @@ class _Finding:
 
 def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
-    settings, usual = _settings()
-    folder = tempfile.gettempdir()
-    written = (FINE, "") if os.access(folder, os.W_OK) else (WRONG, "name another one by TMPDIR")
-    return (
-        *_packages(),
-        _Finding("cores", FINE, f"{cores()} for this process"),
-        _Finding("temporary files", written[0], folder, written[1]),
-        _store(store or usual or STORE),
-        _samples(),
-        settings,
-    )
-
-
-def _settings() -> tuple[_Finding, Path | None]:
-    """The settings file, and the store that it names."""
     from calib.base.settings_file import find_project
 
+    usual = None
     try:
         project = find_project()
+        what = str(project.file or "no brake-cal.toml: the usual values")
+        settings, usual = _Finding("settings", FINE, what), project.settings["store"]
     except SettingsError as error:
-        return _Finding("settings", WRONG, str(error), "mend the file"), None
-    what = str(project.file) if project.file else "no brake-cal.toml: the usual values"
-    return _Finding("settings", FINE, what), project.settings["store"]
+        settings = _Finding("settings", WRONG, str(error), "mend the file")
+    try:
+        samples = _Finding("sample logs", FINE, str(sample_logs()))
+    except InputError as error:
+        samples = _Finding("sample logs", NOTE, error.what, "`demo` and `qualify` need them")
+    return (*map(_package, packages()), _store(store or usual or STORE), samples, settings)
 
 
-def _packages() -> Iterator[_Finding]:
-    given = list(needs())
-    again = "install brake-cal again: pip install --upgrade brake-cal"
-    for need in given:
-        if not need.extra:
-            state, do = (FINE, "") if need.met else (WRONG, again)
-            yield _Finding(need.package, state, str(need), do)
-    for extra, gives in _EXTRAS.items():
-        its = [need for need in given if need.extra == extra]
-        missing = f"if you need it: pip install 'brake-cal[{extra}]'"
-        state, do = (FINE, "") if all(need.met for need in its) else (NOTE, missing)
-        if its:
-            yield _Finding(f"[{extra}]", state, f"{gives}: {', '.join(map(str, its))}", do)
+def _package(found: tuple[Requirement, str, str]) -> _Finding:
+    need, installed, extra = found
+    what = f"{installed or 'missing'} (needs {need.specifier})"
+    name = f"{need.name} [{extra}]" if extra else need.name
+    if installed and need.specifier.contains(installed, prereleases=True):
+        return _Finding(name, FINE, what)
+    if extra:
+        do = f"for {_EXTRAS[extra]}: pip install '{NAME}[{extra}]'"
+        return _Finding(name, NOTE, what, do)
+    return _Finding(name, WRONG, what, f"install it again: pip install --upgrade {NAME}")
 
 
 def _store(store: Path) -> _Finding:
@@ -153,10 +112,3 @@ def _store(store: Path) -> _Finding:
     if os.access(store, os.W_OK):
         return _Finding("store", FINE, what)
     return _Finding("store", NOTE, f"{what}, read only", "no table can be stored or released here")
-
-
-def _samples() -> _Finding:
-    try:
-        return _Finding("sample logs", FINE, str(sample_logs()))
-    except InputError as error:
-        return _Finding("sample logs", NOTE, error.what, "`demo` and `qualify` need them")

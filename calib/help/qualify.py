@@ -5,11 +5,8 @@ paper, or what the plant of another program was given that made a sample log.
 """
 
 import math
-import re
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,14 +16,12 @@ from calib.car import forces
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.estimation.validate import validate
-from calib.exports.export import export
 from calib.fitting.fit import fit
-from calib.help.doctor import environment, needs
+from calib.help.doctor import environment, packages
 from calib.help.samples import sample_logs
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.show.facts import WORDS, Facts, Table
-from calib.store.store import Store
 
 _SIMULATED, _BODY, _HIDDEN = "simulation_study", "third_party", "hidden/case_0"
 """Folders of the sample logs: the car of Section IV, a multi-body car, one with a hidden effect."""
@@ -42,44 +37,20 @@ def _car(folder: str) -> Vehicle:
     return read_vehicle(sample_logs() / folder / "vehicle.toml")
 
 
-def _formulas(_: Path) -> tuple[float, ...]:
+def _formulas() -> tuple[float, ...]:
     car = _car(_SIMULATED)
     torque = forces.brake_torque(car.front, 0.4, np.array([50e5]))
     return float(torque[0]), float(forces.axle_loads(car, np.array([0.5]))[0][0])
 
 
-_CELLS = {"time [s]": 0.0, "p_mc [psi]": 100.0, "a_x [g]": -0.5, "v [km/h]": 90.0} | dict.fromkeys(
-    (f"omega_{wheel} [rpm]" for wheel in ("fl", "fr", "rl", "rr")), 600.0
-)
-_PSI = 0.45359237 * G / 0.0254**2
-_SI = {"p_mc": 100.0 * _PSI, "a_x": -0.5 * G, "v": 25.0, "omega_rr": 20.0 * np.pi}
-
-
-def _reading(folder: Path) -> tuple[float, ...]:
-    """A log of 200 equal samples, with semicolons and decimal commas."""
-    rows = [";".join(map(str, [i / 200.0, *[*_CELLS.values()][1:]])) for i in range(200)]
-    path = folder / "written.csv"
-    path.write_text("\n".join([";".join(_CELLS), *rows]).replace(".", ","))
-    log = read_log(path)
-    return (max(float(np.max(np.abs(log[name] / true - 1.0))) for name, true in _SI.items()),)
-
-
-def _paper(folder: Path) -> tuple[float, ...]:
-    """The table of Section IV, and its f2 in a file of a calibration tool."""
-    table, path = (
-        fit(_car(_SIMULATED), [_log(f"{_SIMULATED}/ramp_noisy.parquet")]),
-        folder / "c.dcm",
-    )
-    export(Store(folder / "tables").save(table), path, unreleased=True, date="2025-01-01")
-    block = path.read_bytes().decode("latin-1").split("GRUPPENKENNLINIE sedan_sim_f2 ")[1]
-    lines = re.findall(r"^\s*WERT (.*)$", block.split("\nEND")[0], re.MULTILINE)
-    written, f2 = np.array([float(x) for line in lines for x in line.split()]), table.paper.f2
-    changed = np.sum(written != f2) if written.shape == f2.shape else f2.size
+def _pads() -> tuple[float, ...]:
+    """Pads of the table of Section IV."""
+    table = fit(_car(_SIMULATED), [_log(f"{_SIMULATED}/ramp_noisy.parquet")])
     pads = table.calibration
-    return pads.pad_friction_f.value, pads.pad_friction_r.value, float(changed)
+    return pads.pad_friction_f.value, pads.pad_friction_r.value
 
 
-def _stops(_: Path) -> tuple[float, ...]:
+def _stops() -> tuple[float, ...]:
     """Pads and torque of a multi-body car in two stops."""
     table = fit(_car(_BODY), [_log(f"{_BODY}/cal_ramp.parquet")])
     found = validate(table, [_log(f"{_BODY}/hold2_steps_muf25_mur33.parquet")])[0].estimate
@@ -92,7 +63,7 @@ def _stops(_: Path) -> tuple[float, ...]:
     return *(float(np.mean(one.value[found.valid])) for one in pads), rms
 
 
-def _cause(_: Path) -> tuple[float, ...]:
+def _cause() -> tuple[float, ...]:
     """The cause of two logs, enough to see it, and one hold-out."""
     searched = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
     found = diagnose(_car(_HIDDEN), searched, [_log(f"{_HIDDEN}/holdout/stop_a.parquet")])
@@ -126,23 +97,17 @@ _STUDY = f"plant of sample_logs/{_SIMULATED}, Section IV of the paper: pads of 0
 _PLANT = f"multi-body plant of sample_logs/{_BODY}"
 _ANSWER = f"independent plant, sample_logs/{_HIDDEN}/answer.json"
 
-Suite = Mapping[Callable[[Path], tuple[float, ...]], Sequence[Check]]
-SUITE: Suite = {
+_Suite = Mapping[Callable[[], tuple[float, ...]], Sequence[Check]]
+SUITE: _Suite = {
     _formulas: (
         Check("brake_torque", "front brake torque of one wheel at 50 bar, (2) and (3)", "N*m",
               _TORQUE, 1e-9 * _TORQUE, _CLOSED),
         Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", _LOAD, 1e-9 * _LOAD,
               _CLOSED),
     ),
-    _reading: (
-        Check("read_units", "largest relative error of a log in psi, g, rpm and km/h", "1",
-              0.0, 1e-12, "definitions of the units"),
-    ),
-    _paper: (
+    _pads: (
         Check("fit_pads_f", "front pads of the table", "1", 0.4, 0.4 * _FRONT, _STUDY),
         Check("fit_pads_r", "rear pads of the table", "1", 0.4, 0.4 * _REAR, _STUDY),
-        Check("export_dcm", "numbers of f2 that differ in the DCM file", "numbers", 0, 0.5,
-              "the table itself, its file read by a search for its lines WERT"),
     ),
     _stops: (
         Check("stop_pads_f", "front pads of hold2", "1", 0.25, _FRONT * 0.25, _PLANT),
@@ -159,22 +124,21 @@ SUITE: Suite = {
 
 
 def qualify(
-    suite: Suite, date: str = "", done: Callable[[], None] = lambda: None
+    suite: _Suite, date: str = "", done: Callable[[], None] = lambda: None
 ) -> dict[str, Any]:
     """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine.
 
-    All checks are made on the sample logs, in a temporary folder; ``done`` is called after each
+    All checks are made on the sample logs; ``done`` is called after each
     measurement. Raises InputError without sample logs.
     """
     sample_logs()
     rows: list[dict[str, Any]] = []
     for measure, checks in suite.items():
         values, wrong = (math.nan,) * len(checks), ""
-        with tempfile.TemporaryDirectory(prefix="brake-cal-qualify-") as folder:
-            try:
-                values = measure(Path(folder))
-            except Exception as error:  # a finding, which must not end the other checks
-                wrong = f"{type(error).__name__}: {error}"
+        try:
+            values = measure()
+        except Exception as error:  # a finding, which must not end the other checks
+            wrong = f"{type(error).__name__}: {error}"
         for check, value in zip(checks, values, strict=True):
             known = value if math.isfinite(value) else None
             held = abs(value - check.expected) <= check.tolerance
@@ -187,7 +151,7 @@ def qualify(
         "date": date,
         "verdict": "passed" if all(row["held"] for row in rows) else "failed",
         "environment": environment(),
-        "packages": {need.package: need.found for need in needs()},
+        "packages": {need.name: installed for need, installed, _ in packages()},
         "checks": rows,
     }
 

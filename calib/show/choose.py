@@ -1,4 +1,4 @@
-"""The sheet that is drawn for the given tables, logs and results.
+"""The sheets that are drawn for the given tables, logs and results.
 
 a table                     the table; with the ramps it was made of, also their measured points
 two tables                  one against the other
@@ -15,7 +15,7 @@ from calib.estimation.limits import DEFAULTS, Limit
 from calib.estimation.validate import validate_one
 from calib.logs.log import Log
 from calib.run.events import run_events
-from calib.show import compare, log, stop, table
+from calib.show import log, stop, table
 from calib.show.facts import Facts, Picture
 from calib.show.ramp import measure
 from calib.show.result import StoredResult
@@ -38,22 +38,17 @@ class PlotInput:
 
 
 def sheets(given: PlotInput) -> Iterator[Sheet]:
-    """The sheets of the given inputs, one after the other.
+    """The sheets of at most two tables, of two without logs, one after the other.
 
-    Raises ValueError for more than two tables, and for two with logs; LogError and VehicleError as
-    `validate_one`.
+    Raises LogError and VehicleError as `validate_one`.
     """
-    if len(given.tables) == 2 and not given.logs:
-        a, b = given.tables
-        yield compare.sheet(a.table, b.table, a.id, b.id)
-    elif len(given.tables) == 1:
+    if len(given.tables) == 2:
+        yield table.two_tables({one.id: one.table for one in given.tables})
+    elif given.tables:
         yield from _of_table(given.tables[0], given)
-    elif not given.tables:
-        yield from map(_of_log, given.logs)
     else:
-        raise ValueError("two tables are drawn without logs, three or more cannot be drawn")
-    for result in given.results:
-        yield stop.of_result(result)
+        yield from map(_of_log, given.logs)
+    yield from map(stop.of_result, given.results)
 
 
 def facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
@@ -72,24 +67,18 @@ def facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
 
 
 def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:
-    parents = [stored.table.provenance.parent_of(found) for found in given.logs]
-    roles = [None if parent is None else parent.role for parent in parents]
-    ramps = [found for found, role in zip(given.logs, roles, strict=True) if role == "ramp"]
+    parents = [(run, stored.table.provenance.parent_of(run)) for run in given.logs]
+    ramps = [run for run, parent in parents if parent and parent.role == "ramp"]
     if ramps or not given.logs:
         measured = tuple(measure(stored.table, ramp) for ramp in ramps)
         yield table.sheet(stored.table, stored.id, measured)
-    for found, role in zip(given.logs, roles, strict=True):
-        if role is None:
-            yield _of_stop(stored, found, given)
-        elif role != "ramp":
-            yield _of_log(found)  # a coast has no braked sample
+    for run, parent in parents:
+        if parent is None:
+            result = validate_one(stored.table, run, given.vehicle, given.limits)
+            yield stop.of_validation(stored.table, stored.id, run, result, given.vehicle)
+        elif parent.role != "ramp":
+            yield _of_log(run)  # a coast has no braked sample
 
 
-def _of_log(found: Log) -> Sheet:
-    return log.sheet(log.whole_of(found), run_events(found))
-
-
-def _of_stop(stored: Stored, found: Log, given: PlotInput) -> Sheet:
-    used, car = stored.table, given.vehicle
-    result = validate_one(used, found, car, given.limits)
-    return stop.of_validation(used, stored.id, found, result, car)
+def _of_log(run: Log) -> Sheet:
+    return log.sheet(log.whole_of(run), run_events(run))

@@ -3,16 +3,16 @@
 What is not told here, `diagnosis.json` has.
 """
 
-import math
+from string import ascii_uppercase
 
-from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted
 from calib.car.effects.catalogue import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
-from calib.diagnosis.explanation.own import FACTOR_ON, OWN, sizes
-from calib.diagnosis.explanation.own import UNITS as OWN_UNITS
 from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE
-from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
+from calib.diagnosis.replays.gap import CHANNELS, UNITS
+from calib.diagnosis.undecided import Confusion
+from calib.show.diagnosis_figure import moved, sheet, worst
+from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
 
 KINDS = {
@@ -40,36 +40,38 @@ _DRIVERS = {
 """On what a cause that is not in the catalogue depends; any other driver has its own name."""
 _WITHIN = 1.0
 """Gap, in units of the sensors' noise, up to which an unknown cause is within the noise."""
-_SIDES_TOLD = 3e-4
-"""Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
-_UNUSUAL = 3.0
-"""Usual sizes of what a log has of its own from which it is told."""
-_STATES = "States of single logs, which are no effects of the car, against what all logs share."
-_UNSEEN = "What these logs could not show, and the drive in which it shows most."
-INNOVATION = "mean squared innovation (1 = noise)"
+_UNSEEN = "The drive in which each shows most."
+_SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
+_LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
+_GAP = "By log and channel, in units of the noise, which is taken out."
+_SEARCH = "What each step of the search added, what it left, and ln of the odds that it gained."
+_BASE = (
+    "Base parameters from all calibration logs. The pads' intervals count the mass, a tyre's own "
+    "form and what each log has of its own. Those of a fit are wider, most in the rear: it has its "
+    "ramps alone, and counts axle loads and unlike tyres too."
+)
+_TERM = "An empirical term: what it adds, by what it depends on."
+_ALIKE = "Explanations that fit these logs alike."
+_APART = "How far these logs tell each two of them apart, and the drive that would."
+_INNOVATION = "mean squared innovation (1 = noise)"
 
 
-def head(found: Diagnosis) -> Facts:
-    """The verdict on a car, with a part for each effect that is named."""
-    gap, (word, verdict) = found.gap, KINDS[outcome(found)]
-    after = f" to {gap.after:.1f}" if found.verdict != "no_gap" else ""
-    closed = f", {100.0 * gap.closed:.1f} % closed" if found.verdict != "no_gap" else ""
-    on = counted(len(found.measured), "hold-out")
-    size = f"{gap.before:.1f}{after} times the noise{closed}, on {on}"
+def facts(found: Diagnosis) -> Facts:
+    """The verdict on a car, a part for each effect that is named, and what the verdict rests on."""
+    word, verdict = KINDS[outcome(found)]
     named = {effect.name for effect in found.effects}
     rows = (
-        ("gap", size),
+        ("gap", _closed(found)),
         *((spaced(effect.name), _sizes(effect)) for effect in found.effects),
         ("Left over", _something_else(found)),
         ("Not named", _withdrawn(found)),
         ("Unexplained", unexplained(found)),
-        ("Taken out", _uneven(found)),
         *(
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
             for name, one in found.model_after.effects.own.items()
         ),
-        ("Noise", source if (source := found.noise.source) != "unbraked parts" else ""),
     )
+    term = [Picture(_TERM, lambda: sheet(found), ["term"])] if found.unexplained else []
     return Facts(
         found.model_before.vehicle.name,
         headline=_verdict_of(found),
@@ -78,11 +80,25 @@ def head(found: Diagnosis) -> Facts:
         rows=[row for row in rows if row[1]],
         next=_next(found),
         warnings=found.warnings,
+        pictures=[Picture(_SPEED, lambda: sheet(found), ["speed"])],
         parts=[
             *(_effect(effect, found) for effect in found.effects),
-            Facts("The logs", tables=[_states(found), _unseen(found)]),
+            Facts("What these logs could not show", tables=[_unseen(found)]),
+            *([_confusion(found.confusion)] if found.confusion else []),
+            Facts("What no effect explains", pictures=term),
+            _gap(found),
+            Facts("What it rests on", tables=[_search(found), _base(found)]),
         ],
     )
+
+
+def _closed(found: Diagnosis) -> str:
+    """The gap of the hold-outs before, and after what is named."""
+    gap, on = found.gap, counted(len(found.measured), "hold-out")
+    if found.verdict == "no_gap":
+        return f"{gap.before:.1f} times the noise, on {on}"
+    closed = f"{100.0 * gap.closed:.1f} % closed"
+    return f"{gap.before:.1f} to {gap.after:.1f} times the noise, {closed}, on {on}"
 
 
 def _next(found: Diagnosis) -> str:
@@ -158,7 +174,7 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     ]
     without = found.reduced_after + effect.evidence.innovation_gain
     at_hold_outs = effect.evidence.innovation_gain_holdout
-    evidence = f"without it the {INNOVATION} is {without:.3f} instead of "
+    evidence = f"without it the {_INNOVATION} is {without:.3f} instead of "
     evidence += f"{found.reduced_after:.3f}, on the hold-outs {at_hold_outs:.2f} more"
     if (other := effect.runner_up) is not None:
         leaves = found.reduced_before - other.innovation_gain
@@ -181,7 +197,7 @@ def _something_else(found: Diagnosis) -> str:
     if found.unexplained is None or not found.effects:
         return ""
     left = found.left
-    text = f"a {INNOVATION} of {found.reduced_after:.2f}; in the replays "
+    text = f"a {_INNOVATION} of {found.reduced_after:.2f}; in the replays "
     text += f"errors of {left.size:.1f} times the sensors' noise"
     at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
     return f"{text}, largest in {left.channel} of {left.log}, at {at}"
@@ -220,32 +236,6 @@ def unexplained(found: Diagnosis) -> str:
     return "; ".join(told)
 
 
-def _states(found: Diagnosis) -> Table:
-    """What each log has of its own: what differs more than usual."""
-    most = dict(zip(OWN, _UNUSUAL * sizes(()), strict=True))
-    names = [n for n in OWN if any(abs(states[n]) > most[n] for states in found.own.values())]
-    heads = ("log", *(f"{spaced(n)} [{OWN_UNITS[n].replace('1', '%')}]" for n in names))
-    rows = [(log, *(_state(n, states[n]) for n in names)) for log, states in found.own.items()]
-    return Table(heads, rows if names else [], _STATES)
-
-
-def _state(name: str, value: float) -> str:
-    """A state of a log in the unit of its head: factors and slopes in per cent."""
-    if OWN_UNITS[name] != "1":
-        return f"{value:+.3g}"
-    return f"{100.0 * (math.expm1(value) if name in FACTOR_ON else value):+z.1f}"
-
-
-def _uneven(found: Diagnosis) -> str:
-    """How much faster the right wheel of an axle rolled than the left one; empty if hardly."""
-    told = [
-        f"{100.0 * off:+.2f} % of right over left wheel speed of the {AXLE_NAMES[axle]} axle"
-        for axle, off in found.sides.items()
-        if abs(off) > _SIDES_TOLD
-    ]
-    return "; ".join(told)
-
-
 def _unseen(found: Diagnosis) -> Table:
     """Effects that the logs could not show, and the drive that would."""
     rows = []
@@ -257,3 +247,66 @@ def _unseen(found: Diagnosis) -> Table:
             (spaced(drive.effect), f"{spaced(name)} {usual}", there, f"{drive.sigma:.0f} sigma")
         )
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
+
+
+def _search(found: Diagnosis) -> Table:
+    """What each step added, what it left, and what that brought."""
+    rows = [("nothing", f"{found.steps[0].innovation:.3f}", "", "")]
+    for now in found.steps[1:]:
+        what = [listed(now.added)] if now.added else []
+        what += [f"without {listed(now.removed)}"] if now.removed else []
+        name = ", ".join(what) or "the same, fitted anew"
+        rows.append((name, f"{now.innovation:.3f}", f"{now.calibration:.0f}", f"{now.holdout:.0f}"))
+    return Table(("added", _INNOVATION, "log odds, searched", "log odds, hold-outs"), rows, _SEARCH)
+
+
+def _confusion(found: Confusion) -> Facts:
+    """The set, and the drive for each pair; explanations are called A, B ..."""
+    letters = ascii_uppercase
+    rows = [
+        (f"{letters[i]}: {listed(one.effects)}", f"{one.innovation:.3f}",
+         f"{one.behind:+.4f}" if i else "")
+        for i, one in enumerate(found.explanations)
+    ]  # fmt: skip
+    drives = [
+        (" or ".join(letters[i] for i in pair.between), f"{pair.apart_in_logs:.0f} sigma",
+         pair.drive, f"{pair.apart_in_drive:.0f} sigma")
+        for pair in found.pairs
+    ]  # fmt: skip
+    return Facts(
+        "What these logs cannot tell apart",
+        tables=[
+            Table(("explanation", _INNOVATION, "behind A"), rows, _ALIKE),
+            Table(("which", "here", "drive", "there"), drives, _APART),
+        ],
+    )
+
+
+def _gap(found: Diagnosis) -> Facts:
+    """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
+    both, gap = moved(found), found.gap
+    rows: list[tuple[str, ...]] = []
+    for i, log in enumerate(gap.logs, 1):
+        ends = [gap.of(log, channel) for channel in (None, *CHANNELS)]
+        cells = (f"{a:.1f} to {b:.1f}" if both else f"{a:.1f}" for a, b in ends)
+        rows.append((f"{i} {log}", *cells))
+    noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))
+    rows.append(("noise", "1", *noises))
+    caption = _LARGEST.format(found.measured[worst(found)].name)
+    return Facts(
+        "The gap on the hold-outs" + ", before to after" * both,
+        tables=[Table(("log", "all", *CHANNELS), rows, _GAP)],
+        pictures=[Picture(caption, lambda: sheet(found), ["acceleration", "split"])],
+    )
+
+
+def _base(found: Diagnosis) -> Table:
+    """The re-identified base parameters, beside those of the vehicle file."""
+    car = found.model_before.vehicle
+    nominal = {"pad_friction_f": car.front.pad_friction, "pad_friction_r": car.rear.pad_friction}
+    rows = [
+        (spaced(name), *estimate(x), f"{nominal[name]:g}" if name in nominal else "")
+        for name, x in found.base.items()
+    ]
+    heads = ("parameter", "value", "95 % interval", "vehicle file")
+    return Table(heads, rows, _BASE)

@@ -1,7 +1,7 @@
 """A result as facts: each sentence is made once, for the terminal and for the page.
 
-    a result --calib.show.kinds--> Facts --calib.show.terminal-> lines and grids
-                                         --calib.show.html-----> one file
+    a result --facts_of--> Facts --calib.show.terminal-> lines and grids
+                                 --calib.show.html-----> one file
 
 The head of an answer is the headline, what matters once, and the next step: a terminal prints no
 more without -v, and a page begins with it. What is for those who ask is in parts. Warnings go to
@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -110,3 +111,28 @@ class Facts:
         tables = any(table.rows for table in self.tables)
         others = (self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures)
         return tables or any(others) or any(part.filled for part in self.parts)
+
+
+_FACTS = {
+    "Diagnosis": "diagnosis:facts",
+    "Fitted": "fit:facts",
+    "GaugeStudy": "repeatability:facts",
+    "StationRun": "station_page:facts",
+    "Stored": "store:shown",
+    "Summary": "fleet:facts",
+    "Validated": "validation:facts",
+    "Vehicle": "vehicle:facts",
+}
+"""The function of each kind of result, by the name of its class."""
+
+
+def facts_of(result: object) -> Facts:
+    """The facts of a result, by the module of its kind, which is imported for such a result only.
+
+    Facts are their own. Raises KeyError for a kind that has none.
+    """
+    if isinstance(result, Facts):
+        return result
+    module, _, name = _FACTS[type(result).__name__].partition(":")
+    found: Facts = getattr(import_module(f"calib.show.{module}"), name)(result)
+    return found

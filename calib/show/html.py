@@ -34,8 +34,7 @@ _UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n"
 """What stands in a data URI as it is, and in HTML as well."""
 _UNSEEN = re.compile(r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)", re.DOTALL)
 """What a picture does not show: prologue, description, remarks, spaces between the elements."""
-_TAG = re.compile("<[^>]*>")
-_PLACES = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])")
+_PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
 _FONT = "'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif"
 """Font of the letters, and those as wide where a machine does not have it."""
 _AGAINST = "What speaks against the result, although it is given."
@@ -101,13 +100,10 @@ def _panel(sheet: Sheet, name: str) -> str:
     """A panel as SVG for a page: small, as a page has many."""
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
     drawn = render(figure, ".svg", text=True).decode().replace(*_FONT)
-    image = _TAG.sub(_rounded, _UNSEEN.sub("", drawn)).encode()
+    # places are exact to a tenth of a point
+    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _UNSEEN.sub("", drawn))
+    image = short.encode()
     return f"data:image/svg+xml,{quote(image, safe=_UNQUOTED)}"
-
-
-def _rounded(tag: re.Match[str]) -> str:
-    """A tag whose places are exact to a tenth of a point."""
-    return _PLACES.sub(lambda found: f"{float(found[0]):.1f}", tag[0])
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:

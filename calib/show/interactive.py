@@ -77,16 +77,6 @@ def drawn(sheet: Sheet, names: Sequence[str], prefix: str) -> Drawn:
     return Drawn(places, json.dumps(document.to_json(deferred=False)), roots)
 
 
-@dataclass(frozen=True)
-class _Shown:
-    """A line in a figure: its ``glyph``, columns and name, and what the cursor tells of it."""
-
-    glyph: Any
-    columns: list[str]
-    name: str
-    told: str
-
-
 class _Making:
     """What the figures of a sheet share: sources by their x, axes by their names and ends."""
 
@@ -151,8 +141,11 @@ class _Making:
             source.data[names[-1]] = one[at].astype(np.float32)
         return source, names
 
-    def _line(self, fig: Any, line: Line) -> _Shown:
-        """Draw a line with its band, or its mean over what was measured."""
+    def _line(self, fig: Any, line: Line) -> tuple[Any, list[str], str, str]:
+        """Draw a line with its band, or its mean over what was measured.
+
+        Returns its glyph, columns and name, and what the cursor tells of it.
+        """
         values, told = [line.shown], "{}"
         if line.mean:
             values, told = [np.asarray(line.y, float), line.shown], "{} (mean {})"
@@ -171,23 +164,23 @@ class _Making:
             glyph = fig.line(**xy, **look)
         if "marker" in line.look:
             glyph = fig.scatter(**xy, **look | _marker(line.look))
-        return _Shown(glyph, names, name, told.format(*(f"@{x}{{%.4g}}" for x in names)))
+        return glyph, names, name, told.format(*(f"@{x}{{%.4g}}" for x in names))
 
 
-def _hover(panel: Panel, shown: Sequence[_Shown]) -> list[Any]:
+def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str], str, str]]) -> list[Any]:
     """What tells the values under the cursor: of the lines over the x that most lines have."""
     from bokeh.models import HoverTool
 
-    named = [one for one in shown if one.glyph is not None and (one.name or len(shown) == 1)]
+    named = [one for one in shown if one[0] is not None and (one[2] or len(shown) == 1)]
     if not named:
         return []
-    shared = Counter(id(one.glyph.data_source) for one in named).most_common(1)[0][0]
-    told = [one for one in named if id(one.glyph.data_source) == shared]
-    columns = ["x", *(column for one in told for column in one.columns)]
-    rows = [(one.name or _plain(panel.y), one.told) for one in told]
+    shared = Counter(id(glyph.data_source) for glyph, *_ in named).most_common(1)[0][0]
+    told = [one for one in named if id(one[0].data_source) == shared]
+    columns = ["x", *(column for _, columns, *_ in told for column in columns)]
+    rows = [(name or _plain(panel.y), text) for *_, name, text in told]
     return [
         HoverTool(
-            renderers=[told[0].glyph],
+            renderers=[told[0][0]],
             mode="vline",
             tooltips=[(_plain(panel.x), "@x{%.6g}"), *rows],
             formatters={f"@{name}": "printf" for name in columns},

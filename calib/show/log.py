@@ -1,7 +1,6 @@
 """A log without table or vehicle: what is in it, and all its columns in one picture.
 
-Events are marked as `calib.run.events` finds them. Columns of one kind and unit share a
-panel; four wheel speeds, which are one line to the eye, are on the page as slip.
+Events are marked as `calib.run.events` finds them. Columns of one kind and unit share a panel.
 """
 
 from collections.abc import Iterable
@@ -31,7 +30,6 @@ from calib.show.style import (
     Array,
     Stroke,
     as_text,
-    reach,
 )
 
 _RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
@@ -104,30 +102,26 @@ def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
-    found, ends = list(events), (time[0], time[-1])
-    channels, panels = channels_log(log), dict[str, Panel]()
-    whole = all(name in channels for name in _SPINS)
+    found, channels, panels = list(events), channels_log(log), list[Panel]()
     for axis, columns in groups.items():
         kind = _kind(columns[0].name)
-        name = axis if kind in panels else kind
-        if kind == "omega" and whole:
-            panels["slip"] = _slip(channels, found)
+        name = axis if kind in {panel.name for panel in panels} else kind
         places = [one.name.rpartition("_")[2] for one in columns] if len(columns) > 1 else [""]
         lines = [
             Line(time, one.values, _look(one.name, columns), place)
             for one, place in zip(columns, places, strict=True)
         ]
         title = _TITLES.get(kind, as_text(kind))
-        panels[name] = Panel(name, title, _TIME, as_text(axis), lines, columns=4)
-    if whole:
-        look: Stroke = {**IDENTIFIED, "linewidth": 0.8}
-        line = Line(time, raw_eta(channels), look)
-        panels["eta"] = Panel("eta", "Wheel speed rear over front, less 1", _TIME, ETA, [line])
+        panels.append(Panel(name, title, _TIME, as_text(axis), lines, columns=4))
+    if all(name in channels for name in _SPINS):
+        line = Line(time, _eta(channels), {**IDENTIFIED, "linewidth": 0.8})
+        title = "Wheel speed rear over front, less 1"
+        panels.append(Panel("eta", title, _TIME, ETA, [line]))
     drawn = [
-        replace(panel, marks=_marked(found, named=not i), xlim=ends)
-        for i, panel in enumerate(panels.values())
+        replace(panel, marks=_marked(found, named=not i), xlim=(time[0], time[-1]))
+        for i, panel in enumerate(panels)
     ]
-    names = [name for name in panels if "slip" not in panels or name != "omega"]
+    names = [panel.name for panel in panels]
     return Sheet(
         kind="log",
         name=log.name,
@@ -135,43 +129,8 @@ def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         rows=rows_of(names, 1 + (len(names) > _COLUMN)),
         heights=(_PANEL,),
         title=f"Log {log.name}",
-        note=f"Digest {log.digest[:16]}, {time.size} samples. Nothing is filtered. "
-        + "Slip is over one radius of all wheels, that of the lead-in." * ("slip" in panels),
+        note=f"Digest {log.digest[:16]}, {time.size} samples. Nothing is filtered.",
     )
-
-
-def _slip(log: Log, events: Iterable[RunEvent]) -> Panel:
-    """Slip of the wheels; without v how far each is below their mean."""
-    found, with_v = slips(log, events), "v" in log
-    lines = [
-        Line(log.time, slip, {**WHEEL_STROKES[wheel], "linewidth": 0.8}, wheel)
-        for wheel, slip in found.items()
-    ]
-    known = np.concatenate([slip[np.isfinite(slip)] for slip in found.values()])
-    ends = reach(np.percentile(known, [1, 99])) if known.size else None
-    title = "Slip of the wheels" if with_v else "Wheel speeds below their mean"
-    return Panel("slip", title, _TIME, "slip [%]", lines, ylim=ends, columns=4)
-
-
-def slips(log: Log, events: Iterable[RunEvent]) -> dict[str, Array]:
-    """100 (1 - R omega/v) of each wheel [%], (n,); NaN below 3 m/s.
-
-    R is one radius, by which the mean of the wheels does not slip in the lead-in, or else in the
-    whole log. Without v the speed is that of the mean of the wheels.
-    """
-    wheels = {wheel: log[f"omega_{wheel}"] for wheel in WHEELS}
-    mean = np.mean([*wheels.values()], axis=0)
-    v = log["v"] if "v" in log else NOMINAL_RADIUS * mean
-    moving = v > MOVING
-    turning = moving & (mean > MOVING / NOMINAL_RADIUS)
-    rolls = np.zeros(mean.size, bool)
-    for event in events:
-        if event.kind == LEAD_IN:
-            rolls |= turning & (event.start <= log.time) & (log.time <= event.end)
-    rolls = rolls if rolls.any() else turning
-    radius = np.median((v / np.where(turning, mean, 1.0))[rolls]) if rolls.any() else NOMINAL_RADIUS
-    speed = np.where(moving, v, np.nan)
-    return {wheel: 100.0 * (1.0 - radius * omega / speed) for wheel, omega in wheels.items()}
 
 
 def whole_of(log: Log) -> WholeLog:
@@ -184,7 +143,7 @@ def whole_of(log: Log) -> WholeLog:
     return WholeLog(log.name, log.source, log.digest, tuple(columns), log.notes)
 
 
-def raw_eta(log: Log) -> Array:
+def _eta(log: Log) -> Array:
     """100 (eta - 1) of the axle means (22) [%], (n,); NaN where an axle is below 3 m/s."""
     front = 0.5 * (log["omega_fl"] + log["omega_fr"])
     rear = 0.5 * (log["omega_rl"] + log["omega_rr"])

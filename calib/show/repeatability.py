@@ -1,10 +1,7 @@
-"""A gauge study: the causes of scatter as a table, and as a picture what the verdicts rest on.
+"""A gauge study: the causes of scatter as a table, and the values of its ramps as a picture.
 
-%GRR | - |  - |           one column a metric, in the colour of its verdict, over its limit
 value |  .  o             one column a car, one mark a station, a line at the car's mean
 """
-
-import textwrap
 
 import numpy as np
 
@@ -12,9 +9,9 @@ from calib.base.plain import plain
 from calib.line.gauge.gauge_rr import CAR, REPEATABILITY, REPRODUCIBILITY
 from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
-from calib.show.panel import Line, Mark, Panel
+from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, DASHED, WHEEL_STROKES, Stroke, as_text, dots
+from calib.show.style import BODY, WHEEL_STROKES, as_text, dots
 
 _SHOWN = 5
 """Metrics in the head of the answer that break their limit; all are in the details."""
@@ -24,16 +21,6 @@ _HEADS = (
 )
 _CAPTION = "Repeatability, reproducibility and cars: standard deviations [1]."
 _COLOURS, _MARKS = [*WHEEL_STROKES.values()], "osD^vPX"
-_HEAT = {
-    GaugeVerdict.GOOD: "#DDF1EA",
-    GaugeVerdict.MARGINAL: "#FBF1CC",
-    GaugeVerdict.BAD: "#F6D9CC",
-    GaugeVerdict.ALIKE: "#E9E9E9",
-    GaugeVerdict.NOT_JUDGED: "#FFFFFF",
-}
-_LIMIT: Stroke = {**BODY, "linestyle": DASHED, "linewidth": 0.9}
-_LETTERS = 15
-"""Letters of a metric's name in a line below its column."""
 _NAMED = 12
 """Above this number the cars are numbered, not named."""
 
@@ -82,50 +69,21 @@ def _cells(result: GaugeResult) -> tuple[str, ...]:
 
 
 def sheet(found: GaugeStudy) -> Sheet:
-    """The sheet of a gauge study: all verdicts, then the pads and what is not good enough."""
+    """The sheet of a gauge study: the first metric, and those that are not good enough."""
     first, *others = found.results
-    bad = [one for one in others if one.verdict == GaugeVerdict.BAD]
-    panels = (_verdicts(found), *(_panel(found, one) for one in (first, *bad)))
-    told = facts(found)
+    drawn = [first, *(one for one in others if one.verdict == GaugeVerdict.BAD)]
+    summary = facts(found)
     stations = f", {len(found.stations)} stations" if found.stations else ""
     at = f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %"
     notes = ["Points are single ramps, a line is the mean of a car", at, *found.notes]
     return Sheet(
         kind="repeatability",
         name="repeatability",
-        panels=panels,
-        heights=(0.9, *(0.7,) * (len(panels) - 1)),
+        panels=tuple(_panel(found, one) for one in drawn),
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
         note=". ".join(notes) + ".",
-        result=f"{told.word}: {told.headline}",
+        result=f"{summary.word}: {summary.headline}",
     )
-
-
-def _verdicts(found: GaugeStudy) -> Panel:
-    """%GRR of each metric with its 95 % interval, over its limit; nothing where cars are alike."""
-    lines, marks, words = [], [], []
-    for i, one in enumerate(found.results):
-        column = i - 0.48, i + 0.48
-        marks.append(Mark(*column, {"color": _HEAT[one.verdict]}))
-        texts = as_text(_name(one)), one.verdict
-        words.append("\n".join(textwrap.fill(text, _LETTERS) for text in texts))
-        if one.gauge is None or not one.gauge.cars_differ:
-            continue
-        share = one.gauge.grr
-        lines.append(Line([i, i], [100.0 * end for end in share.ci95], BODY))
-        lines.append(Line([i], [100.0 * share.value], dots(BODY, 6.0)))
-        lines += [
-            Line(column, [100.0 * judged.high] * 2, _LIMIT)
-            for judged in one.judgements
-            if judged.figure == "grr" and judged.high is not None
-        ]
-    title = "Share of the gauge in the scatter, 95 % interval, and its limit (dashed)"
-    ends = (-0.5, len(found.results) - 0.5), (-5.0, 105.0)
-    return Panel("verdicts", title, "", "%GRR [%]", lines, marks, (), *ends, xticks=words)
-
-
-def _name(result: GaugeResult) -> str:
-    return plain(result.name).name.replace("_", " ")
 
 
 def _panel(found: GaugeStudy, result: GaugeResult) -> Panel:
@@ -143,7 +101,7 @@ def _panel(found: GaugeStudy, result: GaugeResult) -> Panel:
     ]
     return Panel(
         f"{result.name}-values",
-        f"{as_text(_name(result))}: {result.verdict}",
+        f"{as_text(one.name.replace('_', ' '))}: {result.verdict}",
         "car, in order of its name",
         f"value [{one.unit or 1}]",
         lines,

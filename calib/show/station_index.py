@@ -24,20 +24,17 @@ from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Tab
 from calib.show.html import page_of
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import FRONT, NOMINAL, Array, as_text
+from calib.show.style import FRONT, NOMINAL, as_text
 
 _LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
-_DRAWN, _NUMBERED = 200, 12
-"""Runs in a trend, the last of them; so many have room for their numbers below the axis."""
-_TITLE = 50
-"""Letters of a title that have room above a panel."""
+_DRAWN, _TITLE = 200, 50
+"""Runs in a trend, the last of them; letters of a title that have room above a panel."""
+_NUMBERED = 12
+"""Runs that have room for their numbers below the axis."""
 _EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
-_KINDS = {word: word for word in (PASSED, WARNING, FAILED)} | dict.fromkeys(
-    (NO_VERDICT, UNREADABLE), FAILED
-)
-"""Verdicts, and as which they are drawn and sorted."""
+_PADS = ("pad_friction_f", "pad_friction_r")
 
 
 def write_index(folder: Path) -> int:
@@ -55,76 +52,69 @@ def write_index(folder: Path) -> int:
 def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
     """The ``runs``, the last first; ``every`` [s]: of the page that loads itself again."""
     last = runs[0] if runs else None
-    counts = {word: sum(run.verdict == word for run in runs) for word in _KINDS}
+    words = (PASSED, WARNING, FAILED, NO_VERDICT, UNREADABLE)
+    counts = {word: sum(run.verdict == word for run in runs) for word in words}
     this, other = ("loads itself again", INDEX) if every else ("stays as it is", LIVE)
+    ranks = (FAILED, WARNING, PASSED)  # of equal ones the last is first
+    shown = sorted(runs[:_LAST], key=lambda run: ranks.index(_verdict(run)))
     return Facts(
         name,
         headline=f"what to do: {why}" if last and (why := _why(last)) else "",
-        verdict=_KINDS.get(last.verdict, FAILED) if last else "",
+        verdict=_verdict(last) if last else "",
         word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
         numbers=[
             ("car" if len(runs) == 1 else "cars", str(len(runs))),
             *((w, str(n)) for w, n in counts.items() if n),
         ],
-        tables=[_runs(worst_first(runs[:_LAST]), "The last cars, failed and refused ones on top.")],
+        tables=[_table(shown, "The last cars, failed and refused ones on top.")],
         notes=[f"This page {this}; {other} is the other one."],
-        pictures=_trends(runs),
-        parts=[Facts("Earlier cars", tables=[_runs(runs[_LAST:])], folded=True)],
+        pictures=_trends(runs[:_DRAWN]),
+        parts=[Facts("Earlier cars", tables=[_table(runs[_LAST:])], folded=True)],
     )
 
 
-def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
-    """The runs by verdict, failed and refused ones first; equal ones keep their order."""
-    ranks = (FAILED, WARNING, PASSED)
-    return sorted(runs, key=lambda run: ranks.index(_KINDS.get(run.verdict, FAILED)))
+def _verdict(run: IndexedRun) -> str:
+    """The verdict as which a run is drawn and sorted."""
+    return run.verdict if run.verdict in (PASSED, WARNING) else FAILED
 
 
 def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
-    """The trends of all metrics with two values or more."""
-    panels = tuple(
-        _trend(runs, key, known) for key in TRENDS if len(known := _known(runs, key)) > 1
-    )
+    """The metrics with two values or more over the runs, with their limits."""
+    panels = []
+    for key in TRENDS:
+        values = [(run.trend or {}).get(key) for run in reversed(runs)]
+        known = np.array([value for value in values if value is not None])
+        if known.size < 2:
+            continue
+        shown, x = plain(key), np.arange(1.0, known.size + 1.0)
+        given = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
+        ends = [shown.factor * end for end in given if end is not None]
+        title = f"{shown.name}: {shown.value(float(known[-1]))} {shown.unit}"
+        points = Line(x, shown.factor * known, {**FRONT, "marker": "."})
+        limits = [Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends]
+        title, unit = textwrap.fill(as_text(title), _TITLE), as_text(f"[{shown.unit or '1'}]")
+        ticks = ["", *map(str, range(1, x.size + 1))] if x.size <= _NUMBERED else ()
+        heads = title, "car, the last on the right", unit
+        panels.append(Panel(key, *heads, [points, *limits], xticks=ticks))
     told = f"Pads of the ramp, and the zero, of the last {_DRAWN} cars at most; grey: the limits."
-    return [Picture(told, lambda: Sheet("trend", "trend", panels))] if panels else []
+    drawn = tuple(panels)
+    return [Picture(told, lambda: Sheet("trend", "trend", drawn))] if panels else []
 
 
-def _known(runs: Sequence[IndexedRun], key: str) -> Array:
-    """The values of a metric, the last run's at the end."""
-    values = [(run.trend or {}).get(key) for run in reversed(runs[:_DRAWN])]
-    return np.array([value for value in values if value is not None])
-
-
-def _trend(runs: Sequence[IndexedRun], key: str, known: Array) -> Panel:
-    """A metric over the last runs, with its limits."""
-    shown, x = plain(key), np.arange(1.0, known.size + 1.0)
-    given = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
-    ends = [shown.factor * end for end in given if end is not None]
-    title = f"{shown.name}: {shown.value(float(known[-1]))} {shown.unit}"
-    return Panel(
-        key,
-        textwrap.fill(as_text(title), _TITLE),
-        "car, the last on the right",
-        as_text(f"[{shown.unit or '1'}]"),
-        [
-            Line(x, shown.factor * known, {**FRONT, "marker": "."}),
-            *(Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends),
-        ],
-        xticks=["", *map(str, range(1, x.size + 1))] if x.size <= _NUMBERED else (),
+def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
+    rows = []
+    for run in runs:
+        trend = run.trend or {}
+        pads = " / ".join(plain(name).value(trend.get(name)) for name in _PADS) if trend else ""
+        at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M")
+        rows.append((run.car or run.place, _heading(run), _why(run), pads, run.station, at))
+    return Table(
+        ("car", "verdict", "what to do", "ramp pads f / r", "station", "time"),
+        rows,
+        caption,
+        list(map(_verdict, runs)),
+        [quote(f"{r.place}/{REPORT}") if r.verdict != NO_VERDICT else "" for r in runs],
     )
-
-
-def _runs(runs: Sequence[IndexedRun], caption: str = "") -> Table:
-    heads = ("car", "verdict", "what to do", "ramp pads f / r", "station", "time")
-    reports = [quote(f"{run.place}/{REPORT}") if run.verdict != NO_VERDICT else "" for run in runs]
-    kinds = [_KINDS.get(run.verdict, FAILED) for run in runs]
-    return Table(heads, [_row(run) for run in runs], caption, kinds, links=reports)
-
-
-def _row(run: IndexedRun) -> tuple[str, ...]:
-    names, trend = ("pad_friction_f", "pad_friction_r"), run.trend or {}
-    pads = " / ".join(plain(name).value(trend.get(name)) for name in names) if run.trend else ""
-    at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M")
-    return run.car or run.place, _heading(run), _why(run), pads, run.station, at
 
 
 def _heading(run: IndexedRun) -> str:

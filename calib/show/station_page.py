@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -26,20 +26,22 @@ from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of
-from calib.show.judged import budget_rows, judged, pads, ramp_rows, stop_by_stop
-from calib.show.origin import PageOrigin, origin
+from calib.show.judged import budget_rows, judged, ramp_rows, stop_by_stop
+from calib.show.origin import origin
 from calib.show.stop import pads_over_time
 from calib.show.table import sheet
+from calib.show.validation import by_stop
 from calib.store.evidence import read_quality
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, ramp_pads
+from calib.table.budget import advice_lines
 
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
 _SHOWN = 3
 """Limits that are not held, in the head of the answer; all are in the details."""
 _CURVES = "f1 and f2 of the ramp, and the map that an ECU looks up, with their 95 % bands."
+_PADS = "What an ECU makes of each stop; pad friction with 95 % intervals."
 _MISSED = "What fails the car, and what lets it pass with a warning."
 
 
@@ -62,6 +64,9 @@ def facts(run: StationRun) -> Facts:
     curves = Picture(_CURVES, lambda: sheet(found.table, stored.id), ("f1-f2", "map"))
     remarks = [*found.table.remarks, *map(str, found.caveats)]
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
+    advice = "" if found.passed else "find the cause, and run the car again"
+    if stored.state.word == DRAFT:
+        advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
     return Facts(
         title=f"Brake torque calibration of {identity.vin or identity.serial or stored.name}",
         headline=f"{stored.id} is {_AS[stored.state.word]}; {found.headline}",
@@ -72,27 +77,21 @@ def facts(run: StationRun) -> Facts:
             *((check.verdict, f"{check.text}. {check.action}") for check in bad[:_SHOWN]),
         ],
         notes=[f"{len(bad) - _SHOWN} more are not held (-v)"] * (len(bad) > _SHOWN),
-        next=_next(found, stored),
+        next=advice,
         warnings=found.warnings,
         parts=[
-            _pads(found),
-            _checks(found),
+            _pads(found, stored),
+            _metrics(found),
             _run(found, date),
             Facts("The table", pictures=[curves]),
             Facts("The stops", pictures=[pads_over_time(r) for r in found.results]),
             Facts("Remarks", notes=remarks, folded=True),
-            origin(PageOrigin(date), stored, found.logs),
+            origin(stored, found.logs, date),
         ],
     )
 
 
-def _next(found: StationOutcome, stored: Stored) -> str:
-    if stored.state.word == DRAFT:
-        return f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
-    return "" if found.passed else "find the cause, and run the car again"
-
-
-def _checks(found: StationOutcome) -> Facts:
+def _metrics(found: StationOutcome) -> Facts:
     """Every metric with its limit, the worst first."""
     of_car = [[check.judgement] for check in found.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
@@ -121,17 +120,12 @@ def _run(found: StationOutcome, date: str) -> Facts:
     )
 
 
-def _pads(found: StationOutcome) -> Facts:
-    """Pad friction from the ramp and by stop, and what its interval is made of."""
+def _pads(found: StationOutcome, stored: Stored) -> Facts:
+    """What an ECU makes of each stop, and what the intervals of the ramp are made of."""
     budgets = found.table.budget.axles
-    rows: list[tuple[str, ...]] = [("the ramp", *ramp_pads(found.table))]
-    rows += [
-        (f"{i}: {r.log}", *(pads(r.figures, axle) for axle in "fr"))
-        for i, r in enumerate(found.results, 1)
-    ]
     return Facts(
         "Pads",
-        tables=[Cells(("run", "front", "rear"), rows, "Pad friction, with 95 % intervals.")],
+        tables=[replace(by_stop(stored, found.results), caption=_PADS)],
         rows=budget_rows(budgets, after=" of the ramp"),
         notes=advice_lines(budgets),
     )
@@ -140,41 +134,32 @@ def _pads(found: StationOutcome) -> Facts:
 def store_and_write(
     found: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
 ) -> tuple[Stored, dict[str, Any]]:
-    """Write everything into ``work``, then store the table; return it and the document.
+    """Write everything into ``work``, then store the table; return it and `station.json`.
 
-    ``date`` is that of a cdfx; empty for the day on which the version is stored [UTC], so that the
-    same run gives the same bytes on a later day, too.
+    ``date`` is that of a cdfx and of the report; empty for the day on which the version is stored
+    [UTC], so that the same run gives the same bytes on a later day, too. What `why_not_exported`
+    holds back is not exported.
 
     The version is entered with its state in one step, so none is without a verdict. Where another
     run has taken the version number meanwhile, the files are written again. Raises OSError,
     ExchangeError, StoreError.
     """
+    results = list(found.results)
     while True:
-        expected = store.foreseen(found.table, found.decision("to be written"))
-        day = expected.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
-        document = write_all(found, expected, forms, date or day, work)
-        digest = hashlib.sha256((work / DOCUMENT).read_bytes()).hexdigest()
-        stored = store.save(found.table, found.decision(digest))
+        stored = store.foreseen(found.table, found.decision("to be written"))
+        day = date or stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
+        fill(results, validation_dict(stored, results), work)
+        if not why_not_exported(stored):
+            quality = read_quality(work / SUMMARY, stored)
+            for form in dict.fromkeys(forms):
+                export(stored, work / export_name(form), form, quality=quality, date=day)
+        write_whole(work / JUNIT, junit_xml(found, stored))
+        write_whole(work / REPORT, page_of(facts(StationRun(found, stored, day))).encode())
+        names = sorted(path.name for path in work.iterdir() if path.name != DOCUMENT)
+        document = to_dict(found, stored, names)
+        written = to_text(document).encode()
+        write_whole(work / DOCUMENT, written)
+        expected = stored
+        stored = store.save(found.table, found.decision(hashlib.sha256(written).hexdigest()))
         if (stored.id, stored.state.word) == (expected.id, expected.state.word):
             return stored, document
-
-
-def write_all(
-    found: StationOutcome, stored: Stored, forms: Sequence[str], date: str, work: Path
-) -> dict[str, Any]:
-    """Write everything into ``work`` and return the document of `station.json`.
-
-    What `why_not_exported` holds back is not exported. ``date`` is that of a cdfx and of the
-    report. Raises OSError, ExchangeError.
-    """
-    results = list(found.results)
-    fill(results, validation_dict(stored, results), work)
-    if not why_not_exported(stored):
-        quality = read_quality(work / SUMMARY, stored)
-        for form in dict.fromkeys(forms):
-            export(stored, work / export_name(form), form, quality=quality, date=date)
-    write_whole(work / JUNIT, junit_xml(found, stored))
-    write_whole(work / REPORT, page_of(facts(StationRun(found, stored, date))).encode())
-    document = to_dict(found, stored, sorted(p.name for p in work.iterdir() if p.name != DOCUMENT))
-    write_whole(work / DOCUMENT, to_text(document).encode())
-    return document

@@ -58,7 +58,10 @@ _Over = Callable[..., Panel]
 def of_result(result: StoredResult) -> Sheet:
     """The sheet of a stored result."""
     values, valid = result.values, result.valid
-    means = [_mean_pads(result, axle) if valid.any() else UNKNOWN for axle in _STROKES]
+    means = [UNKNOWN, UNKNOWN]
+    if valid.any():  # as the validation counts them
+        known = {name: column[valid] for name, column in values.items()}
+        means = [_mean(*(known[f"ecu_pad_friction_{x}{end}"] for end in _ENDS)) for x in _STROKES]
     over = _over(values["time"], valid)
     panels = [_pads(values, valid, over), *_signals(values, valid, over)]
     note = f"Result {result.name}, digest {result.digest[:16]}. Bands are 95 %. {_GREY}."
@@ -139,20 +142,17 @@ def _in_words(means: Iterable[str]) -> str:
     return f"pad friction {', '.join(told)} (95 %)"
 
 
-def _mean_pads(result: StoredResult, axle: str) -> str:
-    """As the validation counts them, over the valid samples."""
-    columns = (result.values[f"ecu_pad_friction_{axle}{end}"] for end in _ENDS)
-    mu, lower, upper = (values[result.valid] for values in columns)
+def _mean(mu: Array, lower: Array, upper: Array) -> str:
     mean = float(np.mean(mu))
     return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
 
 
 def _pads(values: _Values, valid: Mask, over: _Over, beside: _Lines = ()) -> Panel:
-    """Panel (d) and Fig. 9: the estimates with their intervals over the pads as they were.
-
-    The valid samples set the ends of y; intervals before the bite are wide.
-    """
-    lines, ends = [], [_tails(line.y) for line in beside]
+    """Panel (d) and Fig. 9: the valid estimates with their intervals over the pads as they were."""
+    lines, ends = [], []
+    for line in beside:  # they may leave the panel, but widen it so far
+        known = np.asarray(line.y)[np.isfinite(line.y)]
+        ends.append(np.percentile(known, [2, 98]) if known.size else known)
     for axle, look in _STROKES.items():
         pad, lower, upper = (
             np.where(valid, values[f"ecu_pad_friction_{axle}{end}"], np.nan) for end in _ENDS
@@ -161,12 +161,6 @@ def _pads(values: _Values, valid: Mask, over: _Over, beside: _Lines = ()) -> Pan
         lines.append(Line(values["time"], pad, thick, label, (lower, upper)))
         ends += [lower, upper]
     return over("pads", "Pad friction", y=_PADS, lines=[*lines, *beside], ylim=reach(*ends))
-
-
-def _tails(y: Array | Sequence[float]) -> Array:
-    """The 2 and the 98 % of a line, which may leave the panel, but widens it so far."""
-    known = np.asarray(y)[np.isfinite(y)]
-    return np.percentile(known, [2, 98]) if known.size else known
 
 
 def _before(e: Estimate, vehicle: Vehicle | None) -> list[tuple[str, float]]:

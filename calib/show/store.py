@@ -1,9 +1,7 @@
-"""Facts of the tables of a store: lists, one table, a mean of several, what happened."""
+"""Facts of the tables of a store: lists, one, a mean, what differs, what happened."""
 
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from calib.base.plain import counted, plain
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
@@ -13,10 +11,13 @@ from calib.store.figures import answer, effect_figures, mean_figures, verdict
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
-from calib.table.budget import limiting
-from calib.table.maps import MAPS, Map
+from calib.table.budget import advice_lines, limiting
 from calib.table.table import Table as LookUp
-from calib.table.table import Value
+
+if TYPE_CHECKING:
+    from calib.exports.compare import Difference as FromFile
+    from calib.exports.read import Returned
+    from calib.table.compare import Difference
 
 _ROWS = 12
 """Rows of f1 and f2 that are printed; all of them are in the JSON."""
@@ -49,18 +50,20 @@ def shown(stored: Stored) -> Facts:
     """Whether a table may be used, how good it is, and what it is made of."""
     table, said = stored.table, answer(stored)
     budgets = table.budget.axles
+    advice = advice_lines(budgets)
     logs = ", ".join(log.name for log in table.provenance.logs)
     parents = ", ".join(parent.id for parent in table.provenance.parents)
     return Facts(
         headline=verdict(stored),
         verdict=PASSED if said.usable else WARNING,
+        numbers=ramp_rows(table),
         rows=[
             ("state", stored.state.words),
-            *ramp_rows(table),
             ("range", said.ends),
             ("limited by", limiting(budgets)),
             ("made of", parents or logs),
         ],
+        notes=advice[:1],
         next=said.next,
         parts=[_made_of(stored), Facts("Curves", tables=[_curves(table)])],
     )
@@ -69,6 +72,7 @@ def shown(stored: Stored) -> Facts:
 def _made_of(stored: Stored) -> Facts:
     """What the record of a table holds, but for its curves."""
     table, car, keys = stored.table, stored.table.vehicle, ", ".join(key_ids(stored))
+    scale = table.calibration.pad_scale
     rows: list[Row] = [
         *(("warning", str(warning)) for warning in table.warnings),
         ("digest", stored.digest),
@@ -82,13 +86,12 @@ def _made_of(stored: Stored) -> Facts:
         ),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((of.effect.replace("_", " "), str(of)) for of in effect_figures(table)),
-        ("pad scale", _interval(table.calibration.pad_scale)),
+        ("pad scale", "{:.4g} (95 %: {:.4g} to {:.4g})".format(scale.value, *scale.ci95)),
         *budget_rows(table.budget.axles),
-        *((name.replace("_", " "), _map(getattr(table, name))) for name in MAPS),
         ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
         *((plain(key).name, plain(key).with_unit(x)) for key, x in table.quality.items()),
     ]  # fmt: skip
-    return Facts("Record", rows=rows, notes=table.remarks)
+    return Facts("Record", rows=rows, notes=[*advice_lines(table.budget.axles)[1:], *table.remarks])
 
 
 def shown_document(stored: Stored) -> dict[str, Any]:
@@ -105,19 +108,6 @@ def shown_document(stored: Stored) -> dict[str, Any]:
         "record": record,
         "curves": curves,
     }
-
-
-def _map(held: Map) -> str:
-    """Cells and range of a map, and the median half width of its first column."""
-    ends = (f"{name} {x[0]:.3g} to {x[-1]:.3g}" for name, x in held.axes.items())
-    lower, upper = (getattr(held, held.bounded[0] + end) for end in ("_lower", "_upper"))
-    half = 50.0 * float(np.median(upper - lower))
-    return f"{' x '.join(map(str, held.shape))} cells, {', '.join(ends)}; median +- {half:.0f} %"
-
-
-def _interval(value: Value) -> str:
-    lower, upper = value.ci95
-    return f"{value.value:.4g} (95 %: {lower:.4g} to {upper:.4g})"
 
 
 def _curves(table: LookUp) -> Table:
@@ -182,3 +172,77 @@ def merged_document(stored: Stored) -> dict[str, Any]:
         "remarks": table.remarks,
         "warnings": table.warnings,
     }
+
+
+def compared_document(found: "Difference", first: Stored, second: Stored) -> dict[str, Any]:
+    """The JSON document of two tables."""
+    return {
+        "a": first.id,
+        "b": second.id,
+        "states": {"a": first.state.word, "b": second.state.word},
+        "verdict": found.verdict,
+        "identical": found.identical,
+        **vars(found),
+    }
+
+
+def compared(found: "Difference", first: Stored, second: Stored) -> Facts:
+    """Whether and where two tables differ."""
+    one, other = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
+    headline = f"{one} and {other} are {found.verdict}"
+    if found.identical:
+        return Facts(headline=headline)
+    curves = [
+        (gap.curve, f"{gap.start:.5f}", f"{gap.end:.5f}", f"{gap.largest:+.5f}", f"{gap.at:.5f}",
+         f"{gap.rms:.5f}", f"{gap.in_bands:.2f}")
+        for gap in found.curves
+    ]  # fmt: skip
+    values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in found.values]
+    changed = [f"{len(keys)} of {section}" for section, keys in found.changes.items()]
+    heads = ("value", first.id, second.id, "in 95 % bands")
+    return Facts(
+        headline=headline,
+        tables=[Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves)],
+        parts=[Facts("Values", tables=[Table(heads, values)])],
+        notes=[
+            *(f"{curve}: no common axis" for curve in found.apart),
+            *([f"different: {', '.join(changed)}; --json prints them"] if changed else []),
+        ],
+    )
+
+
+def returned_document(
+    found: "Returned", stored: Stored | None, difference: "FromFile"
+) -> dict[str, Any]:
+    """The JSON document of a file of a calibration tool."""
+    grids = found.content.grids
+    return {
+        "format": found.format,
+        "facts": found.facts,
+        "axes": found.content.axes,
+        "curves": {n: {"x": x[0], "y": y} for n, (x, y) in grids.items() if len(x) == 1},
+        "maps": {n: {"axes": x, "y": y} for n, (x, y) in grids.items() if len(x) > 1},
+        "scalars": found.content.scalars,
+        "units": found.units,
+        "in_store": stored is not None,
+        "unchanged": found.unchanged,
+        "rounded": difference.rounded,
+        "differences": difference.wrong,
+    }
+
+
+def returned(found: "Returned", stored: Stored | None, difference: "FromFile") -> Facts:
+    """Whether a file of a calibration tool agrees with the table that it names."""
+    if difference.wrong:
+        headline = f"{found.table} does not agree: edited or damaged; export the table again"
+    elif stored is None:
+        headline = f"unchanged since it was written; {found.table} is not in this store"
+    else:
+        how = f"as rounded {difference.rounded}" if difference.rounded else "to the last bit"
+        headline = f"agrees with {stored.id} {how}"
+    return Facts(
+        headline=headline,
+        verdict=FAILED if difference.wrong else PASSED,
+        notes=[f"differs: {what}" for what in difference.wrong],
+        parts=[Facts("What is in the file", rows=[("table", found.table), *found.facts.items()])],
+    )

@@ -1,6 +1,7 @@
 """A table on a page: f1 and f2 (Fig. 6), what its map tells of the pads, and its tyre (Fig. 3).
 
-With the ramps it was made of, their measured points are drawn too, and Fig. 5.
+With the ramps it was made of, their measured points are drawn too, and Fig. 5. Of two tables a
+colour is a quantity, as of one, and a line style is a table, in the order given.
 """
 
 from collections.abc import Sequence
@@ -26,6 +27,7 @@ from calib.show.style import (
     Stroke,
 )
 from calib.table.budget import ramp_pads
+from calib.table.compare import diff
 from calib.table.maps import PadMap, Reader
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
@@ -48,6 +50,14 @@ _MAPPED: dict[float, Stroke] = {
     0.4: {**BODY, "linestyle": DOTTED},
 }
 """Decelerations at which the map is drawn [g]."""
+_COMPARED = 0.2
+"""Deceleration at which the maps of two tables are compared [g]."""
+_STYLES: tuple[Stroke, Stroke] = (
+    {"linestyle": "-", "linewidth": 1.1},
+    {"linestyle": DASHED, "linewidth": 2.0},
+)
+_FORCES = "Force over load, less deceleration over g"
+_MAP = "Map: pads over those of the ramp"
 _SEEN = 0.02
 """Share of the stops from which a cell of the map is drawn."""
 
@@ -58,10 +68,11 @@ def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
     front, rear = ramp_pads(table)
     last = table.paper.usable[1]
+    maps = [_read(table.map, z, look, f"at {z:.1f} g") for z, look in _MAPPED.items()]
     return Sheet(
         kind="table",
         name=name,
-        panels=(_curves(table, ramps), _map(table.map), _tyre(table, ramps), *of_ramps),
+        panels=(_curves(table, ramps), _map(_MAP, maps), _tyre(table, ramps), *of_ramps),
         rows=(("f1-f2", "f1-f2"), ("map", "tyre")),
         heights=(1.4, 1.2),
         title=f"Table {name}",
@@ -85,7 +96,7 @@ def _note(table: Table, ramps: bool) -> str:
     return note
 
 
-def by_flag(
+def _by_flag(
     x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
 ) -> list[Line]:
     """A curve of a table (n,), each piece with the worse flag of its two ends."""
@@ -105,7 +116,7 @@ def _tyre(table: Table, ramps: _Ramps) -> Panel:
     """Fig. 3: normalised force over slip, common to both axles, at the mean wheel load."""
     curve = table.tyre
     x, band = 100.0 * curve.slip, (curve.lower, curve.upper)
-    lines = by_flag(x, curve.force, curve.flag, IDENTIFIED, "curve", band)
+    lines = _by_flag(x, curve.force, curve.flag, IDENTIFIED, "curve", band)
     for i, ramp in enumerate(ramps):
         for slip, force, stroke, word in (
             (ramp.slip_f, ramp.F_f, FRONT, "front"),
@@ -131,8 +142,8 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     p = table.paper
     x, both = 100.0 * (p.eta - 1.0), [one for one in ramps if one.both]
     f = [
-        *by_flag(x, p.f1, p.flag, FRONT, "f1, front,", (p.f1_lower, p.f1_upper)),
-        *by_flag(x, p.f2, p.flag, REAR, "f2, rear,", (p.f2_lower, p.f2_upper)),
+        *_by_flag(x, p.f1, p.flag, FRONT, "f1, front,", (p.f1_lower, p.f1_upper)),
+        *_by_flag(x, p.f2, p.flag, REAR, "f2, rear,", (p.f2_lower, p.f2_upper)),
     ]
     for i, ramp in enumerate(both):
         at = 100.0 * (ramp.eta - 1.0)
@@ -156,7 +167,7 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     texts = [(f"{z:.1f} g", at, 0.0) for z, at in zip(decelerations, places, strict=True)]
     return Panel(
         "f1-f2",
-        "Force over load, less deceleration over g (Fig. 6)",
+        f"{_FORCES} (Fig. 6)",
         ETA,
         "f1, f2 [1]",
         [*f, *zero],
@@ -167,13 +178,14 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     )
 
 
-def _map(of: PadMap) -> Panel:
-    """What eta tells of the pads, at decelerations and at the slip that is usual there."""
-    lines = [read_at(of, z, look, f"at {z:.1f} g") for z, look in _MAPPED.items()]
-    return map_panel("Map: pads over those of the ramp", lines)
+def _map(title: str, lines: Sequence[Line]) -> Panel:
+    """What eta tells of the pads, at the slip that is usual there."""
+    known = [x for line in lines for x in line.x]
+    even = Line((min(known), max(known)), (1.0, 1.0), NOMINAL, "as on the ramp")
+    return Panel("map", title, ETA, "front over rear pads [1]", [*lines, even], columns=2)
 
 
-def read_at(of: PadMap, z: float, look: Stroke, label: str) -> Line:
+def _read(of: PadMap, z: float, look: Stroke, label: str) -> Line:
     """Front over rear pads [1] over eta - 1 [%] in a map at ``z`` [g], where stops show it."""
     shift = of.axes["shift"]
     read = Reader(of, ("change", "change_lower", "change_upper", "share"))
@@ -183,8 +195,30 @@ def read_at(of: PadMap, z: float, look: Stroke, label: str) -> Line:
     return Line(100.0 * z * shift[seen], y, look, label, (low, high))
 
 
-def map_panel(title: str, lines: Sequence[Line]) -> Panel:
-    """The panel of lines that `read_at` gives."""
-    known = [x for line in lines for x in line.x]
-    even = Line((min(known), max(known)), (1.0, 1.0), NOMINAL, "as on the ramp")
-    return Panel("map", title, ETA, "front over rear pads [1]", [*lines, even], columns=2)
+def two_tables(tables: dict[str, Table]) -> Sheet:
+    """Return the sheet of two tables by their ids: f1 and f2, and what their maps tell."""
+    curves, maps, notes = list[Line](), list[Line](), list[str]()
+    for (name, table), style in zip(tables.items(), _STYLES, strict=True):
+        p = table.paper
+        for key, stroke in (("f1", FRONT), ("f2", REAR)):
+            y, *band = (getattr(p, f"{key}{end}") for end in ("", "_lower", "_upper"))
+            look = {**stroke, **style}
+            curves.append(
+                Line(100.0 * (p.eta - 1.0), y, look, f"{key}, {name}", (band[0], band[1]))
+            )
+        maps.append(_read(table.map, _COMPARED, {**IDENTIFIED, **style}, name))
+        front, rear = ramp_pads(table)
+        notes.append(
+            f"{name}: digest {table.digest[:16]}, pad friction front {front}, rear {rear}."
+        )
+    found = diff(*tables.values())
+    beyond = [*found.apart, *(gap.curve for gap in found.curves if gap.in_bands > 1.0)]
+    title = f"Maps at {_COMPARED:g} g: pads over those of the ramp"
+    return Sheet(
+        kind="comparison",
+        name="_".join(tables),
+        panels=(_map(title, maps), Panel("f1-f2", _FORCES, ETA, "f1, f2 [1]", curves, columns=2)),
+        title=" and ".join(tables),
+        note=" ".join([*notes, "Bands are 95 %."]),
+        result=found.verdict.capitalize() + f" in {', '.join(beyond)}" * bool(beyond),
+    )

@@ -1,7 +1,9 @@
 """Facts of a validation: the verdict, the ECU beside the best estimate, what comes next."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import date
+from pathlib import Path
 
 from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.agreement import agreement
@@ -17,7 +19,7 @@ from calib.estimation.validate import (
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
 from calib.show.judged import UNKNOWN, broken, budget_rows, mean_of, pads, stop_by_stop, word
-from calib.show.origin import PageOrigin, origin
+from calib.show.origin import origin
 from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
@@ -36,12 +38,12 @@ _SHOWN = 4
 
 @dataclass(frozen=True)
 class Validated:
-    """A table judged by logs, as exported (``how``) or in full."""
+    """A table judged by logs and ``files`` by role, as exported (``how``) or in full."""
 
     stored: Stored
     results: Sequence[Validation]
     how: Precision | None = None
-    origin: PageOrigin | None = None
+    files: Mapping[str, Path] = field(default_factory=dict)
 
 
 def facts(judged: Validated) -> Facts:
@@ -70,7 +72,7 @@ def facts(judged: Validated) -> Facts:
         headline=_outcome(stored, found),
         verdict=verdict,
         word=CONSISTENT.capitalize() if proof == NONE and not failed else WORDS[verdict],
-        tables=[_by_stop(stored, found)],
+        tables=[by_stop(stored, found)],
         rows=[
             *[row for result in found for row in _against(result)][:_SHOWN],
             *([("judged by", _PROOFS[proof])] if any(r.role == HOLDOUT for r in found) else []),
@@ -81,9 +83,9 @@ def facts(judged: Validated) -> Facts:
         warnings=warnings,
         parts=[
             details,
-            Facts("Limits, and other methods", tables=[limits, *_beside(results)], notes=unknown),
-            *map(_stop, results),
-            origin(judged.origin or PageOrigin(), stored, logs),
+            Facts("Metrics and limits", tables=[limits], notes=unknown),
+            Facts("The stops", pictures=[pads_over_time(r) for r in results]),
+            origin(stored, logs, date.today().isoformat(), judged.files),
         ],
     )
 
@@ -121,7 +123,7 @@ def _next(stored: Stored, results: list[Validation]) -> str:
     return f"brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
 
 
-def _by_stop(stored: Stored, results: Sequence[Validation]) -> Table:
+def by_stop(stored: Stored, results: Sequence[Validation]) -> Table:
     """What an ECU makes of each stop."""
     rows = []
     for r in results:
@@ -190,38 +192,3 @@ def _limiting(results: list[Validation]) -> list[Row]:
         for road in (together.roads if together else ())
         if road.spread_f is not None and road.spread_r is not None
     ]
-
-
-_AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v"}
-
-
-def _beside(results: Sequence[Validation]) -> Iterator[Table]:
-    """The methods beside the estimate, with their errors; a table for each reference."""
-    for reference, against in _AGAINST.items():
-        told = [r for r in results if r.baselines and r.compared_with == reference]
-        if told:
-            names = list(dict.fromkeys(name for r in told for name in r.baselines))
-            rows = [(r.log, *(_percents(*r.baselines[n]) for n in names)) for r in told]
-            caption = f"Rms error of pad friction against {against}, front / rear [%]; not judged."
-            yield Table(("stop", *(name.replace("_", " ") for name in names)), rows, caption)
-
-
-def _percents(front: float, rear: float) -> str:
-    return f"{100.0 * front:.1f} / {100.0 * rear:.1f}"
-
-
-def _stop(r: Validation) -> Facts:
-    """The picture of one stop, and its metrics that are not judged."""
-    given = {j.figure for j in r.judgements}
-    others = [
-        (plain(key).name, plain(key).with_unit(value), key)
-        for key, value in r.figures.items()
-        if key not in given and value is not None
-    ]
-    rest = Table(("metric", "value", "key"), others, f"Metrics of {r.log} without a limit.")
-    return Facts(
-        f"{r.log}: {word(r)}",
-        verdict=PASSED if r.passed else FAILED,
-        pictures=[pads_over_time(r)],
-        parts=[Facts("Metrics that are not judged", tables=[rest], folded=True)],
-    )

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib.base.units import behind
-from calib.car.balance import friction_used, front_biased_up_to, front_share, pressure_per_g
+from calib.car.balance import front_biased_up_to, front_share, pressure_per_g
 from calib.car.effects.effect import Card
 from calib.car.forces import axle_loads
 from calib.car.plausible import plausible
@@ -20,7 +20,7 @@ from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BAR, BODY, FRONT, IDENTIFIED, NOMINAL, REAR, Array, Stroke, dots
+from calib.show.style import BAR, BODY, IDENTIFIED, NOMINAL, Array, Stroke, dots
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
@@ -95,56 +95,41 @@ def card(one: Card) -> Facts:
 
 
 def sheet(vehicle: Vehicle) -> Sheet:
-    """Return the sheet of a vehicle with its nominal pads."""
-    share, per_g = front_share(vehicle, 0.0), pressure_per_g(vehicle) / BAR
-    z = np.linspace(0.0, min(1.0, 0.98 * vehicle.cg_to_front_axle / vehicle.cg_height), 201)
-    used_f, used_r = friction_used(vehicle, z)
-    used = [
-        Line(z, used_f, FRONT, "front axle"),
-        Line(z, used_r, REAR, "rear axle"),
-        Line(z, z, NOMINAL, "ideal: both alike"),
-    ]
-    return Sheet(
-        kind="vehicle",
-        name=vehicle.name,
-        panels=(
-            _brake_torques(vehicle),
-            Panel("friction", "Friction that the axles use", "deceleration [g]",
-                  "friction used [1]", used, xlim=(0.0, 1.0), ylim=(0.0, 1.4)),
-        ),
-        heights=(1.4, 1.0),
-        title=f"Brakes of {vehicle.name}",
-        note=f"With the nominal pads of the file: {per_g:.1f} bar per g, {100 * share:.1f} % of "
-        "the brake force at the front. Straight line, one pressure on both axles, no drag, no "
-        "control of slip; the inertia of the wheels is neglected.",
-    )  # fmt: skip
-
-
-def _brake_torques(vehicle: Vehicle) -> Panel:
     """Fig. 2: torques of the axles up to 1 g, the decelerations marked along the beta line.
 
     As in (9), the inertia of the wheels is neglected.
     """
-    ratio = rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)
-    end = 1.08 * beta_point(vehicle, ratio, 1.0)[0] / _KNM
-    front, rear = (torque / _KNM for torque in ideal(vehicle))
+    share, per_g = front_share(vehicle, 0.0), pressure_per_g(vehicle) / BAR
+    front, rear = vehicle.front, vehicle.rear
+    gain_f, gain_r = (axle.torque_gain * axle.pad_friction for axle in (front, rear))
+    ratio = gain_r / gain_f  # T_br/T_bf at one pressure, (2)
+
+    def beta(z: Array) -> Array:
+        """Torques of the axles [kN m] at z [1] on the beta line, (5), (9)."""
+        per_front = 1.0 / front.rolling_radius + ratio / rear.rolling_radius
+        return np.array([1.0, ratio]) * (np.asarray(z)[:, None] * vehicle.weight / per_front / _KNM)
+
+    z = np.linspace(0.0, min(1.0, vehicle.cg_to_front_axle / vehicle.cg_height), 101)
+    load_f, load_r = axle_loads(vehicle, z)
+    ideal_f, ideal_r = (
+        front.rolling_radius * z * load_f / _KNM,
+        rear.rolling_radius * z * load_r / _KNM,
+    )
+    points, end = beta(np.array(_DECELERATIONS)), 1.08 * beta(np.ones(1))[0, 0]
     lines = [
-        Line(front, rear, BODY, "I curve: equal friction"),
+        Line(ideal_f, ideal_r, BODY, "I curve: equal friction"),
         Line([0.0, end], [0.0, ratio * end], IDENTIFIED, "installed, nominal pads"),
     ]
-    for z in _DECELERATIONS:
-        whole_f, whole_r = (
-            vehicle.weight * z * axle.rolling_radius / _KNM
-            for axle in (vehicle.front, vehicle.rear)
-        )
-        lines.append(Line([whole_f, 0.0], [0.0, whole_r], _THIN))
-    points = np.array([beta_point(vehicle, ratio, z) for z in _DECELERATIONS]) / _KNM
+    for one in _DECELERATIONS:
+        whole = vehicle.weight * one / _KNM
+        alone = [whole * front.rolling_radius, 0.0], [0.0, whole * rear.rolling_radius]
+        lines.append(Line(*alone, _THIN))
     lines.append(Line(points[:, 0], points[:, 1], dots(IDENTIFIED, 3.2)))
     if 0.0 < (biased := front_biased_up_to(vehicle)) <= 1.0:
-        at_f, at_r = beta_point(vehicle, ratio, biased)
+        at = beta(np.array([biased]))
         label = f"front locks first up to {biased:.2f} g"
-        lines.append(Line([at_f / _KNM], [at_r / _KNM], dots(BODY, 6.0, "D", mfc="white"), label))
-    return Panel(
+        lines.append(Line(at[:, 0], at[:, 1], dots(BODY, 6.0, "D", mfc="white"), label))
+    panel = Panel(
         "torque-distribution",
         "Brake torque of the axles",
         "front axle torque [kN m]",
@@ -152,26 +137,16 @@ def _brake_torques(vehicle: Vehicle) -> Panel:
         lines,
         texts=[(f"{z:g} g", x, y) for z, (x, y) in zip(_DECELERATIONS, points, strict=True)],
         xlim=(0.0, end),
-        ylim=(0.0, 1.15 * max(float(rear.max()), ratio * end)),
+        ylim=(0.0, 1.15 * max(float(ideal_r.max()), ratio * end)),
         columns=2,
     )
-
-
-def ideal(vehicle: Vehicle) -> tuple[Array, Array]:
-    """Torques of the axles [N m] at which both use the friction z [1], z up to rear-wheel lift."""
-    z = np.linspace(0.0, min(1.0, vehicle.cg_to_front_axle / vehicle.cg_height), 101)
-    load_f, load_r = axle_loads(vehicle, z)
-    return vehicle.front.rolling_radius * z * load_f, vehicle.rear.rolling_radius * z * load_r
-
-
-def rear_per_front(vehicle: Vehicle, friction_f: float, friction_r: float) -> float:
-    """T_br/T_bf [1] of the axles at one pressure with these pad frictions, (2)."""
-    rear = vehicle.rear.torque_gain * friction_r
-    return rear / (vehicle.front.torque_gain * friction_f)
-
-
-def beta_point(vehicle: Vehicle, ratio: float, z: float) -> tuple[float, float]:
-    """Torques of the axles [N m] at z [1] on the line of this ``ratio`` T_br/T_bf [1], (5), (9)."""
-    per_front = 1.0 / vehicle.front.rolling_radius + ratio / vehicle.rear.rolling_radius
-    front = vehicle.weight * z / per_front
-    return front, ratio * front
+    return Sheet(
+        kind="vehicle",
+        name=vehicle.name,
+        panels=(panel,),
+        heights=(1.8,),
+        title=f"Brakes of {vehicle.name}",
+        note=f"With the nominal pads of the file: {per_g:.1f} bar per g, {100 * share:.1f} % of "
+        "the brake force at the front. Straight line, one pressure on both axles, no drag, no "
+        "control of slip; the inertia of the wheels is neglected.",
+    )

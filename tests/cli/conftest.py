@@ -38,6 +38,6 @@ def refused(brake_cal, tmp_path):
     return run
 
 
-def told(ran):
+def parsed(ran):
     """The one document of a command."""
     return json.loads(ran.out)

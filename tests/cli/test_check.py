@@ -3,11 +3,12 @@
 import io
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from calib.logs.write import write_csv
-from tests.cli.conftest import told
+from tests.cli.conftest import parsed
 from tests.support.made_runs import changed, made_run
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
@@ -20,7 +21,7 @@ def test_a_log_is_usable_useless_or_unreadable(brake_cal, tmp_path, monkeypatch)
     write_csv(changed(made_run(), p_mc=None), tmp_path / "useless.csv")
     coast, useless, none = SEDAN / "coast.csv", tmp_path / "useless.csv", tmp_path / "none.csv"
     for logs, code in (((coast,), 0), ((coast, useless), 1), ((none, useless, coast), 3)):
-        document = told(ran := brake_cal("check", *logs, "--json"))
+        document = parsed(ran := brake_cal("check", *logs, "--json"))
         assert ran.code == code
         assert document["logs"][-1]["log"] in ("coast", "useless")
         assert len(document["logs"]) + len(document["unreadable"]) == len(logs)
@@ -28,31 +29,22 @@ def test_a_log_is_usable_useless_or_unreadable(brake_cal, tmp_path, monkeypatch)
         assert len(brake_cal("check", *logs).out.splitlines()) == len(document["logs"])
 
 
-def test_a_map_turns_a_sign(brake_cal, tmp_path):
-    log, channel_map = tmp_path / "run.csv", tmp_path / "map.toml"
-    write_csv(changed(made_run(), a_x=-made_run()["a_x"]), log)
-    channel_map.write_text('schema = 1\n[channels.a_x]\nsource = "a_x"\nsign = -1\n')
-    assert brake_cal("check", log).code == 1
-    assert brake_cal("check", log, "--map", channel_map).code == 0
-
-
-class Stdin:
-    def __init__(self, data, terminal=False):
-        self.buffer, self.isatty = io.BytesIO(data), lambda: terminal
-
-
 @pytest.fixture
 def piped(brake_cal, monkeypatch):
     def run(*words, data=None, terminal=False):
-        monkeypatch.setattr(sys, "stdin", Stdin(data or STOP.read_bytes(), terminal))
+        monkeypatch.setattr(
+            sys,
+            "stdin",
+            SimpleNamespace(buffer=io.BytesIO(data or STOP.read_bytes()), isatty=lambda: terminal),
+        )
         return brake_cal(*words)
 
     return run
 
 
 def test_a_piped_log_is_read_as_its_file(piped, tmp_path):
-    (found,) = told(piped("check", "-", "--json"))["logs"]
-    (file,) = told(piped("check", STOP, "--json"))["logs"]
+    (found,) = parsed(piped("check", "-", "--json"))["logs"]
+    (file,) = parsed(piped("check", STOP, "--json"))["logs"]
     assert (found.pop("log"), found.pop("source")) == ("stdin", "stdin.csv")
     assert {**found, "warnings": 0} == {k: file[k] for k in found} | {"warnings": 0}
     assert piped("log", "-", "--until", 2, "--out", tmp_path / "a.csv").code == 0

@@ -1,6 +1,5 @@
 """What every command has, in one loop over all of them; and what becomes of errors."""
 
-import json
 import sys
 from pathlib import Path
 
@@ -12,8 +11,9 @@ from calib import __version__
 from calib.base.errors import BrakeCalError, InputError, StoreError
 from calib.help.documents import documents
 from calib.store.store import Store
-from cli.group import Group, first_sentence
+from cli.command import Group, first_sentence
 from cli.main import app
+from tests.cli.conftest import parsed
 
 GROUP = typer.main.get_command(app)
 
@@ -57,28 +57,10 @@ def test_help(brake_cal, monkeypatch, path):
 @pytest.mark.parametrize("path", [("fit",), ("tables", "list"), ("watch",)], ids=" ".join)
 def test_what_is_typed_wrong_ends_with_2_and_one_document(brake_cal, path):
     ran = brake_cal(*path, "--jsno", "--json")
-    document = json.loads(ran.out)
+    document = parsed(ran)
     jsonschema.validate(document, documents()["error"].schema)
     assert (ran.code, document["error"]["kind"]) == (2, "usage")
     assert brake_cal(*path, "-q", "-v", "--no-such").code == 2
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("check", "none.csv"),
-        ("station", "none.csv", "stop.csv", "--vehicle", "none.toml", "--out", "run"),
-        ("simulate", "none.csv", "--vehicle", "none.toml", "--out", "out.csv"),
-        ("fleet", "none.parquet"),
-    ],
-)
-def test_a_file_that_is_missing_ends_with_3_and_leaves_nothing(
-    brake_cal, tmp_path, monkeypatch, words
-):
-    monkeypatch.chdir(tmp_path)
-    ran = brake_cal(*words, "--json")
-    assert (ran.code, json.loads(ran.out)["error"]["exit_code"]) == (3, 3)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -113,7 +95,7 @@ def test_an_error_is_a_line_on_stderr_a_document_and_an_exit_code(
 
     monkeypatch.setattr(Store, "entries", fail)
     ran = brake_cal("tables", "list", "--json")
-    document = json.loads(ran.out)
+    document = parsed(ran)
     jsonschema.validate(document, documents()["error"].schema)
     assert (ran.code, ran.err) == (code, f"error: {error}\n")
     assert (document["error"]["kind"], document["error"]["lines"]) == (kind, [*error.lines])

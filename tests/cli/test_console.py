@@ -40,7 +40,7 @@ def test_plain_takes_what_results_are_made_of(capsys):
     assert json.loads(capsys.readouterr().out) == plain(document)
 
 
-@pytest.mark.parametrize("value", [object(), {1, 2}, b"bytes", Point])
+@pytest.mark.parametrize("value", [object(), Point])
 def test_plain_refuses_the_rest(value):
     with pytest.raises(TypeError):
         plain(value)

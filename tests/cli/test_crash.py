@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.conftest import parsed
+
 ROOT = Path(__file__).parents[2]
 SEDAN = ROOT / "sample_logs" / "sedan"
 
@@ -18,9 +20,8 @@ def test_the_program_itself_fails_with_6(brake_cal, monkeypatch, error):
         raise error
 
     monkeypatch.setattr("calib.logs.read.open_log", fail)
-    monkeypatch.setattr("cli.check.open_log", fail, raising=False)
     ran = brake_cal("check", SEDAN / "coast.csv", "--json")
-    assert ran.code == json.loads(ran.out)["error"]["exit_code"] == 6
+    assert ran.code == parsed(ran)["error"]["exit_code"] == 6
     assert "Traceback" not in ran.err
     assert ran.err.count("error: ") == 1
 

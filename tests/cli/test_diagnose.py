@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from calib.help.samples import sample_logs
+from tests.cli.conftest import parsed
 
 CASE = sample_logs() / "hidden" / "case_0"
 SEARCHED = [CASE / "calibration" / name for name in ("coast.parquet", "ramp.parquet")]
@@ -29,7 +30,7 @@ def test_one_holdout_option_takes_every_log_after_it_and_all_is_written(run, tmp
     out = tmp_path / "found"
     ran = run("--out", out, "--json")
     assert ran.code == 0
-    said = json.loads(ran.out)
+    said = parsed(ran)
     assert said == json.loads((out / "diagnosis.json").read_text())
     hidden = json.loads((CASE / "answer.json").read_text())
     assert [effect["name"] for effect in said["effects"]] == hidden["effects"]

@@ -1,6 +1,5 @@
 """`brake-cal log` as the shell runs it."""
 
-import json
 import re
 from pathlib import Path
 
@@ -9,18 +8,14 @@ import pytest
 
 from calib.logs.read import read_log
 from calib.logs.whole import read_whole
+from tests.cli.conftest import parsed
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
 RAMP, COAST = SEDAN / "ramp_wet_asphalt.csv", SEDAN / "coast.csv"
 
 
-@pytest.fixture
-def document():
-    return lambda ran: json.loads(ran.out)
-
-
-def test_view_prints_one_document(brake_cal, document):
-    found = document(brake_cal("log", RAMP, COAST, "--json"))
+def test_view_prints_one_document(brake_cal):
+    found = parsed(brake_cal("log", RAMP, COAST, "--json"))
     ramp, coast = found["logs"]
     assert [e["kind"] for e in ramp["events"]] == ["lead-in", "bite", "braking"]
     assert [e["kind"] for e in coast["events"]] == ["lead-in"]

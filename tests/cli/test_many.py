@@ -13,7 +13,7 @@ import pytest
 
 from calib.estimation.metrics import METRICS
 from calib.store.store import Store
-from tests.cli.conftest import told
+from tests.cli.conftest import parsed
 from tests.support.fleet_logs import many
 from tests.support.fleet_results import results
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop
@@ -45,13 +45,15 @@ def rows(out):
 
 
 def test_validate_and_its_limits(batch, tmp_path):
-    found = told(ran := batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out"))
+    found = parsed(ran := batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out"))
     assert ran.code == 0
     assert found["counts"] == {"passed": 2, "failed": 0, "done": 0, "error": 1}
     schema = pq.read_schema(tmp_path / "out/results.parquet")
     assert schema.names == ["log", "digest", "status", "error", *METRICS, "not_held", "warned"]
     assert all(field.metadata[b"unit"] for field in schema)
-    assert told(batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out"))["done_now"] == 0
+    assert (
+        parsed(batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out"))["done_now"] == 0
+    )
     limits = ("--limits", tmp_path / "limits.toml")
     limits[1].write_text("schema = 1\n[limits]\ninterval_f = { max = 1e-6 }\n")
     assert batch("validate", "logs", *TABLE, *limits, out=tmp_path / "out").code == 2  # others
@@ -144,7 +146,7 @@ def test_a_fleet_is_written_and_told(brake_cal, tmp_path):
     assert {p.name for p in out.iterdir()} == {"fleet.json", "report.html"}
     document = json.loads((out / "fleet.json").read_text())
     assert (document["logs"], len(document["copies"])) == (8, 2)
-    ordered = told(brake_cal("fleet", path, "--order", "built", "--json"))
+    ordered = parsed(brake_cal("fleet", path, "--order", "built", "--json"))
     assert ordered["ordered_by"] == "built"
     assert ordered["figures"]["built"]["change"] is None  # what orders the line does not drift
     for words in (("--metric", "pad_fricton_f"), ("--order", "biult")):
@@ -152,7 +154,7 @@ def test_a_fleet_is_written_and_told(brake_cal, tmp_path):
 
 
 def test_a_folder_of_runs_gets_its_index(brake_cal, tmp_path):
-    found = told(brake_cal("fleet", tmp_path, "--json"))
+    found = parsed(brake_cal("fleet", tmp_path, "--json"))
     files = [tmp_path / name for name in ("index.html", "live.html")]
     assert found == {"schema": 1, "runs": 0, "files": list(map(str, files))}
     assert all(path.is_file() for path in files)

@@ -1,11 +1,11 @@
 """`brake-cal map` as the shell runs it, and what `check --map` says of it."""
 
-import json
 import tomllib
 from pathlib import Path
 
 import pytest
 
+from tests.cli.conftest import parsed
 from tests.support.recordings import write_bus, write_dbc
 
 REAL = Path(__file__).parents[2] / "sample_logs/real"
@@ -20,15 +20,6 @@ def foreign(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text("\n".join([head, *lines[1:], ""]))
     return path
-
-
-def test_prints_a_map_and_says_why(brake_cal):
-    ran = brake_cal("map", REAL / "mustang_brake.csv")
-    assert ran.code == 1  # as `check`: no table can be made of it
-    assert "p_mc missing: no table can be made of this log" in ran.err
-    assert 'ignore = ["p_mc"]' in ran.out
-    assert "[channels.p_mc]" not in ran.out
-    assert "T_b_req_oem [N*m]" in ran.err
 
 
 def test_the_maps_beside_the_logs_are_what_is_suggested(brake_cal, monkeypatch):
@@ -55,7 +46,7 @@ def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
     assert ran.code == 0
     assert "from 'LongAcc' [m/s^2] x 1\n" in ran.out
     assert "from 'Brake pressure' [bar] x 100000\n" in ran.out
-    taken = json.loads(brake_cal("check", foreign, "--map", out, "--json").out)["logs"][0]["taken"]
+    taken = parsed(brake_cal("check", foreign, "--map", out, "--json"))["logs"][0]["taken"]
     pressure = next(item for item in taken if item["channel"] == "p_mc")
     assert pressure["source"] == "Brake pressure"
     assert pressure["factor"] == pytest.approx(1e5)
@@ -76,15 +67,6 @@ def test_the_map_of_a_bus_log_is_usable_at_once(brake_cal, tmp_path):
     printed = tmp_path / "printed.toml"
     printed.write_text(brake_cal("map", log, "--map", given).out)
     assert brake_cal("check", log, "--map", printed).code == 0
-
-
-def test_the_text_format_is_kept(brake_cal, tmp_path):
-    lines = (REAL / "mustang_brake.csv").read_text().splitlines()
-    path, given, out = tmp_path / "run.csv", tmp_path / "text.toml", tmp_path / "map.toml"
-    path.write_text("\n".join(lines).replace(",", ";").replace(".", ","))
-    given.write_text('schema = 1\n[text]\nseparator = ";"\ndecimal = ","\n')
-    assert brake_cal("map", path, "--map", given, "--out", out).code == 1
-    assert tomllib.loads(out.read_text())["text"] == {"separator": ";", "decimal": ","}
 
 
 def with_time(tmp_path, heads, cells):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from calib.help.samples import sample_logs
+from tests.cli.conftest import parsed
 from tests.support.own_effects import EXAMPLE, retarder
 
 MANUAL = Path(__file__).parents[2] / "calib" / "manual"
@@ -59,7 +60,7 @@ def test_a_table_that_knows_it_needs_the_file_where_it_computes(brake_cal, here)
     logs = [SEDAN / "ramp_wet_asphalt.csv", SEDAN / "coast.csv"]
     ran = brake_cal("fit", *logs, *VEHICLE, "--model", WITH_FLAP, *flap, "--store", "t", "--json")
     assert ran.code == 0
-    fitted = json.loads(ran.out)
+    fitted = parsed(ran)
     record = json.loads((Path(fitted["path"]) / "record.json").read_text())["record"]
     assert record["own_effects"]["air_brake_flap"]["file"] == FLAP.name
     stop = ("validate", "sedan-2up", SEDAN / "dry_asphalt_stop.csv", "--store", "t")
@@ -68,17 +69,9 @@ def test_a_table_that_knows_it_needs_the_file_where_it_computes(brake_cal, here)
     assert FLAP.name in ran.err
     ran = brake_cal(*stop, *flap, "--json")
     assert ran.code in (0, 1)
-    assert json.loads(ran.out)["table"] == fitted["table"]
+    assert parsed(ran)["table"] == fitted["table"]
     assert brake_cal("tables", "verify", "--store", "t").code == 0
     assert brake_cal("tables", "show", "sedan-2up", "--store", "t").code == 0
-
-
-def test_its_card_is_printed_and_listed(brake_cal, here):
-    ran = brake_cal("effects", "air_brake_flap", "--effect", FLAP)
-    assert "a flap at the rear" in ran.out
-    document = json.loads(brake_cal("effects", "--effect", FLAP, "--json").out)
-    assert document["effects"][-1]["name"] == "air_brake_flap"
-    assert brake_cal("effects", "air_brake_flap").code == 2
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,3 @@
-import json
 import re
 from pathlib import Path
 
@@ -8,6 +7,7 @@ from calib.car.vehicle_file import read_vehicle
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
 from calib.store.store import Store
+from tests.cli.conftest import parsed
 from tests.support.tables import made_table
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
@@ -40,14 +40,6 @@ def files():
     return sorted(p.name for p in Path().iterdir())
 
 
-def test_a_table_becomes_one_page_named_after_it(plot):
-    ran = plot("sedan@1")
-    assert (ran.code, ran.out) == (0, "sedan@1.png\n")
-    assert files() == ["sedan@1.png"]
-    assert Path("sedan@1.png").read_bytes().startswith(PNG)
-    assert "f1-f2" in ran.err
-
-
 @pytest.mark.parametrize(("name", "magic"), [("a.png", PNG), ("a.SVG", SVG), ("a.pdf", PDF)])
 def test_the_ending_names_the_format_and_the_bytes_are_the_same_again(plot, name, magic):
     assert plot("sedan@1", "--figure", "f1-f2", "--out", name).code == 0
@@ -60,7 +52,7 @@ def test_the_ending_names_the_format_and_the_bytes_are_the_same_again(plot, name
 def test_a_result_of_validate(plot, brake_cal, tables):
     assert brake_cal("validate", "sedan-2up", STOP, "--store", tables, "--out", "r").code in (0, 1)
     ran = plot("r/basalt_wet_pads.parquet", "--figure", "normalised-forces", "--json")
-    (sheet,) = json.loads(ran.out)["sheets"]
+    (sheet,) = parsed(ran)["sheets"]
     assert sheet["kind"] == "stop"
     assert "normalised-forces" in sheet["figures"]
 
@@ -87,7 +79,7 @@ def test_the_help_names_every_panel(plot, brake_cal):
         ("sedan-2up", STOP),
         (STOP, "--figure", "eta"),
     ):
-        (sheet,) = json.loads(plot(*given, "--json").out)["sheets"]
+        (sheet,) = parsed(plot(*given, "--json"))["sheets"]
         assert {*sheet["figures"]} - {*read_log(STOP).channels} <= {*re.findall(r"[\w-]+", told)}
 
 
@@ -106,28 +98,6 @@ def test_what_cannot_be_drawn_leaves_nothing(plot, arguments, code):
     ran = plot(*arguments)
     assert (ran.code, ran.result) == (code, "")
     assert files() == []
-
-
-def test_the_verdict_is_by_the_limits_given(plot, tmp_path):
-    limits = tmp_path / "limits.toml"
-    limits.write_text("schema = 1\n[limits]\ninterval_f = { max = 0.01 }\n")
-    drawn = ("sedan-2up", STOP, "--figure", "slip", "--json")
-    (usual,) = json.loads(plot(*drawn).out)["sheets"]
-    (strict,) = json.loads(plot(*drawn, "--limits", limits).out)["sheets"]
-    assert usual["result"].startswith("Passed; pad friction front 0.")
-    assert strict["result"].startswith("Failed")
-
-
-def test_an_out_that_cannot_be_written_has_a_code_of_its_own(plot, monkeypatch):
-    import calib.show.sheet
-
-    def full(path, content):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(calib.show.sheet, "write_whole", full)
-    ran = plot("sedan@1")
-    assert ran.code == 5
-    assert "No space left on device" in ran.err
 
 
 def test_a_page_of_a_stop_is_live_where_bokeh_is(plot, monkeypatch):

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from calib.logs.write import write_csv
+from tests.cli.conftest import parsed
 from tests.support.reference_car import REAL, SEDAN, noisy, ramp, with_pads
 
 VEHICLE = SEDAN / "vehicle.toml"
@@ -43,7 +44,7 @@ def test_a_study(brake_cal, ramps, tmp_path):
     ran = brake_cal("repeatability", "--plan", plan_of(ramps), "--vehicle", VEHICLE, "--metric",
                     "pad_scale", "--out", out, "--json")  # fmt: skip
     assert ran.code == 0, ran.err
-    told = json.loads(ran.out)
+    told = parsed(ran)
     assert told == json.loads((out / "repeatability.json").read_text())
     assert (out / "repeatability.png").read_bytes().startswith(b"\x89PNG")
     found = told["quantities"]["pad_scale"]
@@ -69,7 +70,3 @@ def test_mistakes(brake_cal, ramps, monkeypatch, more, code):
     plan_of(ramps)
     monkeypatch.chdir(ramps)
     assert brake_cal("repeatability", "--vehicle", VEHICLE, *more).code == code
-
-
-def test_a_car_without_a_vehicle_file_is_asked_for_one(brake_cal, ramps):
-    assert brake_cal("repeatability", "--plan", plan_of(ramps)).code == 2

@@ -9,6 +9,7 @@ import pytest
 from calib.base.names import SETTINGS_FILE as NAME
 from calib.base.names import SETTINGS_VARIABLE as VARIABLE
 from calib.store.store import Store
+from tests.cli.conftest import parsed
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, COAST, STOP = (
@@ -33,7 +34,7 @@ def project(tmp_path, monkeypatch):
 
 
 def of(ran):
-    return json.loads(ran.out)["settings"]
+    return parsed(ran)["settings"]
 
 
 def test_each_setting_says_where_it_comes_from(project, brake_cal):
@@ -64,7 +65,7 @@ def test_fit_takes_vehicle_and_store(project, brake_cal, tmp_path):
     assert ran.err.count(TOLD) == 1
     assert [entry.id for entry in Store(tmp_path / "shelf").list()] == ["sedan-2up@1"]
     ran = brake_cal("tables", "list", "--json")
-    assert [row["id"] for row in json.loads(ran.out)["tables"]] == ["sedan-2up@1"]
+    assert [row["id"] for row in parsed(ran)["tables"]] == ["sedan-2up@1"]
     assert ran.err == f"{TOLD}\n"
 
 
@@ -76,22 +77,6 @@ def test_an_option_wins(project, brake_cal, tmp_path):
     assert "settings" not in ran.err  # none was used
     assert (tmp_path / "mine").is_dir()
     assert not (tmp_path / "shelf").exists()
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        ("fit", RAMP),
-        ("batch", "fit", RAMP, "--out", "many"),
-    ],
-)
-def test_without_a_vehicle_both_ways_are_told(project, brake_cal, command):
-    project("")
-    ran = brake_cal(*command)
-    assert ran.code == 2
-    for part in ("--vehicle V.toml", 'vehicle = "V.toml"', NAME):
-        assert part in " ".join(ran.err.split())
-    assert not [*Path().iterdir()]
 
 
 def test_simulate_takes_the_vehicle_and_no_map_without_a_log(project, brake_cal):
@@ -126,7 +111,7 @@ def test_station_takes_its_section(project, brake_cal, tmp_path):
     stops = (STOP, SEDAN / "transition_dry_to_basalt.csv", "--coast", COAST)
     ran = brake_cal("station", RAMP, *stops, "--out", "car", "--json")
     assert ran.code == 0, ran.err
-    document = json.loads(ran.out)
+    document = parsed(ran)
     assert document["identity"]["station"] == "line 2"
     assert document["golden"]
     assert Path("car/table.dcm").is_file()

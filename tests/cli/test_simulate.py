@@ -1,6 +1,5 @@
 """`brake-cal simulate` as the shell runs it."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ from typer.testing import CliRunner
 
 from calib.logs.read import read_log
 from cli.main import app
+from tests.cli.conftest import parsed
 
 ROOT = Path(__file__).parents[2]
 SEDAN = ROOT / "sample_logs/sedan"
@@ -86,7 +86,7 @@ def test_simulated_manoeuvres_are_fitted_and_validated(brake_cal, tmp_path):
     assert fitted.code == 0
     judged = brake_cal("validate", "sedan-2up", stop, *store, "--json")
     assert judged.code == 0
-    figures = json.loads(judged.out)["logs"][0]["figures"]
+    figures = parsed(judged)["logs"][0]["figures"]
     for axle in "fr":  # the pads of the vehicle file
         mu, half = figures[f"pad_friction_{axle}"], figures[f"interval_{axle}"]
         assert abs(mu - 0.38) < mu * half < 0.05

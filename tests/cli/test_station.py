@@ -1,7 +1,6 @@
 """`brake-cal station` as the line runs it."""
 
 import json
-import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ import pytest
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.table.table import Value
+from tests.cli.conftest import parsed
 from tests.support.documents import missing_and_unknown
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
@@ -58,7 +58,7 @@ def good(station, tmp_path):
 def test_a_good_car_and_the_same_bytes_again(station, good, tmp_path):
     before = content(tmp_path)
     again = station(*GOOD)
-    assert (again.code, json.loads(again.out)) == (0, good)
+    assert (again.code, parsed(again)) == (0, good)
     assert content(tmp_path) == before
     assert {p.name for p in (tmp_path / "car").iterdir()} == {
         "station.json", "junit.xml", "report.html", "summary.json", "table.dcm", "table.a2l",
@@ -118,23 +118,12 @@ def test_a_refused_car_is_on_the_index_until_it_is_judged(station, good, brake_c
     refusal = json.loads(after.pop(Path("refused.json")))
     assert after == before
     assert missing_and_unknown("refused-json", refusal) == []
-    assert refusal["error"] == json.loads(ran.out)["error"]
+    assert refusal["error"] == parsed(ran)["error"]
     assert refusal["identity"] == {"serial": "0815", "station": "E 3"}
     assert brake_cal("fleet", tmp_path).code == 0
     assert "0815: Refused" in (tmp_path / "index.html").read_text()
     assert station(*GOOD).code == 0
     assert content(tmp_path / "car") == before
-
-
-def test_a_hold_out_may_have_any_name(station, tmp_path):
-    names = {b"r\xfcck.csv": "r\\udcfcck", b"car.csv": "car", b"a\x01.csv": "a\\x01"}
-    stops = [tmp_path / os.fsdecode(name) for name in names]
-    for source, stop in zip((DRY, ONTO_BASALT, WET), stops, strict=True):
-        shutil.copy(source, stop)
-    document = json.loads(station("--json", stops=stops).out)
-    assert {check["scope"] for check in document["checks"]} == {"car", *names.values()}
-    written = {path.name for path in (tmp_path / "car").glob("*.parquet")}
-    assert written == {f"{name}.parquet" for name in names.values()}
 
 
 def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
@@ -157,7 +146,7 @@ def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatc
         return save(store, table, decision)
 
     monkeypatch.setattr(Store, "save", late)
-    document = json.loads(station("--json").out)
+    document = parsed(station("--json"))
     assert document["table"]["id"] == document["validation"]["table"] == "sedan-2up@2"
     assert "sedan-2up@2" in (tmp_path / "car" / "report.html").read_text()
     assert {p.name for p in (tmp_path / "car").iterdir()} == {"station.json", *document["files"]}

@@ -1,19 +1,14 @@
 """`brake-cal vehicle` as the shell runs it."""
 
-import json
 from pathlib import Path
 
 import pytest
 from jsonschema import Draft202012Validator
 
 from calib.car.vehicle_file import read_vehicle
+from tests.cli.conftest import parsed
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
-
-
-@pytest.fixture
-def document():
-    return lambda ran: json.loads(ran.out)
 
 
 @pytest.fixture
@@ -48,16 +43,16 @@ def test_an_implausible_file_ends_with_1_and_names_the_causes(brake_cal, car):
     ran = brake_cal("vehicle", "check", file)
     assert ran.code == 1
     both = brake_cal("vehicle", "check", file, SEDAN, file.with_name("no.toml"), "--json")
-    found = json.loads(both.out)
+    found = parsed(both)
     assert both.code == 3
     assert [v["plausible"] for v in found["vehicles"]] == [False, True]
     assert len(found["unreadable"]) == 1
     assert found["vehicles"][0]["warnings"][0]["log"] == "sedan-2up"
 
 
-def test_show_prints_a_document_of_its_schema_and_draws(brake_cal, document, tmp_path):
-    found = document(brake_cal("vehicle", "show", SEDAN, "--json"))
-    schema = json.loads(brake_cal("schema", "vehicle-facts").out)
+def test_show_prints_a_document_of_its_schema_and_draws(brake_cal, tmp_path):
+    found = parsed(brake_cal("vehicle", "show", SEDAN, "--json"))
+    schema = parsed(brake_cal("schema", "vehicle-facts"))
     Draft202012Validator(schema).validate(found)
     assert found["facts"]["pressure_per_g"] == pytest.approx(69.93, abs=0.01)
     picture = tmp_path / "brakes.png"

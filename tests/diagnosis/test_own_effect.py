@@ -8,7 +8,7 @@ from calib.car.effects.effect_file import read_own_effects
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.written import to_dict
 from calib.model.sensor_noise import add_noise
-from calib.show.diagnosis_page import facts
+from calib.show.diagnosis import facts
 from tests.support.hidden.cases import CARS, NOISE, run
 from tests.support.hidden.plant import Car
 from tests.support.hidden.settings import Hidden

@@ -42,21 +42,3 @@ def test_links_lead_to_files_and_headings_that_are_there(page):
         assert file.is_file(), target
         if at:
             assert at in {anchor(title) for title in titles(file)}, target
-
-
-def test_the_readme_is_short_and_leads_to_the_contents():
-    text = README.read_text()
-    assert len(text.splitlines()) <= 125
-    assert "(calib/manual/index.md)" in text
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_a_page_begins_with_its_only_title(page):
-    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
-    assert re.findall(r"^# ", text, flags=re.MULTILINE) == ["# "]
-    assert text.startswith("# ")
-
-
-def test_comments_are_for_authors_only():
-    for page in contents().values():
-        assert "<!--" not in page.text, page.name

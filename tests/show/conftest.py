@@ -9,7 +9,7 @@ from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.run.events import run_events
-from calib.show import compare, log, stop, table
+from calib.show import log, stop, table
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet
 from calib.table.table import Table
@@ -66,6 +66,6 @@ def sheet(request, sedan, ramp, transition):
             sedan, "sedan@1", transition, request.getfixturevalue("stopped")
         ),
         "simulation": lambda: request.getfixturevalue("simulated"),
-        "comparison": lambda: compare.sheet(made, made_table(28.0), "sedan@1", "sedan@2"),
+        "comparison": lambda: table.two_tables({"sedan@1": made, "sedan@2": made_table(28.0)}),
         "log": lambda: log.sheet(log.whole_of(transition), run_events(transition)),
     }[request.param]()

@@ -27,8 +27,3 @@ def test_the_verdict_comes_first(log, says):
     findings = check(log)
     assert line(findings).startswith(f"{says}: {log.source}")
     assert "\n" not in line(findings)
-
-
-def test_warnings_are_named_by_their_codes():
-    told = line(check(made_run(ramp(start=0.7))))
-    assert told.endswith("warning: lead_in")

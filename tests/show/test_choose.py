@@ -35,9 +35,3 @@ def test_another_log_is_a_stop_even_under_the_name_of_a_parent(stored, ramp, tra
         ("table", stored.id),
         ("stop", transition.name),
     ]
-
-
-def test_too_many_tables_are_an_error(stored, ramp):
-    for given in ({"tables": (stored,) * 3}, {"tables": (stored,) * 2, "logs": (ramp,)}):
-        with pytest.raises(ValueError, match="two tables are drawn without logs"):
-            kinds(**given)

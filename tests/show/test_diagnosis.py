@@ -1,19 +1,16 @@
 """Facts of a diagnosis, from an answer that is written down in `tests.support`."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from calib.base.warning import PlausibilityWarning
 from calib.car.effects.catalogue import CATALOGUE
-from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.search.search import SearchStep
 from calib.diagnosis.undecided import Alike, Confusion, Pair, ShowingDrive, Size
 from calib.diagnosis.written import to_dict
-from calib.show.diagnosis import KINDS, outcome
-from calib.show.diagnosis_page import facts, sheet
+from calib.show.diagnosis import KINDS, facts, outcome
+from calib.show.diagnosis_figure import sheet
 from calib.show.html import page_of
 from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
@@ -84,38 +81,11 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
     assert gap["Base parameters"][1][3] == ""  # a vehicle file says nothing of the tyres
 
 
-def test_warnings_of_the_logs_are_told(named):
-    warning = PlausibilityWarning("pressure_zero", MARKUP, 0.8, (-0.5, 0.5), ("the zero",), "zero")
-    warned = replace(named, warnings=(warning,))
-    assert facts(warned).warnings == (warning,)
-    assert to_dict(warned)["warnings"][0]["measured"] == 0.8
-
-
 def test_an_unknown_cause_is_described_by_its_term(named):
     found = unknown(named)
     (line,) = next(one for one in sheet(found).panels if one.name == "term").lines
     assert line.x == pytest.approx([0.0, 25.0])  # bar
     assert line.y == [0.0, -12.5]  # per cent
-    assert tables(found)["Other places"] == [("body", "speed", "50 %")]
-
-
-def test_what_is_left_says_where_the_replays_show_it(named):
-    assert "10 to 20 bar and 36 to 72 km/h" in dict(facts(rest(named)).rows)["Left over"]
-
-
-def test_what_single_logs_have_of_their_own_has_a_column_each(named):
-    none = dict.fromkeys(OWN, 0.0)
-    north = none | {"rear_pads": math.log(0.9), "slope": 0.012, "front_heat": 85.25}
-    north |= {"front_pads": 0.01}  # as usual
-    own = {"north": north, "south": none | {"slope": -0.012}}
-    told = replace(named, own=own, sides={"f": 0.003, "r": 0.0001})
-    (states,) = (t for p in facts(told).parts for t in p.tables if t.caption.startswith("States"))
-    assert [head[-3:] for head in states.heads[1:]] == ["[%]", "[%]", "[K]"]
-    assert states.rows == [("north", "-10.0", "+1.2", "+85.2"), ("south", "+0.0", "-1.2", "+0")]
-    taken = dict(facts(told).rows)["Taken out"]
-    assert "+0.30 %" in taken
-    assert "rear" not in taken
-    assert to_dict(told)["own_states"] == own
 
 
 @pytest.mark.parametrize(("count", "length"), [(1, 8), (4, 8), (1, 80), (12, 60)])
@@ -182,14 +152,7 @@ def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
         ),
     )
     found = replace(named, drives=unseen)
-    first, last = tables(found)["What these"]
+    first, last = tables(found)["The drive"]
     assert first[2:] == ("coast", "48 sigma")
     assert last[1] == "residual pressure 1.5 bar"
     assert last[2].endswith("stop")
-
-
-def test_without_a_gap_there_is_one_replay_and_no_cause(named):
-    found = replace(named, verdict="no_gap", effects=())
-    gap = dict(facts(found).rows)["gap"]
-    assert "6.7" in gap
-    assert "3.7" not in gap

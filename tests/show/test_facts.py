@@ -110,14 +110,3 @@ def test_a_table_that_is_too_wide_becomes_blocks_and_numbers_stay_whole(width, m
     assert all(text.count(cell) == 1 + (cell is not name) for name, *more in cells for cell in more)
     assert max(map(len, text.splitlines())) <= width
     assert text.count("front pads") == (2 if width == 40 else 1)
-
-
-def test_no_line_is_longer_than_the_terminal_and_no_number_is_cut(monkeypatch):
-    number = "0.200\xa0±\xa00.017"
-    cells = [("basalt_wet_pads", what, number, "96.7\xa0%") for what in ("ECU", "since the ramp")]
-    table = Facts(tables=[Table(("stop", "", "front pads", "valid"), cells)])
-    for width in range(30, 70):
-        monkeypatch.setenv("COLUMNS", str(width))
-        text = printed(table)
-        assert max(map(len, text.splitlines())) <= width
-        assert (text.count(number), text.count("96.7\xa0%")) == (2, 2)

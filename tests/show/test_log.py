@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.logs.log import Log
 from calib.logs.whole import WholeColumn, WholeLog
-from calib.run.events import BITES, BRAKING, LEAD_IN, RunEvent
+from calib.run.events import BITES, BRAKING, RunEvent
 from calib.show import log
 from calib.show.log import MOST, sheet
 from tests.support.plot_lines import line, panel
@@ -15,8 +14,7 @@ from tests.support.plot_lines import line, panel
 
 def test_the_channels_of_a_log_are_drawn_with_raw_eta(transition):
     drawn = sheet(log.whole_of(transition))
-    assert drawn.names == ("p_mc", "a_x", "slip", "omega", "v", "eta")
-    assert [row[0] for row in drawn.rows] == ["p_mc", "a_x", "slip", "v", "eta"]
+    assert drawn.names == ("p_mc", "a_x", "omega", "v", "eta")
     assert np.array_equal(line(panel(drawn, "omega"), "rl")[1], transition["omega_rl"])
     assert line(panel(drawn, "p_mc"), "")[1] == pytest.approx(transition["p_mc"] / 1e5)
     rear = transition["omega_rl"] + transition["omega_rr"]
@@ -25,23 +23,11 @@ def test_the_channels_of_a_log_are_drawn_with_raw_eta(transition):
     assert eta.y[0] == pytest.approx(100.0 * (rear / front - 1.0)[0])
 
 
-def test_slip_is_zero_in_the_lead_in_and_that_of_the_speeds_in_a_braking():
-    spins = {"fl": 0.97, "fr": 0.98, "rl": 0.99, "rr": 1.0}  # of a wheel that rolls
-    v, braked = 30.0 - TIME, TIME > 1.0
-    made = {f"omega_{w}": np.where(braked, k, 1.0) * v / 0.31 for w, k in spins.items()}
-    run = Log("run", "here", "", {"time": TIME, "v": v, **made})
-    lead_in = (RunEvent(LEAD_IN, 0.0, 0.9),)
-    for wheel, slip in log.slips(run, lead_in).items():
-        assert slip[~braked] == pytest.approx(0.0, abs=1e-9)
-        assert slip[braked] == pytest.approx(100.0 * (1.0 - spins[wheel]))
-    without = log.slips(Log("run", "here", "", {"time": TIME, **made}), lead_in)
-    assert without["fl"][braked] == pytest.approx(100.0 * (1.0 - 0.97 / 0.985))
-
-
 def test_eta_ends_where_the_car_stands_and_needs_every_wheel(transition):
     spins = {f"omega_{w}": np.zeros(transition.time.size) for w in ("fl", "fr", "rl", "rr")}
     standing = replace(transition, channels=transition.channels | spins)
-    assert np.isnan(log.raw_eta(standing)).all()
+    (eta,) = panel(sheet(log.whole_of(standing)), "eta").lines
+    assert np.isnan(eta.y).all()
     spins.pop("omega_rl")
     part = replace(transition, channels={"time": transition.time, **spins})
     assert sheet(log.whole_of(part)).names == ("omega",)
@@ -55,15 +41,6 @@ COLUMNS = (
     WholeColumn("Gang", None, np.full(200, np.nan)),
 )
 LOG = WholeLog("run", "here", "", COLUMNS)
-
-
-def test_four_pressures_are_no_wheel_speeds():
-    wheels = ("fl", "fr", "rl", "rr")
-    of = [WholeColumn(f"{name}_{w}", unit, TIME) for name, unit in (("p", "bar"), ("omega", "rpm"))
-          for w in wheels]  # fmt: skip
-    drawn = sheet(WholeLog("run", "here", "", (COLUMNS[0], *of)))
-    assert drawn.names == ("p", "slip", "omega", "eta")
-    assert np.array_equal(line(panel(drawn, "p"), "fl")[1], TIME)
 
 
 def test_events_are_marked_in_every_panel():

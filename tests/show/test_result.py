@@ -27,11 +27,6 @@ def test_a_result_is_read_as_written(tmp_path):
     assert np.array_equal(found.valid, columns["ecu_valid"])
 
 
-def test_nothing_is_valid_of_a_run_that_does_not_count(tmp_path):
-    written(tmp_path / "stop.parquet", valid=np.zeros(50, dtype=bool))
-    assert not read_result(tmp_path / "stop.parquet").valid.any()
-
-
 def test_a_log_or_rubbish_is_no_result(tmp_path):
     log = tmp_path / "log.parquet"
     pq.write_table(pa.table({"time": [0.0, 1.0], "p_mc": [0.0, 1.0]}), log)

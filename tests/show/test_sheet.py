@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
 from calib.show import table
-from calib.show.sheet import ENDINGS, render, save
+from calib.show.sheet import ENDINGS, render
 from calib.show.style import styled
 from tests.support.tables import made_table
 
@@ -74,12 +74,6 @@ def test_nothing_is_cut_off_and_panels_do_not_touch(page, renderer):
     assert note.x1 <= page.bbox.x1
 
 
-def test_a_page_is_at_most_an_a4_and_its_text_is_legible(page, renderer):
-    assert page.get_figwidth() <= 8.27
-    assert page.get_figheight() <= 11.69
-    assert min(text.get_fontsize() for text in page.findobj(Text)) >= 7.0
-
-
 def test_each_panel_stands_alone(sheet):
     for name in sheet.names:
         (ax,) = sheet.figure(name).axes
@@ -112,12 +106,3 @@ def test_the_same_figure_gives_the_same_bytes_in_another_process():
     )
     here = [hashlib.sha256(render(figure, ending)).hexdigest() for ending in ENDINGS]
     assert run.stdout.split() == here
-
-
-def test_nothing_is_written_when_one_cannot_be_drawn(tmp_path):
-    figure = table.sheet(made_table(), "sedan@1").figure("f1-f2")
-    (tmp_path / "a.png").write_bytes(b"old")
-    with pytest.raises(KeyError):
-        save({tmp_path / "a.png": [figure], tmp_path / "b.jpg": [figure]})
-    assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
-    assert (tmp_path / "a.png").read_bytes() == b"old"

@@ -16,15 +16,6 @@ def drawn(sedan, transition, stopped):
     return stop.of_validation(sedan, "sedan@1", transition, stopped)
 
 
-def test_pads_come_first(drawn):
-    assert drawn.names == (
-        "pads",
-        "axle-torques",
-        "normalised-forces",
-        "slip",
-    )
-
-
 def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped):
     e, pads = stopped.estimate, panel(drawn, "pads")
     then = sedan.calibration
@@ -63,13 +54,6 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
     low, high = panel(sheet, "pads").ylim
     assert span < high - low < 1.3 * span
     assert before > 1.5 * span
-
-
-def test_a_page_has_the_pads_of_the_picture(stopped, drawn):
-    (pads,) = stop.pads_over_time(stopped).make().panels
-    of_page, of_picture = (line(one, REAR) for one in (pads, panel(drawn, "pads")))
-    for a, b in zip(of_page, of_picture, strict=True):
-        assert np.array_equal(a, b, equal_nan=True)
 
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):

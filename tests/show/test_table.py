@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -28,11 +30,27 @@ def test_f1_and_f2_are_those_of_the_table():
 
 def test_a_piece_is_as_bad_as_the_worse_of_its_ends():
     flag = np.array([INTERPOLATED, MEASURED, MEASURED, INTERPOLATED, MEASURED, EXTRAPOLATED])
-    x = np.arange(6.0)
-    _, *found = figures.by_flag(x, x, flag, {"color": "black"}, "c", (x, x))
-    drawn = {one.label: list(np.isnan(one.y)) for one in found}
-    assert drawn["c in the table"] == [True, False, False, True, True, True]
-    assert drawn["c extrapolated"] == [True] * 4 + [False] * 2
+    p = TABLE.paper
+    rows = {name: x[: flag.size] if isinstance(x, np.ndarray) else x for name, x in vars(p).items()}
+    made = replace(TABLE, paper=replace(p, **{**rows, "flag": flag}))
+    drawn = panel(figures.sheet(made, "sedan@1"), "f1-f2")
+    missing = {
+        x: list(np.isnan(line(drawn, f"f1, front, {x}")[1]))
+        for x in ("in the table", "extrapolated")
+    }
+    assert missing["in the table"] == [True, False, False, True, True, True]
+    assert missing["extrapolated"] == [True] * 4 + [False] * 2
+
+
+def test_two_tables_are_drawn_with_their_pads(sedan):
+    second = made_table(28.0, rows=31)
+    both = figures.two_tables({"sedan@1": TABLE, "sedan@2": second})
+    curves = panel(both, "f1-f2")
+    assert np.array_equal(line(curves, "f1, sedan@1")[1], TABLE.paper.f1)
+    assert np.array_equal(line(curves, "f2, sedan@2")[1], second.paper.f2)
+    assert all(one.band for one in curves.lines)
+    drawn = panel(figures.two_tables({"a": sedan, "b": sedan}), "map")
+    assert np.array_equal(line(drawn, "a"), line(drawn, "b"))
 
 
 def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):

@@ -3,12 +3,10 @@
 import pytest
 
 from calib.estimation.limits import Judgement
-from calib.estimation.validate import validate
 from calib.show.facts import FAILED, PASSED
 from calib.show.validation import Validated, facts
 from calib.table.exported import Precision
 from tests.estimation.test_validate import made
-from tests.support.reference_car import REAL, noisy, stop
 from tests.support.tables import stored_as
 
 ECU = {
@@ -74,13 +72,3 @@ def test_a_table_that_was_rounded_is_told(how):
     rows = dict(told(made("a", **ECU), how=how).rows)
     assert str(how) in rows.values()
     assert str(how) not in dict(told(made("a", **ECU)).rows).values()
-
-
-def test_every_method_is_on_the_page_of_stops(fitted):
-    (found,) = validate(fitted, [noisy(stop(REAL), 2)])
-    tables = told(found).parts[1].tables
-    (row,) = tables[1].rows
-    cells = dict(zip(tables[1].heads[1:], row[1:], strict=True))
-    assert set(cells) == {name.replace("_", " ") for name in found.baselines}
-    front, rear = found.baselines["gradient_paper"]
-    assert cells["gradient paper"] == f"{100 * front:.1f} / {100 * rear:.1f}"

@@ -22,7 +22,7 @@ from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.logs.read import read_log
-from calib.show.diagnosis_page import sheet
+from calib.show.diagnosis_figure import sheet
 from calib.show.numbers import spaced
 from calib.show.sheet import render
 from tests.support.hidden.cases import draw

@@ -14,7 +14,7 @@ from pathlib import Path
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.logs.read import read_log
-from calib.show.diagnosis_page import sheet
+from calib.show.diagnosis_figure import sheet
 from calib.show.sheet import save
 from tests.support.manual import run
 

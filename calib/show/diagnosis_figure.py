@@ -1,0 +1,131 @@
+"""The picture of a diagnosis: replays of the hold-outs less what was measured.
+
+Replays use the pressure and the first speed only. Drawn is the mean over 0.1 s; the noise of the
+sensor is the band around zero.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.base.names import WHEELS
+from calib.car.effects.effects import EmpiricalTerm
+from calib.car.effects.empirical import DRIVERS
+from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.replays.gap import CHANNELS
+from calib.show.numbers import in_shown, spaced, with_unit
+from calib.show.panel import Line, Panel
+from calib.show.sheet import Sheet
+from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, Stroke, as_text, reach, smooth
+
+_NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
+
+_CLOCK = 0.02
+"""Step between drawn points [s]; a curve is smoothed over a longer time."""
+
+_PAUSE = 0.6
+"""Space between two logs on one axis [s]."""
+
+_LETTERS = 30
+"""Letters of a name that the smallest panel has room for."""
+
+
+def sheet(found: Diagnosis) -> Sheet:
+    """Return the sheet of a diagnosis."""
+    logs, name = range(len(found.measured)), found.model_before.vehicle.name
+    largest = worst(found)
+    weights, words = _split_of(found)
+    panels = (
+        _errors("speed", "Speed", found, logs, {"v": 1.0}, "v [m/s]"),
+        _errors("acceleration", "Acceleration", found, [largest], {"a_x": 1.0}, "a_x [m/s\u00b2]"),
+        _errors("split", f"Wheel speeds, {words}", found, [largest], weights, "[rad/s]"),
+        *([_term(found.unexplained.term)] if found.unexplained else []),
+    )
+    return Sheet(
+        kind="diagnosis",
+        name=name,
+        panels=panels,
+        rows=(("speed",) * 2, ("acceleration", "split")),
+        title=f"Diagnosis of {name}",
+        note=(
+            "Replays are open loop: pressure and first speed only. Before: pads and tyre "
+            "re-identified, no effect added. After: with all that was added. The band is 95 % of "
+            "the noise of single samples."
+        ),
+    )
+
+
+def moved(found: Diagnosis) -> bool:
+    """Whether replays after the diagnosis are others than before."""
+    return found.gap.before != found.gap.after
+
+
+def worst(found: Diagnosis) -> int:
+    """The place of the hold-out with the largest gap."""
+    gaps = [found.gap.of(log)[0] for log in found.gap.logs]
+    return gaps.index(max(gaps))
+
+
+def _term(term: EmpiricalTerm) -> Panel:
+    """What the empirical term adds, over what it depends on."""
+    unit = DRIVERS[term.driver]
+    x = f"{term.driver} [{with_unit('', unit).strip() or '1'}]"
+    y = f"change of {'brake torque' if term.on_brakes else 'force over weight'} [%]"
+    knots = [in_shown(knot, unit) for knot in term.knots]
+    line = Line(knots, [100.0 * value for value in term.values], {**FRONT, "marker": "."})
+    return Panel("term", f"On the {spaced(term.place)}", x, y, [line])
+
+
+def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
+    """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
+    channels = {effect.where.channel for effect in found.effects}
+    for axle in ("front", "rear"):
+        if f"{axle}_sides" in channels:
+            left, right = (f"omega_{axle[0]}{side}" for side in "lr")
+            return {left: 1.0, right: -1.0}, f"{axle}, left less right"
+    weights = {"f": 0.5, "r": -0.5}
+    return {f"omega_{wheel}": weights[wheel[0]] for wheel in WHEELS}, "front less rear"
+
+
+def _errors(
+    name: str,
+    title: str,
+    found: Diagnosis,
+    logs: Sequence[int],
+    weights: dict[str, float],
+    unit: str,
+) -> Panel:
+    """Replay less measurement of a weighted sum of channels, one log after another.
+
+    A log has its number among the hold-outs and as much of its name as its part of the axis has
+    room for: a text that is longer covers the next one, and the axes shrink to give it room.
+    """
+    noise = sum((w * found.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
+    half, start, names = Z95 * math.sqrt(noise), 0.0, []
+    lines: list[Line] = []
+    replays = [("after", found.after, IDENTIFIED), ("before", found.before, NOMINAL)]
+    if not moved(found):
+        replays = [("replay", found.before, NOMINAL)]
+    whole = sum(float(found.measured[i].time[-1] - found.measured[i].time[0]) for i in logs)
+    for i in logs:
+        measured, first = found.measured[i], not lines
+        end = start + float(measured.time[-1] - measured.time[0])
+        band = np.full(2, -half), np.full(2, half)
+        lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
+        for when, sims, stroke in replays:
+            n = min(sims[i].time.size, measured.time.size)
+            off = sum(w * (sims[i][c][:n] - measured[c][:n]) for c, w in weights.items())
+            time = measured.time[:n] - measured.time[0]
+            every = max(1, round(_CLOCK / measured.sample_time))
+            shown = smooth(time, np.asarray(off))[::every]
+            lines.append(Line(start + time[::every], shown, stroke, when * first))
+        room = min(_LETTERS, int(2 * _LETTERS * (end - start) / whole))
+        names.append((as_text(f"{i + 1} {measured.name}"[:room]), start))
+        start = end + _PAUSE
+    drawn = [np.asarray(line.y) for line in lines]
+    ends = reach(*drawn, np.array([-half, half]), margin=0.2) or (-half, half)
+    texts = [(text, at, ends[1]) for text, at in names]
+    x = "time, one log after another [s]" if len(logs) > 1 else "time [s]"
+    return Panel(name, title, x, f"replay less measured {unit}", lines, texts=texts, ylim=ends)

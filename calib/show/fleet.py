@@ -1,0 +1,171 @@
+"""Facts of a fleet, and the picture of one metric in the order of the line.
+
+Logs are points, over their median and the range of 90 %; where the level changes, both levels.
+Logs that stand apart have their names; one that is beyond the axis is at its end.
+"""
+
+import textwrap
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from calib.base.plain import NBSP, plain
+from calib.line.fleet.summary import Look, Outlier, Summary, headline
+from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Row, Table
+from calib.show.numbers import number
+from calib.show.panel import Line, Panel
+from calib.show.sheet import Sheet
+from calib.show.style import BODY, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text, dots
+
+_FIRST = 5
+"""Number of logs that stand apart in the head of the answer."""
+_NAMES = 50
+"""Number of logs that stand apart in the page; fleet.json has all."""
+_HEADS = (*("metric", "logs", "median", "90 % of the logs", "stand apart", "drift"),)
+_ALONE = "none: it is a log of the fit, or run the command on it alone"
+_THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
+_LEVEL: Stroke = {**IDENTIFIED, "linewidth": 2.0}
+_LINE = 32
+"""Letters of an axis' name that fit beside a panel."""
+_NAMED, _LETTERS = 8, 9
+"""Logs that are named: all of so few, else those that stand apart, the farthest first; and letters
+in a line of a name below the axis."""
+_TAIL, _FEWEST = 6.0, 10
+"""Range of the axis about the median, in scales, of so many values."""
+
+
+def facts(found: Summary) -> Facts:
+    """A fleet, the logs that stand apart first."""
+    looks = [look for look in found.looks if look.spread.count]
+    drawn = [x for x in found.looks if x.values.size and (x.drifts or x.outlying.any())]
+    drawn.sort(key=lambda look: not look.drifts)
+    apart = [(car.log, "; ".join(_reason(found, o) for o in car.reasons)) for car in found.apart]
+    errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
+    failed = [(log, _limits(why)) for log, why in found.failed.items()]
+    more = f" and {len(failed) - _FIRST} more" if len(failed) > _FIRST else ""
+    first: list[Row] = [("failed", ", ".join(log for log, _ in failed[:_FIRST]) + more)]
+    return Facts(
+        "Fleet",
+        headline=headline(found),
+        verdict=_verdict(found),
+        numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
+        rows=[*(first if failed else []), *apart[:_FIRST]],
+        notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies],
+        parts=[
+            Facts("All that stands apart", rows=apart[:_NAMES] if len(apart) > _FIRST else ()),
+            Facts(
+                "Logs that failed, or are without a result",
+                tables=[
+                    Table(("log", "limits that it does not hold"), failed, "Failed."),
+                    Table(("error", "logs", "such as"), errors, "Without a result."),
+                ],
+            ),
+            Facts("All metrics", tables=[Table(_HEADS, [_row(found, look) for look in looks])]),
+            Facts("Metrics to look at", parts=[_metric(found, look) for look in drawn]),
+        ],
+    )
+
+
+def _limits(keys: str) -> str:
+    """Names of metrics, which a row joins by commas."""
+    return ", ".join(plain(key.strip()).name for key in keys.split(",")) if keys else _ALONE
+
+
+def _metric(found: Summary, look: Look) -> Facts:
+    picture = Picture(f"{look.name}, log by log.", partial(sheet, found, look))
+    return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
+
+
+def _reason(found: Summary, o: Outlier) -> str:
+    """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
+    look = next(look for look in found.looks if look.metric.name == o.figure)
+    shown = _shown(look)
+    low, high = map(shown, look.others)
+    side = "above" if o.value > look.spread.median else "below"
+    value = f"{plain(o.figure).name} {shown(o.value)}"
+    return f"{value}: {side} the others, 90 % of them from {low} to {high}"
+
+
+def _shown(look: Look) -> Callable[[float], str]:
+    """The function that writes a value of a metric with its unit."""
+    metric = plain(look.metric.name, look.metric.unit)
+    if metric.step:
+        return metric.with_unit
+    unit, quantiles = f"{NBSP}{metric.unit}" if metric.unit else "", look.spread.quantiles
+    step = 0.1 * metric.factor * (quantiles[3] - quantiles[0])
+    return lambda value: number(metric.factor * value, step) + unit
+
+
+def _verdict(found: Summary) -> str:
+    """The verdict that sets the colour of the page's head."""
+    calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
+    if found.too_few or (calm and not found.drift_tested):
+        return UNJUDGED
+    return PASSED if calm else WARNING
+
+
+def _row(found: Summary, look: Look) -> tuple[str, ...]:
+    """One metric: its scatter, the logs that stand apart, and where its level changes."""
+    s, shown, c = look.spread, _shown(look), look.change
+    low, high = map(shown, look.others)
+    judged = bool(np.isfinite(s.z).any())
+    drift = "not tested" if c is None else "no"
+    if look.drifts and c is not None:
+        place = f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
+        drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
+    return (
+        look.name,
+        str(s.count),
+        shown(s.median),
+        f"{low} to {high}",
+        str(int(look.outlying.sum())) if judged else "not judged",
+        drift,
+    )
+
+
+def sheet(found: Summary, look: Look) -> Sheet:
+    """Return the sheet of one metric, in the unit that is shown."""
+    shown = plain(look.metric.name, look.metric.unit)
+    k, x, ends = shown.factor, np.asarray(look.rows + 1, float), window(look)
+    y: Array = k * np.clip(look.values, *ends)
+    few, whole = len(found.logs) <= _NAMED, (0.0, len(found.logs) + 1.0)
+    share = "90 % of the others" if look.outlying.any() else "90 % of the logs"
+    low, high = (np.full(2, k * end) for end in look.others)
+    lines = [
+        Line(x, y, dots(NOMINAL, 4.5, ".", alpha=1.0 if few else 0.5)),
+        Line(whole, [k * look.spread.median] * 2, _THIN, f"median, {share}", (low, high)),
+    ]
+    if look.drifts and (change := look.change) is not None:
+        parts = (x[: change.first], change.before, "level"), (x[change.first :], change.after, "")
+        lines += [Line(at[[0, -1]], [k * level] * 2, _LEVEL, label) for at, level, label in parts]
+    if (at := look.outlying).any():
+        lines.append(Line(x[at], y[at], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
+    names = [as_text(Path(log).stem) for log in found.logs]
+    away = np.argsort(-np.abs(look.values - look.spread.median), kind="stable")
+    farthest = [i for i in away if look.outlying[i]][:_NAMED]
+    room = 0.06 * (ends[1] - ends[0])
+    panel = Panel(
+        "order",
+        as_text(look.name),
+        f"log, ordered by {as_text(found.ordered_by)}",
+        textwrap.fill(as_text(shown.heading), _LINE),
+        lines,
+        texts=[(names[look.rows[i]], x[i], y[i]) for i in farthest],
+        xlim=whole,
+        ylim=(k * (ends[0] - room), k * (ends[1] + room)),
+        xticks=["", *(textwrap.fill(name, _LETTERS) for name in names)] if few else (),
+        columns=2,
+    )
+    return Sheet("fleet", look.metric.name, (panel,), heights=(1.3,))
+
+
+def window(look: Look) -> tuple[float, float]:
+    """Range of the axis: all values, but at most `_TAIL` scales from the median."""
+    low, high = float(np.min(look.values)), float(np.max(look.values))
+    if look.spread.scale > 0.0 and look.values.size >= _FEWEST:
+        reach = _TAIL * look.spread.scale
+        low, high = max(low, look.spread.median - reach), min(high, look.spread.median + reach)
+    alike = high - low <= 1e-9 * max(abs(low), abs(high))
+    return (low - 0.5, high + 0.5) if alike else (low, high)

@@ -1,0 +1,77 @@
+import json
+from dataclasses import replace
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from calib.line.fleet.outliers import SHARE
+from calib.line.fleet.results import open_fleet
+from calib.line.fleet.summary import document, headline, summarise
+from calib.show.fleet import facts, sheet, window
+from calib.show.html import page_of
+from calib.show.sheet import render
+from cli.console import plain
+from tests.support.fleet_results import results
+from tests.support.plot_lines import labels, line, panel
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    return summarise(open_fleet(results(tmp_path_factory.mktemp("fleet") / "r.parquet")))
+
+
+def test_every_log_is_a_point_and_the_far_one_a_mark_at_the_edge(found):
+    pads, calm = found.looks[:2]
+    order = panel(sheet(found, pads), "order")
+    low, high = window(pads)
+    assert np.array_equal(order.lines[0].x, pads.rows + 1)
+    assert np.array_equal(order.lines[0].y, np.clip(pads.values, low, high))
+    x, y = line(order, "stands apart")
+    assert 134 in x
+    assert max(y) == high < 0.55
+    assert ("car134", 134.0, high) in order.texts
+    assert line(order, "level")[1].tolist() == [pads.change.before] * 2
+    assert "level" not in labels(panel(sheet(found, calm), "order"))
+
+
+@pytest.mark.parametrize("n", [1, 3, 12])
+def test_small_fleets_are_drawn_and_names_as_they_are(tmp_path, n):
+    odd = {"a$b/c$": ([float(i) for i in range(n)], pa.float64(), "1")}
+    few = summarise(open_fleet(results(tmp_path / "r.parquet", n, extra=odd)))
+    for look in few.looks:
+        low, high = window(look)
+        assert n >= 10 or (low <= look.values.min() and look.values.max() <= high)
+        assert render(sheet(few, look).overview(), ".png").startswith(b"\x89PNG")
+    assert "a$b/c$" in [sheet(few, look).panels[0].title for look in few.looks]
+
+
+def test_the_page_has_a_picture_of_each_metric_to_look_at(found):
+    told = replace(facts(found), title="<i>a & b</i>")
+    drawn = [part.title for part in told.parts[-1].parts]
+    assert drawn[0] == "Pad friction, front (pad_friction_f)"
+    text = page_of(told)
+    assert text.count("image/svg+xml") == len(drawn) < len(found.looks)
+    assert "csv: &lt;b&gt;ends&lt;/b&gt; at " in text
+    assert headline(found).startswith("Pad friction, front, built drift; ")
+    assert "3 logs with an error" in headline(found)
+
+
+def test_the_document_is_json_and_says_what_chance_gives(found):
+    told = json.loads(json.dumps(plain(document(found)), allow_nan=False))
+    assert told["status"] == {"passed": 397, "error": 3}
+    pads = told["figures"]["pad_friction_f"]
+    assert pads["change"]["drifts"] is True
+    assert told["outliers_by_chance"] == pytest.approx(SHARE * len(told["outliers"]))
+    assert pads["quantiles"]["95"] < told["outliers"][0]["value"]
+    assert told["outliers"][0]["log"] == "line/car134.csv"
+    assert list(told["outliers"][0]) == ["log", "figure", "value", "z", "p"]
+
+
+def test_a_short_line_is_not_called_steady(tmp_path):
+    short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)), ("settling",))
+    assert headline(short) == "Drift not tested; no log stands apart."
+    page = facts(short)
+    assert page.verdict == "unjudged"
+    assert page.parts[2].tables[0].rows[0][-1] == "not tested"
+    assert document(short)["figures"]["settling"]["change"] is None
