@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from calib.diagnosis.diagnosis import ParameterEstimate
+if TYPE_CHECKING:
+    from calib.diagnosis.diagnosis import ParameterEstimate
 
 _SHOWN = {
     "Pa": ("bar", 1e-5),
@@ -48,7 +50,7 @@ def number(value: float, step: float) -> str:
     return f"{value:z.{max(0, 1 - first)}f}"
 
 
-def estimate(found: ParameterEstimate) -> tuple[str, str]:
+def estimate(found: "ParameterEstimate") -> tuple[str, str]:
     """A parameter with its unit, and its 95 % interval in the same."""
     value, low, high = (in_shown(x, found.unit) for x in (found.value, *found.ci95))
     half = 0.5 * (high - low)

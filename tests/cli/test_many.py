@@ -151,11 +151,3 @@ def test_a_fleet_is_written_and_told(brake_cal, tmp_path):
     assert ordered["figures"]["built"]["change"] is None  # what orders the line does not drift
     for words in (("--metric", "pad_fricton_f"), ("--order", "biult")):
         assert brake_cal("fleet", path, *words).code == 3
-
-
-def test_a_folder_of_runs_gets_its_index(brake_cal, tmp_path):
-    found = parsed(brake_cal("fleet", tmp_path, "--json"))
-    files = [tmp_path / name for name in ("index.html", "live.html")]
-    assert found == {"schema": 1, "runs": 0, "files": list(map(str, files))}
-    assert all(path.is_file() for path in files)
-    assert brake_cal("fleet", tmp_path, "--order", "x").code == 2

@@ -9,7 +9,7 @@ import pytest
 
 from calib.help.samples import sample_logs
 from tests.cli.conftest import parsed
-from tests.support.own_effects import EXAMPLE, retarder
+from tests.support.own_effects import EXAMPLE
 
 MANUAL = Path(__file__).parents[2] / "calib" / "manual"
 PAGE = (MANUAL / "vehicle_file.md").read_text().partition("## An effect of your own")[2]
@@ -72,21 +72,3 @@ def test_a_table_that_knows_it_needs_the_file_where_it_computes(brake_cal, here)
     assert parsed(ran)["table"] == fitted["table"]
     assert brake_cal("tables", "verify", "--store", "t").code == 0
     assert brake_cal("tables", "show", "sedan-2up", "--store", "t").code == 0
-
-
-@pytest.mark.parametrize(
-    ("text", "place"),
-    [
-        ("x = 1\nundefined\n", "mine.py:2: "),
-        (retarder("return 0.0, 0.0"), "mine.py:4: "),
-    ],
-)
-def test_a_wrong_file_is_one_line_and_bad_input(brake_cal, here, text, place):
-    Path("mine.py").write_text(text)
-    simulate = ("simulate", "--manoeuvre", "ramp", *VEHICLE, "--out", "out.csv")
-    for command in (("effects",), simulate):
-        ran = brake_cal(*command, "--effect", "mine.py")
-        assert (ran.code, ran.result) == (3, "")
-        assert ran.err.startswith(f"error: {place}")
-        assert len(ran.err.splitlines()) == 1
-    assert {path.name for path in here.iterdir()} == {"sample_logs", "mine.py"}

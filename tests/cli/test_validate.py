@@ -92,15 +92,6 @@ def test_it_is_judged_as_it_is_exported(run, words):
     assert one["ecu_pad_friction_r"] == pytest.approx(other["ecu_pad_friction_r"], rel=0.1)
 
 
-@pytest.mark.parametrize(
-    "words",
-    [("--float", "--fixed-point", 16), ("--fixed-point", 12), ("--points", 1), ("--mass", "2093"),
-     ("--mass", "2 m"), ("--mass", "20 kg")],
-)  # fmt: skip
-def test_no_table_is_exported_and_no_car_weighs_like_that(run, words):
-    assert run("wet.csv", *words).code == 2
-
-
 @pytest.mark.parametrize("there_before", [True, False])
 def test_a_bad_later_log_leaves_nothing_of_the_earlier_ones(run, tmp_path, there_before):
     out = tmp_path / "results"
