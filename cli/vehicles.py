@@ -35,7 +35,7 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     from calib.base.errors import InputError
     from calib.base.plain import counted
     from calib.base.warning import to_dict
-    from calib.car.plausible import plausible, to_confirm
+    from calib.car.figures import plausible, to_confirm
     from calib.car.vehicle_file import read_vehicle
 
     found, failed, lines = [], [], []
@@ -75,8 +75,7 @@ def show(
     drag.
     """
     from calib.base.warning import to_dict
-    from calib.car.facts import what_follows
-    from calib.car.plausible import plausible
+    from calib.car.figures import plausible, what_follows
     from calib.car.vehicle_file import read_vehicle
     from calib.show.sheet import render
     from calib.show.vehicle import sheet

@@ -1,10 +1,8 @@
 """Open a file that somebody else made: a regular file, not larger than the bound of its kind.
 
-Every reader of the library takes its bytes from here. A named pipe would wait for ever, a device
-has no end, and a few kilobytes of gzip can unpack to gigabytes. The bounds keep a reader below
-about 1 GB and 20 s; a larger file that is meant is let in by a variable of the environment:
-
-    BRAKE_CAL_MOST_LOG=500 brake-cal check long.csv        logs of up to 500 MB
+A named pipe would wait for ever, a device has no end, and a few kilobytes of gzip can unpack to
+gigabytes. The bounds keep a reader below about 1 GB and 20 s; a larger file that is meant is let in
+by a variable: `BRAKE_CAL_MOST_LOG=500 brake-cal check long.csv`, logs of up to 500 MB.
 """
 
 import errno

@@ -6,10 +6,8 @@
     class ModelFile(FileSchema):                               schema = 1
         pads: PadsSection
 
-All mistakes of a file are one message, and its JSON Schema follows from the same models. `section`
-makes a table of rows.
-
-This module loads pydantic: only what reads or writes a file imports it.
+All mistakes of a file are one message, and its JSON Schema follows from the same models. It loads
+pydantic: only what reads or writes a file imports it.
 """
 
 import math

@@ -1,8 +1,7 @@
 """Written units and their conversion to SI: one table per quantity.
 
-A unit is accepted only where its quantity is expected. So ``g`` is gravity for an acceleration and
-an error for a mass, ``Hz`` is revolutions per second for a wheel speed, and ``Nm`` is never a
-length. A unit that is not in the table raises `UnknownUnit`.
+A unit is accepted only where its quantity is expected: ``g`` is gravity for an acceleration and an
+error for a mass, ``Hz`` is revolutions per second for a wheel speed.
 """
 
 from dataclasses import dataclass

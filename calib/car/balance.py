@@ -5,8 +5,7 @@ W z = tyre forces + body forces          tyre forces = brakes + other moments on
 A moment on the wheels besides the brake comes from the known effects, from the inertia of the
 wheels, and from the drive: the torque of engine or motor where it is logged.
 
-Quasi-static loads, straight line. All rooms take loads, resistances and the demanded brake force
-from here; the simulation adds the same effects by the same functions.
+Quasi-static loads, straight line. The simulation adds the same effects by the same functions.
 
     friction used |      front ___.--   an axle locks where it uses what the road offers;
                   | __.--'  .--'        the axle that uses more locks first

@@ -1,9 +1,8 @@
 """What is believed before anything is measured: `beliefs.csv`, each quantity once in a group.
 
 A group is what a belief is of: a `CAR`, a `SENSOR`, what a `LOG` has of its own, what a `STOP`
-may bring. Two values of one quantity stand in two groups, and their sources say why they differ.
-Who needs a belief takes it by its name. A row that is no field here is an error, as is a field
-without a row: what is written there is read.
+may bring. Two values of one quantity stand in two groups, and their sources say why they differ. A
+row that is no field here is an error, as is a field without a row.
 """
 
 from typing import Any, NamedTuple, TypeVar, get_type_hints

@@ -5,12 +5,9 @@
       |   .x          F_0  springs and seals, less the rolling resistance on the rollers
       +--+------ F_n
 
-A ramp cannot tell pads that differ between the axles from tyres that do. The rollers measure each
-axle alone, so their ratio is known without any tyre.
-
-It is that of the day on the rollers: cold pads at walking speed. On the road they rub otherwise, on
-both axles much alike; what is unlike of that is in no sigma here. A rolling radius that is wrong by
-the same share at both axles leaves the ratio alone and moves the level.
+The rollers measure each axle alone, so the pads' ratio is known without any tyre: that of cold pads
+at walking speed. On the road they rub otherwise, on both axles much alike; what is unlike of that
+is in no sigma here.
 """
 
 from dataclasses import dataclass

@@ -6,7 +6,7 @@ in `calib.model.solver`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,30 +36,12 @@ STEP = 0.005
 """Longest step of the solver [s]. The backward difference of the wheels' speed is half a step late,
 and with it their momentum: with rotating masses of 4 %, a change of 5 m/s^2 puts v off by
 0.0005 m/s. At 0.025 s it is 0.0024 m/s, and a noise-free log shows that
-(tests/model/test_clock.py)."""
+(tests/model/test_replay.py)."""
 
 
 _FIRST_SECONDS, COAST_SECONDS = 0.25, 1.5
 """Shortest and longest span [s] of the line for the first speed: it reduces 0.02 m/s of noise to
 0.006 m/s, a beginning braking changes v by less than 0.01 m/s, and drag bends it by 0.001 m/s."""
-
-
-@dataclass(frozen=True)
-class _FineClock:
-    """``time`` [s] (m,) with every sample of the inputs' clock, at the places ``at`` (n,)."""
-
-    time: Array
-    at: Index
-
-    def along(self, x: Array) -> Array:
-        """Inputs ``x`` (n,) in straight lines between their samples (m,)."""
-        if self.time.size == self.at.size:
-            return x
-        return np.interp(np.arange(self.time.size), self.at, x)
-
-    def before(self, end: int) -> Index:
-        """Places of the samples of the inputs' clock before the place ``end``."""
-        return self.at[: np.searchsorted(self.at, end)]
 
 
 def simulate(
@@ -120,20 +102,20 @@ def simulate(
         )
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         raise ModelError("time does not increase", expected="two samples or more, increasing")
-    clock = fine_clock(time)
+    clock, samples = fine_clock(time)
     (p_mc,) = _along(time, clock, {"pressure": pressure}, ("pressure",)).values()
     own = _along(time, clock, wheel_pressure, WHEELS)
     heat, engine, angle = (
         _along(time, clock, x, AXLES) for x in (temperature, drive_torque, wheel_angle)
     )
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
-    rest = constant_speed(clock.time, p_mc, v0, heat, name, start_heat)
-    none = np.zeros_like(clock.time)
+    rest = constant_speed(clock, p_mc, v0, heat, name, start_heat)
+    none = np.zeros_like(clock)
     torque = (engine.get("f", none), engine.get("r", none))
     run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)
     state = solve(run)
     end, note = end_of(run, state)
-    kept = clock.before(end)
+    kept = samples[: np.searchsorted(samples, end)]
     if kept.size < 2:
         raise ModelError("nothing to simulate", expected="two samples or more", do=note)
     history = history_of(run, state)
@@ -218,7 +200,7 @@ def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:
 
 
 def _along(
-    time: Array, clock: _FineClock, inputs: Mapping[str, Array] | None, known: tuple[str, ...]
+    time: Array, clock: Array, inputs: Mapping[str, Array] | None, known: tuple[str, ...]
 ) -> dict[str, Array]:
     """Inputs along the fine clock. Raises ModelError for a name or values that cannot be."""
     for name, values in (inputs or {}).items():
@@ -230,7 +212,7 @@ def _along(
                 where=name,
                 expected=f"{time.size} finite samples",
             )
-    return {name: clock.along(values) for name, values in (inputs or {}).items()}
+    return {name: np.interp(clock, time, values) for name, values in (inputs or {}).items()}
 
 
 def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
@@ -257,13 +239,15 @@ def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Arr
     return truth
 
 
-def fine_clock(time: Array) -> _FineClock:
+def fine_clock(time: Array) -> tuple[Array, Index]:
     """Divide every step of ``time`` [s] (n,), increasing, into equal ones of `STEP` at most.
 
+    The fine clock [s] (m,), and the places of the samples of ``time`` in it (n,).
+
     >>> import numpy as np
-    >>> fine_clock(np.array([0.0, 0.02, 0.021])).time.round(6).tolist()
+    >>> fine_clock(np.array([0.0, 0.02, 0.021]))[0].round(6).tolist()
     [0.0, 0.005, 0.01, 0.015, 0.02, 0.021]
     """
     parts = np.ceil(np.diff(time) / STEP - 1e-6).astype(np.intp)
     at = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))]).astype(np.intp)
-    return _FineClock(np.interp(np.arange(at[-1] + 1), at, time), at)
+    return np.interp(np.arange(at[-1] + 1), at, time), at

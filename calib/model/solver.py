@@ -98,28 +98,19 @@ class RisingTyre:
         return self.tyre.slope(np.clip(slip, -self.edge, self.edge), self.relative_load)
 
 
-def spin_rate(axle: Axle, travel: Travel, slip: Array) -> Array:
-    """Spin rate d omega/dt [rad/s^2] (n,) since the sample before; the first at constant slip."""
-    omega = forces.wheel_speed(axle, slip, travel.v)
-    first = -G * travel.z[0] * omega[0] / travel.v[0]
-    return np.concatenate([[first], np.diff(omega) / np.diff(travel.time)])
-
-
-def tyre_force(axle: Axle, demand: WheelDemand, travel: Travel, slip: Array) -> Array:
-    """Tyre force [N] (n,) from the motion of the wheel, (1)."""
-    return forces.tyre_force(axle, demand.torque, spin_rate(axle, travel, slip), demand.moment)
-
-
 def next_slip(
     axle: Axle, tyre: RisingTyre, demand: WheelDemand, travel: Travel, slip: Array
 ) -> Array:
     """One Newton step from ``slip`` [1] (n,) towards the slip that solves (1) in all samples."""
     from scipy.linalg.lapack import dtbtrs
 
-    residual = tyre_force(axle, demand, travel, slip) - demand.load * tyre.force(slip)
+    omega, step = forces.wheel_speed(axle, slip, travel.v), np.diff(travel.time)
+    first = -G * travel.z[0] * omega[0] / travel.v[0]  # at constant slip
+    spin = np.concatenate([[first], np.diff(omega) / step])
+    residual = forces.tyre_force(axle, demand.torque, spin, demand.moment)  # (1)
+    residual = residual - demand.load * tyre.force(slip)
     # d(J_w/R d omega/dt)/d lambda: omega = v (1 - lambda)/R enters its own sample and the next.
     inertia = axle.wheel_inertia / axle.rolling_radius**2 * travel.v
-    step = np.diff(travel.time)
     bands = np.zeros((2, slip.size))
     bands[0] = demand.load * tyre.slope(slip)
     bands[0, 1:] += inertia[1:] / step

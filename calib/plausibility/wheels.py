@@ -15,7 +15,7 @@ from calib.base.names import WHEELS
 from calib.base.warning import LIMITS, Measured, bounds_of, relative
 from calib.car.balance import front_biased_up_to
 from calib.car.braking import BITE, MOVING
-from calib.car.plausible import LEAST_FRONT_BIASED
+from calib.car.figures import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE, SMOOTH, DrivingRecord

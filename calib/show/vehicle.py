@@ -13,8 +13,8 @@ import numpy as np
 from calib.base.units import behind
 from calib.car.balance import front_biased_up_to, front_share, pressure_per_g
 from calib.car.effects.effect import Card
+from calib.car.figures import plausible, what_follows
 from calib.car.forces import axle_loads
-from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
@@ -30,8 +30,6 @@ _KNM = 1e3
 
 def facts(vehicle: Vehicle) -> Facts:
     """What follows from a vehicle with its nominal pads."""
-    from calib.car.facts import what_follows
-
     found = what_follows(vehicle)
     biased = found.front_biased_up_to
     always = {None: "front always", 0.0: "rear always"}

@@ -117,21 +117,6 @@ def test_what_is_in_the_way_is_found_before_anything_is_changed(tmp_path, name):
     assert files(out) == before
 
 
-def test_a_verdict_that_cannot_be_removed_keeps_its_files(out, monkeypatch):
-    unlink = os.unlink
-
-    def refused(path, **named):
-        if Path(path) == out / VERDICT:
-            raise PermissionError(1, "not permitted", str(path))
-        unlink(path, **named)
-
-    before = files(out)
-    monkeypatch.setattr(os, "unlink", refused)
-    with pytest.raises(PermissionError):
-        run(out, "new", "2")
-    assert files(out) == before
-
-
 def test_is_as_readable_as_any_new_file(tmp_path):
     write_whole(tmp_path / "a", b"")
     (tmp_path / "b").write_bytes(b"")

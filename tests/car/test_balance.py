@@ -42,20 +42,6 @@ def test_without_effects_the_brakes_carry_weight_and_wheels():
     assert balance.load_f + balance.load_r == pytest.approx(CAR.weight * one)
 
 
-def test_drag_slows_the_body_and_rolling_the_wheels():
-    effects = Effects(
-        {
-            "aerodynamic_drag": {"drag_area": 0.7},
-            "rolling_resistance": {"coefficient": 0.01},
-        }
-    )
-    z, one = np.array([0.0, 0.0]), np.ones(2)
-    balance = force_balance(CAR, effects, np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)
-    assert balance.moment_f + balance.moment_r == pytest.approx(0.01 * CAR.weight * one)
-    assert balance.tyre_sum == pytest.approx(-balance.body)
-    assert balance.demanded == pytest.approx(-balance.body - 0.01 * CAR.weight)
-
-
 def test_a_motor_takes_its_part_from_the_brakes_of_its_axle():
     z, one = np.array([0.3, 0.3]), np.ones(2)
     motion = (np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)

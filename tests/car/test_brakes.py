@@ -49,11 +49,3 @@ def test_a_logged_wheel_pressure_is_behind_the_line_and_before_the_caliper():
     assert found.clamp["rl"] == pytest.approx(PRESSURE + 4e5)
     assert found.clamp["rr"][5:] == pytest.approx(np.maximum(PRESSURE[:-5] - 1e5, 0.0))
     assert np.array_equal(found.clamp["fl"], found.clamp["fr"])
-
-
-def test_only_the_axle_that_is_uneven_has_four_hands():
-    found, rest = brakes({"side_imbalance": {"imbalance": 0.2, "rear_share": 0.0}})
-    assert found.wheels == ("fl", "fr", "rl")
-    torques = found.torques(rest)
-    assert torques["fl"] == pytest.approx(1.5 * torques["fr"])
-    assert found.twin("rr") == "rl"

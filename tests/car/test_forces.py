@@ -96,27 +96,6 @@ def test_18_holds_for_any_deceleration_and_difference(car, z, D):
     assert (F_f, F_r) == pytest.approx((z + f1, z + f2), abs=1e-12)
 
 
-@given(vehicles(), st.floats(0.5, 2.0))
-def test_the_bias_ends_where_pressure_gives_both_axles_the_same(car, factor):
-    rear = replace(car.rear, rolling_radius=0.30, piston_area=factor * car.rear.piston_area)
-    car = replace(car, rear=rear)
-    share = [
-        forces.brake_torque(a, a.pad_friction, 1e5) / a.rolling_radius for a in (car.front, rear)
-    ]
-
-    def D(z):
-        F_zf, F_zr = forces.axle_loads(car, np.asarray(z))
-        return share[0] / F_zf - share[1] / F_zr
-
-    end, lift = balance.front_biased_up_to(car), car.cg_to_front_axle / car.cg_height
-    assert end < lift
-    if end > 0.0:
-        assert D(end) == pytest.approx(0.0, abs=1e-9)
-        assert D(0.99 * end) > 0.0 > D(min(1.01 * end, 0.5 * (end + lift)))
-    else:
-        assert D(0.0) <= 0.0
-
-
 def test_a_car_without_rear_brakes_is_front_biased_for_ever():
     bare = replace(VEHICLE, rear=replace(VEHICLE.rear, piston_area=0.0))
     assert balance.front_biased_up_to(bare) == float("inf")

@@ -12,7 +12,7 @@ from calib.base.errors import VehicleError
 from calib.base.names import names_a_table
 from calib.base.units import si_of, to_si
 from calib.car.effects.effects import Effects
-from calib.car.facts import what_follows
+from calib.car.figures import what_follows
 from calib.car.forces import axle_loads
 from calib.car.keys import KEYS, REFERENCE, vehicle_text
 from calib.car.vehicle import Axle, Vehicle, mass_used, require_same_car, weighed
@@ -52,23 +52,6 @@ def test_reads_tables_i_and_ii():
     assert car.mass_tolerance == 0.03  # the load that nobody wrote down
     assert (car.front.pad_friction_tolerance, car.rear.pad_friction_tolerance) == (None, None)
     assert car.effects == Effects()
-
-
-def test_other_units_mean_the_same_car(tmp_path):
-    path = write(
-        tmp_path,
-        ('"1744 kg"', '"1.744 t"'),
-        ('"0.615 m"', '"61.5cm"'),
-        ('"28.84 cm^2"', '"2884 mm²"'),
-        ("pad_friction = 0.38", 'pad_friction = "38 %"'),
-        ("friction_faces = 2", "friction_faces = 2.0"),
-    )
-    there, here = read_vehicle(path), read_vehicle(SEDAN)
-    assert there.mass == pytest.approx(here.mass)
-    assert there.cg_height == pytest.approx(here.cg_height)
-    assert there.front.piston_area == pytest.approx(here.front.piston_area)
-    assert there.front.pad_friction == pytest.approx(here.front.pad_friction)
-    assert isinstance(there.front.friction_faces, int)
 
 
 def test_known_effects_and_tolerance_come_in_si(tmp_path):
@@ -188,14 +171,6 @@ def test_usual_ranges_are_inside_the_bounds():
     for key in KEYS[1:]:
         low, high = (to_si(end, key.unit, si_of(key.unit)) for end in (key.low, key.high))
         assert key.least <= low < high <= key.most
-
-
-def test_an_optional_key_without_a_value_is_a_comment(tmp_path):
-    values = {k: v for k, v in REFERENCE.items() if k != "chassis.mass_tolerance"}
-    text = vehicle_text(values)
-    assert "# mass_tolerance = 0.03" in text
-    assert text.count("# pad_friction_tolerance = ") == 2
-    assert read(text, tmp_path).mass_tolerance == Vehicle.mass_tolerance
 
 
 def test_the_facts_of_the_reference_car():

@@ -40,25 +40,6 @@ def test_a_trace_goes_through_its_corners(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "end"),
-    [("ramp", 1.5 + 4.0 + 1.0), ("coast", 4.0), ("step", 1.5 + 0.075 + 4.0),
-     ("stop", 1.5 + 0.375 + 4.0), ("staircase", 1.5 + 0.075 + 4.0)],
-)  # fmt: skip
-def test_a_duration_is_that_of_the_braking(name, end):
-    m = manoeuvre(name, 25.0, None if name == "coast" else 30e5, duration=4.0)
-    assert m.time[-1] == pytest.approx(end, abs=0.006)
-
-
-def test_wave_has_its_mean_amplitude_and_frequency():
-    m = manoeuvre("wave", 25.0, 20e5, duration=20.0)
-    late = m.pressure[m.time >= LEAD_IN + 20e5 / RISE]
-    assert np.mean(late) == pytest.approx(20e5, rel=1e-3)
-    assert np.ptp(late) == pytest.approx(2.0 * 0.4 * 20e5, rel=1e-3)
-    upward = np.sum((late[1:] > 20e5 * (1 + 1e-9)) & (late[:-1] <= 20e5 * (1 + 1e-9)))
-    assert upward == 14
-
-
-@pytest.mark.parametrize(
     "arguments",
     [
         ("rmap", 25.0),

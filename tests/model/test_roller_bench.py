@@ -40,11 +40,6 @@ def test_exact_forces_give_the_pads_and_no_threshold_moves_them():
     assert ratio.sigma == pytest.approx(0.01, abs=1e-9)
 
 
-def test_a_scale_of_the_machine_is_not_in_the_ratio():
-    wrong = bench(axle("front", 0.42, scale=1.03), axle("rear", 0.36, scale=1.03))
-    assert wrong.log_pad_ratio(CAR).value == pytest.approx(math.log(0.42 / 0.36), abs=1e-9)
-
-
 @pytest.mark.parametrize("count", [3, 4, 8])
 def test_intervals_hold_the_truth_as_often_as_they_say(count):
     """Scatter of each row, and machines of 2 %: the share of 95 % intervals, of 600 runs."""

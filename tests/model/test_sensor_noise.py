@@ -53,12 +53,3 @@ def test_same_seed_same_noise_and_every_channel_its_own():
     assert not np.array_equal(once["omega_fl"], once["omega_fr"])
     more = add_noise(made_log(v=np.full(2000, 20.0)), 3)
     assert np.array_equal(add_noise(made_log(), 3)["a_x"], more["a_x"])
-
-
-def test_clock_truth_and_channels_without_a_level_are_left_alone():
-    log = made_log(steering=np.zeros(2000))
-    noisy = add_noise(log, 1)
-    for channel in ("time", "steering"):
-        assert np.array_equal(noisy[channel], log[channel])
-    assert np.array_equal(noisy.truth["true_Tb_fl"], log.truth["true_Tb_fl"])
-    assert noisy.notes == ("first", "sensor noise added with seed 1")

@@ -63,18 +63,6 @@ def test_coasting_against_drag_alone():
     assert np.all(log.truth["true_Fx_fl"] < 0.0)  # the road slows the wheels, they push the car
 
 
-def test_coasting_against_rolling_resistance_alone():
-    """(M + J/R^2) dv/dt = -c_rr M g, and every tyre brakes by what its bearing does not need."""
-    log = simulate(model(ROLLING), clock(20), np.zeros(4001), 33.0)
-    z = 0.011 * SEDAN.mass / (SEDAN.mass + rotating_mass(SEDAN))
-    assert log["a_x"] == pytest.approx(-G * z, rel=1e-4)
-    force = log.truth["true_Fx_fl"]
-    spin = np.gradient(log["omega_fl"], log.time)
-    moment = 0.011 * log.truth["true_Fz_fl"] * SEDAN.front.rolling_radius
-    assert force == pytest.approx(forces.tyre_force(SEDAN.front, 0.0, spin, moment), abs=0.02)
-    assert np.all(force > 0.0)
-
-
 def test_without_wheel_inertia_the_torque_is_the_force():
     bare = replace(
         SEDAN,
@@ -190,16 +178,6 @@ def test_follows_the_plant_over_a_change_of_road():
     assert np.median(eta) < 1e-6
     same = simulate(model(), run["time"], run["p_mc"], 30.0)
     assert np.max(np.abs(same["omega_fl"] - run["omega_fl"])) > 0.3
-
-
-def test_a_surface_may_begin_at_a_time():
-    time = clock(5)
-    pressure = np.full(time.size, 25e5)
-    by_time = simulate(model(surfaces=(Surface(2.0, "s", 0.7, 0.6),)), time, pressure, 30.0)
-    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (by_time["v"][1:] + by_time["v"][:-1]))])
-    there = float(np.interp(2.0, time, travelled / 200.0))
-    by_road = simulate(model(surfaces=(Surface(there, "m", 0.7, 0.6),)), time, pressure, 30.0)
-    assert by_road["omega_fl"] == pytest.approx(by_time["omega_fl"], abs=1e-4)
 
 
 # Ends --------------------------------------------------------------------------------------------

@@ -15,7 +15,6 @@ from calib.car.model import default_model
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Axle
 from calib.model.solver import (
-    ITERATIONS,
     Drive,
     RisingTyre,
     Travel,
@@ -78,16 +77,6 @@ def test_an_axle_lifts_when_its_load_has_left_and_not_before():
         reached.append(state.z[end - 1])
     assert reached[0] == pytest.approx((0.9 - 0.01 * 2.6) / 1.6, abs=0.002)  # 1 % of W is left
     assert reached[1] > 1.1 * reached[0]
-
-
-@pytest.mark.parametrize("strength", [0.02, -0.02])
-def test_strong_effects_converge_with_iterations_to_spare(strength, monkeypatch):
-    monkeypatch.setattr("calib.model.solver.ITERATIONS", ITERATIONS // 2)
-    effects = {
-        "pad_speed_dependence": {"speed_slope": strength},
-        "wet_pad_recovery": {"wet_loss": 0.95, "dry_energy": 60e3},
-    }
-    solve(run_with(effects, 15e5))
 
 
 def test_refuses_what_has_not_converged(monkeypatch):

@@ -14,17 +14,13 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.car.effects.effect import CARDS, Parameters, effect
+from calib.car.effects.effect import Parameters, effect
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import second_order
 from calib.car.vehicle import Vehicle
 
 AIR_DENSITY = 1.2
 """Density of air at 20 degC and 1013 hPa [kg/m^3], ISO 2533 rounded."""
-
-ELASTIC_SHARE, NATURAL_FREQUENCY, DAMPING, _ = CARDS["pitch_coupling"].parameters
-"""A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5); the elastic share is zero on a
-stiff car, nearly 1 without anti-dive (ch. 7)."""
 
 
 def _drag(parameters: Parameters, v: Array) -> Array:
@@ -49,30 +45,28 @@ def _felt(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Ar
     return a_x + parameters["felt"] * G * parameters["grade"]
 
 
-def pitch_deficit(
-    vehicle: Vehicle, time: Array, z: Array, natural_frequency: float, damping: float
-) -> Array:
-    """Share (z - z_b) h/L of W [1] by which load transfer through the springs lags, (n,).
-
-    ``time`` [s], ``z`` deceleration over g [1], (n,); ``natural_frequency`` w [rad/s]; ``damping``
-    D [1], 0 <= D < 1. Springs and dampers of both axles as one mode; steady state at the first
-    sample. Causal. Not valid where a wheel lifts or the suspension reaches its stops.
-    """
-    late = z - second_order(time, z, natural_frequency, damping)
-    return np.asarray(late * vehicle.cg_height / vehicle.wheelbase)
-
-
 def _lagging_load(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    w, damping = parameters["natural_frequency"], parameters["damping"]
-    return parameters["elastic_share"] * pitch_deficit(vehicle, history.time, history.z, w, damping)
+    """Share e (z - z_b) h/L of W [1] by which load transfer through the springs lags, (n,).
+
+    A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5); the elastic share is zero on a
+    stiff car, nearly 1 without anti-dive (ch. 7). Springs and dampers of both axles as one mode;
+    steady state at the first sample. Not valid where a wheel lifts or the suspension reaches its
+    stops.
+    """
+    late = history.z - _body_mode(parameters, history)
+    return np.asarray(parameters["elastic_share"] * late * vehicle.cg_height / vehicle.wheelbase)
+
+
+def _body_mode(parameters: Parameters, history: RunHistory) -> Array:
+    """z_b [1] (n,)."""
+    frequency, damping = parameters["natural_frequency"], parameters["damping"]
+    return second_order(history.time, history.z, frequency, damping)
 
 
 def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
     """Nose down, the reading contains gravity; small angles."""
-    frequency, damping = parameters["natural_frequency"], parameters["damping"]
-    body = second_order(history.time, history.z, frequency, damping)
-    pitch = parameters["elastic_share"] * parameters["pitch_gradient"] * body
-    return a_x - G * pitch
+    share = parameters["elastic_share"] * parameters["pitch_gradient"]
+    return a_x - G * (share * _body_mode(parameters, history))
 
 
 def _filtered(parameters: Parameters) -> tuple[float, float]:

@@ -18,7 +18,7 @@ from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import effect_of
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import low_pass
-from calib.car.vehicle import Axle, Vehicle
+from calib.car.vehicle import Vehicle
 
 _SHORTEST = 1e-6
 """Time constant [s] up to which an accelerometer follows at once: far less than a sample."""
@@ -41,9 +41,9 @@ def not_sensed(effects: Effects) -> dict[str, str]:
     whose file was not given is taken as sensed.
     """
     known = every_effect(effects)
-    told = {name: known[name].card.not_sensed for name in effects.names if name in known}
-    told |= {_term(term): _DRIVERS.get(term.driver, "") for term in effects.terms}
-    return {name: why for name, why in told.items() if why}
+    reasons = {name: known[name].card.not_sensed for name in effects.names if name in known}
+    reasons |= {_term(term): _DRIVERS.get(term.driver, "") for term in effects.terms}
+    return {name: why for name, why in reasons.items() if why}
 
 
 def sensed(effects: Effects) -> Effects:
@@ -92,15 +92,13 @@ def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
         R_f, R_r = radius(parameters)
         front, rear = front.with_radius(R_f), rear.with_radius(R_r)
     for inertia, parameters in _hooks(effects, "inertia"):
-        J_f, J_r = inertia(parameters)
-        front, rear = _with_inertia(front, J_f), _with_inertia(rear, J_r)
+        front, rear = (
+            replace(axle, wheel_inertia=axle.wheel_inertia + more)
+            for axle, more in zip((front, rear), inertia(parameters), strict=True)
+        )
     for factor, parameters in _hooks(effects, "mass"):
         mass *= factor(parameters)
     return replace(vehicle, front=front, rear=rear, mass=mass)
-
-
-def _with_inertia(axle: Axle, more: float) -> Axle:
-    return replace(axle, wheel_inertia=axle.wheel_inertia + more)
 
 
 def line_pressure(effects: Effects, history: RunHistory) -> Pair:
@@ -108,18 +106,15 @@ def line_pressure(effects: Effects, history: RunHistory) -> Pair:
 
     Reads ``time`` and ``p_mc`` of the history only: the pressure does not depend on the motion.
     """
-    return _through(LINE, effects, history, history.p_mc, history.p_mc)
+    p_f = p_r = history.p_mc
+    for hook, parameters in _hooks(effects, "pressure", LINE):
+        p_f, p_r = hook(parameters, history, p_f, p_r)
+    return p_f, p_r
 
 
 def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure [Pa] (n,) that clamps the pads of one side, from its wheel pressures [Pa] (n,)."""
-    return _through((*CALIPER, *effects.own), effects, history, p_f, p_r)
-
-
-def _through(
-    order: tuple[str, ...], effects: Effects, history: RunHistory, p_f: Array, p_r: Array
-) -> Pair:
-    for hook, parameters in _hooks(effects, "pressure", order):
+    for hook, parameters in _hooks(effects, "pressure", (*CALIPER, *effects.own)):
         p_f, p_r = hook(parameters, history, p_f, p_r)
     return p_f, p_r
 

@@ -4,9 +4,8 @@
             caliper     pads        L/R       inertia     radius  load_shift         a_x as read
                                                                                v, wheels as read
 
-An effect only adds to a link, and has no hook where it does not act. Its parameters are named in
-its card; their values are held in `Effects`. So one object serves the simulation (which adds the
-effect), the analysis (which removes it) and the diagnosis (which estimates its size).
+An effect only adds to a link, and has no hook where it does not act. The values of its parameters
+are in `Effects`, so one object serves simulation, analysis and diagnosis.
 """
 
 from collections.abc import Callable, Mapping
@@ -125,28 +124,21 @@ def _cards() -> dict[str, Card]:
         of_sensor = row["spread"] in SENSOR._fields  # by its name
         spread = float(getattr(SENSOR, row["spread"]).sigma if of_sensor else row["spread"])
         default = float(row["default"]) if row["default"] else None
-        parameters.setdefault(row["effect"], []).append(
-            Parameter(
-                row["name"], row["unit"], low, high, typical, spread, default, row["share"] == "yes"
-            )
-        )
-    return {
-        row["name"]: _card(row, tuple(parameters[row["name"]]))
-        for row in rows("cards.csv", "calib.car.effects")
-    }
-
-
-def _card(row: dict[str, str], parameters: tuple[Parameter, ...]) -> Card:
-    neutral = float(row["neutral"])
-    equation = f"{row['equation']}; no effect at {parameters[0].name} = {neutral:g}"
-    texts = (row["cause"], equation, row["source"], row["looks_like"])
-    return Card(row["name"], *texts, parameters, neutral, row["not_sensed"])
+        numbers = (low, high, typical, spread, default)
+        parameter = Parameter(row["name"], row["unit"], *numbers, row["share"] == "yes")
+        parameters.setdefault(row["effect"], []).append(parameter)
+    cards = {}
+    for row in rows("cards.csv", "calib.car.effects"):
+        name, neutral = row["name"], float(row["neutral"])
+        own = tuple(parameters[name])
+        equation = f"{row['equation']}; no effect at {own[0].name} = {neutral:g}"
+        texts = (row["cause"], equation, row["source"], row["looks_like"])
+        cards[name] = Card(name, *texts, own, neutral, row["not_sensed"])
+    return cards
 
 
 CARDS = _cards()
-"""The cards of the catalogue, in the order in which effects are listed, and tried by a diagnosis.
-
-They stand in `cards.csv`, their parameters in `parameters.csv`."""
+"""The cards of the catalogue, in the order in which effects are listed and searched."""
 
 
 def effect(name: str, **hooks: Callable[..., Any]) -> Effect:

@@ -1,7 +1,6 @@
 """The effects of a car as one value: named effects with their parameters, and empirical terms.
 
-Plain data. The equations of a named effect are in its own file, those of a term in `empirical`,
-and those of several effects together in `combined`.
+Plain data: the equations are in the files of the links, in `empirical` and in `combined`.
 """
 
 from collections.abc import Mapping

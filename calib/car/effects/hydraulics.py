@@ -116,9 +116,8 @@ def _less(p: Array, threshold: float) -> Array:
 def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure that would give the same clamping without hysteresis; begins on the loading line.
 
-    No play where the pressure is negative (sensor noise). Both calipers have the same width.
-    Without ``fixed_share`` all of it is relative, as in older files. Not valid for a caliper whose
-    seals pull the pads back by themselves: it keeps no torque at zero pressure.
+    No play where the pressure is negative (sensor noise). Both calipers have the same width, all
+    of it relative without ``fixed_share``. Not valid for a caliper whose seals pull the pads back.
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
     play = ((1.0 - share) * width, 0.5 * share * width * _REFERENCE)

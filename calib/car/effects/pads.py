@@ -74,8 +74,8 @@ def _beyond(p: Array, bend: float) -> Array:
 def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Each axle with the heat of its own; ``wet_loss`` at the first sample of every run.
 
-    A rear brake has less disc and pad to dry: ``dry_rear_share`` of the energy; all of it where it
-    is not given, as in older files. Not valid if water comes later.
+    A rear brake has less to dry: ``dry_rear_share`` of the energy, all of it where it is not given.
+    Not valid if water comes later.
     """
     loss, dry = parameters["wet_loss"], parameters["dry_energy"]
     dry_rear = dry * parameters.get("dry_rear_share", 1.0)

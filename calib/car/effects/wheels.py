@@ -23,9 +23,7 @@ _SPEED = 20.0
 """Speed [m/s] at which rolling resistance and the torque of an engine are told."""
 
 _BLEND = 0.4
-"""Range of pressures over which the motor sets in where none is given, over ``regen_onset`` [1]. A
-brake light switch closes at one pressure; a motor takes a tenth of a second to build up its torque.
-"""
+"""Range of pressures over which the motor sets in where none is given, over ``regen_onset`` [1]."""
 
 FADE_OUT = 3.0
 """Speed below which the motor hands over to the brakes [m/s], as usual for a blended stop."""
@@ -75,7 +73,7 @@ def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 
 
 def _flattened(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
-    """The same form as ``radius_load`` of `calib.car.tyre.AxleTyres`, F_z0 the load at rest.
+    """Each wheel turns as its radius falls with the load over that at rest.
 
     The torque that goes with the smaller radius, 0.1 to 0.5 % of it, is neglected. Not valid for
     other inflation than at the measurement of the radius.

@@ -182,9 +182,8 @@ def predict(
     late = combined.reading_delay(effects, "wheel_speed_delay")
     slip = np.array([[delayed(run.time, x, late) for x in side] for side in slip])
     gained = integral(run.time, -G * z)
-    shown = delayed(
-        run.time, gained, combined.reading_delay(effects, "speed_delay")
-    )  # by v as it is read
+    v_late = combined.reading_delay(effects, "speed_delay")
+    shown = delayed(run.time, gained, v_late)  # by v as it is read
     v = run.v_read + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     turning = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(turning * (1.0 - slip))

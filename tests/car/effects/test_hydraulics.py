@@ -54,20 +54,6 @@ def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half)
     assert np.array_equal(p, before)
 
 
-@pytest.mark.parametrize(
-    ("play", "p", "c"),
-    [
-        ((0.1,),
-         [0, 20, 40, 38, 36, 18, 9, 9.5, 10, 20, 0], [0, 20, 40, 40, 40, 20, 10, 10, 10, 20, 0]),
-        ((0.0, 2e5),
-         [0, 1, 3, 20, 18, 16, 10, 12, 14, 20, 1, 0], [0, 0, 1, 18, 18, 18, 12, 12, 12, 18, 3, 2]),
-    ],
-)  # fmt: skip
-def test_a_loop_by_hand(play, p, c):
-    """Up, held, down on the upper line, held again, up on the lower [bar]."""
-    assert clamp(np.array(p) * 1e5, *play) == pytest.approx(np.array(c) * 1e5)
-
-
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
 def test_the_width_is_told_at_20_bar(share):
     """Full width of the loop over the releasing line, or over 20 bar where it is fixed."""
@@ -100,34 +86,3 @@ def test_an_axle_may_have_it_alone(bias, kept):
     found = pressures("residual_torque", history, **STUCK, rear_bias=bias)
     for pressure, bar in zip(found, kept, strict=True):
         assert pressure[199] == pytest.approx(bar * 1e5 * np.exp(-1.0 / 5.0))
-
-
-@given(st.floats(-0.05, 0.5))
-def test_a_straight_pressure_is_delayed_exactly(delay):
-    history = made_history(p_mc=3e5 + 8e5 * np.arange(200) * 0.01)
-    for found in pressures("hydraulic_delay", history, delay=delay):
-        assert found == pytest.approx(np.clip(history.p_mc - 8e5 * delay, 3e5, history.p_mc[-1]))
-
-
-@pytest.mark.parametrize("lag", [1e-9, 0.003, 0.4])
-def test_a_lag_sample_by_sample_on_an_uneven_clock(lag):
-    """Each step from the closed solution for a straight piece of input."""
-    rng = np.random.default_rng(3)
-    time = np.cumsum(rng.uniform(0.002, 0.05, 200))
-    p = 10e5 + 5e5 * rng.standard_normal(200)
-    history = made_history(200, time=time, p_mc=p)
-    front, rear = pressures("hydraulic_lag", history, time_constant=lag)
-    y = [p[0]]
-    for dt, a, b in zip(np.diff(time), p[:-1], p[1:], strict=True):
-        rate = (b - a) / dt
-        y.append(b - rate * lag + (y[-1] - a + rate * lag) * np.exp(-dt / lag))
-    assert front == pytest.approx(np.array(y), rel=1e-9)
-    assert np.array_equal(front, rear)
-
-
-@given(st.floats(0.0, 1.0), st.floats(0.0, 150e5), st.floats(0.0, 200e5))
-def test_the_valve_has_a_knee_on_the_rear_alone(slope, knee, p):
-    history = made_history(2, p_mc=np.array([0.0, p]))
-    front, rear = pressures("rear_proportioning", history, knee_slope=slope, knee=knee)
-    assert front is history.p_mc
-    assert rear == pytest.approx([0.0, p if p < knee else knee + slope * (p - knee)], abs=1e-6)

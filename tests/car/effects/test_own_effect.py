@@ -12,7 +12,7 @@ from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.model_file import read_model, write_model
 from tests.support.effect_runs import SEDAN, made_motion
-from tests.support.own_effects import EXAMPLE, retarder
+from tests.support.own_effects import EXAMPLE
 from tests.support.tables import from_content, made_table
 
 FLAP = read_own_effects([EXAMPLE])[0]
@@ -33,12 +33,6 @@ def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
     assert list(every_effect(SEDAN.effects)) == list(CATALOGUE)
     with pytest.raises(ModelError, match=r"unknown effect 'air_brake_flap'.*give --effect FILE"):
         definition(SEDAN.effects, "air_brake_flap")
-
-
-def test_two_files_with_one_name_are_refused(tmp_path):
-    one, other = own_of(tmp_path, retarder(), "a.py"), own_of(tmp_path, retarder(), "b.py")
-    with pytest.raises(ModelError, match=r"b\.py: .*'rear_retarder' is also defined in a\.py"):
-        with_own(SEDAN, [one, other])
 
 
 # A model file ------------------------------------------------------------------------------------

@@ -21,13 +21,6 @@ WET = {"wet_loss": 0.4, "dry_energy": 50e3}
 PRESSURE = CATALOGUE["pad_pressure_dependence"]
 
 
-def test_fade_by_hand():
-    history = made_history(4, temperature_f=np.array([20.0, 150.0, 250.0, 650.0]))
-    front, rear = factors("pad_thermal_fade", history, **FADE)
-    assert front == pytest.approx([1.0, 1.0, 0.9, 0.5])
-    assert np.array_equal(rear, np.ones(4))
-
-
 def test_the_simulation_heats_its_own_discs_where_none_is_given():
     """Heat from the truth channels of the run itself, summed here step by step."""
     hot = {"fade_slope": 0.004, "fade_onset": 101.0}
@@ -39,14 +32,6 @@ def test_the_simulation_heats_its_own_discs_where_none_is_given():
     expected = SEDAN.front.pad_friction * (1.0 - 0.004 * np.maximum(np.array(T) - 101.0, 0.0))
     assert log.truth["true_mu_pad_f"] == pytest.approx(expected, abs=2e-5)
     assert expected[-1] < 0.97 * expected[0]
-
-
-@given(st.floats(-8e-8, 8e-8), st.floats(0.0, 150e5), st.floats(0.0, 150e5))
-def test_a_line_over_pressure_for_each_axle_by_itself(slope, p_f, p_r):
-    given_by = {"pressure_slope": slope}
-    found = PRESSURE.friction(given_by, made_history(1), np.array([p_f]), np.array([p_r]))
-    assert found[0] == pytest.approx([1.0 + slope * (p_f - 20e5)])
-    assert found[1] == pytest.approx([1.0 + slope * (p_r - 20e5)])
 
 
 @given(st.floats(-1e-7, 1e-7), st.floats(0.0, 4e-6))
@@ -74,16 +59,3 @@ def test_left_gains_what_right_loses_and_the_rear_its_share(share):
     log = driven({"side_imbalance": {"imbalance": 0.1, "rear_share": share}}, wave)
     for w, factor in (("fl", 1.1), ("fr", 0.9), ("rl", 1.0 + 0.1 * share), ("rr", 1 - 0.1 * share)):
         assert log.truth[f"true_Tb_{w}"] == pytest.approx(factor * even.truth[f"true_Tb_{w}"])
-
-
-@pytest.mark.parametrize(
-    ("side", "left", "right"), [(0.0, 1.0, 1.0), (1.0, 1.0, 0.0), (-1.0, 0.0, 1.0)]
-)
-def test_one_disc_pulses_or_two(side, left, right):
-    history = made_history(2, angle_f=np.array([0.0, 1.0]))
-    judder = {"amplitude": 0.1, "phase": 0.4, "side": side}
-    found = CATALOGUE["disc_thickness_variation"].wheels(judder, history)
-    turned = 0.1 * np.sin(np.array([0.4, 1.4]))
-    assert found["fl"] == pytest.approx(1.0 + left * turned)
-    assert found["fr"] == pytest.approx(1.0 + right * turned)
-    assert set(found) == {"fl", "fr"}

@@ -37,13 +37,6 @@ def test_rolling_resistance_is_its_share_of_the_weight_at_the_road(c_rr, z, R_f,
     assert front / R_f + rear / R_r == pytest.approx(c_rr * 1744.0 * 9.80665)
 
 
-def test_rolling_resistance_may_grow_with_the_square_of_the_speed():
-    """0.9 of it at a standstill, and 1.8 of it at 60 m/s, by 0.1 (9 - 1)."""
-    motion = made_motion([0.0, 20.0, 60.0], load_f=10e3)
-    front, _ = moments("rolling_resistance", motion, coefficient=0.01, rolling_growth=0.1)
-    assert front == pytest.approx(100.0 * SEDAN.front.rolling_radius * np.array([0.9, 1.0, 1.8]))
-
-
 def test_the_drag_of_an_engine_grows_and_is_shared():
     drag = {"drag_torque": 120.0, "drag_growth": 0.01, "drag_rear_share": 0.75}
     front, rear = moments("engine_drag", made_motion([10.0, 20.0, 35.0]), **drag)
