@@ -112,8 +112,7 @@ def export(
 
 def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) -> None:
     """Refuse a place that holds what is not an export of this version."""
-    from calib.ecu.bundle import OURS
-    from calib.ecu.code import files_of
+    from calib.ecu.code import OURS, files_of
 
     digest = stored.digest.encode()
     if not folder:

@@ -38,17 +38,14 @@ from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
 
 SOURCE = Path(__file__).parent / "source"
-PREFIX = "bte"
-"""First part of every label, of files and functions, too."""
-_MATH = {
+PREFIX = "bte"  # first part of every label, of files and functions, too
+_MATH = {  # how a floating point calls sqrt, and has exp and ln
     32: {"function": "name##f", "terms": 8, "largest": 87},
     64: {"function": "name", "terms": 14, "largest": 700},
 }
-"""How a floating point calls sqrt, and has exp and ln."""
 _RESTS = 1.5  # speed of every wheel below which a car may get other numbers [rad/s]
 
-
-Member: TypeAlias = Any
+_Member: TypeAlias = Any
 """A member of a structure: a number (whole: a count), text as in C, a list, or a structure."""
 
 
@@ -60,14 +57,17 @@ def sources(
     ``told`` is what the last file says of its table, ``version`` its number. Raises StoreError as
     `require_plain`, ExchangeError for a precision that C does not have, or a time that no ECU has.
     """
-    require_time(sample_time)
+    if not 1e-4 <= sample_time <= 0.1:
+        raise ExchangeError(f"a sample time of {sample_time:g} s", expected="0.0001 to 0.1 s")
     require_plain(table)
     grids, samples = code_grids(table, PREFIX, how), samples_of_block(sample_time)
     table = as_exported(table, how)
     c = constants(table, SensorNoise(**table.noise), round(samples * sample_time, 9))
     equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
     code = _source("bte.c").substitute(_MATH[how.floating], equations=translated(equations))
-    state, numbers = _remembered(c), _numbers(c, table, sample_time, code)
+    begun, numbers = started(c), _numbers(c, table, sample_time, code)
+    state = {x.name: getattr(begun, x.name) for x in fields(begun) if x.name != "waiting"}
+    state |= {"kept": begun.kept[:6:2], "since_lock": 2.0 * c.recover}
     first = answered(table, BLOCK / 2.0, np.zeros((2, len(CHANNELS))))[0]
     start = {"reason": int(Reason.NOT_BRAKED), "told": first[1:13].reshape(4, 3).tolist()}
     car = {
@@ -80,14 +80,14 @@ def sources(
         "tyre": [f"{PREFIX}_tyre_force", 2 * table.tyre.force.size - 1],
         "tyre_slip": f"{PREFIX}_tyre_slip",
     }
-    data: dict[str, Member] = {f"{PREFIX}_version": float(version)}
+    data: dict[str, _Member] = {f"{PREFIX}_version": float(version)}
     for name, x in (("force", table.tyre.force), ("slip", table.tyre.slip)):  # driven and braked
         data[f"{PREFIX}_tyre_{name}"] = np.concatenate([-x[:0:-1], x]).tolist()
     written = "\n\n".join((f"/* {told} */", '#include "bte.h"', *_data(grids, data, car, how)))
     return {"bte.h": _header(state, numbers, how), "bte.c": code, "bte_car.c": written}
 
 
-def _header(state: dict[str, Member], numbers: dict[str, Member], how: Precision) -> str:
+def _header(state: dict[str, _Member], numbers: dict[str, _Member], how: Precision) -> str:
     return _source("bte.h").substitute(
         real="float" if how.floating == 32 else "double",
         cell=cell(how),
@@ -101,7 +101,7 @@ def _header(state: dict[str, Member], numbers: dict[str, Member], how: Precision
 
 
 def _data(
-    grids: list[Grid], data: dict[str, Member], car: dict[str, Member], how: Precision
+    grids: list[Grid], data: dict[str, _Member], car: dict[str, _Member], how: Precision
 ) -> Iterator[str]:
     """Definitions: of maps, of other ``data`` that has a label, and of `bte_this_car`."""
     held = (*axes_of(grids), *grids)
@@ -146,25 +146,12 @@ def require_plain(table: Table) -> None:
         )
 
 
-def require_time(sample_time: float) -> None:
-    """Raise ExchangeError for a time from call to call [s] that no ECU has."""
-    if not 1e-4 <= sample_time <= 0.1:
-        raise ExchangeError(f"a sample time of {sample_time:g} s", expected="0.0001 to 0.1 s")
-
-
 def cell(how: Precision) -> str:
     """Type of the cells of the maps in C."""
     return f"int{how.bits}_t" if how.bits else "bte_real"
 
 
-def _remembered(c: Constants) -> dict[str, Member]:
-    """What `bte_state` has of `State`, as it is before the first block, and of locked wheels."""
-    s = started(c)
-    own = {"kept": s.kept[:6:2], "since_lock": 2.0 * c.recover}
-    return {x.name: getattr(s, x.name) for x in fields(s) if x.name != "waiting"} | own
-
-
-def _numbers(c: Constants, table: Table, sample_time: float, code: str) -> dict[str, Member]:
+def _numbers(c: Constants, table: Table, sample_time: float, code: str) -> dict[str, _Member]:
     """Numbers of `bte_car`: tuned ones, those that the code reads; of axles as [front, rear]."""
     car, known = table.vehicle, known_effects(table).parameters
     low, high, change = (x.tolist() for x in limits(sample_time))
@@ -195,7 +182,7 @@ def _numbers(c: Constants, table: Table, sample_time: float, code: str) -> dict[
     }  # fmt: skip
 
 
-def _maps(grids: Iterable[Grid]) -> dict[str, Member]:
+def _maps(grids: Iterable[Grid]) -> dict[str, _Member]:
     """Members of `bte_car` that are maps, each of some columns over as many axes."""
     of, ratio, maps = {(g.column, len(g.axes)): g for g in grids}, [x for x, _ in PADS], {}
     for name, columns, axes in (
@@ -212,7 +199,7 @@ def _enumeration(rows: Iterable[tuple[str, str]]) -> str:
     return "\n".join(f"    BTE_{name.upper()}, /* {meaning} */" for name, meaning in rows)
 
 
-def _structures(state: Iterable[Member]) -> Iterator[str]:
+def _structures(state: Iterable[_Member]) -> Iterator[str]:
     """Definitions of the structures of which a state has members, each once."""
     for of in {type(x): x for x in state if is_dataclass(x)}.values():
         members = fill(", ".join(x.name for x in fields(of)), 80)
@@ -220,17 +207,17 @@ def _structures(state: Iterable[Member]) -> Iterator[str]:
         yield f"typedef struct {{\n{body}\n}} {structure(type(of).__name__)};"
 
 
-def _kind(x: Member) -> str:
+def _kind(x: _Member) -> str:
     if is_dataclass(x):
         return structure(type(x).__name__)
     return "bool" if isinstance(x, bool) else "bte_real"
 
 
-def _declared(name: str, x: Member) -> str:
+def _declared(name: str, x: _Member) -> str:
     return f"{name}[{len(x)}]" if isinstance(x, list | tuple) else name
 
 
-def initial(x: Member, bits: int) -> str:
+def initial(x: _Member, bits: int) -> str:
     """The initial value of a member in C, to the last bit of a floating point of ``bits``."""
     if is_dataclass(x) and not isinstance(x, type):
         x = asdict(x)

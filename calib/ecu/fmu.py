@@ -22,17 +22,15 @@ from calib.ecu.car_source import SOURCE, sources
 from calib.estimation.known import known_effects
 from calib.estimation.online import REASON, VARIABLES, Variable
 from calib.estimation.reasons import Reason
+from calib.exports.dataset import prefix
 from calib.exports.filters import printable
-from calib.exports.labels import prefix
 from calib.store.version import Stored
 from calib.table.exported import Precision
 from calib.table.table import Table
 
 Version = Literal[2, 3]
 Content = Literal["estimator", "car"]
-GLUE = SOURCE.parent / "fmu_source"
-V0 = 30.0
-"""First speed of the car where nothing else is set [m/s]."""
+V0 = 30.0  # first speed of the car where nothing else is set [m/s]
 
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
 _ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
@@ -84,7 +82,9 @@ def write_fmu(
     name = f"{prefix(car)}_{of}"
     code = sources(stored.table, sample_time, how, f"{name}, SHA-256 {stored.digest}")
     files = "fmi.c", f"fmi{version}.h", f"{of}.h"
-    glue = {file: (GLUE / file).read_text(encoding="utf-8") for file in files}
+    glue = {
+        file: (SOURCE.parent / "fmu_source" / file).read_text(encoding="utf-8") for file in files
+    }
     variables, starts = [*_variables(of)], _starts(stored.table, of)
     facts = {
         "version": version, "of": of, "name": name, "step": step, "program": PROGRAM,

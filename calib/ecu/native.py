@@ -26,8 +26,7 @@ from calib.logs.log import Log
 from calib.table.exported import Precision
 from calib.table.table import Table
 
-OUTPUTS = 1 + 3 * len(ANSWERS)
-"""Numbers that the code answers with: a reason, and `ANSWERS` with their bounds."""
+OUTPUTS = 1 + 3 * len(ANSWERS)  # a reason, and `ANSWERS` with their bounds
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 """Without contraction every compiler gives the same bits."""

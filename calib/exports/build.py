@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
 from calib.base.names import AXLE_NAMES
-from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Scalar
-from calib.exports.labels import label, prefix
+from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Scalar, label, prefix
 from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
@@ -16,14 +16,32 @@ from calib.table.exported import Precision, WrittenMap, written_map
 from calib.table.maps import MAPS
 from calib.table.table import Table
 
-UNIT = "1"
-"""Unit of every axis and curve: speed ratios, slips and normalised forces."""
+UNIT = "1"  # of every axis and curve: speed ratios, slips and normalised forces
 
-SHORT = {
+_SHORT = {
     ("aerodynamic_drag", "drag_area"): "drag_area",
     ("rolling_resistance", "coefficient"): "rolling_coeff",
 }
-"""Short words for the effects that nearly every table has; other names are in full, and cut."""
+"""Words for the effects that nearly every table has; other names are in full, and cut."""
+
+_ETA = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
+_G = "normalised force over slip, common tyre curve"
+_AXES = {
+    "z": "z, brake force that the deceleration demands over M g, zeroed while rolling",
+    "shift": "(eta - 1)/z",
+    "slip": "ln(slip/z) less log_slip, over log_slip_sigma",
+}
+_COLUMNS = {
+    "ratio": "ln of the pads' ratio, front over rear, over that of mu_n_f and mu_n_r",
+    "change": "ln of the pads' ratio over that of the ramp",
+    "level": "ln of the brake force over that which z demands",
+    "log_slip": "mean of ln(slip/z)",
+    "log_slip_sigma": "standard deviation of ln(slip/z)",
+    "share": "share of the stops with this z that show such a shift",
+    "prior": "share of the ratio that is prior",
+}
+_BOUNDS = ("_lower", "_upper")
+_FLAT = {"log_slip", "log_slip_sigma", "share"}  # written without the last axis: alike along it
 
 
 def build(
@@ -45,24 +63,20 @@ def build(
     """
     table, how = stored.table, Precision(points, bits, single)
     first = prefix(stored.name if first is None else first)
-    curves = [*_curves_of(table, first, how)]
-    maps = [*maps_of(table, first, how, most_axes)]
+    axes, curves = zip(*_curves_of(table, first, how), strict=True)
+    map_axes, grids = zip(*maps_of(table, first, how, most_axes), strict=True)
     return Dataset(
         stored=stored,
         prefix=first,
-        axes=(*(axis for axis, _ in curves), *(axis for axes, _ in maps for axis in axes)),
-        curves=tuple(curve for _, of in curves for curve in of),
-        grids=tuple(grid for _, of in maps for grid in of),
+        axes=(*axes, *chain.from_iterable(map_axes)),
+        curves=tuple(chain.from_iterable(curves)),
+        grids=tuple(chain.from_iterable(grids)),
         scalars=tuple(_scalars(table, stored.version, first, how)),
         quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
         bits=bits,
         single=single,
         date=date,
     )
-
-
-_ETA = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
-_G = "normalised force over slip, common tyre curve"
 
 
 def _curves_of(table: Table, first: str, how: Precision) -> Iterator[tuple[Axis, list[Grid]]]:
@@ -87,28 +101,8 @@ def _curves_of(table: Table, first: str, how: Precision) -> Iterator[tuple[Axis,
         for column, (means, *columns) in over.items():
             values, low, high, count, flag = (each[kept] for each in columns)
             named = label(first, column), means, UNIT, *how.numbers(values)
-            curves.append(Grid(*named, (axis,), column, (low, high), count, flag))
+            curves.append(Grid(*named, column, (low, high), count, flag, axes=(axis,)))
         yield axis, curves
-
-
-_AXES = {
-    "z": "z, brake force that the deceleration demands over M g, zeroed while rolling",
-    "shift": "(eta - 1)/z",
-    "slip": "ln(slip/z) less log_slip, over log_slip_sigma",
-}
-_COLUMNS = {
-    "ratio": "ln of the pads' ratio, front over rear, over that of mu_n_f and mu_n_r",
-    "change": "ln of the pads' ratio over that of the ramp",
-    "level": "ln of the brake force over that which z demands",
-    "log_slip": "mean of ln(slip/z)",
-    "log_slip_sigma": "standard deviation of ln(slip/z)",
-    "share": "share of the stops with this z that show such a shift",
-    "prior": "share of the ratio that is prior",
-}
-_BOUNDS = ("_lower", "_upper")
-
-_FLAT = {"log_slip", "log_slip_sigma", "share"}
-"""Columns that are the same along the last axis, and are written without it."""
 
 
 def _name(part: str, name: str) -> str:
@@ -138,8 +132,8 @@ def maps_of(
             for (name, written), rows in zip(made.axes.items(), held.shape, strict=True)
         )  # fmt: skip
         whole = [_grid(label(first, _name(part, x)), x, axes, made) for x in made.columns]
-        slices = [_slices(one) if len(one.axes) > most_axes else [one] for one in whole]
-        yield axes, [one for some in slices for one in some]
+        slices = (_slices(one) if len(one.axes) > most_axes else [one] for one in whole)
+        yield axes, [*chain.from_iterable(slices)]
 
 
 def _grid(name: str, column: str, axes: tuple[Axis, ...], made: WrittenMap) -> Grid:
@@ -148,7 +142,7 @@ def _grid(name: str, column: str, axes: tuple[Axis, ...], made: WrittenMap) -> G
     meaning = f"{end[1:]} 95 % bound of {of}" if end else of
     ends = [made.columns[column + e].values for e in _BOUNDS if column + e in made.columns]
     bounds = (ends[0], ends[1]) if ends else None
-    whole = Grid(name, meaning, UNIT, *made.columns[column], axes, column, bounds)
+    whole = Grid(name, meaning, UNIT, *made.columns[column], column, bounds, axes=axes)
     return _cut(whole, 0) if column in _FLAT else whole
 
 
@@ -176,10 +170,11 @@ def _slices(one: Grid) -> list[Grid]:
 
 
 def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator[Scalar]:
-    car, pads, draws, wide = table.vehicle, table.calibration, table.draws, how.wide
+    car, pads = table.vehicle, table.calibration
+    axles = (("f", car.front), ("r", car.rear))
 
     def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
-        written = wide.numbers(np.array([float(value)]))
+        written = how.wide.numbers(np.array([float(value)]))
         return Scalar(label(first, name), what, unit, *written, sigma)
 
     yield scalar("version", "version of the table", "1", version)
@@ -188,7 +183,7 @@ def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator
     yield scalar("l_r", "l_r, centre of gravity to rear axle", "m", car.cg_to_rear_axle)
     yield scalar("h", "h, height of the centre of gravity", "m", car.cg_height)
     yield scalar("l_w", "l_w, track width", "m", car.track_width)
-    for a, axle in (("f", car.front), ("r", car.rear)):
+    for a, axle in axles:
         gain = f"C of (3): torque of one wheel over mu P, {a}"
         yield scalar(f"R_{a}", f"R, rolling radius, {a}", "m", axle.rolling_radius)
         yield scalar(f"J_{a}", f"J_w, inertia of one wheel, {a}", "kg*m^2", axle.wheel_inertia)
@@ -196,17 +191,17 @@ def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator
     for a, mu in (("f", pads.pad_friction_f), ("r", pads.pad_friction_r)):
         what = f"{AXLE_NAMES[a]} pad friction of the calibration"
         yield scalar(f"mu_{a}", what, "1", mu.value, mu.sigma)
-    for a, axle in (("f", car.front), ("r", car.rear)):
+    for a, axle in axles:
         what = f"{AXLE_NAMES[a]} pad friction of the vehicle file"
         yield scalar(f"mu_n_{a}", what, "1", axle.pad_friction)
-    ratio, stiffness = pads.pad_log_ratio, pads.slip_stiffness
-    yield scalar("log_pad_ratio", "ln of mu_f/mu_r over the file's", "1", ratio.value, ratio.sigma)
-    what = "slip stiffness of the tyres of the calibration"
-    yield scalar("slip_stiffness", what, "1", stiffness.value, stiffness.sigma)
+    for name, what, x in (
+        ("log_pad_ratio", "ln of mu_f/mu_r over the file's", pads.pad_log_ratio),
+        ("slip_stiffness", "slip stiffness of the tyres of the calibration", pads.slip_stiffness),
+    ):
+        yield scalar(name, what, "1", x.value, x.sigma)
     for name in ("load_exponent", "radius_load"):
-        x = getattr(draws, name)
-        yield scalar(name, f"{name} of the tyres", "1", np.mean(x), float(np.std(x)))
+        drawn = getattr(table.draws, name)
+        yield scalar(name, f"{name} of the tyres", "1", np.mean(drawn), float(np.std(drawn)))
     for of in effect_figures(table):
-        short = SHORT.get((of.effect, of.name), f"{of.effect}_{of.name}")
-        value, what = of.value, f"{of.name} of {of.effect}"
-        yield scalar(short, what, of.unit, value.value, value.sigma)
+        short = _SHORT.get((of.effect, of.name), f"{of.effect}_{of.name}")
+        yield scalar(short, f"{of.name} of {of.effect}", of.unit, of.value.value, of.value.sigma)

@@ -1,8 +1,6 @@
 """A DCM or CDF file that was read back, compared with the table that it names."""
 
-import math
-from collections.abc import Callable, Iterator, Sequence
-from decimal import Decimal
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -10,23 +8,17 @@ import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
 from calib.exports.build import build
-from calib.exports.content import Content
-from calib.exports.labels import prefix
+from calib.exports.dataset import Content, prefix
 from calib.exports.read import CDF, Returned
 from calib.exports.write import FORMATS
 from calib.store.folders import names_in
 from calib.store.store import Store
 from calib.store.version import Stored
 
-_FEW = 0.1
-"""Share of the numbers that may have more digits than the tool writes: those that were changed.
-Of numbers written to a digit one in ten ends with a zero, which is not counted, so most have it."""
+_DIGITS = range(17, 2, -1)
+"""Significant digits or decimals to which a tool may have rounded, the finest way first."""
 
-_COARSEST = 3
-"""Significant digits below which a number is not called rounded."""
-
-_SLACK = 1.0 + 1e-6
-"""Of half a unit of the last digit: the sums here round, too."""
+_EDITED = "the numbers do not agree with its checksum"
 
 
 class Pair(NamedTuple):
@@ -47,39 +39,21 @@ def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
     >>> _best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
     ('', [Pair(where='b', found=0.4, true=0.38)])
     """
-    written = [Decimal(repr(pair.found)).normalize() for pair in pairs if pair.found]
-    digits = _usual([len(x.as_tuple().digits) for x in written])
-    decimals = _usual([-int(x.as_tuple().exponent) for x in written])
-    ways: dict[str, Callable[[Pair], bool]] = {
-        "": lambda pair: pair.found.hex() == pair.true.hex(),
-        "to single precision": lambda pair: np.float32(pair.found) == np.float32(pair.true),
+    ways = {f"to {n} significant digits": f".{n - 1}e" for n in _DIGITS}
+    ways |= {f"to {n} decimals": f".{n}f" for n in _DIGITS}
+    left = {
+        "": [pair for pair in pairs if pair.found.hex() != pair.true.hex()],
+        "to single precision": [p for p in pairs if np.float32(p.found) != np.float32(p.true)],
     }
-    if digits >= _COARSEST:
-        ways[f"to {digits} significant digits"] = lambda pair: _within(pair, _half(pair, digits))
-        ways[f"to {decimals} decimals"] = lambda pair: _within(pair, 0.5 * 10.0**-decimals)
-    left = {way: [pair for pair in pairs if not holds(pair)] for way, holds in ways.items()}
+    for way, form in ways.items() if all(left.values()) else ():
+        left[way] = [pair for pair in pairs if not _rounds(pair, form)]
     best = min(left, key=lambda way: len(left[way]))
     return best, left[best]
 
 
-def _usual(counts: Sequence[int]) -> int:
-    """What a tenth of the numbers reaches or passes; 0 without numbers."""
-    return sorted(counts)[-1 - int(_FEW * (len(counts) - 1))] if counts else 0
-
-
-def _half(pair: Pair, digits: int) -> float:
-    """Half a unit of the last of so many significant digits."""
-    x = abs(pair.true)
-    return 0.5 * 10.0 ** (math.floor(math.log10(x)) + 1 - digits) if x else 0.0
-
-
-def _within(pair: Pair, half: float) -> bool:
-    """Whether a number lies within ``half`` of the table's, or of that in single precision."""
-    near = min(abs(pair.found - x) for x in (pair.true, float(np.float32(pair.true))))
-    return near <= half * _SLACK
-
-
-_EDITED = "the numbers do not agree with its checksum"
+def _rounds(pair: Pair, form: str) -> bool:
+    """Whether a number is the table's as ``form`` writes it, or as it writes that in single."""
+    return pair.found in (float(f"{x:{form}}") for x in (pair.true, float(np.float32(pair.true))))
 
 
 def parent(found: Returned, store: Store) -> Stored | None:
@@ -118,12 +92,12 @@ def difference(found: Returned, stored: Stored | None) -> Difference:
     ExchangeError where there is neither table nor checksum.
     """
     edited = [_EDITED] if found.unchanged is False else []
-    if stored is None and found.unchanged is None:
-        raise ExchangeError(
-            f"{found.table} is not in this store, and the file has no checksum to hold it to",
-            do="give the store of that table with --store",
-        )
     if stored is None:
+        if found.unchanged is None:
+            raise ExchangeError(
+                f"{found.table} is not in this store, and the file has no checksum to hold it to",
+                do="give the store of that table with --store",
+            )
         rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
     form = "cdfx" if found.format == CDF else "dcm"
@@ -153,8 +127,7 @@ def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
         held = dict(zip(product(*whole_over), cells, strict=True))
         rows = product(*(_nearest(x, row) for x, row in zip(over, whole_over, strict=True)))
         for place, value, cell in zip(product(*over), values, rows, strict=True):
-            at = place if len(place) > 1 else place[0]
-            yield Pair(f"{name} at {at!r}", value, held[cell])
+            yield Pair(f"{name} at {place if len(place) > 1 else place[0]!r}", value, held[cell])
 
 
 def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
@@ -169,8 +142,8 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
 
     A tool may save other objects of an ECU along; labels of this table begin with its name.
     """
-    ours = {name for name in _labels(found.content) if name.startswith(f"{found.prefix}_")}
-    theirs = _labels(whole)
+    ours, theirs = ({*one.axes, *one.grids, *one.scalars} for one in (found.content, whole))
+    ours = {name for name in ours if name.startswith(f"{found.prefix}_")}
     gaps = [f"{name}: only in the file" for name in ours - theirs]
     gaps += [f"{name}: only in the table" for name in theirs - ours]
     for name in found.content.grids.keys() & whole.grids.keys():
@@ -181,7 +154,3 @@ def _gaps(found: Returned, whole: Content) -> list[str]:
             elif len(set(row)) != len(row):
                 gaps.append(f"{name}: two of its points are one row of the table")
     return sorted(gaps)
-
-
-def _labels(content: Content) -> set[str]:
-    return {*content.axes, *content.grids, *content.scalars}

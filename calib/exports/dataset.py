@@ -3,6 +3,9 @@
 Every format writes one `Dataset`; `calib.exports.build` makes it of a table.
 """
 
+import hashlib
+import re
+import unicodedata
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +14,6 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.car.effects.combined import sensed
-from calib.exports.content import Content
 from calib.store.evidence import Quality
 from calib.store.version import Stored
 from calib.table.breakpoints import Misfit, misfit
@@ -24,12 +26,75 @@ _CLAMP = (
 """Values of a look-up beyond the ends, as in `calib.estimation.baselines`."""
 
 _NOT = "NOT RELEASED, not for use in a vehicle: "
-"""Before the state of a version that is not released, in every format."""
-
 _NONE_GIVEN = (
     "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
     "the linked program"
 )
+_KINDS = ("VALUE", "CURVE", "MAP", "CUBOID")  # words of A2L and CDF by number of axes
+MOST_AXES = len(_KINDS) - 1
+
+LONGEST, LONGEST_PREFIX = 31, 16
+"""Characters of a label (significant in every C99 compiler), and of its first part."""
+
+_MARK = 4  # digits of the digest behind a shortened name
+
+Numbers = tuple[float, ...]
+
+
+def prefix(name: str) -> str:
+    """Label of a table's name, at most 16 characters.
+
+    >>> prefix("sedan-2up"), prefix("2up"), prefix("Müller")
+    ('sedan_2up', 't_2up', 'Muller_a784')
+    """
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    word = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
+    if not word[:1].isalpha():
+        word = f"t_{word}".rstrip("_")
+    whole = re.fullmatch(r"[A-Za-z0-9._-]+", name) is not None
+    return word if whole and len(word) <= LONGEST_PREFIX else _marked(word, name, LONGEST_PREFIX)
+
+
+def label(*parts: str) -> str:
+    """Label of one object, at most 31 characters: an identifier of every format and C compiler."""
+    whole = "_".join(parts)
+    return whole if len(whole) <= LONGEST else _marked(whole, whole, LONGEST)
+
+
+def _marked(word: str, name: str, longest: int) -> str:
+    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:_MARK]
+    return f"{word[: longest - _MARK - 1].rstrip('_')}_{mark}"
+
+
+@dataclass(frozen=True)
+class Content:
+    """The bare numbers by label: shared axes, scalars, and ``grids``: curves and maps.
+
+    A grid has its axes, the slowest first, and its values.
+    """
+
+    axes: dict[str, Numbers]
+    scalars: dict[str, float]
+    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]]
+
+    def __len__(self) -> int:
+        return len(self.axes) + len(self.scalars) + len(self.grids)
+
+    @property
+    def checksum(self) -> str:
+        """SHA-256 over labels and numbers with all their bits [hex]."""
+        lines = [f"scalar {n} {float(v).hex()}" for n, v in sorted(self.scalars.items())]
+        lines += [f"axis {n} {_hex(v)}" for n, v in sorted(self.axes.items())]
+        grids = sorted((len(over) > 1, n, over, y) for n, (over, y) in self.grids.items())
+        lines += [
+            f"{'map' if several else 'curve'} {n} {' by '.join(map(_hex, over))} of {_hex(y)}"
+            for several, n, over, y in grids
+        ]
+        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def _hex(values: Numbers) -> str:
+    return " ".join(v.hex() for v in values)
 
 
 @dataclass(frozen=True)
@@ -40,30 +105,25 @@ class Addresses:
     big_endian: bool = False
     remarks: tuple[str, ...] = (_NONE_GIVEN,)
 
-    def of(self, name: str) -> int:
-        """Address of an object; 0 where no program was given."""
-        return self.by_label.get(name, 0)
-
 
 @dataclass(frozen=True)
 class Object:
-    """What has a label: ``values`` (n,) in ``unit``; ``fixed`` the same in fixed point, or None."""
+    """What has a label: ``values`` (n,) in ``unit``; ``fixed`` the same in fixed point, or None.
+
+    ``axes`` of a curve or map, the slowest first.
+    """
 
     label: str
     meaning: str
     unit: str
     values: Array
     fixed: Fixed | None
+    axes: tuple["Axis", ...] = field(default=(), kw_only=True)
 
     @property
     def kind(self) -> str:
         """Word of A2L and CDF for it."""
-        return "VALUE"
-
-    @property
-    def over(self) -> tuple["Axis", ...]:
-        """The axes of a curve or map, the slowest first."""
-        return ()
+        return "AXIS_PTS" if isinstance(self, Axis) else _KINDS[len(self.axes)]
 
     @property
     def numbers(self) -> list[float]:
@@ -94,11 +154,6 @@ class Axis(Object):
     misfit: Misfit
 
     @property
-    def kind(self) -> str:
-        """Word of A2L."""
-        return "AXIS_PTS"
-
-    @property
     def reduced(self) -> bool:
         """Whether the breakpoints are fewer than the rows of the table."""
         return len(self.values) < self.rows
@@ -115,35 +170,18 @@ class Axis(Object):
         )
 
 
-_KINDS = {1: "CURVE", 2: "MAP", 3: "CUBOID"}
-
-MOST_AXES = max(_KINDS)
-"""Number of axes of the largest map."""
-
-
 @dataclass(frozen=True)
 class Grid(Object):
-    """Values (n,) over every combination of ``axes``, row-major, the first axis the slowest.
+    """Values (n,) over every combination of its axes, row-major, the first axis the slowest.
 
     ``column`` of the table; ``bounds`` its 95 % bounds, if it has any; ``count`` and ``flag`` of
     the cells of a curve. Those of a map are None, and its bounds are grids of their own.
     """
 
-    axes: tuple[Axis, ...]
     column: str
     bounds: tuple[Array, Array] | None
     count: Array | None = None
     flag: Array | None = None
-
-    @property
-    def kind(self) -> str:
-        """Word of A2L and CDF for it."""
-        return _KINDS[len(self.axes)]
-
-    @property
-    def over(self) -> tuple[Axis, ...]:
-        """Its axes."""
-        return self.axes
 
     @property
     def axis(self) -> Axis:
@@ -234,9 +272,8 @@ class Dataset:
     @property
     def numbers(self) -> str:
         """How the numbers of a file for an ECU are written."""
-        floating = "float" if self.single else "double"
         if self.bits is None:
-            return floating
+            return "float" if self.single else "double"
         wide = "; scalars and axes of maps int16_t" * (self.bits < LEAST_BITS)
         return f"int{self.bits}_t, value = origin + step * raw{wide}"
 
@@ -252,12 +289,11 @@ class Dataset:
     def facts(self) -> dict[str, str]:
         """Facts that every file states, by key."""
         stored, table, content = self.stored, self.stored.table, self.content()
-        effects = table.vehicle.effects
-        beyond = table.not_sensed
+        beyond = (f"{name}: {why}" for name, why in table.not_sensed.items())
         may_be_empty = {
             "parents": ", ".join(parent.id for parent in table.provenance.parents),
-            "effects to take out": ", ".join(sensed(effects).described),
-            "effects not known to the ECU": "; ".join(f"{k}: {why}" for k, why in beyond.items()),
+            "effects to take out": ", ".join(sensed(table.vehicle.effects).described),
+            "effects not known to the ECU": "; ".join(beyond),
         }
         return {
             "table": stored.id,

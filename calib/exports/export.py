@@ -12,13 +12,12 @@ from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
-from calib.exports.dataset import Axis, Dataset, Grid
+from calib.exports.dataset import Dataset, Grid
 from calib.exports.write import FORMATS
 from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 
-ENDINGS = {name: form.ending for name, form in FORMATS.items()}
-"""Ending of the file name by format."""
+ENDINGS = {name: form.ending for name, form in FORMATS.items()}  # of files, by format
 
 CODES = ("ecu", "fmu2", "fmu3", "car-fmu2", "car-fmu3")
 """Formats that are C, see `calib.ecu`: the estimator for an ECU, as an FMU of FMI 2.0 or 3.0, and
@@ -33,11 +32,11 @@ def _form_of(path: Path, written: str | None) -> str:
         every = [*ENDINGS, *CODES]
         do = did_you_mean(written.lower(), every)
         raise ExchangeError(f"unknown format {written!r}", expected=", ".join(every), do=do)
-    fits = [form for form in ENDINGS if path.name.lower().endswith(f".{ENDINGS[form]}")]
-    if not fits:
-        endings = ", ".join(f".{ending}" for ending in ENDINGS.values())
-        raise ExchangeError("its ending names no format", where=path, expected=f"one of {endings}")
-    return max(fits, key=lambda form: len(ENDINGS[form]))
+    for form, ending in ENDINGS.items():
+        if path.suffix.lower() == f".{ending}":
+            return form
+    endings = ", ".join(f".{ending}" for ending in ENDINGS.values())
+    raise ExchangeError("its ending names no format", where=path, expected=f"one of {endings}")
 
 
 @dataclass(frozen=True)
@@ -61,15 +60,15 @@ class Exported:
     def notes(self) -> tuple[str, ...]:
         """What a reader of the file should know: reduced axes, rounding, the ECU's memory."""
         reduced = (f"{axis.label}: {axis.placed}" for axis in self.data.axes if axis.reduced)
-        read = (row for row in self.rounded if row["read_error"] is not None)
         errors = (
             f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}"
-            for row in read
+            for row in self._rounded
+            if row["read_error"] is not None
         )
         return (*reduced, *errors, *self.remarks)
 
     @property
-    def rounded(self) -> list[dict[str, Any]]:
+    def _rounded(self) -> list[dict[str, Any]]:
         """Each object of a fixed point: its step, and the errors of rounding and of reading."""
         return [
             {"label": one.label, "step": one.fixed.step, "error": one.fixed.error}
@@ -80,15 +79,18 @@ class Exported:
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON document of an export."""
-        data = self.data
-        axes = [
-            {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
-            | {"curves": [one.label for one in data.lines if one.axis.label == axis.label]}
-            | ({"maps": over} if (over := _over(data, axis)) else {})
-            | {"worst": axis.misfit.worst, "worst_at": axis.misfit.at, "rms": axis.misfit.rms}
-            for axis in data.axes
-        ]
-        fixed = {"bits": data.bits, "objects": self.rounded}
+        data, axes = self.data, []
+        for axis in data.axes:
+            curves, maps = (
+                [one.label for one in grids if axis.label in (a.label for a in one.axes)]
+                for grids in (data.lines, data.maps)
+            )
+            axes.append(
+                {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
+                | {"curves": curves}
+                | ({"maps": maps} if maps else {})
+                | {"worst": axis.misfit.worst, "worst_at": axis.misfit.at, "rms": axis.misfit.rms}
+            )
         return {
             **data.facts(),
             "version": data.stored.version,
@@ -98,13 +100,8 @@ class Exported:
             "sha256": hashlib.sha256(self.content).hexdigest(),
             "axes": axes,
             "remarks": list(self.remarks),
-            "fixed_point": fixed if self.rounded else None,
+            "fixed_point": {"bits": data.bits, "objects": self._rounded} if data.bits else None,
         }
-
-
-def _over(data: Dataset, axis: Axis) -> list[str]:
-    """Labels of the maps over an axis."""
-    return [one.label for one in data.maps if axis.label in [a.label for a in one.axes]]
 
 
 def require_handed_out(

@@ -11,15 +11,9 @@ import numpy as np
 from calib.base.errors import ExchangeError
 from calib.exports.dataset import Axis, Grid, Object, Scalar
 
-_LONGEST_TEXT = 255
-"""Most characters of a text of A2L."""
-
-_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}
-"""Data type of A2L by width of the fixed point."""
-
-_DIGITS = 7
-"""Significant digits that a tool shows of the largest number of an object in double."""
-
+_LONGEST_TEXT = 255  # characters of a text of A2L
+_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # of A2L by width of the fixed point
+_DIGITS = 7  # significant ones that a tool shows of the largest number of an object in double
 _MOST_DECIMALS = 15
 
 
@@ -68,7 +62,7 @@ def made(one: Object) -> str:
     """How an object came about, for its history in CDF."""
     if isinstance(one, Scalar):
         return "fitted" + ("" if one.sigma is None else f"; one standard deviation {one.sigma!r}")
-    axes = (one,) if isinstance(one, Axis) else one.over
+    axes = (one,) if isinstance(one, Axis) else one.axes
     return "; ".join(("fitted", one.span, *(axis.placed for axis in axes)))
 
 

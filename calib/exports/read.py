@@ -9,18 +9,17 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree as ET
 
 from calib.base.bounded import CALIBRATION, bytes_of
 from calib.base.errors import ExchangeError
-from calib.exports.content import Content, Numbers
+from calib.exports.dataset import Content, Numbers
 
-VERSION = "_version"
-"""How the label of the scalar ends that holds the version of the table."""
+_VERSION = "_version"  # the end of the label of the scalar that holds the version of the table
+DCM, CDF = "DCM", "CDF"  # formats that are read back
 
-
-DCM, CDF = "DCM", "CDF"
-"""Formats that are read back."""
+Found = tuple[dict[str, str], dict[str, str], Content]  # facts and units by name, and the numbers
 
 
 @dataclass(frozen=True)
@@ -51,35 +50,34 @@ def read_back(path: Path) -> Returned:
     """
     data = bytes_of(path, CALIBRATION, ExchangeError, "DCM or CDF")
     if data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):
-        return _returned(path, CDF, *_read_cdf(path, data))
+        return _returned(path, CDF, _read_cdf(path, data))
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ExchangeError(
             f"not text ({error.reason})", where=path, expected="DCM or CDF"
         ) from error
-    return _returned(path, DCM, *_read_dcm(path, text))
+    return _returned(path, DCM, _read_dcm(path, text))
 
 
-def _returned(
-    path: Path, form: str, facts: dict[str, str], units: dict[str, str], content: Content
-) -> Returned:
-    firsts = [name.removesuffix(VERSION) for name in content.scalars if name.endswith(VERSION)]
+def _returned(path: Path, form: str, found: Found) -> Returned:
+    facts, units, content = found
+    firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
     firsts = [first for first in firsts if f"{first}_D" in content.grids]
     if len(firsts) != 1:
         raise ExchangeError(
-            f"{form} with the labels of {len(firsts)} tables, such as NAME{VERSION} and NAME_D",
+            f"{form} with the labels of {len(firsts)} tables, such as NAME{_VERSION} and NAME_D",
             where=path,
             expected="an export of one table, or that file as another tool has saved it",
         )
-    first = firsts[0]
     if facts.get("objects", str(len(content))) != str(len(content)):
         raise ExchangeError(
             f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined",
             where=path,
             do="export the table again",
         )
-    table = facts.get("table", f"{first}@{content.scalars[first + VERSION]:.0f}")
+    (first,) = firsts
+    table = facts.get("table", f"{first}@{content.scalars[first + _VERSION]:.0f}")
     return Returned(form, facts, units, content, first, table)
 
 
@@ -100,8 +98,7 @@ _ARRAYS = {
 _TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_Y", "EINHEIT_W", "FKT")
 
 
-@dataclass(frozen=True)
-class _Block:
+class _Block(NamedTuple):
     """One object of a DCM file; ``over`` names the axes of a curve or map by their arrays."""
 
     kind: str
@@ -111,7 +108,7 @@ class _Block:
     numbers: dict[str, Numbers]
 
 
-def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Content]:
+def _read_dcm(path: Path, text: str) -> Found:
     lines = [line.strip() for line in text.splitlines()]
     begin = next((i for i, line in enumerate(lines) if line.split() == [_FORMAT, "2.0"]), None)
     if begin is None:
@@ -121,8 +118,7 @@ def _read_dcm(path: Path, text: str) -> tuple[dict[str, str], dict[str, str], Co
     *parts, rest = re.split(r"^END$", "\n".join(lines[begin + 1 :]), flags=re.MULTILINE)
     if _words(rest):
         raise _bad(path, f"{' '.join(_words(rest)[0])} has no END", "the whole object")
-    blocks = [_block(path, part) for part in parts]
-    blocks = [b for b in blocks if b.kind != _FUNCTIONS]
+    blocks = [b for b in (_block(path, part) for part in parts) if b.kind != _FUNCTIONS]
     units = _once(path, ((b.name, b.unit) for b in blocks))
     axes = {b.name: b.numbers[_X] for b in blocks if b.kind == _AXIS}
     grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
@@ -145,7 +141,7 @@ def _words(part: str) -> list[list[str]]:
 def _block(path: Path, part: str) -> _Block:
     """The object in front of an END: its first line, its texts, and all its numbers."""
     first, *lines = _words(part) or [[""]]
-    kind, name = first[0], first[1] if len(first) > 1 else ""
+    kind, name, *sizes = *first, *[""] * (2 - len(first))
     if kind not in _ARRAYS or (not name and kind != _FUNCTIONS):
         raise _bad(path, f"{' '.join(first)!r} begins no object", f"one of {', '.join(_ARRAYS)}")
     where, unit = f"{path}: {name}", ""
@@ -157,21 +153,16 @@ def _block(path: Path, part: str) -> _Block:
             raise _bad(where, f"{word!r} within {kind}", ", ".join((*arrays, *_TEXTS)))
         elif word == ("EINHEIT_X" if kind == _AXIS else "EINHEIT_W"):
             unit = " ".join(rest).strip('"')
+    if len(sizes) != (2 if kind == _MAP else _X in arrays) or not all(map(str.isdecimal, sizes)):
+        raise _bad(where, " ".join(first), "the number of its points along each axis")
+    counts = [int(size) for size in sizes]
+    stated = dict(zip((_X, _Z), counts, strict=False)) | {_Y: math.prod(counts)}
     numbers = {word: _floats(where, texts) for word, texts in arrays.items()}
-    sizes = _sizes(kind, first)
     for word, found in numbers.items():
-        if str(len(found)) != (size := sizes.get(word, "")):
-            raise _bad(where, f"{len(found)} of {size} numbers {word}", "as many as it says")
+        if len(found) != stated[word]:
+            raise _bad(where, f"{len(found)} of {stated[word]} numbers {word}", "as many as said")
     over = re.findall(r"^\*SST([XY]).*\s(\S+)$", part, flags=re.MULTILINE)
     return _Block(kind, name, {f"ST/{axis}": label for axis, label in over}, unit, numbers)
-
-
-def _sizes(kind: str, first: list[str]) -> dict[str, str]:
-    """How many numbers each array of an object must have, by its first line."""
-    if kind != _MAP:
-        return dict.fromkeys((_X, _Y), "1" if kind == _VALUE else first[-1])
-    x, y = first[2:] if len(first) == 4 and all(map(str.isdecimal, first[2:])) else ("0", "0")
-    return {_X: x, _Z: y, _Y: str(int(x) * int(y))}
 
 
 def _once(path: Path, units: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -197,9 +188,10 @@ def _bad(where: object, what: str, expected: str) -> ExchangeError:
 
 
 _TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
+_COUNTS = {"CURVE": 1, "MAP": 2, "CUBOID": 3}  # of axes
 
 
-def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], Content]:
+def _read_cdf(path: Path, text: bytes) -> Found:
     root = _root(path, text)
     tree = root.find(_TREE)
     if root.tag != "MSRSW" or root.findtext("CATEGORY") != "CDF20" or tree is None:
@@ -209,8 +201,7 @@ def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], 
     objects = [(one.findtext("SHORT-NAME", ""), one) for one in tree.findall("SW-INSTANCE")]
     unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
     units = _once(path, ((name, one.findtext(unit, "")) for name, one in objects))
-    kinds = ("COM_AXIS", "CURVE", "MAP", "CUBOID", "VALUE")
-    values: dict[str, dict[str, Numbers]] = {kind: {} for kind in kinds}
+    values: dict[str, dict[str, Numbers]] = {k: {} for k in ("COM_AXIS", *_COUNTS, "VALUE")}
     for name, one in objects:
         kind = one.findtext("CATEGORY", "")
         if kind not in values:
@@ -219,7 +210,7 @@ def _read_cdf(path: Path, text: bytes) -> tuple[dict[str, str], dict[str, str], 
     axes, named = values["COM_AXIS"], dict(objects)
     grids = {
         n: (_over(path, n, named[n], axes, count), y)
-        for kind, count in (("CURVE", 1), ("MAP", 2), ("CUBOID", 3))
+        for kind, count in _COUNTS.items()
         for n, y in values[kind].items()
     }
     for name, (over, y) in grids.items():
@@ -245,21 +236,19 @@ def _root(path: Path, text: bytes) -> ET.Element:
 def _over(
     path: Path, curve: str, one: ET.Element, axes: dict[str, Numbers], count: int
 ) -> tuple[Numbers, ...]:
-    """The axes of a curve or map, the slowest first: X is the first in the file."""
-    conts = one.findall("SW-AXIS-CONTS/SW-AXIS-CONT")
+    """The axes of a curve or map, its own or those that it names, the slowest first.
+
+    X is the first in the file.
+    """
+    over, conts = list[Numbers](), one.findall("SW-AXIS-CONTS/SW-AXIS-CONT")
     if len(conts) != count:
         raise ExchangeError(f"has {len(conts)} of {count} axes", where=f"{path}: {curve}")
-    return tuple(_axis(path, curve, axis, axes) for axis in reversed(conts))
-
-
-def _axis(path: Path, curve: str, axis: ET.Element, axes: dict[str, Numbers]) -> Numbers:
-    """An axis of a curve: its own, or one that it names."""
-    name = axis.findtext("SW-INSTANCE-REF")
-    if name is None:
-        return _values(path, curve, axis)
-    if name not in axes:
-        raise ExchangeError(f"is over {name}, which is missing", where=f"{path}: {curve}")
-    return axes[name]
+    for axis in reversed(conts):
+        name = axis.findtext("SW-INSTANCE-REF")
+        if name is not None and name not in axes:
+            raise ExchangeError(f"is over {name}, which is missing", where=f"{path}: {curve}")
+        over.append(_values(path, curve, axis) if name is None else axes[name])
+    return tuple(over)
 
 
 def _values(path: Path, name: str, part: ET.Element | None) -> Numbers:

@@ -4,16 +4,13 @@
     dcm       conservation format 2.0 of ETAS, with German keywords; no range, digest or end mark:
               they are comments, and the number of objects betrays a file that was cut off
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
-    inca-csv  the CSV of INCA
     c-header  constants in C99 by MISRA C:2012: declared for every file (8.4, 8.11), defined only
               where <NAME>_DEFINE is defined before it (8.6)
     a2l       ASAM MCD-2 MC 1.7.1: what the objects of the C header are, where, and how to read
               them; without values and interface, to be merged into the A2L of the ECU
 
-A map of three axes is a CUBOID; DCM and INCA know two, and have one map for each value of the
-third.
-
-Every number is written so that it reads back to the last bit.
+A map of three axes is a CUBOID; DCM knows two, and has one map for each value of the third. Every
+number is written so that it reads back to the last bit.
 """
 
 import csv
@@ -32,14 +29,10 @@ from calib.base.arrays import Array
 from calib.base.templates import templates
 from calib.exports import filters
 from calib.exports.build import UNIT
-from calib.exports.dataset import MOST_AXES, Dataset, Grid, Object
-from calib.exports.labels import label
+from calib.exports.dataset import MOST_AXES, Dataset, Grid, Object, label
 
-_FUNCTION = "brake_torque"
-"""Name of the function that the objects belong to."""
-
-_BARE = "-"
-"""The unit of a bare number in CSV, where readers that guess types would take 1 for an integer."""
+_FUNCTION = "brake_torque"  # to which the objects belong
+_BARE = "-"  # unit of a bare number in CSV: readers that guess types would take 1 for an integer
 
 COLUMNS = (
     "label", "axis", "x", "value", "unit", "lower", "upper", "count", "flag", "meaning",
@@ -47,14 +40,12 @@ COLUMNS = (
 """``value`` [unit] of ``label`` at ``x`` on ``axis``; ``lower``, ``upper`` 95 % band; None where
 there is none."""
 
-MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")
-"""Columns behind the `COLUMNS` where a table has maps."""
+_MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")  # behind the `COLUMNS` where there are maps
 
 TEXTS = ("label", "axis", "unit", "meaning", "axis_2", "axis_3")
 """Columns of text; all others are float64 in the row's unit."""
 
-_BOM = b"\xef\xbb\xbf"
-"""Mark of UTF-8, which A2L demands where a file is not ASCII."""
+_BOM = b"\xef\xbb\xbf"  # mark of UTF-8, which A2L demands where a file is not ASCII
 
 
 def _write_json(data: Dataset) -> bytes:
@@ -98,9 +89,13 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else vars(value)
 
 
+def _columns(data: Dataset) -> tuple[str, ...]:
+    return COLUMNS + (_MORE_AXES if data.grids else ())
+
+
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
     """Cells of the columns; the bounds of a map stand beside its medians."""
-    none = (None,) * len(MORE_AXES) if data.grids else ()
+    none = (None,) * (len(_columns(data)) - len(COLUMNS))
     for one in (*data.curves, *data.grids):
         if not one.is_bound:
             yield from (row[: len(COLUMNS) + len(none)] for row in _cells(one))
@@ -118,10 +113,6 @@ def _cells(one: Grid) -> Iterator[tuple[str | float | None, ...]]:
         (axis, x), *more = place
         over = [cell for pair in more for cell in pair] + [None] * (2 * (MOST_AXES - len(place)))
         yield (one.label, axis, x, value, one.unit, *rest, one.meaning, *over)
-
-
-def _columns(data: Dataset) -> tuple[str, ...]:
-    return COLUMNS + (MORE_AXES if data.grids else ())
 
 
 def _write_csv(data: Dataset) -> bytes:
@@ -166,21 +157,14 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
         "c_string": filters.c_string,
         "type": partial(filters.a2l_type, single=data.single),
     }
-    stored = data.stored
+    facts = data.facts()
     written = made.get_template(f"{name}.j2").render(
+        {key: facts[key] for key in ("version", "digest", "program", "vehicle")},
         data=data,
-        facts=list(data.facts().items()),
+        facts=list(facts.items()),
         function=f"{data.prefix}_{_FUNCTION}",
-        version=stored.version,
-        digest=stored.digest,
-        program=stored.table.provenance.program,
-        vehicle=stored.table.vehicle.name,
     )
     return written.encode()
-
-
-def _write_inca_csv(data: Dataset) -> bytes:
-    return _filled("inca.csv", filters.printable, data).replace(b"\n", b"\r\n")
 
 
 def _write_a2l(data: Dataset) -> bytes:
@@ -211,6 +195,5 @@ FORMATS = {
     "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(filters.printable(x)))),
     "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
     "c-header": _Format("h", partial(_filled, "h", filters.as_comment), fixed=True),
-    "inca-csv": _Format("inca.csv", _write_inca_csv, most_axes=2),
 }
 """A new one is a template and a line here."""

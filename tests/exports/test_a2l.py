@@ -52,24 +52,6 @@ def test_another_program_accepts_it_in_strict_mode(real, tmp_path, bits):
     assert read.count("/begin CHARACTERISTIC") == len(data.curves) + len(data.scalars)
 
 
-@needs_a2ltool
-@needs_gcc
-@pytest.mark.parametrize("bits", WIDTHS)
-def test_another_program_finds_the_same_addresses_and_types_in_the_debug_information(
-    stored, tmp_path, bits
-):
-    data = built(stored, 8, bits=bits)
-    elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
-    ours = a2ltool(
-        tmp_path, FORMATS["a2l"].write(replace(data, addresses=find_addresses(elf, data)))
-    )
-    update = ("--elffile", elf, "--update", "FULL", "--update-mode", "STRICT")
-    assert a2ltool(tmp_path, FORMATS["a2l"].write(data), *update) == ours
-    # It would have corrected a wrong type: the file of another width differs after the update.
-    other = built(stored, 8, bits=32 if bits == 16 else 16)
-    assert a2ltool(tmp_path, FORMATS["a2l"].write(other), *update) != ours
-
-
 @needs_gcc
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):

@@ -1,7 +1,6 @@
 """Labels that are valid in every format, the rows that are kept, and numbers in fixed point."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,8 +13,8 @@ from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
 from calib.estimation.baselines import by_curves
 from calib.exports.build import build
+from calib.exports.dataset import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.exports.filters import printable
-from calib.exports.labels import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.store.evidence import Quality
 from calib.store.store import Store
 from calib.table.exported import BITS, fixed_axis, to_fixed
@@ -60,19 +59,6 @@ def test_18_holds_on_the_breakpoints_too(real):
     front = car.cg_to_rear_axle + z * car.cg_height
     rear = car.cg_to_front_axle - z * car.cg_height
     assert np.abs(front * f1.values + rear * f2.values).max() < 1e-9
-
-
-@pytest.mark.parametrize("points", [-1, 1, 22])
-def test_points_that_cannot_be_had_are_refused(stored, points):
-    with pytest.raises(ExchangeError, match=f"{points} breakpoints; expected 2 to 21"):
-        build(stored, points)
-
-
-def test_the_checksum_sees_the_last_bit(stored):
-    content = build(stored).content()
-    mass = content.scalars["sedan_mass"]
-    other = replace(content, scalars={**content.scalars, "sedan_mass": np.nextafter(mass, 0)})
-    assert other.checksum != content.checksum
 
 
 numbers = arrays(np.float64, st.integers(1, 30), elements=st.floats(-1e6, 1e6))

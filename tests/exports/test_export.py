@@ -4,7 +4,7 @@ from dataclasses import replace
 import pytest
 
 from calib.base.errors import ExchangeError, StoreError
-from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.effects.effects import Effects
 from calib.exports.export import ENDINGS, export
 
 
@@ -15,10 +15,6 @@ def test_the_ending_names_the_format(stored, tmp_path, form):
     assert (written.form, written.content) == (form, content)
     assert written.to_dict()["sha256"] == hashlib.sha256(content).hexdigest()
     assert export(stored, tmp_path / "car.txt", form.upper()).form == form
-
-
-def test_a_cdfx_has_the_date_that_is_given(stored, tmp_path):
-    assert b"2025-03-31" in export(stored, tmp_path / "a.cdfx", date="2025-03-31").content
 
 
 @pytest.mark.parametrize(
@@ -42,8 +38,8 @@ def test_what_cannot_be_written_is_refused_and_nothing_is_there(
 FADING = {"pad_thermal_fade": {"fade_slope": 1e-3, "fade_onset": 150.0}}
 
 
-def with_effects(stored, parameters, *terms):
-    car = replace(stored.table.vehicle, effects=Effects(parameters, terms))
+def with_effects(stored, parameters):
+    car = replace(stored.table.vehicle, effects=Effects(parameters))
     return replace(stored, table=replace(stored.table, vehicle=car))
 
 
@@ -67,15 +63,3 @@ def test_a_name_of_no_such_effect_is_refused(stored, tmp_path):
         with pytest.raises(ExchangeError, match=name):
             export(of, tmp_path / "car.dcm", without_effects=[name])
     assert export(lags, tmp_path / "car.dcm").path.exists()
-
-
-@pytest.mark.parametrize(("driver", "beyond"), [("temperature", True), ("pressure", False)])
-def test_a_term_over_what_no_ecu_senses_is_refused(stored, tmp_path, driver, beyond):
-    term = EmpiricalTerm("brakes", driver, (0.0, 1.0), (0.0, 0.1))
-    if beyond:
-        with pytest.raises(StoreError, match="brakes:temperature"):
-            export(with_effects(stored, {}, term), tmp_path / "car.dcm")
-    names = ["brakes:temperature"] * beyond
-    assert export(
-        with_effects(stored, {}, term), tmp_path / "car.dcm", without_effects=names
-    ).path.exists()

@@ -111,26 +111,12 @@ def from_cdf(data, folder):
     }
 
 
-def from_inca(data, folder):
-    curves, scalars = {}, {}
-    for part in FORMATS["inca-csv"].write(data).decode().split("\r\n\r\n"):
-        lines = [line for line in part.split("\r\n") if line and not line.startswith("*")]
-        head, *rows = [*csv.reader(lines, delimiter=";"), []]
-        name = head[-1] if head else ""
-        if rows and rows[0] and rows[0][0] == "CURVE":
-            curves[name] = [float(v) for v in rows[1][2:]], [float(v) for v in rows[2][2:]]
-        elif rows and rows[0] and rows[0][0] == "VALUE":
-            scalars[name] = [float(rows[0][2]), rows[0][1].strip("[]")]
-    return curves, scalars
-
-
 READERS = {
     "json": from_json,
     "csv": lambda data, folder: by_label(frame_of(data)),
     "parquet": lambda data, folder: by_label(parquet_of(data).to_pandas()),
     "dcm": from_dcm,
     "cdfx": from_cdf,
-    "inca-csv": from_inca,
 }
 
 

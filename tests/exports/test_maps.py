@@ -3,7 +3,6 @@
 ln of the pads' ratio is A + B_Z z + B_SHIFT shift + B_SLIP slip; the axes have 4, 5 and 3 values.
 """
 
-import csv
 import io
 import json
 import re
@@ -170,21 +169,6 @@ def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped, form):
     assert (level["value"] / level["x"]).tolist() == pytest.approx([0.01] * 3)
     assert (level["upper"] - level["lower"]).tolist() == pytest.approx([0.04] * 3)
     assert not [name for name in frame["label"] if "lower" in name]
-
-
-def test_inca_has_a_row_for_each_value_of_y(mapped):
-    parts = written(mapped, "inca-csv")[1].decode().split("\r\n\r\n")
-    found = {}
-    for i, slip in enumerate(SLIP):
-        part = next(p for p in parts if p.startswith(f";sedan_change_s{i + 1}\r\n"))
-        _, head, x, y, *rows = csv.reader(part.split("\r\n"), delimiter=";")
-        assert head == ["MAP", "sedan_shift", "sedan_z"]
-        found |= {
-            (float(z), float(s), slip): float(value)
-            for z, row in zip(y[2:], rows, strict=False)
-            for s, value in zip(x[2:], row[2:], strict=True)
-        }
-    assert near(found, "change")
 
 
 WIDTHS = [{}, {"single": True}, {"bits": 8}, {"bits": 16}, {"bits": 32}]

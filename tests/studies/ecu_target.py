@@ -17,7 +17,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.bundle import write_bundle
+from calib.ecu.code import write_bundle
 from calib.ecu.native import Native
 from calib.estimation.online import answered, samples_of
 from calib.estimation.reasons import Reason

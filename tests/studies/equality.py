@@ -266,19 +266,14 @@ READERS: dict[str, Callable[[Path, Reword], Columns]] = {
     ".toml": lambda path, text: leaves(tomllib.loads(path.read_text(encoding="utf-8")), text),
     ".csv": read_csv,
     ".parquet": read_parquet,
-    **dict.fromkeys((".inca.csv", ".dcm", ".cdfx", ".a2l", ".h", ".xml"), read_text),
+    **dict.fromkeys((".dcm", ".cdfx", ".a2l", ".h", ".xml"), read_text),
 }
-
-
-def ending(path: Path) -> str:
-    """What follows the first point of a file's own name that belongs to its format."""
-    return ".inca.csv" if path.name.endswith(".inca.csv") else path.suffix
 
 
 def read(path: Path, text: Reword, renamed: dict[str, str]) -> dict[str, Column]:
     """Columns by name; of two with one name none is lost."""
     out: dict[str, Column] = {}
-    for place, column in READERS[ending(path)](path, text):
+    for place, column in READERS[path.suffix](path, text):
         parts = re.split(r"([^\w])", place)
         name = "".join(renamed.get(part, part) for part in parts)
         while name in out:
@@ -309,7 +304,7 @@ def difference(a: Column, b: Column, tolerance: float) -> str | None:
 
 def files(home: Path, renamed: dict[str, str]) -> dict[str, Path]:
     """Every file that is compared, by its name in the other folder."""
-    paths = [p for p in sorted(home.rglob("*")) if p.is_file() and ending(p) in READERS]
+    paths = [p for p in sorted(home.rglob("*")) if p.is_file() and p.suffix in READERS]
     names = [p.relative_to(home).with_name(renamed.get(p.name, p.name)).as_posix() for p in paths]
     copied = re.compile(r"inputs/|recording\.json|demo/all/out/sample_logs/")
     return {n: p for n, p in zip(names, paths, strict=True) if not copied.match(n)}

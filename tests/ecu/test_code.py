@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ProgramError
-from calib.ecu.bundle import names, write_bundle
+from calib.ecu.code import files_of, write_bundle
 from calib.ecu.native import Native
 from calib.estimation.online import samples_of
 from calib.help.samples import sample_logs
@@ -136,15 +136,15 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
         ran = brake_cal(*words, "ECU", "--float", "--out", code, "--prefix", prefix, "--json")
         told = json.loads(ran.out)
         assert (ran.code, told["format"], told["float"]) == (0, "ecu", 32)
-        assert set(told["files"]) == set(names(prefix))
+        assert set(told["files"]) == set(files_of(prefix))
         for name, text in foreign.items():
             (code / name).write_text(text)
-    assert {path.name for path in code.iterdir()} == {*names("bte"), *names("take"), *foreign}
+    assert {path.name for path in code.iterdir()} == {*files_of("bte"), *files_of("take"), *foreign}
     assert not any("bte" in path.read_text().lower() for path in code.glob("take*.[ch]"))
     called(code, program(code, f"cc -std=c99 {STRICT}", prefix="take"))
     (code / "README.md").write_text("The estimator of brake-cal, of another version.\n")
     assert brake_cal(*words, "ecu", "--out", code, "--prefix", "take").code == 2
-    assert set(names("xBTE")) >= {"xBTE.c", "xBTE.h", "xBTE_car.c", "xBTE.a2l"}
+    assert set(files_of("xBTE")) >= {"xBTE.c", "xBTE.h", "xBTE_car.c", "xBTE.a2l"}
     own.mkdir()
     (own / "CMakeLists.txt").write_text("project(own)\n")
     new = ("ecu", "--out", own / "code")
