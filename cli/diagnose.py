@@ -57,7 +57,7 @@ def diagnose(
     from calib.base.processes import cores, side_by_side
     from calib.car.effects.catalogue import with_own
     from calib.diagnosis.diagnose import diagnose as find
-    from calib.diagnosis.written import files_of, text_of, to_dict, write_folder
+    from calib.diagnosis.diagnosis import files_of, text_of, to_dict, write_folder
     from calib.show.facts import facts_of
     from calib.show.html import page_of
 

@@ -31,8 +31,8 @@ ROOMS = """
 
 INSIDE = {
     "diagnosis": [
-        *("explanation", "replays", "search", "runs", "proof", "undecided"),
-        *("diagnosis", "named", "diagnose", "written"),
+        *("explanation", "replays", "rank", "fits", "terms", "search", "runs"),
+        *("verdict", "diagnosis", "named", "diagnose"),
     ],
 }
 """The order inside a room whose folders stand on each other; a file of the room is a name, too."""
@@ -55,7 +55,7 @@ def room(module: str) -> str:
 
 
 def folder(module: str) -> str:
-    """`search` of calib.diagnosis.search.rank, `diagnose` of calib.diagnosis.diagnose."""
+    """`search` of calib.diagnosis.rank, `diagnose` of calib.diagnosis.diagnose."""
     return module.split(".")[2]
 
 

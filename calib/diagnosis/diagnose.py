@@ -11,21 +11,23 @@ from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import SLOWING, acts_on
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.explanation.base import OWN
 from calib.diagnosis.explanation.explanation import runs_of
 from calib.diagnosis.explanation.fit import SETTLED
-from calib.diagnosis.explanation.own import OWN
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Tell, problem_of, silent
-from calib.diagnosis.named import base_estimates, named
-from calib.diagnosis.proof.unexplained import unexplained_of
-from calib.diagnosis.proof.verdict import Verdict, verdict_of
-from calib.diagnosis.replays.gap import gap_of, remainder_of
-from calib.diagnosis.replays.hold_outs import Replayed, model_of
-from calib.diagnosis.runs.axles import require_right_axles
-from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
-from calib.diagnosis.runs.sides import LARGEST, USUAL, with_even_sides
-from calib.diagnosis.search.search import searched
-from calib.diagnosis.undecided import confusion_of, drives
+from calib.diagnosis.named import base_estimates, confusion_of, drives, named
+from calib.diagnosis.replays import Replayed, gap_of, model_of, remainder_of
+from calib.diagnosis.runs import (
+    LARGEST,
+    USUAL,
+    checked,
+    require_right_axles,
+    unexplained_warnings,
+    with_even_sides,
+)
+from calib.diagnosis.search import searched
+from calib.diagnosis.verdict import Verdict, unexplained_of, verdict_of
 from calib.logs.log import Log
 from calib.run.copies import without_holds
 
@@ -54,7 +56,7 @@ def diagnose(
     Returns
     -------
     The diagnosis. Its ``model_after`` is the car with the identified effects, for `calib.simulate`.
-    Left and right wheel speeds are made even where nothing brakes (`calib.diagnosis.runs.sides`).
+    Left and right wheel speeds are made even where nothing brakes.
 
     Raises LogError when there is no hold-out, when nothing in the logs is braked, and for a log
     that looks like a mistake: a run that is given twice, also as a copy; one whose channels `check`

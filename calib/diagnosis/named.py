@@ -1,27 +1,61 @@
-"""The named effects of an explanation, and its base, each with evidence and intervals."""
+"""What an explanation says: its effects by name, its base, and what the logs cannot tell.
 
-from collections.abc import Iterable
+For each question that they leave, the drive that would tell it best, by one linear step, which is
+right for small effects, and the order of magnitude for large ones:
+
+    columns of the logs + columns of a manoeuvre --> less what pads, tyres, effects do --> sigma
+"""
+
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import combinations, compress
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import Z95
-from calib.base.names import WHEELS
-from calib.car.effects.catalogue import definition
+from calib.base.names import WHEELS, G
+from calib.car.effects.catalogue import definition, every_effect
 from calib.car.effects.effect import AT_WHEELS, acts_on
 from calib.car.effects.effects import Effects
-from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
-from calib.diagnosis.explanation.base import PADS, Base
+from calib.diagnosis.diagnosis import (
+    Alike,
+    Confusion,
+    Evidence,
+    Named,
+    Pair,
+    ParameterEstimate,
+    RunnerUp,
+    ShowingDrive,
+    Size,
+    Where,
+)
+from calib.diagnosis.explanation.base import OWN, PADS, Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
-from calib.diagnosis.explanation.explanation import Explanation, innovations, runs_of
+from calib.diagnosis.explanation.explanation import Explanation, innovations, runs_of, seen
+from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import based
-from calib.diagnosis.explanation.predict import ObservedRun, predict
-from calib.diagnosis.proof.verdict import Verdict
-from calib.diagnosis.replays.gap import range_of
-from calib.diagnosis.undecided import Confusion
+from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
+from calib.diagnosis.replays import range_of
+from calib.diagnosis.verdict import Verdict
+from calib.logs.log import Log
+
+_SHOWN = 5.0  # size [sigma] from which logs show an effect: ln of the odds is 7, its price is 5
+_CLEAR = 10.0  # size [sigma] from which a drive shows it surely
+
+_TESTS = {
+    # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
+    "coast down from 130 km/h": (36.0, 0.0, 1e9, 12.0),
+    "coast down from 50 km/h": (14.0, 0.0, 1e9, 12.0),
+    "slow ramp to 45 bar": (33.0, 45.0, 5.0, 12.0),
+    "light stop at 8 bar from 60 km/h": (17.0, 8.0, 1e9, 12.0),
+    "hard stop at 45 bar from 120 km/h": (33.0, 45.0, 1e9, 12.0),
+    "applications of 20 bar, 1 s on and 1 s off": (30.0, 20.0, 1e9, 2.0),
+}
+"""Tests that any proving ground can do; an application begins after 1 s."""
 
 
-def intervals(at: Explanation) -> list[tuple[Base, Effects]]:
+def _intervals(at: Explanation) -> list[tuple[Base, Effects]]:
     """All parameters at the lower ends of their 95 % intervals, as they are, and at the upper ends.
 
     A tyre's own form and what logs have of their own are counted. Intervals are wider where more
@@ -39,7 +73,7 @@ def base_estimates(at: Explanation) -> dict[str, ParameterEstimate]:
     names = ("pad_friction_f", "pad_friction_r", "tyre_stiffness", "tyre_peak", "rolling_radius")
     ends = [
         (b.pad_friction_f, b.pad_friction_r, float(b.tyre.stiffness), float(b.tyre.peak), b.radius)
-        for b, _ in intervals(at)
+        for b, _ in _intervals(at)
     ]
     return {name: _estimate(of, "1") for name, *of in zip(names, *ends, strict=True)}
 
@@ -49,7 +83,7 @@ def named(found: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
     best, search, whole = found.best, found.search, found.best.effects
     known = best.problem.vehicle.effects
     tried = [e for e in search.fits.others(search.best) if e.reduced < search.base.reduced]
-    ends = [effects for _, effects in intervals(best)]
+    ends = [effects for _, effects in _intervals(best)]
     logs = (best.runs, runs_of(search.held.problem, found.after.own))
     others = sorted({n for e in found.rivals for n in e.names} - set(best.names))
     nearest = confusion.pairs[0] if confusion else None
@@ -110,15 +144,88 @@ def _where(at: Explanation, name: str, rest: Effects) -> Where:
     pressure, speed, temperature = (range_of(x, np.sum(power, axis=0)) for x in drivers)
     warm = all(run.temperature_f is not None for run in at.runs)
     on_wheels = acts_on(definition(vehicle.effects, name), AT_WHEELS)
-    axle = _axle(*np.sum(wheels.reshape(2, 2), axis=1)) if on_wheels else "body"
+    front, rear = np.sum(wheels.reshape(2, 2), axis=1).tolist() if on_wheels else (0.0, 0.0)
+    if front + rear < 1e-9:
+        axle = "body"
+    elif min(front, rear) > 0.2 * max(front, rear):
+        axle = "both"
+    else:
+        axle = "front" if front > rear else "rear"
     channel = CHANNELS[int(np.argmax(np.sum(power, axis=1)))]
     return Where(channel, axle, pressure, speed, temperature if warm else None)
 
 
-def _axle(front: float, rear: float) -> str:
-    """Whose wheels an effect changes, by its power on both: front, rear, both, or body."""
-    if front + rear < 1e-9:
-        return "body"
-    if min(front, rear) > 0.2 * max(front, rear):
-        return "both"
-    return "front" if front > rear else "rear"
+def confusion_of(best: Explanation, like: Sequence[Explanation]) -> Confusion | None:
+    """The best explanation with those that are ``like`` it; None if there are none."""
+    if not like:
+        return None
+    members, pairs = (best, *like), []
+    for (i, one), (j, other) in combinations(enumerate(members), 2):
+        apart = np.concatenate(one.innovations) - np.concatenate(other.innovations)
+        ((drive, sigma),) = best_drives(one, [(other.base, other.effects)])
+        pairs.append(Pair((i, j), float(np.linalg.norm(apart)), drive, sigma))
+    alike = (Alike(e.names, e.reduced, e.reduced - best.reduced) for e in members)
+    return Confusion(tuple(alike), tuple(pairs))
+
+
+def drives(at: Explanation) -> tuple[ShowingDrive, ...]:
+    """The best drive for each effect that the logs could not have shown at its usual size.
+
+    On top of what explains them. Effects that the vehicle file has are known, and not among them.
+    """
+    every = every_effect(at.problem.vehicle.effects)
+    cards = [effect.card for name, effect in every.items() if name not in at.effects]
+    others = [(at.base, at.effects.with_(Effects({card.name: card.usual}))) for card in cards]
+    unseen = _sizes(at, _products(at, others)) < _SHOWN
+    out = []
+    found = best_drives(at, [*compress(others, unseen)])
+    for card, (drive, sigma) in zip(compress(cards, unseen), found, strict=True):
+        size = {name: Size(value, card.units[name]) for name, value in card.usual.items()}
+        out.append(ShowingDrive(card.name, size, drive, sigma, clear=sigma > _CLEAR))
+    return tuple(out)
+
+
+def best_drives(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[tuple[str, float]]:
+    """For each of the ``others`` the manoeuvre that tells it best from ``at``.
+
+    And how far apart they are in the logs and in that together [sigma].
+    """
+    if not others:
+        return []
+    problem = replace(at.problem, runs=manoeuvres(at))
+    state = replace(at.state, own=np.zeros((len(problem.runs), len(OWN))))
+    driven, logs = seen(problem, at.hypothesis, state), _products(at, others)
+    shown = np.stack([_sizes(at, [*logs, test]) for test in _products(driven, others)])
+    best = [problem.runs[i].source for i in np.argmax(shown, axis=0)]
+    return list(zip(best, np.max(shown, axis=0).tolist(), strict=True))
+
+
+def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
+    """Inner products of each log, with what the ``others`` change behind its own columns."""
+    changes = [
+        np.stack([innovations(at.problem, *other, run, lag) - r for other in others])
+        for run, lag, r in zip(at.runs, at.lags(), at.innovations, strict=True)
+    ]
+    return at.products_with(changes)
+
+
+def _sizes(at: Explanation, products: list[Products]) -> Array:
+    """Sizes of the columns behind those of ``at``, beyond what these can imitate [sigma]."""
+    E, _ = at.marginal(products).beyond()
+    return np.sqrt(np.maximum(np.diag(E), 0.0))
+
+
+def manoeuvres(at: Explanation) -> tuple[ObservedRun, ...]:
+    """The `_TESTS` with a rough course of speed: 70 bar give 1 g."""
+    warm, out = at.problem.runs[0].temperature_f is not None, []
+    time = 0.01 * np.arange(1200)
+    for name, (v0, most, rise, period) in _TESTS.items():
+        p = 1e5 * np.clip(rise * (time % period - 1.0), 0.0, most)
+        z = p / 70e5
+        v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)
+        channels = {"time": time, "p_mc": p, "a_x": -z * G, "v": v}
+        turn, heat = v / at.problem.vehicle.front.rolling_radius, 100.0 + 0.3 * (v0**2 - v**2)
+        channels |= {f"omega_{wheel}": turn for wheel in WHEELS}
+        channels |= dict.fromkeys(("T_disc_f", "T_disc_r") if warm else (), heat)
+        out.append(run_of(Log(name, name, "", channels)))
+    return tuple(out)

@@ -7,10 +7,9 @@ from string import ascii_uppercase
 
 from calib.base.plain import counted
 from calib.car.effects.catalogue import definition
-from calib.diagnosis.diagnosis import Diagnosis, Named
-from calib.diagnosis.proof.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE
-from calib.diagnosis.replays.gap import CHANNELS, UNITS
-from calib.diagnosis.undecided import Confusion
+from calib.diagnosis.diagnosis import Confusion, Diagnosis, Named
+from calib.diagnosis.replays import CHANNELS, UNITS
+from calib.diagnosis.verdict import FREQUENCY, SLIP, WHEEL_ANGLE
 from calib.show.diagnosis_figure import moved, sheet, worst
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit

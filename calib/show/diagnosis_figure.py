@@ -14,7 +14,7 @@ from calib.base.names import WHEELS
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.replays.gap import CHANNELS
+from calib.diagnosis.replays import CHANNELS
 from calib.show.numbers import in_shown, spaced, with_unit
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet

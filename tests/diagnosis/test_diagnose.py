@@ -11,9 +11,8 @@ import pytest
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.search.search import Search
-from calib.diagnosis.written import to_dict
+from calib.diagnosis.diagnosis import Diagnosis, to_dict
+from calib.diagnosis.search import Search
 from calib.logs.log import Log
 from tests.support.explained import diagnosed, searched
 from tests.support.hidden.cases import HiddenCase, draw

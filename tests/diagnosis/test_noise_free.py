@@ -3,9 +3,8 @@
 import pytest
 
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.diagnosis import Diagnosis
+from calib.diagnosis.diagnosis import Diagnosis, to_dict
 from calib.diagnosis.explanation.channels import CHANNELS
-from calib.diagnosis.written import to_dict
 from calib.logs.log import Log
 from tests.support.plant import Plant, as_log, drive
 from tests.support.reference_car import CAR, IDEAL, REAL

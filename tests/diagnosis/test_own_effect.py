@@ -6,7 +6,7 @@ import pytest
 from calib.car.effects.catalogue import with_own
 from calib.car.effects.effect_file import read_own_effects
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.written import to_dict
+from calib.diagnosis.diagnosis import to_dict
 from calib.model.sensor_noise import add_noise
 from calib.show.diagnosis import facts
 from tests.support.hidden.cases import CARS, NOISE, run

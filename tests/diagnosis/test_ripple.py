@@ -7,8 +7,7 @@ import pytest
 
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of, turned
-from calib.diagnosis.replays.gap import gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts, replayed
+from calib.diagnosis.replays import HoldOuts, gap_of, replayed
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from tests.support.explained import asked, fitted
@@ -73,11 +72,3 @@ def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     lost = late.replays(after.at, after.own)
     # a wrong phase doubles the ripple
     assert gap_of(after.before, lost, held.logs).of(channel=shown)[1] > 1.5 * first
-
-
-def test_the_measured_angle_is_the_way_over_the_radius():
-    log = driven(Hidden(), 0.0, 20e5, 1)
-    way = np.concatenate(
-        [[0.0], np.cumsum(0.5 * np.diff(log.time) * (log["v"][1:] + log["v"][:-1]))]
-    )
-    assert run_of(log).angle_r[-1] == pytest.approx(way[-1] / CAR.rear.rolling_radius, rel=0.01)

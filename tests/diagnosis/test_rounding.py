@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.proof.unexplained import Unexplained, plainest_first, unexplained_of
-from calib.diagnosis.search.terms import ranked_terms, with_terms
+from calib.diagnosis.terms import ranked_terms, with_terms
+from calib.diagnosis.verdict import Unexplained, plainest_first, unexplained_of
 from tests.support.explained import based, diagnosed
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.rounding import jittered

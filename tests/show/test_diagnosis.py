@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
-from calib.diagnosis.search.search import SearchStep
-from calib.diagnosis.undecided import Alike, Confusion, Pair, ShowingDrive, Size
-from calib.diagnosis.written import to_dict
+from calib.diagnosis.diagnosis import Alike, Confusion, Pair, ShowingDrive, Size, to_dict
+from calib.diagnosis.search import SearchStep
 from calib.show.diagnosis import KINDS, facts, outcome
 from calib.show.diagnosis_figure import sheet
 from calib.show.html import page_of

@@ -13,8 +13,8 @@ from calib.diagnosis.explanation.fit import ALMOST, fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, elements_of, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
-from calib.diagnosis.search.search import Search
-from calib.diagnosis.search.search import searched as searched_in
+from calib.diagnosis.search import Search
+from calib.diagnosis.search import searched as searched_in
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase
 

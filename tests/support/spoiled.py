@@ -23,7 +23,7 @@ from calib.base.errors import BrakeCalError, LogError, NotFiniteError, VehicleEr
 from calib.base.names import CHANNELS
 from calib.base.units import from_si
 from calib.base.warning import RULES
-from calib.diagnosis.runs.mistakes import checked
+from calib.diagnosis.runs import checked
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.logs.log import Log

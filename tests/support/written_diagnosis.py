@@ -11,9 +11,9 @@ from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstimate, Where
 from calib.diagnosis.explanation.channels import ChannelNoise
-from calib.diagnosis.proof.unexplained import Oscillation, Unexplained
-from calib.diagnosis.replays.gap import CHANNELS, Gap, Remainder
-from calib.diagnosis.search.search import SearchStep
+from calib.diagnosis.replays import CHANNELS, Gap, Remainder
+from calib.diagnosis.search import SearchStep
+from calib.diagnosis.verdict import Oscillation, Unexplained
 from calib.logs.read import read_log
 
 CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"

@@ -1,9 +1,13 @@
-"""The parameters that are always identified, those of the reference logs.
+"""What is always identified: parameters that all logs share, and what each log has of its own.
 
-Each is normal about a middle, it or its logarithm, by a row of `base.csv`: bounds and standard
-deviation are those of x, for a value of middle exp(x), or of middle + scale x.
+Shared ones are normal about a middle, they or their logarithm, by a row of `base.csv`: bounds and
+standard deviation are those of x, for a value of middle exp(x), or of middle + scale x. States of a
+log are no effect of the car: pads, tyres on its road, a slope, a zero of a_x, heat of discs. They
+are normal about what all logs share, by a row of `own.csv`, with the usual standard deviation, or
+the other one where a kind is asked for.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -13,9 +17,8 @@ from calib.base.arrays import Array
 from calib.base.plain import rows
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.own import FACTOR_ON, OWN
 
-_ROWS = rows("base.csv", "calib.diagnosis.explanation")
+_ROWS, _OWN_ROWS = (rows(name, "calib.diagnosis.explanation") for name in ("base.csv", "own.csv"))
 
 NAMES = tuple(row["name"] for row in _ROWS)
 BASE = len(NAMES)  # number of base parameters, the first ones of every vector
@@ -28,7 +31,6 @@ LOW, HIGH, _SIGMA, _MIDDLE = (
 
 _LOGARITHM = np.array([row["scale"] == "log" for row in _ROWS])
 _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row in _ROWS])
-_CLOCK = NAMES.index("clock")
 
 FORM_AT = np.linspace(0.05, 1.0, 8)  # normalised forces at which tyres depart from their form [1]
 _FORM = 0.06  # standard deviation of that departure [1]
@@ -37,6 +39,21 @@ _ALIKE = 0.7  # correlation of front and rear tyres
 _NEAR = np.exp(-0.5 * ((FORM_AT[:, None] - FORM_AT) / _REACH) ** 2) + 0.01 * np.eye(FORM_AT.size)
 FORM_PRIOR = np.linalg.inv(np.kron([[1.0, _ALIKE], [_ALIKE, 1.0]], _FORM**2 * _NEAR))
 """Precision (2 k, 2 k) of the departures of both axles: a Gaussian process over the force."""
+
+OWN = tuple(row["name"] for row in _OWN_ROWS)  # names of the states of a log, in their order
+KINDS = tuple(dict.fromkeys(row["kind"] for row in _OWN_ROWS))
+UNITS = {row["name"]: row["unit"] for row in _OWN_ROWS}
+FACTOR_ON = {row["name"]: row["factor_on"] for row in _OWN_ROWS if row["factor_on"]}
+"""States that are logarithms of factors, with the base parameters that they multiply."""
+
+_OF_KIND = np.array([row["kind"] for row in _OWN_ROWS])
+_ALIKE_OWN, _USUAL, _OTHER = (
+    np.array([float(row[key]) for row in _OWN_ROWS]) for key in ("alike", "usual", "other")
+)
+SCATTERED = ("pads", "road")  # kinds in which logs usually differ a little
+COURSES = ("slope", "zero")  # states whose changes of a log hang on its time alone
+HEATS = ("front_heat", "rear_heat")
+SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = (OWN.index(name) for name in (*COURSES, *HEATS))
 
 
 @dataclass(frozen=True)
@@ -79,5 +96,11 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
 
 def base_sigma(sample: float) -> Array:
     """Standard deviations (11,) of the priors on x, for logs of that sample time [s]."""
-    by_clock = np.arange(BASE) == _CLOCK
+    by_clock = np.array(NAMES) == "clock"
     return np.where(by_clock, _SIGMA * sample / _SCALE, _SIGMA)
+
+
+def sizes(kinds: Iterable[str], alike: Iterable[str] = ()) -> Array:
+    """Standard deviations (8,) where logs differ in some ``kinds`` and are ``alike`` in others."""
+    usual = np.where(np.isin(_OF_KIND, list(alike)), _ALIKE_OWN, _USUAL)
+    return np.where(np.isin(_OF_KIND, list(kinds)), _OTHER, usual)

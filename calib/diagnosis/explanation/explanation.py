@@ -2,7 +2,7 @@
 
     state --predict--> innovations r      r + J dx + F df + N du      one linear model
 
-The evidence is Laplace's about the state.
+The evidence is Laplace's about the state; derivatives are finite differences.
 """
 
 import math
@@ -16,15 +16,28 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.base import NAMES, Base
-from calib.diagnosis.explanation.channels import CHANNELS, residuals, whiten
+from calib.diagnosis.explanation.base import (
+    COURSES,
+    FACTOR_ON,
+    FORM_AT,
+    FRONT_HEAT,
+    HEATS,
+    KINDS,
+    NAMES,
+    OWN,
+    REAR_HEAT,
+    Base,
+    sizes,
+)
+from calib.diagnosis.explanation.channels import CHANNELS, of_wheels, residuals, whiten
 from calib.diagnosis.explanation.gaussian import Marginal, Products
-from calib.diagnosis.explanation.hypothesis import Hypothesis, Prior, State, based, prior_of
-from calib.diagnosis.explanation.own import COURSES, FACTOR_ON, HEATS, OWN
+from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, Prior, State, based, prior_of
 from calib.diagnosis.explanation.predict import ObservedRun, RunLag, lag_of, predict
 from calib.diagnosis.explanation.problem import Problem
 
 _BENT = 2.0  # mean square of pads and tyres over their priors' from which they are bent [1]
+_STEP = 1e-3  # of an element of x [1]
+_STEP_OF_OWN = 1.0 / 15.0  # of an own state, over the largest of its usual sizes
 
 
 @dataclass(frozen=True)
@@ -133,11 +146,12 @@ class Explanation:
 
     def products_with(self, further: Sequence[Array]) -> list[Products]:
         """Inner products of each log, with ``further`` columns (c, n) behind the shared ones."""
-        out = []
-        for i, (more, r) in enumerate(zip(further, self.innovations, strict=True)):
-            shared, own = np.vstack([self.columns[i], more]), self.own_columns(i)
-            out.append(Products.of(shared, own, r, self.state.own[i]))
-        return out
+        return [
+            Products.of(np.vstack([J, more]), self.own_columns(i), r, own)
+            for i, (J, more, r, own) in enumerate(
+                zip(self.columns, further, self.innovations, self.state.own, strict=True)
+            )
+        ]
 
     @cached_property
     def products(self) -> list[Products]:
@@ -188,3 +202,62 @@ def of_all(
 def runs_of(problem: Problem, own: Array) -> list[ObservedRun]:
     """The runs with what each has of its ``own`` (runs, 8)."""
     return [run.with_own(states) for run, states in zip(problem.runs, own, strict=True)]
+
+
+def seen(
+    problem: Problem,
+    hypothesis: Hypothesis,
+    state: State,
+    known: Sequence[Array] = (),
+    *,
+    form_too: bool = True,
+) -> Explanation:
+    """A hypothesis at a state, its columns by differences.
+
+    Those by the first elements of x of each log may be ``known`` from a state nearby, and the last
+    ones, by the form, too.
+    """
+    at = Explanation(problem, hypothesis, state, of_all(problem, hypothesis, state), [], [])
+    m, k = state.x.size, state.form.size
+    first = len(known[0]) - k if known else 0
+    steps = np.where(state.x + _STEP < at.prior.high[:m], _STEP, -_STEP)
+    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[first:]]
+    J = _differences(at, moved, steps[first:])
+    form = known if known and form_too else _by_form(at)
+    parts = zip(known or form, J, form, strict=True)
+    J = [np.vstack([a[:first], b, hypothesis.departs * c[-k:]]) for a, b, c in parts]
+    if FADE in at.effects:
+        heat = columns_by_own(at, (FRONT_HEAT, REAR_HEAT))
+    else:
+        heat = [np.zeros((2, r.size)) for r in at.innovations]
+    rest = [np.vstack(both) for both in zip(problem.courses, heat, strict=True)]
+    return replace(at, columns=J, rest=rest)
+
+
+def _by_form(at: Explanation) -> list[Array]:
+    """Derivatives (2 k, n) of the innovations of each log by the form of front and rear tyres."""
+    base, effects, found, hats = at.base, at.effects, [], np.eye(FORM_AT.size)
+    for run in at.runs:
+        made = predict(at.problem.vehicle, base, effects, run)
+        shares = np.stack([[np.interp(use, FORM_AT, hat) for use in made.use] for hat in hats])
+        omega = np.stack([shares * made.lost] * 2)
+        omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0
+        found.append(whiten(of_wheels(run, np.concatenate(omega)), at.problem.noise))
+    return found
+
+
+def columns_by_own(at: Explanation, which: Sequence[int]) -> list[Array]:
+    """Derivatives of the innovations of each log by some states of its own."""
+    steps = _STEP_OF_OWN * sizes(KINDS)
+    moved = [replace(at.state, own=at.state.own + np.diag(steps)[k]) for k in which]
+    return _differences(at, moved, steps[list(which)])
+
+
+def _differences(at: Explanation, moved: Sequence[State], steps: Array) -> list[Array]:
+    """Derivatives (m, n) of the innovations of each log, each by a state that has moved."""
+    lags = at.lags()
+    found = [of_all(at.problem, at.hypothesis, state, lags) for state in moved]
+    return [
+        (np.array([other[i] for other in found]).reshape(-1, r.size) - r) / steps[:, None]
+        for i, r in enumerate(at.innovations)
+    ]

@@ -11,8 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import Explanation, of_all
+from calib.diagnosis.explanation.explanation import Explanation, of_all, seen
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, prior_of
 from calib.diagnosis.explanation.problem import Problem
 
@@ -52,11 +51,10 @@ def fit(
 
 
 def _fallen(at: Explanation, least: float, damping: float) -> tuple[State, float, float]:
-    """The state after a step that falls, and the damping to go on with (Levenberg 1944).
+    """The state after a step that falls, the fall over what was promised [1], and the damping.
 
-    Between them the fall over what was promised [1]: none where less than ``least`` is promised, or
-    hardly anything falls. The step without damping is asked: a damped one that ends at its bounds
-    may promise nothing, and a smaller one still falls.
+    None falls where less than ``least`` is promised by the step without damping: a damped one that
+    ends at its bounds may promise nothing, and a smaller one still falls (Levenberg 1944).
     """
     state, promised = _step(at, 0.0)
     if promised < least:
@@ -64,7 +62,8 @@ def _fallen(at: Explanation, least: float, damping: float) -> tuple[State, float
     while damping < _MOST_DAMPED:
         if damping:
             state, promised = _step(at, damping)
-        fall = at.squares - _squares(at, state)
+        innovations = of_all(at.problem, at.hypothesis, state)
+        fall = at.squares - replace(at, state=state, innovations=innovations).squares
         if fall > 0.0:
             share = fall / max(promised, least) if fall > 0.5 * least else 0.0
             return state, share, 0.1 * damping
@@ -95,9 +94,3 @@ def _step(at: Explanation, damping: float) -> tuple[State, float]:
     x, form = np.split(np.clip(now + step, prior.low, prior.high), [m])
     fall = at.squares - whole.squares - (2.0 * g @ step + step @ H @ step)
     return State(x, form, at.state.own - own), float(fall)
-
-
-def _squares(at: Explanation, state: State) -> float:
-    """Sum of squares at another state."""
-    innovations = of_all(at.problem, at.hypothesis, state)
-    return replace(at, state=state, innovations=innovations).squares

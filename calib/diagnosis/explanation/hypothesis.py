@@ -15,22 +15,21 @@ from calib.diagnosis.explanation.base import (
     HIGH,
     LOW,
     NAMES,
+    OWN,
     Base,
     base_of,
     base_sigma,
+    sizes,
 )
-from calib.diagnosis.explanation.own import OWN, sizes
 from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
 FADE = "pad_thermal_fade"
 
-TURNING = ("disc_thickness_variation", "tone_ring_runout")
-"""Effects that go with the angle of the wheels, which begins anew in every run."""
-
+TURNING = ("disc_thickness_variation", "tone_ring_runout")  # with the angle of the wheels
 STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
-FURTHER = 1.0  # the same of its further parameters
+_FURTHER = 1.0  # the same of its further parameters
 PRICE = 5.0  # ln of the odds, before logs are read, against an effect or a kind they differ in
-PHASE = 2.0  # the same, for each run, for the angle at which a ripple begins: it was taken from it
+_PHASE = 2.0  # the same, for each run, for the angle at which a ripple begins: it was taken from it
 _FIRST = 5.0  # standard deviation of the first value of a walk, in increments
 _BEGIN = 0.25  # logarithm of the peak from which a fit begins, over the usual one
 
@@ -76,7 +75,7 @@ class Walk:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.own`.
+    """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.base`.
 
     And those in which they are ``alike``; with a ``walk`` over a driver, where something is left
     that no effect explains; ``departs`` whether tyres may depart from their form.
@@ -110,7 +109,7 @@ class Hypothesis:
 
     def phases(self, runs: int) -> float:
         """The part of these odds that is the angles at which its effects begin."""
-        return PHASE * runs * len(set(TURNING) & set(self.names))
+        return _PHASE * runs * len(set(TURNING) & set(self.names))
 
 
 @dataclass(frozen=True)
@@ -146,7 +145,7 @@ def elements_of(known: Effects, name: str) -> list[Element]:
     """The parameters of one effect, beside those that the vehicle file has."""
     card = definition(known, name).card
     given = known.parameters.get(name, {card.parameters[0].name: card.neutral})
-    sigmas = [STRENGTH, *[FURTHER] * (len(card.parameters) - 1)]
+    sigmas = [STRENGTH, *[_FURTHER] * (len(card.parameters) - 1)]
     pairs = zip(card.parameters, sigmas, strict=True)
     return [Element(name, p, given.get(p.name, p.typical), sigma) for p, sigma in pairs]
 

@@ -23,8 +23,7 @@ from calib.car.history import START, Motion, RunHistory
 from calib.car.lag import delayed, integral
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import FORM_AT, Base
-from calib.diagnosis.explanation.own import FRONT_HEAT, OWN, REAR_HEAT, SLOPE, ZERO
+from calib.diagnosis.explanation.base import FORM_AT, FRONT_HEAT, OWN, REAR_HEAT, SLOPE, ZERO, Base
 from calib.diagnosis.explanation.wheel_lag import WheelLag
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean
@@ -45,11 +44,9 @@ class ObservedRun(RunHistory):
     """A log on the grid: means over its steps, shapes (n,), SI.
 
     As a history: ``v`` without sensor noise, for forces; ``z`` as measured; temperatures smoothed;
-    no energy yet; ``source`` its name.
-
-    Besides, ``step`` of its clock; ``v_read`` the speed as measured; ``omega`` (4, n) in the order
-    of `WHEELS`; ``drive`` (2, n) torque of engine or motor [N m per axle], zero if not logged;
-    ``own`` (8,) what it has of its own, see `calib.diagnosis.explanation.own`.
+    no energy yet; ``source`` its name. Besides, ``step`` of its clock; ``v_read`` the speed as
+    measured; ``omega`` (4, n) in the order of `WHEELS`; ``drive`` (2, n) torque of engine or motor
+    [N m per axle], zero if not logged; ``own`` (8,) what it has of its own, in the order of `OWN`.
     """
 
     step: float
@@ -139,12 +136,20 @@ def run_of(log: Log) -> ObservedRun:
 def lag_of(
     vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun, known: RunLag | None = None
 ) -> RunLag:
-    """How the wheels of a run follow, as is ``known`` if car and tyres are the same."""
+    """How the wheels of a run follow, as is ``known`` if car and tyres are the same.
+
+    As if both axles used the road as the whole car does.
+    """
     car = combined.as_driven(vehicle, effects).with_radii(base.radius)
     car, tyre = replace(car, effects=Effects()), base.of_log(run.own).tyre
     if known is not None and (known.car, known.tyre) == (car, tyre):
         return known
-    return RunLag(car, tyre, _wheel_lag(car, tyre, run))
+    load = np.stack(axle_loads(car, run.z))
+    _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
+    axles = (car.front, car.rear)
+    heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
+    tau = heavy * run.v / (0.5 * load * slope)
+    return RunLag(car, tyre, WheelLag.of(tau, tyre.relaxation, run.v, run.step))
 
 
 def predict(
@@ -214,16 +219,6 @@ def _torque(
     even, uneven = {"f": front, "r": rear}, combined.wheel_factors(effects, history)
     sides = "lr" if uneven else "l"
     return np.array([[x * uneven.get(a + side, 1.0) for a, x in even.items()] for side in sides])
-
-
-def _wheel_lag(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> WheelLag:
-    """How the wheels of both axles follow, as if both used the road as the whole car does."""
-    load = np.stack(axle_loads(car, run.z))
-    _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
-    axles = (car.front, car.rear)
-    heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
-    tau = heavy * run.v / (0.5 * load * slope)
-    return WheelLag.of(tau, tyre.relaxation, run.v, run.step)
 
 
 def _balance(

@@ -9,13 +9,11 @@ import calib
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all
+from calib.diagnosis.explanation.base import BASE, OWN
+from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all, seen
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, elements_of, start_of
-from calib.diagnosis.explanation.own import KINDS, OWN, sizes
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.replays.hold_outs import without_form
+from calib.diagnosis.replays import without_form
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, asked_of, fitted
@@ -78,16 +76,6 @@ def test_columns_of_the_form_are_differences_of_predictions(fading):
             assert same(found[k], (above - below) / 2e-3, 1e-6)
     reached = [np.any(found, axis=1).sum() for found in columns]
     assert min(reached) >= 6  # knots of both axles up to half a g
-
-
-def test_sizes_grow_from_logs_that_are_alike_to_other_ones_in_the_kinds_of_each():
-    for kind in KINDS:
-        of_kind = sizes({kind}, ()) != sizes(())
-        assert of_kind.any()
-        assert np.all(sizes({kind})[of_kind] > sizes(())[of_kind])
-        assert np.array_equal(sizes((), {kind})[~of_kind], sizes(())[~of_kind])
-        assert np.all(sizes((), {kind}) <= sizes(()))
-    assert np.all(sizes(KINDS) > sizes(()))
 
 
 def hard(vehicle: Vehicle, plant: Plant) -> Problem:

@@ -6,7 +6,7 @@ import numpy as np
 
 import calib
 from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.columns import seen
+from calib.diagnosis.explanation.explanation import seen
 from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
 from tests.support.explained import asked

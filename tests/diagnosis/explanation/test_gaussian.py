@@ -96,13 +96,3 @@ def test_own_states_step_to_the_least_squares_of_their_log(seed):
         assert_allclose(-(step @ dx)[use], du, atol=1e-9)
         assert not np.any(step[~use])
         assert dx @ G @ dx == pytest.approx(squares.item())
-
-
-def test_states_of_any_size_take_out_what_lies_along_them():
-    """A log that is off by its own columns alone says nothing of what all share."""
-    rng = np.random.default_rng(1)
-    A, N = rng.standard_normal((2, 40)), rng.standard_normal((2, 40))
-    products = Products.of(A, N, 50.0 * N[0], np.zeros(2))
-    G, step, _ = products.reduced(np.full(2, 1e6))
-    assert G[:2, -1] == pytest.approx([0.0, 0.0], abs=1e-4)
-    assert step[:, -1] == pytest.approx([50.0, 0.0], abs=1e-4)

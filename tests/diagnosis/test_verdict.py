@@ -7,11 +7,10 @@ import pytest
 
 import calib
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.own import OWN
+from calib.diagnosis.explanation.base import OWN
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.proof.verdict import NO_GAP, UNKNOWN, verdict_of
-from calib.diagnosis.replays.gap import gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts, placed, replayed
+from calib.diagnosis.replays import HoldOuts, gap_of, placed, replayed
+from calib.diagnosis.verdict import NO_GAP, UNKNOWN, verdict_of
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, fitted, searched

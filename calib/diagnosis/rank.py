@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.catalogue import every_effect
+from calib.diagnosis.explanation.base import KINDS, sizes
 from calib.diagnosis.explanation.explanation import Explanation, of_all
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import FADE, STRENGTH, Hypothesis, State, elements_of
-from calib.diagnosis.explanation.own import KINDS, sizes
 
 Names = NDArray[np.str_]
 

@@ -7,13 +7,12 @@ from functools import partial
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.diagnosis.explanation.columns import seen
-from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.explanation import Explanation, seen
 from calib.diagnosis.explanation.fit import ROUGHLY, fit
 from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.replays.hold_outs import placed
-from calib.diagnosis.search.rank import Promise
+from calib.diagnosis.rank import Promise
+from calib.diagnosis.replays import placed
 
 _PRUNED = 20.0  # what ln of the evidence can gain where effects not worth their price are left out
 

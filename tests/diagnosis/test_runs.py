@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.diagnosis.runs.mistakes import checked, unexplained_warnings
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.runs import LARGEST, USUAL, checked, unexplained_warnings, with_even_sides
 from calib.logs.log import Log
+from tests.support.explained import diagnosed
 from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.reference_car import swapped
 
 
 @pytest.fixture(scope="module")
@@ -91,3 +94,57 @@ def test_a_zero_of_the_pressure_is_warned_of_whatever_was_found(late):
 def test_clean_logs_are_not_complained_of():
     case = draw("none", 70)
     assert checked(case.vehicle, list(case.calibration), list(case.holdout)) == ()
+
+
+SWAPPED = ("coast", "ramp", "hot", "mixed")
+
+
+@pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_swapped_axles_are_refused_by_the_logs_in_which_they_show(every):
+    case = draw("none", 60, only=SWAPPED)
+    logs = [swapped(log) for log in case.calibration] if every else list(case.calibration)
+    with pytest.raises(LogError, match="axles_swapped") as error:
+        diagnose(case.vehicle, logs, [swapped(log) for log in case.holdout])
+    told = {"mixed.csv", "ramp.csv", "hot.csv"} if every else {"mixed.csv"}
+    assert set(str(error.value.where).split(", ")) == told
+
+
+@pytest.mark.slow
+def test_a_motor_on_the_rear_axle_is_no_swap():
+    case = draw("single", 41, names=("regenerative_torque",), severity=2)
+    assert case.hidden.regen_axle == 1
+    assert [effect.name for effect in diagnosed(case).effects] == ["regenerative_torque"]
+
+
+def scaled(log, factors):
+    return changed(log, **{f"omega_{w}": by * log[f"omega_{w}"] for w, by in factors.items()})
+
+
+def test_unlike_radii_of_left_and_right_are_taken_out_and_axles_stay():
+    logs = draw("none", 11, only=FIVE[:3]).calibration
+    even, plain = with_even_sides(logs, USUAL)
+    again, sides = with_even_sides(
+        [scaled(log, {"fl": 1.0005, "fr": 0.9997, "rr": 1.0006}) for log in logs], USUAL
+    )
+    for one, other in zip(even, again, strict=True):
+        for axle, mean in (("f", np.sqrt(1.0005 * 0.9997)), ("r", np.sqrt(1.0006))):
+            for side in "lr":
+                name = f"omega_{axle}{side}"
+                assert other[name] == pytest.approx(mean * one[name], rel=1e-9)
+    assert sides["f"] - plain["f"] == pytest.approx(-0.0008, abs=2e-6)
+    assert sides["r"] - plain["r"] == pytest.approx(0.0006, abs=2e-6)
+
+
+def test_more_than_tyres_make_is_left_in():
+    logs = [scaled(log, {"rl": 1.003}) for log in draw("none", 11, only=FIVE[:3]).calibration]
+    for log, even in zip(logs, with_even_sides(logs, USUAL)[0], strict=True):
+        assert np.array_equal(even["omega_rl"], log["omega_rl"])
+    assert with_even_sides(logs, LARGEST)[1]["r"] == pytest.approx(-0.003, abs=2e-4)
+
+
+@pytest.mark.slow
+def test_a_wheel_whose_brake_drags_is_no_new_tyre():
+    few = ("coast", "ramp", "step_high", "hot_stop")
+    found = diagnosed(draw("outside", 3, names=("seized_wheel",), only=few))
+    assert found.verdict == "unknown"
+    assert found.sides["r"] == 0.0

@@ -12,8 +12,8 @@ import calib
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.explanation.hypothesis import Walk
-from calib.diagnosis.search.terms import ranked_terms, with_terms
+from calib.diagnosis.explanation.hypothesis import TURNING, Hypothesis, Walk
+from calib.diagnosis.terms import ranked_terms, with_terms
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, fitted
@@ -76,3 +76,13 @@ def test_the_precision_of_a_walk_is_that_of_its_increments():
     increments = 0.01 * np.array([5.0, 1.0, 1.0, 1.0])
     covariance = sums @ np.diag(increments**2) @ sums.T
     assert np.linalg.inv(walk.precision) == pytest.approx(covariance)
+
+
+def test_a_ripple_pays_for_the_angle_that_was_taken_from_every_run():
+    """Closed form: of noise alone, an amplitude with the best angle of each of n runs gains n pi/4.
+
+    The length of a plane vector of unit noise is Rayleigh's, with the mean sqrt(pi/2).
+    """
+    for name in TURNING:
+        paid = Hypothesis((name,)).price(40) - Hypothesis(("road_grade",)).price(40)
+        assert paid > 40 * np.pi / 4.0

@@ -10,8 +10,7 @@ import calib
 from calib.base.processes import side_by_side
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.search.rank import promises
-from calib.diagnosis.search.search import Search
+from calib.diagnosis.search import Search
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
@@ -45,21 +44,6 @@ def test_two_effects_are_found_although_a_third_imitates_both(pair):
     assert pair.best.log_evidence > max(
         e.log_evidence for e in pair.fits.fitted.values() if set(e.names) != set(pair.best.names)
     )
-
-
-def test_the_true_pair_is_promised_first_and_keeps_its_promise(pair):
-    found = [p for p in promises(pair.base, pair.first) if len(p.hypothesis.names) == 2]
-    assert set(found[0].hypothesis.names) == set(pair.best.names)
-    promised, kept = (at.log_evidence - pair.base.log_evidence for at in (found[0], pair.best))
-    assert kept == pytest.approx(promised, rel=0.1)
-
-
-@pytest.mark.slow
-def test_a_lag_with_a_delay_is_no_oscillation():
-    names = ("hydraulic_lag", "hydraulic_delay")
-    found = search_of(draw("double", 7, names, only=(*FEW, "ramp_fast", "step_high")))
-    assert set(found.best.names) == set(names)
-    assert found.best.reduced < 1.05
 
 
 @pytest.mark.parametrize("factor", [0.998, 1.003])
@@ -125,7 +109,7 @@ def test_discs_that_begin_unlike_are_found_with_the_fade_where_no_temperature_is
 
 
 def test_two_processes_find_what_one_does(pair):
-    with side_by_side(2, "calib.diagnosis.search.search") as mapped:
+    with side_by_side(2, "calib.diagnosis.search") as mapped:
         problem, held = (replace(p, mapped=mapped) for p in (pair.problem, pair.held.problem))
         together = Search(problem, replace(pair.held, problem=held))
         together.run()

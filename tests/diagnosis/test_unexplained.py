@@ -5,7 +5,8 @@ import pytest
 
 from calib.car.effects.effects import EmpiricalTerm
 from calib.diagnosis.explanation.channels import CHANNELS, STEP
-from calib.diagnosis.proof.unexplained import (
+from calib.diagnosis.terms import ranked_terms, with_terms
+from calib.diagnosis.verdict import (
     WHEEL_ANGLE,
     Oscillation,
     Unexplained,
@@ -14,7 +15,6 @@ from calib.diagnosis.proof.unexplained import (
     plainest_first,
     unexplained_of,
 )
-from calib.diagnosis.search.terms import ranked_terms, with_terms
 from tests.support.explained import based
 from tests.support.hidden.cases import HiddenCase, draw
 

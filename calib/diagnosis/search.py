@@ -13,22 +13,19 @@ from functools import cached_property, partial
 import numpy as np
 
 from calib.base.errors import ModelError
+from calib.diagnosis.explanation.base import SCATTERED
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
-from calib.diagnosis.explanation.own import SCATTERED
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned, unbraked_noise
-from calib.diagnosis.replays.gap import Gap, gap_of
-from calib.diagnosis.replays.hold_outs import HoldOuts, Replayed, replayed, without_form
-from calib.diagnosis.search.fits import Fits
-from calib.diagnosis.search.rank import Trial, promises, trials
-from calib.diagnosis.search.terms import Ranked, ranked_terms
+from calib.diagnosis.fits import Fits
+from calib.diagnosis.rank import Trial, promises, trials
+from calib.diagnosis.replays import Gap, HoldOuts, Replayed, gap_of, replayed, without_form
+from calib.diagnosis.terms import Ranked, ranked_terms
 from calib.logs.log import Log
 
-SURE = 10.0
-"""ln of the odds, of calibration logs and hold-outs together, from which more is believed, and
-something else is ruled out."""
+SURE = 10.0  # ln of the odds, of all logs together, from which more is believed, or ruled out
 
 _SHARE = 0.05  # share of all that is left which a cause of it takes at least
 _WIDER = 0.25  # share by which an explanation may widen the gap on the way to a better one
@@ -36,10 +33,7 @@ _WITHIN = 0.5  # what it may widen it by at least, in units of the noise
 _FRESH = 8  # further effects tried anew beside every explanation; others are as without effects
 _MOST = 12  # moves at most
 _QUIETER = 0.9  # share of a channel's noise below which an explanation leaves it quieter
-
-_WRONG = 0.5
-"""Share of what a hypothesis gains by which a linear model is wrong about it at most, of an effect
-with many parameters such as a motor."""
+_WRONG = 0.5  # share of a gain by which a linear model is wrong at most, of a motor's parameters
 
 
 @dataclass(frozen=True)
@@ -108,7 +102,7 @@ class Search:
         if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
             self.accept(self.rivals[0], least=0.0)
             self.rivals = self._rivals()
-        found = _with_alike(self.best)
+        found = self._with_alike()
         self.base, self.best = self.base if found.names else found, found
 
     def quieter(self) -> ChannelNoise | None:
@@ -120,13 +114,13 @@ class Search:
         return noise if np.any(noise.sigma <= _QUIETER * problem.noise.sigma) else None
 
     @cached_property
-    def plain(self) -> Explanation:
+    def _plain(self) -> Explanation:
         """The base as a model has it."""
         return without_form(self.base, ROUGHLY)
 
     def replayed(self, at: Explanation, settled: float = ROUGHLY) -> Replayed:
         """The hold-outs with an explanation. Raises ModelError."""
-        return replayed(self.held, at, self.plain, settled)
+        return replayed(self.held, at, self._plain, settled)
 
     @cached_property
     def before(self) -> Replayed:
@@ -241,7 +235,8 @@ class Search:
         With any further effects, and logs that differ in any kinds.
         """
         best = self.best
-        if not (best.names and left_over(best)):
+        left = best.reduced > 1.01 + 3.0 * best.scatter or best.strain > 5.0
+        if not (best.names and left):
             return False
         promised = self.base.log_evidence + self.terms[0].log_gain - SURE
         if promised < best.log_evidence:
@@ -268,15 +263,10 @@ class Search:
                     out.append(one)
         return tuple(sorted(out, key=lambda e: -value(e)))
 
-
-def _with_alike(at: Explanation) -> Explanation:
-    """The explanation with logs alike in what they usually differ in, where that is likelier."""
-    some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
-    options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
-    best = max(options, key=lambda one: at.marginal(sizes=one.sizes).evidence())
-    return fit(at.problem, best, at.state, at.columns, ALMOST)
-
-
-def left_over(at: Explanation) -> bool:
-    """Whether more than noise is left in the innovations, or in what logs have of their own."""
-    return at.reduced > 1.01 + 3.0 * at.scatter or at.strain > 5.0
+    def _with_alike(self) -> Explanation:
+        """The best one with logs alike in what they usually differ in, where that is likelier."""
+        at = self.best
+        some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
+        options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
+        likeliest = max(options, key=lambda one: at.marginal(sizes=one.sizes).evidence())
+        return fit(at.problem, likeliest, at.state, at.columns, ALMOST)

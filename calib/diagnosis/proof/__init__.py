@@ -1,1 +1,0 @@
-"""The proof on the hold-outs, and what is left unexplained."""

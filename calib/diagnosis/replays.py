@@ -1,0 +1,247 @@
+"""The hold-outs replayed open loop, the gap that is left, and what of it lasts.
+
+A replay uses the pressure, the first speed and, for a ripple alone, the angle of the wheels, so an
+error of force, which an innovation of one step hides, adds up in v. The noise of a channel is
+estimated from its differences between samples. Its square is subtracted, so that a perfect model
+has no gap. Means over half a second show where an error lasts: the noise cancels in them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.intervals import noise_over
+from calib.base.names import WHEELS
+from calib.car.effects.effects import Effects
+from calib.car.model import Model
+from calib.car.vehicle import Vehicle
+from calib.diagnosis.explanation.base import OWN, SLOPE, ZERO, Base
+from calib.diagnosis.explanation.explanation import Explanation, columns_by_own, of_all, runs_of
+from calib.diagnosis.explanation.fit import SETTLED, fit
+from calib.diagnosis.explanation.gaussian import Products
+from calib.diagnosis.explanation.hypothesis import State
+from calib.diagnosis.explanation.problem import Problem
+from calib.logs.log import Log
+from calib.model.simulate import replay
+from calib.run.filters import block_mean
+
+UNITS = {"a_x": "m/s^2", **{f"omega_{w}": "rad/s" for w in WHEELS}, "v": "m/s"}
+CHANNELS = tuple(UNITS)
+
+_LONGEST = 0.2
+"""Longest time [s] between two samples whose differences show noise: twice the correlation time of
+that of a road, and a car hardly moves in that."""
+_SLOW = 2.0**0.5
+"""Largest noise, over what samples that follow each other show of it: half of a road's is slow.
+What is more is motion, such as a ripple."""
+_STRAIGHT = 7.0
+"""Differences over four samples, over those from sample to sample, of a channel that runs in
+straight lines of four samples or more. A ripple of ten times the noise has four."""
+_FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
+"""Least noise (6,) of the channels, in their units: a simulated log may have none, and no car is
+described to better than that."""
+_BLOCK = 0.5  # span of a mean [s]: several times the correlation time of a road, a part of a stop
+_ROUNDS = 3  # in which hold-outs are placed, at most
+_NEAR = 1.0  # step, in standard deviations, after which a linear model holds
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """Mean squares of replay less measurement beyond noise, over those of noise.
+
+    ``squares`` (2, logs, 6) before and after, without and with the effects, by log and channel [1];
+    ``logs`` their names; ``noise`` (6,) sd of the channels, in their units.
+    """
+
+    logs: tuple[str, ...]
+    noise: Array
+    squares: Array
+
+    def of(self, log: str | None = None, channel: str | None = None) -> tuple[float, float]:
+        """Rms before and after in units of the noise, of one log or all, of one channel or all."""
+        rows = [i for i, one in enumerate(self.logs) if log in (None, one)]
+        columns = [j for j, one in enumerate(CHANNELS) if channel in (None, one)]
+        squares = self.squares[:, rows][:, :, columns]
+        before, after = np.sqrt(np.mean(squares, axis=(1, 2))).tolist()
+        return before, after
+
+    @property
+    def before(self) -> float:
+        """Rms of all without the effects, in units of the noise."""
+        return self.of()[0]
+
+    @property
+    def after(self) -> float:
+        """Rms of all with the effects, in units of the noise."""
+        return self.of()[1]
+
+    @property
+    def closed(self) -> float:
+        """Share of the gap that is closed [1], 0 where there is none."""
+        before, after = self.of()
+        return 1.0 - after / before if before > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What is left in the replays with an explanation.
+
+    ``size`` rms of their errors without noise, over the noise of the sensors [1]; ``channel``,
+    ``log`` where that is ``largest`` [1]; ``pressure`` [Pa], ``speed`` [m/s], ``time`` [s since the
+    start] ranges of 80 % of it there.
+    """
+
+    size: float
+    channel: str
+    log: str
+    largest: float
+    pressure: tuple[float, float]
+    speed: tuple[float, float]
+    time: tuple[float, float]
+    unit: str = "rms of replay errors over the noise of the sensors"
+
+
+def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
+    """Compare replays with their logs, over their common samples above 1 m/s."""
+    noise = noises_of(measured)
+    squares = [
+        [np.mean(_errors_of(*pair) ** 2, axis=1) for pair in zip(replays, measured, strict=True)]
+        for replays in (before, after)
+    ]
+    beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
+    return Gap(tuple(log.name for log in measured), noise, beyond)
+
+
+def _errors_of(replay: Log, measured: Log) -> Array:
+    """Replay less measurement (6, n), over their common samples."""
+    n = min(replay.time.size, measured.time.size)
+    return np.stack([replay[c][:n] - measured[c][:n] for c in CHANNELS])
+
+
+def noises_of(measured: Sequence[Log]) -> Array:
+    """Sd of the noise of every channel (6,), that of the median log, at least `_FLOOR`."""
+    shown = [[_noise_of(log, channel) for channel in CHANNELS] for log in measured]
+    return np.maximum(np.median(shown, axis=0), _FLOOR)
+
+
+def _noise_of(log: Log, channel: str) -> float:
+    """The largest that third differences over up to `_LONGEST` show, which hold almost no motion.
+
+    A channel that runs in straight lines between its values shows little from sample to sample.
+    """
+    fine = float(np.std(np.diff(log[channel], 3)) / np.sqrt(20.0))
+    over = [fine, *noise_over(log[channel], _LONGEST / log.sample_time)]
+    straight = channel in log.interpolated or max(over[:4]) > _STRAIGHT * fine
+    return max(over) if straight else min(max(over), _SLOW * fine)
+
+
+def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
+    """What ``replays`` leave of ``measured`` logs, after a ``gap``."""
+    left = gap.squares[1]
+    row, column = divmod(int(np.argmax(left)), len(CHANNELS))
+    log, channel = measured[row], CHANNELS[column]
+    size = max(1, round(_BLOCK / log.sample_time))
+    error = block_mean(_errors_of(replays[row], log)[column], size)
+    # the speed keeps an error of force: its growth tells where the force is wrong
+    weight = np.abs(np.diff(error, prepend=0.0)) if channel == "v" else error**2
+    drivers = (log["p_mc"], log["v"], log.time - log.time[0])
+    pressure, speed, time = (range_of(block_mean(x, size), weight) for x in drivers)
+    largest = float(np.sqrt(left[row, column]))
+    return Remainder(gap.after, channel, log.name, largest, pressure, speed, time)
+
+
+def range_of(driver: Array, weight: Array) -> tuple[float, float]:
+    """The range of a driver that holds the middle 80 % of the weight."""
+    driver, some = driver[: weight.size], weight + 1e-12  # where nothing is left, all counts alike
+    low, high = np.quantile(driver, (0.1, 0.9), weights=some, method="inverted_cdf")
+    return float(low), float(high)
+
+
+@dataclass(frozen=True)
+class HoldOuts:
+    """The logs that are held out, and the same as a ``problem`` with the noise of calibration."""
+
+    logs: tuple[Log, ...]
+    problem: Problem
+
+    def replays(self, at: Explanation, own: Array) -> tuple[Log, ...]:
+        """Every log replayed open loop with what it has of its ``own`` (runs, 8).
+
+        Ripples follow the measured angle of the wheels; no torque and no speed is fed in. Raises
+        ModelError if it cannot be computed.
+        """
+        out = []
+        for log, run in zip(self.logs, runs_of(self.problem, own), strict=True):
+            slope, zero = run.own[[SLOPE, ZERO]].tolist()
+            acts = {"road_grade": {"grade": slope, "felt": 1.0}} if slope else {}
+            acts |= {"accelerometer_bias": {"bias": zero}} if zero else {}
+            effects = at.effects.with_(Effects(acts))
+            model = model_of(self.problem.vehicle, at.base.of_log(run.own), effects)
+            angles = {"f": run.angle_f, "r": run.angle_r}
+            angles = {axle: np.interp(log.time, run.time, x) for axle, x in angles.items()}
+            out.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
+        return tuple(out)
+
+
+def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
+    """Base and effects as a model that can be simulated, without a departure of its tyre."""
+    rolling = vehicle.with_radii(base.radius)
+    return Model(rolling, base.pad_friction_f, base.pad_friction_r, base.tyre, effects)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """An explanation, and ``at`` and ``base``, the same and the one without effects, as a model
+    has them: without a departure of the tyre.
+
+    ``own`` (runs, 8) of the hold-outs, ``logs`` their replays, ``before`` those of the base, with
+    the same pads and roads, so that effects alone make the difference.
+    """
+
+    of: Explanation
+    at: Explanation
+    base: Explanation
+    own: Array
+    before: tuple[Log, ...]
+    logs: tuple[Log, ...]
+
+
+def replayed(
+    held: HoldOuts, at: Explanation, base: Explanation, settled: float = SETTLED
+) -> Replayed:
+    """Fit an explanation as a model has it, as ``base`` is, and replay the hold-outs.
+
+    Raises ModelError.
+    """
+    plain = without_form(at, settled)
+    own = placed(held.problem, plain)
+    logs = held.replays(plain, own)
+    if not at.names and at.hypothesis.walk is None:
+        return Replayed(at, plain, plain, own, logs, logs)
+    return Replayed(at, plain, base, own, held.replays(base, own), logs)
+
+
+def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
+    """The same hypothesis, with tyres that do not depart from their form."""
+    state = replace(at.state, form=np.zeros_like(at.state.form))
+    hypothesis = replace(at.hypothesis, departs=False)
+    return fit(at.problem, hypothesis, state, at.columns, settled)
+
+
+def placed(held: Problem, at: Explanation) -> Array:
+    """What each hold-out has of its own, (runs, 8), of all that logs may differ in."""
+    S = at.hypothesis.sizes
+    own, which = np.zeros((len(held.runs), len(OWN))), np.flatnonzero(S)
+    for _ in range(_ROUNDS):
+        state = State(at.state.x, at.state.form, own)
+        r = of_all(held, at.hypothesis, state)
+        there = replace(at, problem=held, state=state, innovations=r)
+        columns, before = columns_by_own(there, which.tolist()), own.copy()
+        for one, N, states in zip(r, columns, own, strict=True):
+            products = Products.of(np.zeros((0, one.size)), N, one, states[which])
+            states[which] -= products.reduced(S[which])[1][:, -1]
+        if np.all(np.abs(own - before) <= _NEAR * S):
+            break
+    return own

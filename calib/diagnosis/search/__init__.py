@@ -1,1 +1,0 @@
-"""The search for the effects that explain the logs."""
