@@ -117,12 +117,14 @@ def write_code(
     ----------
     form : ``ecu``, a folder; ``fmu2`` or ``fmu3``, the same in an FMU; ``car-fmu2`` or
         ``car-fmu3``, an FMU of the car whose sensors that one reads.
-    sample_time : from call to call [s].
-    prefix, elf, quality : of a folder alone, see `calib.ecu.bundle.write_bundle`.
+    sample_time : of the ECU's task, from call to call [s].
+    prefix, elf, quality : of a folder alone: of every label and file; the linked program with the
+        code, for the addresses in the A2L; result of a validation, for the state in the CDF.
     without_effects, unreleased : what may be handed out, see `require_handed_out`.
 
-    Raises ExchangeError for what no code can have, StoreError for a version that is not handed out,
-    OSError.
+    Raises ExchangeError for what no code can have, StoreError for a version that is not handed out
+    or has effects that the code does not take out, ProgramError where ``elf`` does not hold the
+    table, OSError.
     """
     require_handed_out(stored, without_effects, unreleased=unreleased)
     car = stored.table.vehicle
@@ -136,37 +138,23 @@ def write_code(
         write_fmu(stored, out, how, sample_time, version, content)
         return WrittenCode(stored, out, form, how, sample_time, (out.name,))
     first = PREFIX if prefix is None else prefix
-    files = write_bundle(stored, out, how, sample_time, first, quality=quality, elf=elf)
+    files_of(first)
+    files = _write_bundle(stored, out, how, sample_time, first, quality, elf)
     axes = axes_of(code_grids(stored.table, first, how))
     notes = tuple(f"{axis.label}: {axis.placed}" for axis in axes if axis.reduced)
     made = tuple(path.name for path in files)
     return WrittenCode(stored, out, form, how, sample_time, made, notes)
 
 
-def write_bundle(
+def _write_bundle(
     stored: Stored,
     folder: Path,
     how: Precision,
     sample_time: float,
-    prefix: str = PREFIX,
-    *,
-    quality: Quality = UNPROVED,
-    elf: Path | None = None,
+    prefix: str,
+    quality: Quality,
+    elf: Path | None,
 ) -> list[Path]:
-    """Write the code of a version to a folder, and return the files.
-
-    Parameters
-    ----------
-    sample_time : of the ECU's task [s].
-    prefix : of every label and file.
-    quality : result of a validation, for the state in the CDF.
-    elf : linked program with the code, for the addresses in the A2L.
-
-    Raises StoreError for a table without maps, or with known effects that the code does not take
-    out; ExchangeError for a name that C does not take, or a time of no ECU; ProgramError
-    where ``elf`` does not hold the table.
-    """
-    files_of(prefix)
     texts = sources(stored.table, sample_time, how, "$about", stored.version)
     texts |= {name: (SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
     texts["bte_vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))

@@ -19,7 +19,7 @@ from calib.exports.dataset import Content, Numbers
 _VERSION = "_version"  # the end of the label of the scalar that holds the version of the table
 DCM, CDF = "DCM", "CDF"  # formats that are read back
 
-Found = tuple[dict[str, str], dict[str, str], Content]  # facts and units by name, and the numbers
+_Found = tuple[dict[str, str], dict[str, str], Content]  # facts and units by name, and the numbers
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def read_back(path: Path) -> Returned:
     return _returned(path, DCM, _read_dcm(path, text))
 
 
-def _returned(path: Path, form: str, found: Found) -> Returned:
+def _returned(path: Path, form: str, found: _Found) -> Returned:
     facts, units, content = found
     firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
     firsts = [first for first in firsts if f"{first}_D" in content.grids]
@@ -108,7 +108,7 @@ class _Block(NamedTuple):
     numbers: dict[str, Numbers]
 
 
-def _read_dcm(path: Path, text: str) -> Found:
+def _read_dcm(path: Path, text: str) -> _Found:
     lines = [line.strip() for line in text.splitlines()]
     begin = next((i for i, line in enumerate(lines) if line.split() == [_FORMAT, "2.0"]), None)
     if begin is None:
@@ -191,7 +191,7 @@ _TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
 _COUNTS = {"CURVE": 1, "MAP": 2, "CUBOID": 3}  # of axes
 
 
-def _read_cdf(path: Path, text: bytes) -> Found:
+def _read_cdf(path: Path, text: bytes) -> _Found:
     root = _root(path, text)
     tree = root.find(_TREE)
     if root.tag != "MSRSW" or root.findtext("CATEGORY") != "CDF20" or tree is None:

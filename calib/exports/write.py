@@ -1,6 +1,6 @@
-"""A data set as the bytes of each format: JSON, CSV and Parquet here, the others from templates.
+"""A data set as the bytes of each format: JSON and CSV here, the others from templates.
 
-    json csv parquet   for programs that know no calibration; a missing value is an empty cell
+    json csv  for programs that know no calibration; a missing value is an empty cell
     dcm       conservation format 2.0 of ETAS, with German keywords; no range, digest or end mark:
               they are comments, and the number of objects betrays a file that was cut off
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
@@ -41,9 +41,6 @@ COLUMNS = (
 there is none."""
 
 _MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")  # behind the `COLUMNS` where there are maps
-
-TEXTS = ("label", "axis", "unit", "meaning", "axis_2", "axis_3")
-"""Columns of text; all others are float64 in the row's unit."""
 
 _BOM = b"\xef\xbb\xbf"  # mark of UTF-8, which A2L demands where a file is not ASCII
 
@@ -126,20 +123,6 @@ def _write_csv(data: Dataset) -> bytes:
     return text.getvalue().encode()
 
 
-def _write_parquet(data: Dataset) -> bytes:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    names = _columns(data)
-    kinds = {name: pa.string() if name in TEXTS else pa.float64() for name in names}
-    rows = [dict(zip(names, row, strict=True)) for row in _rows(data)]
-    schema = pa.schema(list(kinds.items()), metadata=data.facts())
-    table = pa.Table.from_pylist(rows, schema=schema)
-    sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, compression="none")
-    return bytes(sink.getvalue().to_pybytes())
-
-
 def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     """The template of a format; ``text`` makes a text fit for it."""
     made = templates("calib.exports", markup=False)
@@ -190,7 +173,6 @@ class _Format:
 FORMATS = {
     "json": _Format("json", _write_json),
     "csv": _Format("csv", _write_csv),
-    "parquet": _Format("parquet", _write_parquet),
     "dcm": _Format("dcm", partial(_filled, "dcm", filters.quoted), most_axes=2),
     "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(filters.printable(x)))),
     "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),

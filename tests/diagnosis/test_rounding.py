@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.terms import ranked_terms, with_terms
-from calib.diagnosis.verdict import Unexplained, plainest_first, unexplained_of
-from tests.support.explained import based, diagnosed
+from tests.support.explained import diagnosed, left_in
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.rounding import jittered
 
@@ -51,14 +49,9 @@ def test_a_diagnosis_does_not_hang_on_the_last_digits():
         ), name
 
 
-def placed(case: HiddenCase) -> Unexplained:
-    at = based(case)
-    return unexplained_of(at, plainest_first(at, with_terms(at, ranked_terms(at))))
-
-
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_driver_of_an_unknown_cause_does_not_hang_on_the_last_digits(seed):
     """With secant updates two of five said pressure instead of constant."""
     case = draw("outside", 32, names=("seized_wheel",), severity=2, only=("ramp", "coast"))
-    found = placed(moved(case, seed))
+    found = left_in(moved(case, seed))
     assert (found.place, found.driver) == ("rear_wheels", "constant")

@@ -1,4 +1,4 @@
-"""From a search to a verdict: hold-outs of a plant, and states of each log that are known."""
+"""From a search to a verdict, and where an unknown cause is put, on plants and known logs."""
 
 from dataclasses import replace
 
@@ -6,29 +6,39 @@ import numpy as np
 import pytest
 
 import calib
-from calib.car.effects.effects import Effects
+from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.diagnosis.explanation.base import OWN
+from calib.diagnosis.explanation.channels import CHANNELS, STEP
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.replays import HoldOuts, gap_of, placed, replayed
-from calib.diagnosis.verdict import NO_GAP, UNKNOWN, verdict_of
+from calib.diagnosis.verdict import (
+    NO_GAP,
+    UNKNOWN,
+    WHEEL_ANGLE,
+    Oscillation,
+    held_from,
+    oscillation_of,
+    verdict_of,
+)
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
-from tests.support.explained import asked, fitted, searched
+from tests.support.explained import asked, fitted, left_in, searched
+from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, stop
 
-TIME = np.arange(0.0, 6.0, 0.01)
+RAMP_TIME = np.arange(0.0, 6.0, 0.01)
 SIZES = {"slope": 0.02, "zero": 0.2}
 
 
 def offset_logs(kind: str, shares: list[float], first: int = 0):
     """Ramps of the sedan, each on a slope or with a zero of a_x of its own, by the simulation."""
-    p, logs = np.clip(10e5 * (TIME - 2.0), 0.0, 25e5), []
+    p, logs = np.clip(10e5 * (RAMP_TIME - 2.0), 0.0, 25e5), []
     for i, share in enumerate(shares, first):
         size = share * SIZES[kind]
         own = {"road_grade": {"grade": size, "felt": 1.0}, "accelerometer_bias": {"bias": size}}
         name = "road_grade" if kind == "slope" else "accelerometer_bias"
         model = replace(calib.default_model(SEDAN), effects=Effects({name: own[name]}))
-        logs.append(add_noise(calib.simulate(model, TIME, p, 30.0, name=f"ramp {i}"), i))
+        logs.append(add_noise(calib.simulate(model, RAMP_TIME, p, 30.0, name=f"ramp {i}"), i))
     return logs
 
 
@@ -83,3 +93,89 @@ def test_a_car_that_lacks_nothing_has_no_gap_and_no_term():
     assert (found.word, found.best.names, found.terms) == (NO_GAP, (), ())
     for before, after in zip(found.after.before, found.after.logs, strict=True):
         assert np.array_equal(before["v"], after["v"])
+
+
+FEW = ("ramp", "release", "coast", "step_high")
+
+
+def hiding(name: str, seed: int, severity: int = 2, only: tuple[str, ...] = FEW) -> HiddenCase:
+    return draw("outside", seed, names=(name,), severity=severity, only=only)
+
+
+def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
+    found = left_in(hiding("tone_ring_runout", 31))
+    assert found.driver == WHEEL_ANGLE
+    assert found.axle == "front"
+    assert 0.5 < found.turning <= 1.0
+
+
+def test_a_wheel_that_always_drags_is_named_and_depends_on_nothing():
+    found = left_in(hiding("seized_wheel", 32))
+    assert (found.axle, found.driver) == ("rear", "constant")
+    assert found.wheel is not None
+    assert found.wheel.startswith("rear_")
+    assert found.turning < 0.05
+
+
+def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
+    found = left_in(case := hiding("tank_slosh", 35))
+    assert (found.axle, found.driver) == ("body", "frequency")
+    # a mass on a spring, beside a car that it moves with
+    mass, own = case.hidden.slosh_mass, case.hidden.slosh_frequency
+    assert found.oscillation.frequency == pytest.approx(own / np.sqrt(1.0 - mass), rel=0.1)
+    assert found.oscillation.share > 0.5
+
+
+def test_brakes_that_a_control_releases_go_with_the_slip():
+    found = left_in(hiding("abs_modulation", 36, severity=1, only=("ramp", "coast", "step_high")))
+    assert (found.axle, found.driver) == ("front", "slip")
+
+
+def test_brakes_that_weaken_go_with_the_time_of_the_run():
+    """Beside a run that begins hot, for discs heat with every application."""
+    found = left_in(hiding("weaker_applications", 33, only=(*FEW, "hot")))
+    assert (found.axle, found.wheel) == ("both", None)
+    assert found.driver in ("elapsed", "distance")  # a run goes on over both
+    assert 0.5 < found.explained <= 1.0
+
+
+@pytest.mark.parametrize(("limit", "told"), [(14e5, 15e5), (30e5, None)])
+def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, told):
+    p = np.array([0.0, 1.5e5, 8e5, 15e5, 22e5, 29e5])
+    factor = np.minimum(p, limit) / np.maximum(p, 1.0)
+    values = tuple(np.where(p > 0.0, factor - 1.0, 0.0).tolist())
+    assert held_from(EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)) == told
+    assert held_from(EmpiricalTerm("body", "pressure", tuple(p.tolist()), values)) is None
+
+
+TIME = np.arange(0.0, 120.0, STEP)
+
+
+def swing_of(signal: np.ndarray, seed: int) -> Oscillation:
+    """A signal in a_x beside noise of variance one in every channel."""
+    noise = np.random.default_rng(seed).standard_normal((len(CHANNELS), TIME.size))
+    noise[CHANNELS.index("a_x")] += signal
+    return oscillation_of([noise], float(signal @ signal))
+
+
+@pytest.mark.parametrize("frequency", [0.55, 0.6, 0.8, 1.1, 2.3])
+def test_a_swing_is_found_with_its_frequency(frequency):
+    """A swing that an application starts every 10 s, with a hundredth of critical damping."""
+    since = TIME % 10.0
+    swing = 5.0 * np.exp(-0.06 * frequency * since) * np.sin(2.0 * np.pi * frequency * since)
+    result = swing_of(swing, 1)
+    assert result.frequency == pytest.approx(frequency, abs=0.06)
+    assert result.share > 0.7
+    assert result.body
+
+
+@pytest.mark.parametrize("time_constant", [0.1, 0.3, 0.6, 1.0])
+@pytest.mark.parametrize("apart", [3.0, 4.3, 6.1, 9.7])
+def test_an_error_that_every_application_leaves_is_no_swing(time_constant, apart):
+    """The answer to a lag: a step at the bite that dies away, and its opposite at the release."""
+    since = TIME % apart
+    half = 0.5 * apart
+    error = np.exp(-since / time_constant) - np.where(
+        since > half, np.exp(-(since - half) / time_constant), 0.0
+    )
+    assert swing_of(10.0 * error, 2).share == 0.0

@@ -23,7 +23,7 @@ from tests.support.programs import linked, memory_of, needs_gcc
 from tests.support.refusals import refusal
 from tests.support.tables import made_table
 
-WIDTHS = [None, 8, 16, 32]
+WIDTHS = [None, 16]
 A2LTOOL = shutil.which("a2ltool", path=Path(sys.executable).parent) or shutil.which("a2ltool")
 
 needs_a2ltool = pytest.mark.skipif(A2LTOOL is None, reason="no a2ltool here (pip install a2ltool)")

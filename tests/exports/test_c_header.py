@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.exports.build import build
 from calib.exports.write import FORMATS
 from tests.support.curves import built
 from tests.support.tables import made_table
@@ -36,15 +37,13 @@ def printed(folder, data, body):
 
 def shown(data):
     """C code that prints every number of the header, as its integers stand for in fixed point."""
-    value = "{0}_origin + {0}_step * (double){0}{1}" if data.bits else "{0}{1}"
+    value = "{0}_origin + {0}_step * (double){1}" if data.bits else "{1}"
     lines = []
     for one in data.objects:
-        if one in data.scalars:
-            lines.append(f'printf("{one.label} %.17g\\n", {value.format(one.label, "")});')
-        else:
-            axis = getattr(one, "axis", one).label.upper()
-            text = f'printf("{one.label} %.17g\\n", {value.format(one.label, "[i]")});'
-            lines.append(f"for (unsigned i = 0U; i < {axis}_SIZE; i++) {{ {text} }}")
+        first = "[0]" * len(one.axes) or ("[0]" if one in data.axes else "")
+        at = value.format(one.label, f"(&{one.label}{first})[i]")
+        text = f'printf("{one.label} %.17g\\n", {at});'
+        lines.append(f"for (unsigned i = 0U; i < {len(one.values)}U; i++) {{ {text} }}")
     return "\n".join(lines)
 
 
@@ -52,7 +51,7 @@ def shown(data):
 @pytest.mark.parametrize(("points", "width"), [(None, None), (8, 8), (8, 16), (8, 32)])
 def test_a_compiler_sees_the_table(real, tmp_path, points, width):
     """To the last bit in double; in fixed point it errs by what the comment says."""
-    data, seen = built(real, points, bits=width), {}
+    data, seen = build(real, points, bits=width), {}
     for line in printed(tmp_path, data, shown(data)).splitlines():
         seen.setdefault(line.split()[0], []).append(float(line.split()[1]))
     text = FORMATS["c-header"].write(data).decode()

@@ -3,7 +3,6 @@
 ln of the pads' ratio is A + B_Z z + B_SHIFT shift + B_SLIP slip; the axes have 4, 5 and 3 values.
 """
 
-import io
 import json
 import re
 import subprocess
@@ -12,8 +11,6 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 from lxml import etree
 
@@ -23,12 +20,11 @@ from calib.exports.build import build
 from calib.exports.compare import Difference, difference
 from calib.exports.export import export
 from calib.exports.read import read_back
-from calib.exports.write import FORMATS, TEXTS
+from calib.exports.write import FORMATS
 from calib.store.store import Store
 from calib.table.exported import Precision, as_exported
 from tests.exports.test_a2l import a2ltool, needs_a2ltool
-from tests.exports.test_c_header import needs_compiler, printed
-from tests.exports.test_formats import TREE
+from tests.exports.test_formats import TREE, frame_of
 from tests.support.a2l import cells, decoded, read_a2l
 from tests.support.programs import linked, memory_of, needs_gcc
 from tests.support.tables import (
@@ -148,15 +144,8 @@ def test_json_has_maps_nested_with_their_bounds(mapped):
     assert "lower" not in maps["sedan_prior"]
 
 
-@pytest.mark.parametrize("form", ["csv", "parquet"])
-def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped, form):
-    content = io.BytesIO(written(mapped, form)[1])
-    if form == "csv":  # as text first: pandas reads some numbers one bit off
-        frame = pd.read_csv(content, comment="#", dtype=str)
-        numbers = [name for name in frame if name not in TEXTS]
-        frame = frame.astype(dict.fromkeys(numbers, float))
-    else:
-        frame = pq.read_table(content, use_threads=False).to_pandas()
+def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped):
+    frame = frame_of(written(mapped, "csv")[0])
     one = frame[frame["label"] == "sedan_ratio"]
     axes = one["axis"] + one["axis_2"] + one["axis_3"]
     assert set(axes) == {"sedan_zsedan_shiftsedan_slip_apart"}
@@ -172,37 +161,6 @@ def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped, form):
 
 
 WIDTHS = [{}, {"single": True}, {"bits": 8}, {"bits": 16}, {"bits": 32}]
-
-
-def shown(data, label):
-    """C code that prints a map with the values of its axes."""
-    whole = data.bits is not None
-    value = "{0}_origin + {0}_step * (double){0}{1}" if whole else "(double){0}{1}"
-    axes = {"z": "[i]", "shift": "[j]", "slip_apart": "[k]", label: "[i][j][k]"}
-    texts = [value.format(f"{data.prefix}_{name}", at) for name, at in axes.items()]
-    first = data.prefix.upper()
-    return (
-        f"for (unsigned i = 0U; i < {first}_Z_SIZE; i++) "
-        f"for (unsigned j = 0U; j < {first}_SHIFT_SIZE; j++) "
-        f"for (unsigned k = 0U; k < {first}_SLIP_APART_SIZE; k++) "
-        f'{{ printf("%.17g %.17g %.17g %.17g\\n", {", ".join(texts)}); }}'
-    )
-
-
-@needs_compiler
-@pytest.mark.parametrize("how", WIDTHS, ids=str)
-def test_a_compiler_reads_the_map_as_validate_judges_it(mapped, tmp_path, how):
-    """To the last bit what `as_exported` holds, and near the closed form at the rounded places."""
-    data, _ = written(mapped, "c-header", **how)
-    lines = printed(tmp_path, data, shown(data, "change_upper")).splitlines()
-    z, shift, slip, value = np.array([line.split() for line in lines], dtype=float).T
-    held = as_exported(mapped.table, Precision(**how)).map
-    for seen, name in ((z, "z"), (shift, "shift"), (slip, "slip"), (value, "change_upper")):
-        assert seen.tolist() == getattr(held, name).tolist()
-    bits = how.get("bits", 24 if how else 53)
-    true = A + B_Z * z + B_SHIFT * np.clip(shift, SHIFT[0], SHIFT[-1]) + B_SLIP * slip + 0.15
-    assert np.abs(value - true).max() <= 2.0 ** (1 - bits)
-    assert np.abs(z.reshape(4, 5, 3)[:, 0, 0] - Z).max() <= 2.0 ** (1 - max(bits, 16))
 
 
 @needs_a2ltool

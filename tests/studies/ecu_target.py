@@ -17,7 +17,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.ecu.code import write_bundle
+from calib.ecu.code import write_code
 from calib.ecu.native import Native
 from calib.estimation.online import answered, samples_of
 from calib.estimation.reasons import Reason
@@ -70,7 +70,7 @@ def costs() -> None:
             runs[f"sensors fail, {seed}"] = failing(runs[logs[1].name], seed)
         for name, samples in runs.items():
             with TemporaryDirectory() as folder:
-                write_bundle(stored, Path(folder, "code"), how, logs[0].sample_time)
+                write_code(stored, Path(folder, "code"), "ecu", how, logs[0].sample_time)
                 given = samples.astype(f"f{how.floating // 8}")
                 _, bytes_of, instructions = on_target(Path(folder, "code"), given)
             row = (*bytes_of, np.mean(instructions), np.max(instructions))
@@ -108,7 +108,7 @@ def argued() -> bool:
     """Print the remarks by rule; whether each rule has an argument."""
     with TemporaryDirectory() as name:
         how = WIDTHS["float32, all rows"]
-        write_bundle(version("sedan-2up"), Path(name, "code"), how, 0.005)
+        write_code(version("sedan-2up"), Path(name, "code"), "ecu", how, 0.005)
         rules = remarks(Path(name, "code"))
     print("\n| rule | remarks | why they stay |\n|---|---|---|")
     for rule in sorted(rules, key=lambda rule: tuple(map(int, rule.split(".")))):

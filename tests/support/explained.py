@@ -15,6 +15,8 @@ from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
 from calib.diagnosis.search import Search
 from calib.diagnosis.search import searched as searched_in
+from calib.diagnosis.terms import ranked_terms, with_terms
+from calib.diagnosis.verdict import Unexplained, plainest_first, unexplained_of
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase
 
@@ -51,3 +53,9 @@ def searched(vehicle: Vehicle, logs: Sequence[Log], held: Sequence[Log]) -> Sear
 def diagnosed(case: HiddenCase) -> Diagnosis:
     """The whole diagnosis."""
     return diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+
+
+def left_in(case: HiddenCase) -> Unexplained:
+    """What the calibration logs have beyond the vehicle without effects."""
+    at = based(case)
+    return unexplained_of(at, plainest_first(at, with_terms(at, ranked_terms(at))))

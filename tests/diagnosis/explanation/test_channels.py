@@ -11,9 +11,7 @@ from calib.diagnosis.explanation.channels import (
     CHANNELS,
     FLOOR,
     ORDER,
-    by_channel,
     noise_of,
-    whiten,
 )
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import problem_of
@@ -30,13 +28,6 @@ def test_the_noise_of_a_channel_is_unbiased_however_short_its_parts():
         found.append(noise.sigma**2)
         assert noise.freedom == 4 * (60 - ORDER - 3) - ORDER
     assert np.mean(found) == pytest.approx(1.0, abs=0.01)  # 40 x 6 draws of 213 degrees: 0.006
-
-
-def test_whitened_noise_is_white():
-    rng = np.random.default_rng(2)
-    parts = [rng.standard_normal((len(CHANNELS), 4000))]
-    for channel in by_channel(whiten(parts[0], noise_of(parts, parts)))[2:]:
-        assert np.mean(channel**2) == pytest.approx(1.0, abs=0.07)
 
 
 def test_white_noise_is_found_in_the_differences_beside_a_bite():

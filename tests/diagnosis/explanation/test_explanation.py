@@ -11,7 +11,7 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import BASE, OWN
 from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all, seen
-from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, elements_of, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays import without_form
 from calib.model.sensor_noise import add_noise
@@ -123,16 +123,3 @@ def test_the_load_that_a_known_drag_moves_is_a_base_parameter_unless_the_file_sa
     assert given.base_size == BASE
     assert at_road.effects.parameters == {DRAG: {"drag_area": area, "load_share": 1.0}}
     assert found.log_evidence > at_road.log_evidence + 10.0
-
-
-def test_effects_of_the_vehicle_file_are_where_a_vector_counts_from(drag):
-    problem = knowing(drag, drag_area=0.7)
-    start = start_of(problem)
-    _, plain = based(problem, Hypothesis(), replace(start, x=0.0 * start.x))
-    assert plain.parameters == {DRAG: {"drag_area": 0.7, "load_share": 0.5}}
-    ones = np.ones(problem.base_size + 3)
-    names = (DRAG, "accelerometer_bias")
-    _, moved = based(problem, Hypothesis(names), replace(start, x=ones))
-    spread = moved.parameters[DRAG]["drag_area"] - 0.7
-    assert elements_of(problem.vehicle.effects, DRAG)[0].low == pytest.approx(-0.7 / spread)
-    assert set(moved.parameters) == {DRAG, "accelerometer_bias"}
