@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import G
+from calib.base.names import AXLES, G
 from calib.car.braking import BITE
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
@@ -55,11 +55,12 @@ def ranked_terms(at: Explanation) -> list[Ranked]:
     # with the deceleration that is predicted: the noise of a measured one would predict itself
     predicted = [predict(at.problem.vehicle, at.base, at.effects, run) for run in at.runs]
     histories = [replace(run, z=-p.a_x / G) for run, p in zip(at.runs, predicted, strict=True)]
+    cold = {a for a in AXLES for run in at.runs if getattr(run, f"temperature_{a}") is None}
     ranked = [
         _ranked(at, place, driver, pulses, histories)
         for driver in DRIVERS
         for place in PLACES
-        if driver != "temperature" or _warm(at, place)
+        if driver != "temperature" or not cold & {*DISCS[PLACES[place]]}
     ]
     return sorted(ranked, key=lambda one: -one.log_gain)
 
@@ -81,14 +82,6 @@ def with_terms(at: Explanation, ranked: Sequence[Ranked]) -> list[Explanation]:
 def _fitted(at: Explanation, one: Ranked) -> Explanation:
     state = replace(at.state, x=np.concatenate([at.state.x, one.values]))
     return fit(at.problem, replace(at.hypothesis, walk=one.walk), state, at.columns)
-
-
-def _warm(at: Explanation, place: str) -> bool:
-    return all(
-        (run.temperature_f if axle == "f" else run.temperature_r) is not None
-        for run in at.problem.runs
-        for axle in DISCS[PLACES[place]]
-    )
 
 
 def _knots(at: Explanation, place: str, driver: str) -> Array:

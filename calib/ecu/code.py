@@ -38,8 +38,7 @@ from calib.estimation.online import answered
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.export import require_handed_out
-from calib.exports.filters import as_comment
-from calib.exports.write import FORMATS
+from calib.exports.write import FORMATS, as_comment
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
 from calib.run.blocks import samples_of_block

@@ -23,7 +23,7 @@ from calib.estimation.known import known_effects
 from calib.estimation.online import REASON, VARIABLES, Variable
 from calib.estimation.reasons import Reason
 from calib.exports.dataset import prefix
-from calib.exports.filters import printable
+from calib.exports.write import printable
 from calib.store.version import Stored
 from calib.table.exported import Precision
 from calib.table.table import Table

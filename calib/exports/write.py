@@ -16,6 +16,10 @@ number is written so that it reads back to the last bit.
 import csv
 import io
 import json
+import math
+import re
+import string
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -26,10 +30,10 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import ExchangeError
 from calib.base.templates import templates
-from calib.exports import filters
 from calib.exports.build import UNIT
-from calib.exports.dataset import MOST_AXES, Dataset, Grid, Object, label
+from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Object, Scalar, label
 
 _FUNCTION = "brake_torque"  # to which the objects belong
 _BARE = "-"  # unit of a bare number in CSV: readers that guess types would take 1 for an integer
@@ -43,6 +47,10 @@ there is none."""
 _MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")  # behind the `COLUMNS` where there are maps
 
 _BOM = b"\xef\xbb\xbf"  # mark of UTF-8, which A2L demands where a file is not ASCII
+_LONGEST_TEXT = 255  # characters of a text of A2L
+_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # of A2L by width of the fixed point
+_DIGITS = 7  # significant ones that a tool shows of the largest number of an object in double
+_MOST_DECIMALS = 15
 
 
 def _write_json(data: Dataset) -> bytes:
@@ -115,7 +123,7 @@ def _cells(one: Grid) -> Iterator[tuple[str | float | None, ...]]:
 def _write_csv(data: Dataset) -> bytes:
     text = io.StringIO()
     # a spreadsheet splits at commas, and takes what follows for a formula
-    facts = ((key, filters.printable(fact).replace(",", ";")) for key, fact in data.facts().items())
+    facts = ((key, printable(fact).replace(",", ";")) for key, fact in data.facts().items())
     text.writelines(f"# {key}: {fact}\n" for key, fact in facts)
     table = csv.writer(text, lineterminator="\n")
     table.writerow(_columns(data))
@@ -123,25 +131,122 @@ def _write_csv(data: Dataset) -> bytes:
     return text.getvalue().encode()
 
 
+def printable(text: str) -> str:
+    """``text`` on one line, without control characters."""
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
+def _quoted(text: str) -> str:
+    """A quoted text of DCM, which has no escapes."""
+    plain = printable(text).replace('"', "'").replace("\\", "/")
+    return f'"{plain}"'
+
+
+def _commented(text: str) -> str:
+    """``text`` on one line without marks of a comment: simple readers see them in texts, too."""
+    plain = printable(text).replace("\\", "/")
+    return re.sub(r"/(?=[/*])|\*(?=/)", r"\g<0> ", plain)
+
+
+def _short(text: str) -> str:
+    """A quoted text of A2L. Raises ExchangeError where the standard has no room for it."""
+    plain = _commented(text).replace('"', "'")
+    if len(plain) > _LONGEST_TEXT:
+        raise ExchangeError(
+            f"{plain[:24]}... has {len(plain)} characters",
+            expected=f"at most {_LONGEST_TEXT} in a text of A2L",
+            do="give the table a shorter name",
+        )
+    return f'"{plain}"'
+
+
+def as_comment(text: str) -> str:
+    """``text`` for a comment of C: without a begin or end of a comment and without trigraphs."""
+    plain = "".join(c if " " <= c <= "~" and c not in "?\\" else "_" for c in text)
+    return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
+
+
+def _a2l_type(one: Object, single: bool) -> str:
+    """Data type of A2L."""
+    floating = "FLOAT32_IEEE" if single else "FLOAT64_IEEE"
+    return floating if one.fixed is None else _TYPES[one.fixed.bits]
+
+
+def _made(one: Object) -> str:
+    """How an object came about, for its history in CDF."""
+    if isinstance(one, Scalar):
+        return "fitted" + ("" if one.sigma is None else f"; one standard deviation {one.sigma!r}")
+    axes = (one,) if isinstance(one, Axis) else one.axes
+    return "; ".join(("fitted", one.span, *(axis.placed for axis in axes)))
+
+
+def _type_limits(one: Object) -> tuple[float, float]:
+    """Range of the type in C [unit]."""
+    if one.fixed is None:
+        return -sys.float_info.max, sys.float_info.max
+    half = one.fixed.step * 2.0 ** (one.fixed.bits - 1)
+    return one.fixed.origin - half, one.fixed.origin + half - one.fixed.step
+
+
+def _limits(one: Object) -> tuple[float, float]:
+    """Range of the numbers and their 95 % band, within that of the type [unit]."""
+    values = one.values if one.fixed is None else one.fixed.values
+    band = np.concatenate((values, one.band[np.isfinite(one.band)]))
+    low, high = _type_limits(one)
+    return max(float(band.min()), low), min(float(band.max()), high)
+
+
+def _display_format(one: Object) -> str:
+    """Format of A2L: the sign, the digits before the point, and decimals that show one step."""
+    largest = float(np.abs(one.values).max())
+    finest = largest * 10.0**-_DIGITS if one.fixed is None else one.fixed.step
+    decimals = math.ceil(-math.log10(finest)) if finest > 0.0 else 1
+    decimals = min(max(decimals, 0), _MOST_DECIMALS)
+    return f"%{len(str(int(largest))) + decimals + 2}.{decimals}"
+
+
+def _c_type(one: Object, single: bool) -> str:
+    """Type of a constant of the C header."""
+    floating = "float" if single else "double"
+    return floating if one.fixed is None else f"int{one.fixed.bits}_t"
+
+
+def _c_numbers(one: Object, single: bool) -> Any:
+    """The numbers of a constant as C has them, those of a map nested as its axes are."""
+    if one.fixed is None:
+        numbers = one.values.astype(np.float32 if single else np.float64)
+        texts = [f"{x!s}{'F' * single}" for x in numbers]
+    else:
+        texts = [f"{v}{'L' * (one.fixed.bits == 32)}" for v in one.fixed.raw.tolist()]
+    shape = one.shape if isinstance(one, Grid) else (-1,)
+    return np.array(texts, dtype=object).reshape(shape).tolist()
+
+
+def _c_string(text: str) -> str:
+    """A string constant: octal of three digits for each byte that is not plain."""
+    plain = string.ascii_letters + string.digits + "@-_. "
+    return "".join(c if c in plain else f"\\{b:03o}" for b in text.encode() for c in [chr(b)])
+
+
 def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     """The template of a format; ``text`` makes a text fit for it."""
-    made = templates("calib.exports", markup=False)
-    made.filters |= {
+    environment = templates("calib.exports", markup=False)
+    environment.filters |= {
         "text": text,
-        "printable": filters.printable,
-        "comment": filters.commented,
+        "printable": printable,
+        "comment": _commented,
         "label": lambda parts: label(*parts),
-        "made": filters.made,
-        "limits": filters.limits,
-        "type_limits": filters.type_limits,
-        "display_format": filters.display_format,
-        "c_type": partial(filters.c_type, single=data.single),
-        "c_numbers": partial(filters.c_numbers, single=data.single),
-        "c_string": filters.c_string,
-        "type": partial(filters.a2l_type, single=data.single),
+        "made": _made,
+        "limits": _limits,
+        "type_limits": _type_limits,
+        "display_format": _display_format,
+        "c_type": partial(_c_type, single=data.single),
+        "c_numbers": partial(_c_numbers, single=data.single),
+        "c_string": _c_string,
+        "type": partial(_a2l_type, single=data.single),
     }
     facts = data.facts()
-    written = made.get_template(f"{name}.j2").render(
+    written = environment.get_template(f"{name}.j2").render(
         {key: facts[key] for key in ("version", "digest", "program", "vehicle")},
         data=data,
         facts=list(facts.items()),
@@ -151,7 +256,7 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
 
 
 def _write_a2l(data: Dataset) -> bytes:
-    text = _filled("a2l", filters.short, data)
+    text = _filled("a2l", _short, data)
     return text if text.isascii() else _BOM + text
 
 
@@ -173,9 +278,9 @@ class _Format:
 FORMATS = {
     "json": _Format("json", _write_json),
     "csv": _Format("csv", _write_csv),
-    "dcm": _Format("dcm", partial(_filled, "dcm", filters.quoted), most_axes=2),
-    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(filters.printable(x)))),
+    "dcm": _Format("dcm", partial(_filled, "dcm", _quoted), most_axes=2),
+    "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x)))),
     "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
-    "c-header": _Format("h", partial(_filled, "h", filters.as_comment), fixed=True),
+    "c-header": _Format("h", partial(_filled, "h", as_comment), fixed=True),
 }
 """A new one is a template and a line here."""

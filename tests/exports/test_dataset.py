@@ -14,7 +14,7 @@ from calib.car.effects.effects import Effects
 from calib.estimation.baselines import by_curves
 from calib.exports.build import build
 from calib.exports.dataset import LONGEST, LONGEST_PREFIX, label, prefix
-from calib.exports.filters import printable
+from calib.exports.write import printable
 from calib.store.evidence import Quality
 from calib.store.store import Store
 from calib.table.exported import BITS, fixed_axis, to_fixed

@@ -1,8 +1,7 @@
 """A hypothesis fitted to all logs by a few rounds of Gauss and Newton.
 
-Each round has columns of its own place, but those of the base in a rough fit that gets on. Secant
-updates would cost less, but their course hangs on the last digit: along a flat valley they end
-anywhere.
+Each round has columns of its own place, but those of the base in a rough fit that gets on: with
+secant updates the end of a flat valley hangs on the last digit.
 """
 
 from collections.abc import Sequence
