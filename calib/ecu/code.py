@@ -33,8 +33,7 @@ from calib.ecu.car_source import (
     sources,
 )
 from calib.ecu.fmu import Content, Version, write_fmu
-from calib.estimation.channels import A_X, ANSWERS, CHANNELS, FL, limits, samples_of
-from calib.estimation.online import answered
+from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.export import require_handed_out
