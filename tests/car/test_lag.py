@@ -29,10 +29,3 @@ def test_low_pass_is_what_lsim_finds(lag, bend):
     system = ([1.0], [bend * lag**2, lag, 1.0] if bend > 1e-6 else [lag, 1.0])
     _, y, _ = lsim(system, x - x[0], TIME)
     assert low_pass(TIME, x, lag, bend * lag**2) == pytest.approx(y + x[0], abs=2e-5 * np.ptp(x))
-
-
-@pytest.mark.parametrize("around", [1e-12, 1e-7, 0.25, 0.25 + 0.25e-6])
-def test_low_pass_has_no_step_in_its_bend(around):
-    below, at, above = (low_pass(TIME, bumpy(4), 1.0, around + d) for d in (-1e-13, 0.0, 1e-9))
-    assert np.max(np.abs(at - below)) < 1e-5
-    assert np.max(np.abs(above - at)) < 1e-5

@@ -78,14 +78,6 @@ def test_what_is_left_out_is_the_default(tmp_path):
     assert (model.pad_friction_f, model.pad_friction_r) == (0.38, 0.3)
 
 
-def test_the_default_is_the_vehicle_as_it_is_known():
-    model = default_model(KNOWN)
-    assert (model.pad_friction_f, model.pad_friction_r) == (0.38, 0.38)
-    assert model.effects == Effects({"rolling_resistance": {"coefficient": 0.012}})
-    with pytest.raises(ModelError, match="aerodynamic_dragg"):
-        default_model(replace(SEDAN, effects=Effects({"aerodynamic_dragg": {"drag_area": 0.6}})))
-
-
 TERMS = (
     EmpiricalTerm("rear_brakes", "temperature", (20.0, 1e2 / 3), (0.0, -1e-7)),
     EmpiricalTerm("body", "constant", (0.0,), (0.01,)),

@@ -38,12 +38,6 @@ def test_rounding_adds_a_twelfth_of_its_step_squared():
     assert np.var(x) == pytest.approx(0.1**2 + 0.1**2 / 12.0, rel=5.0 * np.sqrt(2.0 / N))
 
 
-def test_a_sensor_with_a_floor_reads_nothing_below_it():
-    x = noise(NoiseLevel(1.0, floor=0.0))
-    assert np.min(x) == 0.0
-    assert np.mean(x) == pytest.approx(1.0 / np.sqrt(2.0 * np.pi), rel=0.02)
-
-
 def test_same_seed_same_noise_and_every_channel_its_own():
     log = made_log(omega_fr=80.0 - np.arange(2000) * DT)
     once, again, other = add_noise(log, 3), add_noise(log, 3), add_noise(log, 4)

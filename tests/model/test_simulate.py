@@ -223,14 +223,6 @@ def test_what_comes_later_does_not_change_what_was(cut, pressure, v0):
 # Doors -------------------------------------------------------------------------------------------
 
 
-def test_truth_names_the_pads_and_digest_the_content(ramped):
-    assert set(ramped.truth["true_mu_pad_f"]) == {0.38}
-    time = clock(12)
-    again = simulate(model(), time, sampled(ramp, time), 33.0)
-    other = simulate(model(), time, sampled(ramp, time), 32.0)
-    assert again.digest == ramped.digest != other.digest
-
-
 @pytest.mark.parametrize(
     ("time", "pressure", "v0"),
     [

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.units import to_si
-from calib.car.effects.catalogue import CALIPER, CATALOGUE, LINE, SENSOR
+from calib.car.effects.catalogue import CATALOGUE
 from calib.car.effects.combined import (
     accelerometer_lag,
     as_driven,
@@ -63,15 +63,6 @@ def test_a_card_says_everything_and_its_strength_comes_first(name):
         assert to_si(1.0, p.unit, p.unit) == 1.0
         assert p.low <= p.typical <= p.high
         assert 0.0 < p.spread < p.high - p.low
-
-
-def test_what_acts_in_a_row_has_its_place_in_the_chain():
-    assert LINE == (
-        "hydraulic_delay", "hydraulic_lag", "hydraulic_oscillation", "rear_proportioning",
-    )  # fmt: skip
-    assert CALIPER == ("brake_threshold_pressure", "caliper_hysteresis", "residual_torque")
-    assert SENSOR == ("road_grade", "pitch_coupling", "accelerometer_scale", "accelerometer_bias")
-    assert {*LINE, *CALIPER} == {n for n, e in CATALOGUE.items() if e.pressure is not None}
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
