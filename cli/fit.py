@@ -11,7 +11,6 @@ from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
     from calib.model.roller_bench import RollerBench
-    from calib.store.version import Stored
 
 _BENCH = "Brake forces of both axles, of the same pads on a roller brake tester."
 _ROLLERS = "calib.model.roller_bench_file:read_roller_bench"
@@ -66,18 +65,11 @@ def fit(
         cars = released_cars(store, car, known) if fleet_prior else {}
         table = fit_table(car, runs, mass, bench, tyre, cars)
     stored = store.save(table)
-    tell_kin(store, stored)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
     files = files_of("vehicle", "model", "bench", "tyre")
     found = Fitted(stored, mass_used(car, mass), ramps, files)
     return Answer(document(found), found, live=True)
-
-
-def tell_kin(store: Tables, stored: "Stored") -> None:
-    """Say which rejected and withdrawn versions are made of the same ramp."""
-    for other in store.now().refused_kin(stored):
-        say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
 
 
 def files_of(*options: str) -> dict[str, Path]:

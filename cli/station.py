@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 from cli import options
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress, say, this_run
-from cli.fit import tell_kin
 from cli.logs import read
 from cli.options import argument, day, logs_by_name, option, words
 from cli.outputs import check_folder, stems_of, write_file, write_folder, writing
@@ -117,7 +116,6 @@ def station(
             stored, document = store_and_write(found, store, forms, date or "", work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
-    tell_kin(store, stored)
     unsigned = "what is stored now is not signed; sign it, then `brake-cal tables export`"
     if export and (why := why_not_exported(stored) or unsigned * bool(signed.public)):
         say(f"no exports: {why}")

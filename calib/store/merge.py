@@ -68,13 +68,14 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     curves, of_D, weights = mean_curves(tables)
     pads, of_pads = mean_pads(tables, weights)
     pad_map, level_map, draws = mean_maps(tables, weights)
+    sensors = [n for n in tables[0].noise if all(n in t.noise for t in tables)]
     return Table(
         name=name,
         vehicle=tables[0].vehicle,
         **curves,
         **pads,
         effects=_effects(tables, weights),
-        noise=_noise(tables),
+        noise={n: float(np.sqrt(np.mean([t.noise[n] ** 2 for t in tables]))) for n in sensors},
         quality=_quality(tables),
         remarks=_remarks(parents),
         provenance=_provenance(parents),
@@ -106,12 +107,6 @@ def _effects(tables: Sequence[Table], weights: Array) -> Effects:
             of_cars = float(inflated(found)[0])
             sigma[effect][parameter] = float(np.hypot(of_cars, np.sqrt(shared)))
     return Effects(values, sigma=sigma)
-
-
-def _noise(tables: Sequence[Table]) -> dict[str, float]:
-    """Root mean square of each sensor that all cars have."""
-    known = [n for n in tables[0].noise if all(n in t.noise for t in tables)]
-    return {n: float(np.sqrt(np.mean([t.noise[n] ** 2 for t in tables]))) for n in known}
 
 
 def _quality(tables: Sequence[Table]) -> dict[str, float]:

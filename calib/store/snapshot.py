@@ -102,7 +102,9 @@ class Snapshot:
         """Read the version that a reference means; a bare name as in `Store.load`."""
         path = path_of(reference)
         if path is not None:
-            return self._at(path)
+            stored = read_version(path)
+            own = placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve()
+            return self.load(stored.name, stored.version) if own else stored
         if "@" in reference:
             return self.load(*self.numbered(reference))
         name = self.known(reference)
@@ -176,22 +178,3 @@ class Snapshot:
                 if stored and same(stored.table, table):
                     return replace(stored, existed=True)
         return None
-
-    def refused_kin(self, stored: Stored) -> tuple[Stored, ...]:
-        """The rejected and withdrawn versions of its name that share a ramp with ``stored``.
-
-        A version that cannot be read is left out: `verified` names it.
-        """
-        entries = (
-            self.entry(stored.name, version)
-            for version in self.journal.of(stored.name)
-            if version != stored.version and not self.journal.state(stored.name, version).usable
-        )
-        return tuple(e.stored for e in entries if e.stored and e.stored.ramps & stored.ramps)
-
-    def _at(self, path: Path) -> Stored:
-        """The version in a directory, with its state if that is its place in this store."""
-        stored = read_version(path)
-        if placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve():
-            return self.load(stored.name, stored.version)
-        return stored

@@ -101,7 +101,12 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     except (StoreError, RecursionError) as error:
         raise damaged(str(error)) from error
     try:
-        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in COLUMNS}
+        curves = {}
+        for name in (f"{name}.parquet" for name in COLUMNS):
+            content = _bytes(path / name)
+            if _sha256(content) != file.files[name]:
+                raise DamagedTable(f"{name}: its bytes differ from their digest", where=path)
+            curves[name.removesuffix(".parquet")] = _read_curve(content)
         if content_digest(record, curves) != file.digest:
             raise damaged("the record or its digest was changed")
         table = table_of(file.record, curves)
@@ -161,14 +166,6 @@ def _content(record: dict[str, Any], digest: str, version: int, files: dict[str,
         "states": JOURNAL,
     }  # fmt: skip
     return (json.dumps(document, indent=2, sort_keys=True) + "\n").encode()
-
-
-def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:
-    """Columns of one curve, after its bytes were compared with their digest."""
-    data = _bytes(path)
-    if _sha256(data) != digests[path.name]:
-        raise DamagedTable(f"{path.name}: its bytes differ from their digest", where=path.parent)
-    return _read_curve(data)
 
 
 def _bytes(path: Path) -> bytes:

@@ -140,17 +140,6 @@ def test_what_a_killed_writer_left_is_not_seen_and_cleared_by_the_next(stored, s
 # Others of its name, and evidence
 
 
-@pytest.mark.parametrize("word", ["rejected", "withdrawn"])
-def test_the_same_ramp_of_a_refused_version_is_found(store, word):
-    store.save(made_table(27.0), StateDecision(word, "wet"))
-    again = store.save(made_table(28.0))
-    assert [other.id for other in store.now().refused_kin(again)] == ["sedan@1"]
-    table = made_table(29.0)
-    ramp = replace(table.provenance.logs[0], digest="cd" * 32)
-    other = replace(table.provenance, logs=(ramp, *table.provenance.logs[1:]))
-    assert store.now().refused_kin(store.save(replace(table, provenance=other))) == ()
-
-
 HELD = {"log": "stop", "role": "hold-out", "verdict": "passed"}
 OF = {"table": "sedan@1", "digest": made_table().digest, "proof": "truth"}
 GOOD = {"schema": 1, **OF, "verdict": "passed", "logs": [HELD]}

@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -152,25 +153,20 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         )
         for i, m in enumerate(numbers)
     )
-    status, digests = Counter(fleet.values("status")), fleet.values("digest")
+    words, digests = fleet.values("status"), fleet.values("digest")
+    status = Counter(words)
+    held = zip_longest(fleet.logs, words, fleet.values("not_held"))
     return Summary(
         fleet.logs,
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
-        _failed(fleet),
+        {log: str(why or "") for log, word, why in held if word == Status.FAILED},
         looks,
         dict(_classes(fleet, metrics)),
         _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
         [same for same in _grouped(fleet.logs, digests).values() if len(same) > 1],
     )
-
-
-def _failed(fleet: FleetFile) -> dict[str, str]:
-    known = any(metric.name == "not_held" for metric in fleet.metrics)
-    held = fleet.values("not_held") if known else [None] * len(fleet.logs)
-    rows = zip(fleet.logs, fleet.values("status"), held, strict=True)
-    return {log: str(why or "") for log, status, why in rows if status == Status.FAILED}
 
 
 def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:

@@ -243,7 +243,9 @@ def _result(
     of_cars = (gauge.grr.value, gauge.ndc.value) if gauge.cars_differ else (None, None)
     of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
     figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
-    judgements = judge(_limits_of(name, limits), figures)
+    by_name = {limit.figure: limit for limit in limits}
+    own = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in _FIGURES]
+    judgements = judge(tuple(Limit(f, x.low, x.high) for f, x in own if x is not None), figures)
     shares = [x for x in (of_cars[0], of_tolerance) if x is not None]
     if any(j.verdict == FAILED for j in judgements):
         verdict = GaugeVerdict.BAD
@@ -252,12 +254,6 @@ def _result(
     else:
         verdict = GaugeVerdict.GOOD if max(shares) <= _GOOD_GRR else GaugeVerdict.MARGINAL
     return GaugeResult(name, values, gauge, judgements, verdict)
-
-
-def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
-    by_name = {limit.figure: limit for limit in limits}
-    both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in _FIGURES]
-    return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 
 def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
