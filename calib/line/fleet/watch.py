@@ -28,7 +28,7 @@ _LATE = 30.0
 """Longest delay of the results file behind the journal while logs arrive [s]."""
 
 
-class Settled:
+class _Settled:
     """Files that are complete: size and times of change are constant for ``settle`` [s]."""
 
     def __init__(self, settle: float):
@@ -87,7 +87,7 @@ def watch(
     not "diagnose": its logs are folders without a sign of completion. Raises like `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
-    settled, troubled, written, behind = Settled(settle), set[str](), -math.inf, True
+    settled, troubled, written, behind = _Settled(settle), set[str](), -math.inf, True
 
     def given(logs: dict[str, str]) -> Iterator[tuple[str, str]]:
         for name, path in logs.items():

@@ -5,7 +5,6 @@ makes other keys.
 
     open      no password
     small     the password of `PASSWORD`, hidden at little cost: minisign had 60 MB of memory
-    sensitive the same password, at the cost that minisign takes by itself: 1 GiB
 """
 
 import resource
@@ -39,8 +38,7 @@ def main() -> None:
     minisign(
         *("-G", "-f", "-p", "small.pub", "-s", "small.key"), typed=typed * 2, before=little_memory
     )
-    minisign("-G", "-f", "-p", "sensitive.pub", "-s", "sensitive.key", typed=typed * 2)
-    for key, answer in (("open", ""), ("small", typed), ("sensitive", typed)):
+    for key, answer in (("open", ""), ("small", typed)):
         signing = ("-S", "-s", f"{key}.key", "-m", "data.bin", "-t", COMMENT)
         minisign(*signing, "-x", f"{key}.minisig", typed=answer)
 
