@@ -1,5 +1,6 @@
-"""Check an MDF 4 file before asammdf reads it, which follows rings of links and fills the memory.
+"""Check an MDF file before asammdf reads it, which follows rings of links and fills the memory.
 
+MDF 4:
 ##XX  4 bytes unused  length  number of links  links  content
 ##DG --> ##CG --> ##CN                count, bytes of a record; the bits of a channel within it
      --> ##HL --> ##DL --> ##DT, ##DZ     present: the sum of their lengths, unpacked
@@ -30,6 +31,8 @@ _UNPACKED = struct.Struct("<8xQ")
 _MOST_LINKS = 10_000_000
 _TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
 """Blocks whose first two links lead to one that no other has; asammdf would follow a ring."""
+_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}
+"""First links of the same kind in MDF 3."""
 _START = 24
 """Bytes of a ##DT before its data."""
 _VARIABLE = 1
@@ -86,10 +89,11 @@ def check_mdf(path: Path) -> _Checked:
         if not version.isascii() or version[:1] not in (b"2", b"3", b"4"):
             text = version.decode(errors="replace")
             raise LogError(f"MDF version {text!r}", where=path, expected="3.x or 4.x")
-        if not version.startswith(b"4"):
-            return _Checked()
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             try:
+                if not version.startswith(b"4"):
+                    _refuse_rings(data, "<" if head[24:26] == b"\0\0" else ">", path)
+                    return _Checked()
                 starts = _check_blocks(data, path)
                 return _counted(data, flags, sorted(starts), path) if flags else _Checked()
             except (struct.error, IndexError, ValueError, OverflowError) as cause:
@@ -110,6 +114,20 @@ def _chain(data: mmap.mmap, place: int, kind: bytes) -> Iterator[tuple[int, _Blo
             raise ValueError(f"no {kind!r} at byte {place}")
         yield place, block
         place = block.links[0]
+
+
+def _refuse_rings(data: mmap.mmap, order: str, path: Path) -> None:
+    """Raise ValueError for two links of MDF 3 to one block, LogError for one past the end."""
+    seen, todo = set[int](), [_HEAD]
+    while todo:
+        place = todo.pop()
+        if place in seen:
+            raise ValueError(f"a second link to byte {place}")
+        seen.add(place)
+        if place + 4 > len(data):
+            raise _short(path, len(data), place + 4)
+        links = _LINKS_3.get(data[place : place + 2], 0)
+        todo += filter(None, struct.unpack_from(f"{order}{links}I", data, place + 4))
 
 
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:

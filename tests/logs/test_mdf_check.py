@@ -141,3 +141,10 @@ def test_fewer_samples_than_the_group_counts(folder, name):
     for found in damaged:
         (folder / f"few_{name}").write_bytes(found)
         refusal(read_log, folder / f"few_{name}", folder / "plain.toml", kind=LogError)
+
+
+def test_a_ring_of_groups_in_version_3(folder):
+    data = (folder / "run.mdf").read_bytes()
+    (first,) = struct.unpack_from("<I", data, 68)
+    (folder / "ring.mdf").write_bytes(with_bytes(first + 4, "<I", first, data=data))
+    assert "second link" in refusal(open_mdf, folder / "ring.mdf", {}, kind=LogError)
