@@ -90,7 +90,7 @@ _SPELT = (
     ("%", "percent Percent"), ("N*m", "Nm"), ("kN*m", "kNm"), ("kg*m^2", "kgm^2"), ("m^2", "m2"),
     ("cm^2", "cm2"), ("mm^2", "mm2"), ("kg*m^2", "kg*m2"), ("kg*cm^2", "kg*cm2"),
 )  # fmt: skip
-SPELLINGS = {other: unit for unit, others in _SPELT for other in others.split()}
+_SPELLINGS = {other: unit for unit, others in _SPELT for other in others.split()}
 """Other spellings of a unit, and the one in the table."""
 
 _SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None})
@@ -100,7 +100,7 @@ def spelling(unit: str) -> str:
     """The spelling of a unit in the tables: ``m/s²`` becomes ``m/s^2``."""
     text = unit.strip().replace("N.m", "N*m").replace("**", "^")
     text = text.replace("⁻²", "^-2").replace("⁻¹", "^-1").translate(_SIGNS)
-    return SPELLINGS.get(text, text)
+    return _SPELLINGS.get(text, text)
 
 
 def unit_of(unit: str, si: str) -> Unit:
@@ -132,7 +132,7 @@ def spellings(si: str | None) -> list[str]:
     """Return all spellings of the units of one quantity, or of all if ``si`` is None."""
     tables = [table for key, (_, table) in QUANTITIES.items() if si in (key, None)]
     known = [unit for table in tables for unit in table]
-    return [*known, *(other for other, unit in SPELLINGS.items() if unit in known)]
+    return [*known, *(other for other, unit in _SPELLINGS.items() if unit in known)]
 
 
 def si_of(unit: str) -> str:

@@ -21,7 +21,7 @@ REFUSE, VOID, WARN = "refuse", "void", "warn"
 """What a rule does outside its range: no result, a result of which no sample counts, a warning."""
 
 
-class Rule(NamedTuple):
+class _Rule(NamedTuple):
     """A row: what the ``figure`` named so gives as ``code`` is to lie from ``low`` to ``high``.
 
     The range is no narrower than zero give or take ``sure`` of the sigmas. ``asked`` by these
@@ -44,10 +44,10 @@ class Rule(NamedTuple):
     do: str
 
 
-def _read(row: dict[str, str], first: dict[str, str]) -> Rule:
+def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
     ends = row if row["low"] or row["high"] else first
     words = row if row["causes"] or row["below"] else first
-    return Rule(
+    return _Rule(
         row["code"],
         row["means"] or first["means"],
         row["figure"],
@@ -174,10 +174,10 @@ def judged(
     return tuple(warnings)
 
 
-_OF: dict[str, list[Rule]] = {code: [r for r in RULES if r.code == code] for code in UNITS}
+_OF: dict[str, list[_Rule]] = {code: [r for r in RULES if r.code == code] for code in UNITS}
 
 
-def _warned(rule: Rule, log: str, m: Measured, low: float, high: float) -> PlausibilityWarning:
+def _warned(rule: _Rule, log: str, m: Measured, low: float, high: float) -> PlausibilityWarning:
     """With the words of the rule, and those of the figure in them."""
     shown = [m.shown(end) if math.isfinite(end) else None for end in (low, high)]
     cells = rule.below if m.value < low and rule.below else rule.causes

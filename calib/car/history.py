@@ -112,7 +112,7 @@ def constant_speed(
     )
 
 
-AIR = 20.0
+_AIR = 20.0
 """Temperature of the air [degC]."""
 
 
@@ -128,4 +128,4 @@ def heated(time: Array, energy: Array, disc: Disc, start: float = START) -> Arra
     """
     kept = energy - first_order(time, energy, disc.cooling_time)
     own = np.exp(-(time - time[0]) / disc.cooling_time)
-    return np.asarray(AIR + (start - AIR) * own + kept / disc.heat_capacity)
+    return np.asarray(_AIR + (start - _AIR) * own + kept / disc.heat_capacity)

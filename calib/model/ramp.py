@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class FitSettings:
+class _FitSettings:
     """What a fit takes as given. Those that decide a table's numbers are in its provenance."""
 
     min_speed: float = 5.0
@@ -63,7 +63,7 @@ class FitSettings:
     """Blocks that a cell needs to count as measured: two may be one disturbance."""
 
 
-SETTINGS = FitSettings()
+SETTINGS = _FitSettings()
 
 _ZEROED = 3.0
 """Time before the bite over which eta and slip are zeroed [s]."""
