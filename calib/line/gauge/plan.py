@@ -67,6 +67,8 @@ def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
         text = data.decode("utf-8-sig")
+        if "\0" in text:
+            raise csv.Error("it holds a NUL")
         mark = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
         lines = [line for line in text.splitlines() if line.strip()]
         rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=mark)]
