@@ -68,10 +68,6 @@ SCALE, MOTOR, VALVE = "drive_torque_scale", "motor_not_logged", "rear_pressure_l
 Size = tuple[float, ...]
 
 
-def _as_read(run: RampRun, size: Size) -> RampRun:
-    return run
-
-
 @dataclass(frozen=True)
 class Hypothesis:
     """A mistake by its ``code`` of `rules.csv`; empty of nothing wrong, and of other pads.
@@ -85,7 +81,7 @@ class Hypothesis:
     odds: float
     sizes: tuple[Size, ...] = ((),)
     first: tuple[Size, ...] = ((),)
-    undo: Callable[[RampRun, Size], RampRun] = _as_read
+    undo: Callable[[RampRun, Size], RampRun] | None = None
     pads: tuple[float, float] = (_PADS, _PADS)
     axle: str = ""
 
@@ -276,7 +272,7 @@ class _Evidence:
         """ln of the evidence of one size, and the mean square that its best draw leaves."""
         from scipy.special import logsumexp
 
-        runs = [h.undo(run, size) for run in self.runs]
+        runs = [h.undo(run, size) if h.undo else run for run in self.runs]
         sums = [self._sum(run) for run in runs]
         level = float(np.mean([level for _, level, _ in sums]))
         e, centre, root = _draws()

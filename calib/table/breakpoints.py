@@ -7,7 +7,9 @@ is the global optimum, by dynamic programming over the rows (Bellman and Roth, J
 grows with the cube of the rows: meant for some hundred.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -53,12 +55,8 @@ def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Inde
     if points >= n:
         return np.arange(n)
     square = np.full((n, n), np.inf)
-    for i in range(n - 1):
-        for j in range(i + 1, n):
-            share = (x[i : j + 1] - x[i]) / (x[j] - x[i])
-            line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
-            gaps = curves[:, i : j + 1] - line
-            square[i, j] = np.sum(weights[:, i : j + 1] * gaps**2)
+    for i, j, gaps in _lines(x, curves):
+        square[i, j] = np.sum(weights[:, i : j + 1] * gaps**2)
     reach, back = _least(square, points, np.add)
     return _path(back, FEWEST + int(np.argmin(reach[FEWEST:, n - 1])), n)
 
@@ -91,16 +89,19 @@ def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
     """Largest error and integral of the squared error of a line from row i to row j, (n, n)."""
     n = len(x)
     worst, square = np.full((n, n), np.inf), np.full((n, n), np.inf)
-    for i in range(n - 1):
-        for j in range(i + 1, n):
-            part = slice(i, j + 1)
-            share = (x[part] - x[i]) / (x[j] - x[i])
-            line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
-            gaps = curves[:, part] - line
-            gaps[:, 0] = gaps[:, -1] = 0.0
-            worst[i, j] = np.abs(gaps).max()
-            square[i, j] = sum(_integral(x[part], gap) for gap in gaps)
+    for i, j, gaps in _lines(x, curves):
+        gaps[:, 0] = gaps[:, -1] = 0.0
+        worst[i, j] = np.abs(gaps).max()
+        square[i, j] = sum(_integral(x[i : j + 1], gap) for gap in gaps)
     return worst, square
+
+
+def _lines(x: Array, curves: Array) -> Iterator[tuple[int, int, Array]]:
+    """Two rows i < j, and how far the curves (k, j - i + 1) are from a line between them."""
+    for i, j in combinations(range(len(x)), 2):
+        share = (x[i : j + 1] - x[i]) / (x[j] - x[i])
+        line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
+        yield i, j, curves[:, i : j + 1] - line
 
 
 def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, Index]:
