@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS
 from calib.base.warning import LIMITS
 from calib.logs.log import Log
@@ -53,9 +52,16 @@ class Sensor:
 
     @cached_property
     def noise(self) -> float:
-        """Standard deviation of its white noise, unbraked; NaN if that is too short."""
+        """Standard deviation of its white noise, unbraked; NaN if that is too short.
+
+        By third differences; those beyond five times the usual size are of no noise.
+        """
         quiet = self._x[self._quiet]
-        return white_noise(quiet) if quiet.size >= LIMITS.noise_fewest else float("nan")
+        if quiet.size < LIMITS.noise_fewest:
+            return float("nan")
+        change = np.diff(quiet, 3)
+        usual = np.abs(change) <= 5.0 * np.quantile(np.abs(change), 0.84)
+        return float(np.sqrt(np.mean(change[usual] ** 2) / 20.0))
 
     @cached_property
     def flat(self) -> float:

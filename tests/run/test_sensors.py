@@ -134,3 +134,10 @@ def test_a_pressure_without_its_noise_is_stuck(rate):
     ((start, end),) = stuck(changed(log, p_mc=hanging))["p_mc"]
     assert start == pytest.approx(2.0, abs=0.05)
     assert end == pytest.approx(log.time[-1])
+
+
+def test_noise_of_coarse_values_is_that_of_the_sensor():
+    log = made_run(noise=0.0)
+    noise = np.random.default_rng(5).normal(0.0, 0.1e5, log.time.size)
+    coarse = changed(log, p_mc=np.round((log["p_mc"] + noise) / 0.05e5) * 0.05e5)
+    assert sensor(coarse, "p_mc").noise == pytest.approx(0.1e5, rel=0.15)
