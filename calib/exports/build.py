@@ -1,6 +1,6 @@
 """The data set of a table: on all rows or on the best selection of them, in double or rounded."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 
@@ -132,7 +132,7 @@ def maps_of(
             for (name, written), rows in zip(made.axes.items(), held.shape, strict=True)
         )  # fmt: skip
         whole = [_grid(label(first, _name(part, x)), x, axes, made) for x in made.columns]
-        slices = (_slices(one) if len(one.axes) > most_axes else [one] for one in whole)
+        slices = (sliced(one) if len(one.axes) > most_axes else [one] for one in whole)
         yield axes, [*chain.from_iterable(slices)]
 
 
@@ -158,14 +158,14 @@ def _cut(one: Grid, at: int) -> Grid:
     )
 
 
-def _slices(one: Grid) -> list[Grid]:
-    """A map at each value of its last axis: NAME_s1 at the first, and so on."""
+def sliced(one: Grid, rows: Sequence[float] = ()) -> list[Grid]:
+    """A map at values of its last axis, at all if not given: NAME_s1 at the first, and so on."""
     return [
         replace(
-            _cut(one, i), label=label(one.label, f"s{i + 1}"),
+            _cut(one, one.axis.numbers.index(x)), label=label(one.label, f"s{i}"),
             meaning=f"{one.meaning}, at {one.axis.label} {x!r}",
         )
-        for i, x in enumerate(one.axis.numbers)
+        for i, x in enumerate(rows or one.axis.numbers, 1)
     ]  # fmt: skip
 
 

@@ -1,14 +1,15 @@
 """A DCM or CDF file that was read back, compared with the table that it names."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
-from calib.exports.build import build
-from calib.exports.dataset import Content, prefix
+from calib.exports.build import build, sliced
+from calib.exports.dataset import Content, Grid, prefix
 from calib.exports.read import CDF, Returned
 from calib.exports.write import FORMATS
 from calib.store.folders import names_in
@@ -100,8 +101,7 @@ def difference(found: Returned, stored: Stored | None) -> Difference:
             )
         rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
-    form = "cdfx" if found.format == CDF else "dcm"
-    content = build(stored, most_axes=FORMATS[form].most_axes).content()
+    content = _content(stored, found)
     rounded, changed = _best_rounding(list(_pairs(found.content, content)))
     wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
     wrong = [*([] if rounded else edited), *wrong, *_gaps(found, content)]
@@ -109,6 +109,18 @@ def difference(found: Returned, stored: Stored | None) -> Difference:
     if claimed != stored.digest:
         wrong.insert(0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}")
     return Difference(wrong, rounded)
+
+
+def _content(stored: Stored, found: Returned) -> Content:
+    """The numbers of a table, its maps in the slices that the file has where it has slices."""
+    most = FORMATS["cdfx" if found.format == CDF else "dcm"].most_axes
+    data = build(stored)
+    grids: list[Grid] = []
+    for one in data.grids:
+        rows = one.axis.numbers
+        near = _nearest(found.content.axes.get(one.axis.label, rows), rows)
+        grids += sliced(one, near) if len(one.axes) > most else [one]
+    return replace(data, grids=tuple(grids)).content()
 
 
 def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
