@@ -38,7 +38,7 @@ STORED, CHANGED, SIGNED = "stored", "changed", "signed"
 _START = "0" * 64
 """Head of an empty journal."""
 
-_TEXT = r'"(?:[^"\\]|\\.)*+"'
+_TEXT = r'"[^"\\]*+(?:\\.[^"\\]*+)*+"'
 _PROOF = rf'\{{"name":{_TEXT},"sha256":{_TEXT}\}}'
 _LINE = re.compile(
     rf'\{{"at":{_TEXT},"by":{_TEXT},"digest":"(\w*)","event":"(\w*)",'
