@@ -34,7 +34,8 @@ class _CommandRun:
     """One run of the program: what was asked for, and what it answered.
 
     ``inputs`` are the files that were given, by the name of their parameter; ``documents`` counts
-    the JSON documents that were printed; ``project`` has the settings, once they were asked for.
+    the JSON documents that were printed; ``project`` has the settings, once they were asked for;
+    ``interrupted`` by Ctrl-C or SIGTERM.
     """
 
     quiet: bool = False
@@ -44,6 +45,7 @@ class _CommandRun:
     inputs: dict[str, list[Path]] = field(default_factory=dict)
     project: "Project | None" = None
     uses_settings: bool = False
+    interrupted: bool = False
 
     def file(self, name: str) -> Path | None:
         """The file of an option, if one was given."""

@@ -1,6 +1,5 @@
 """`brake-cal diagnose`: where a model and the measured runs disagree, and the missing effect."""
 
-import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -51,7 +50,7 @@ def diagnose(
     """Name the effect that the model of a car lacks.
 
     It says where simulation and measured runs disagree, adds the effect, and confirms it on the
-    logs of --holdout. Exit code 0, or 130 if stopped by Ctrl-C or SIGTERM.
+    logs of --holdout. Exit code 0, or 130 if stopped.
     """
     from calib.base.plain import counted
     from calib.base.processes import cores, side_by_side
@@ -83,15 +82,9 @@ def diagnose(
 
 @contextmanager
 def stoppable(said: str) -> Iterator[None]:
-    """Let SIGTERM interrupt the work as Ctrl-C does, and say what becomes of it then."""
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    """Say what becomes of the work where it is interrupted."""
     try:
         yield
     except KeyboardInterrupt:
-        # CPython ends by the signal, and not with the exit code, where an interrupt met code made
-        # from text, as that of a dataclass is; to run other such code takes that back
-        exec("")
         say(said)
         raise
-    finally:
-        signal.signal(signal.SIGTERM, before or signal.SIG_DFL)

@@ -2,7 +2,9 @@
 
 import io
 import os
+import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any, ClassVar
@@ -89,6 +91,9 @@ app = group(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+INTERRUPTED = 130
+"""Exit code after Ctrl-C and SIGTERM, as `typer` gives it."""
+
 
 def _print_version(wanted: bool) -> None:
     if wanted:
@@ -121,7 +126,29 @@ def main() -> None:
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     begin()
-    sys.exit(_delivered(_run))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) != signal.SIG_IGN:  # as for a job of a shell's background
+            signal.signal(number, _interrupt)
+    sys.unraisablehook = _ignored
+    code = _delivered(_run)
+    if code == INTERRUPTED:
+        # CPython ends by the signal, and not with the exit code, where an interrupt met code made
+        # from text, as that of a dataclass is; to run other such code takes that back
+        exec("")
+    sys.exit(code)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    this_run().interrupted = True
+    raise KeyboardInterrupt
+
+
+def _ignored(raised: Any) -> None:
+    """Interrupt once more where that met code from which Python raises nothing, as a `__del__`."""
+    if isinstance(raised.exc_value, KeyboardInterrupt):
+        threading.Timer(0.01, signal.raise_signal, [signal.SIGTERM]).start()
+    else:
+        sys.__unraisablehook__(raised)
 
 
 def _run() -> int:
@@ -133,24 +160,30 @@ def _run() -> int:
 
 
 def _code(words: Sequence[str]) -> int:
-    """Exit code of a command line; an interrupt gives 130."""
+    """Exit code of a command line."""
     try:
         return app(prog_name="brake-cal", standalone_mode=False) or 0
-    except BrakeCalError as error:
-        _fail(words, error.to_dict())
-        complain(str(error))
-        return error.exit_code
-    except _UsageError as error:
-        _fail(words, _usage(error))
-        error.show()
-        return int(error.exit_code)
-    except typer.Abort:
-        complain("stopped")
-        return 1
     except _NotWritten:
         raise
     except Exception as error:
+        # an interrupt within the import of a library comes back as an error of that import
+        return INTERRUPTED if this_run().interrupted else _failed(words, error)
+
+
+def _failed(words: Sequence[str], error: Any) -> int:
+    """Exit code of an error, which is printed."""
+    if isinstance(error, BrakeCalError):
+        _fail(words, error.to_dict())
+        complain(str(error))
+    elif isinstance(error, _UsageError):
+        _fail(words, _usage(error))
+        error.show()
+    elif isinstance(error, typer.Abort):
+        complain("stopped")
+        return INTERRUPTED
+    else:
         return _crashed(words, error)
+    return int(error.exit_code)
 
 
 def _crashed(words: Sequence[str], error: Exception) -> int:

@@ -142,7 +142,8 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
     try:
         yield
     except Exception as error:
-        if hasattr(error, "exit_code") and not isinstance(error, InputError):
+        of_car = isinstance(error, InputError) or not hasattr(error, "exit_code")
+        if this_run().interrupted or not of_car:
             raise
         told = error if isinstance(error, InputError) else program_failure(error)
         with writing(out):

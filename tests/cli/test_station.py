@@ -2,6 +2,9 @@
 
 import json
 import shutil
+import signal
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -189,3 +192,20 @@ def test_no_car_is_measured_by_a_rejected_table_or_a_copy(station, good, tmp_pat
     store.judge("sedan-2up@1", StateDecision("rejected", "wet"))
     assert station("--golden", "sedan-2up@1").code == 4
     assert station("--golden", "sedan-2up").code == 4
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped_it_is_no_verdict_and_leaves_nothing(tmp_path, number):
+    words = [RAMP, DRY, "--vehicle", VEHICLE, "--out", tmp_path / "c", "--store", tmp_path / "t"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "cli.main", "station", *map(str, words)],
+        cwd=Path(__file__).parents[2],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    said = process.stderr.readline()
+    assert said.startswith("fitting")
+    process.send_signal(number)
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, list(tmp_path.iterdir())) == (130, [])
+    assert err in ("", said)  # a signal within the line may write it once more
