@@ -201,8 +201,25 @@ def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
             comes_back = end < inside.size and inside[end] and time < LIMITS.abs_cycle
             if deepest > LIMITS.deep and comes_back:
                 cycles.append((wheel, float(driving.time[start])))
+        if not any(w == wheel for w, _ in cycles):
+            cycles += [(wheel, at) for at in _swings(slip, driving, inside)]
     cycles.sort(key=lambda cycle: cycle[1])
     return Slipping(tuple(cycles), tuple(dict.fromkeys(locked)), first)
+
+
+def _swings(slip: Array, driving: DrivingRecord, inside: Mask) -> list[float]:
+    """Starts [s] of slips that come and go again and again while the brake is on; else none.
+
+    A pedal, a bump or a ramp near the peak of its tyres lets a wheel slip once, or for long.
+    """
+    from scipy.ndimage import minimum_filter1d
+
+    width = max(1, round(LIMITS.swing_time / driving.step)) | 1
+    above = inside & (driving.speed > MOVING)
+    above &= slip - minimum_filter1d(slip, width) > LIMITS.swing
+    starts = [float(driving.time[start]) for start, _ in runs(above)]
+    near = np.diff(starts) < LIMITS.abs_cycle
+    return starts if np.count_nonzero(near) + 1 >= LIMITS.swings else []
 
 
 def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:

@@ -96,6 +96,18 @@ def test_abs_on_one_wheel_and_on_all(v):
     assert len(on_all.cycles) == (4 if v else 0)
 
 
+def dipped(times, depth=0.08):
+    """The stop with half waves of slip of 0.1 s on both front wheels, `times` of them."""
+    phase = 2.0 * np.pi * 5.0 * np.clip(STOPPED.time - 3.0, 0.0, 0.2 * times)
+    keep = 1.0 - depth * np.maximum(np.sin(phase), 0.0)
+    return changed(STOPPED, **{w: keep * STOPPED[w] for w in ("omega_fl", "omega_fr")})
+
+
+@pytest.mark.parametrize(("times", "cycles"), [(1, 0), (2, 0), (5, 5)])
+def test_abs_that_lets_wheels_slip_a_little_is_seen_by_how_often(times, cycles):
+    assert len(slip_of(dipped(times)).cycles) == 2 * cycles
+
+
 def spiked(share):
     """The stop with single samples of a wheel speed that are far too low."""
     wild = np.random.default_rng(5).random(STOPPED.time.size) < 0.01
