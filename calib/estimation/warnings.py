@@ -11,12 +11,15 @@ changed places with the rear one of the other side leaves eta flat and the sides
 """
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
+from calib.base.names import G
 from calib.base.warning import VOID, WARN, Measured, PlausibilityWarning, judged
 from calib.car.braking import BITE, MOVING
 from calib.estimation.estimator import Estimate
@@ -24,7 +27,10 @@ from calib.estimation.known import known_resistance
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
 from calib.fitting.maps import scenarios, seen
+from calib.fitting.mistakes import causes_of, measured
+from calib.model.ramp import prepare
 from calib.plausibility.evidence import Evidence
+from calib.plausibility.forces import LEAST_ODDS
 from calib.plausibility.pads import of_changes
 from calib.plausibility.rules import VALIDATE, warnings_on
 from calib.run.brake_response import brake_response
@@ -41,6 +47,14 @@ _Z = np.geomspace(_BINS[0], _BINS[-1], 25)
 _COUNT = 4096  # of scenarios
 _FORM = 0.03  # of eta - 1, relative: forms of tyres, and loads that move late
 _FINEST = 5e-5  # least error of a mean of eta - 1 [1]
+_ASKS = {
+    *("level_changed", "pads_changed_apart", "unexplained_braking_force", "force_step"),
+    *("braking_force_missing", "unexplained_drag", "a_x_by_wheels", "v_of_wheels", "v_scale"),
+}
+"""Warnings after which mistakes are compared: it takes half a second."""
+_FEWEST, _LATE, _BESIDE = 20, 4.0, 0.025
+"""Blocks in which a delay of wheels is looked for, sigmas of it, and share of the usual brake force
+beside the pressure [1], from which mistakes are compared."""
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
 
 
@@ -63,10 +77,53 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         apart = middle, (high - low) / (2.0 * Z95)
         of_table += of_changes(_together(e, known, i), apart)
     does = VOID, WARN
-    return (
+    said = (
         *warnings_on(evidence, VALIDATE, does),
         *judged(of.log.name, of_table, VALIDATE, does),
     )
+    asks = any(one.code in _ASKS for one in said) or not _mostly_valid(e)
+    asks = asks or _beside_pressure(evidence) or _goes_with_time(e)
+    named = judged(of.log.name, _mistakes(e, known, evidence), VALIDATE) if asks else ()
+    return (*named, *said)
+
+
+def _mostly_valid(e: Estimate) -> bool:
+    """Whether most of the braked samples above walking speed are valid."""
+    counted = e.braked & (e.read.speed > MOVING)
+    return bool(np.count_nonzero(e.valid & counted) > 0.5 * np.count_nonzero(counted))
+
+
+def _beside_pressure(evidence: Evidence) -> bool:
+    """Whether the brakes give a force beside the pressure, less than is warned of."""
+    of = evidence.response
+    return of is not None and abs(of.share) > max(_BESIDE, 1.5 * of.share_sigma)
+
+
+def _goes_with_time(e: Estimate) -> bool:
+    """Whether eta has a part that goes with z over the speed, as wheels make that are late."""
+    b = e.blocks
+    use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
+    if np.count_nonzero(use) < _FEWEST or not b.lead_in.any():
+        return False
+    z = b.z[use]
+    sigma = b.eta[use] * np.sqrt(2.0 / b.length) * e.noise.omega / np.maximum(b.omega_f[use], 1.0)
+    columns = np.stack([z, z**2, G * z / b.speed[use], np.ones_like(z)], axis=1) / sigma[:, None]
+    found = np.linalg.lstsq(columns, b.eta[use] / sigma)[0]
+    delay = abs(float(found[2])) / math.sqrt(np.linalg.pinv(columns.T @ columns)[2, 2])
+    return delay > _LATE
+
+
+def _mistakes(e: Estimate, known: Resistance, evidence: Evidence) -> Iterator[Measured]:
+    """Mistakes that explain a stop better than other pads than the ramp's, most probable first."""
+    cal, car = e.table.calibration, e.run.car
+    front = replace(car.front, pad_friction=cal.pad_friction_f.value)
+    rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
+    car = replace(car, front=front, rear=rear, motor_odds=max(car.motor_odds, LEAST_ODDS))
+    ramp = prepare(e.run, known.effects, evidence.accelerometer)
+    try:
+        yield from measured(causes_of(car, [ramp], other_road=True), beside_pads=False)
+    except ValueError:  # nothing rolls before the stop, or nothing of it is steady
+        return
 
 
 def _together(e: Estimate, known: Resistance, i: int) -> tuple[float, float]:

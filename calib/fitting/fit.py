@@ -23,7 +23,7 @@ from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_
 from calib.fitting.ensemble import draws_of
 from calib.fitting.known import known_before
 from calib.fitting.maps import maps, pressure_odds
-from calib.fitting.mistakes import CERTAIN, Cause, causes_of, measured, motor_in
+from calib.fitting.mistakes import Cause, causes_of, certain, measured, other_than_pads
 from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
 from calib.fitting.quality import explained, metrics, remarks, warnings_of
@@ -99,7 +99,7 @@ def fit(
     both = [run for run in runs if run.only is None]
     causes = causes_of(car, both)
     mistakes = _mistakes(causes, both, refused)
-    ensemble, figures = explained(car, runs, before, told, refused, bool(mistakes))
+    ensemble, figures = explained(car, runs, before, told, refused, mistakes)
     held = list(zip(told, ensemble.held.tolist(), strict=True))
     # curves over eta and the level of both axles' pads are of ramps on which both brake
     some = ensemble.thinned(4)
@@ -124,7 +124,7 @@ def fit(
         "stiffness": {part: of[1] for part, of in parts.items()},
     }
     pads, budget = calibration_of(car, scale, ratio, stiffness, variances)
-    require_possible_pads(car, pads, warnings, motor_in(causes))
+    require_possible_pads(car, pads, warnings, other_than_pads(causes))
     difference, paper = difference_curves(car, some, both, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(
@@ -141,8 +141,8 @@ def fit(
         provenance=_provenance({"ramp": ramps, "coast": coasts}, bench, tyre, fleet or {}),
         warnings=(
             *judged(vehicle.name, [Measured(one.code, p) for one, p in held], FIT),
-            *judged(car.name, of_calibration(car, pads, said), FIT),
             *mistakes,
+            *judged(car.name, of_calibration(car, pads, said), FIT),
             *warnings,
         ),
         budget=budget,
@@ -159,7 +159,7 @@ def _mistakes(
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings of the mistakes that ramps name; raises LogError for one that is believed."""
     found, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
-    if found and causes[0].log_odds > CERTAIN and (why := judged(logs, found, FIT, (REFUSE,))):
+    if certain(causes) and (why := judged(logs, found, FIT, (REFUSE,))):
         raise refused(
             "; or ".join(one.text for one in why),
             expected="forces that the pressure and the logged torques make",

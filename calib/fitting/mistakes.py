@@ -22,11 +22,13 @@ from functools import cache
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import AXLE_NAMES, AXLES
+from calib.base.names import AXLE_NAMES, AXLES, G
 from calib.base.warning import Measured
 from calib.car.balance import brake_forces, front_share
+from calib.car.beliefs import CAR, STOP
 from calib.car.effects.hydraulics import limited
-from calib.car.vehicle import Vehicle
+from calib.car.forces import mean_slip
+from calib.car.vehicle import Axle, Vehicle
 from calib.fitting.ensemble import Ensemble, spread_evenly
 from calib.fitting.known import OWN, drawn
 from calib.fitting.regression import Regression
@@ -58,12 +60,22 @@ _HANDS_OVER = (1.0, 4.0)  # speeds between which it hands over to the brakes [m/
 _KNEES, _SLOPES = (10e5, 15e5, 20e5, 25e5, 30e5), (0.2, 0.45)  # of a valve [Pa], [1]
 _LEAST_DRIVE = 20.0  # torque that is logged while a car brakes [N m]: less is noise
 _FIRST = {1: ((-1.0,), (2.0,), (9.0,)), 2: ((250.0, 8e5), (700.0, 12e5))}
+_FIRST_DELAYS, _FIRST_DRAGS = ((0.03,), (0.07,)), ((2e5,), (4.5e5,))
 _FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
-"""Sizes that are tried first: of a factor, of a motor, of a valve."""
+"""Sizes that are tried first: of a factor, of a motor, of a delay, of a drag, of a valve."""
 _NEAR = 6.0  # ln of the odds against a mistake from which on no other size of it is tried
 
+_DELAYS = (0.02, 0.03, 0.045, 0.07, 0.1)  # by which the wheel speeds of an axle are late [s]
+_DRAGS = (1e5, 2e5, 3e5, 4.5e5, 7e5)  # pressures that are left in one brake of an axle [Pa]
+
 SCALE, MOTOR, VALVE = "drive_torque_scale", "motor_not_logged", "rear_pressure_limited"
+LATE, DRAG = "wheels_late", "brake_drags"
 """Codes of `rules.csv`."""
+
+_IN_WORDS = {
+    MOTOR: "a motor that brakes the {axle} wheels by up to {size:.0f} N m, and is not logged",
+    LATE: "wheel speeds of the {axle} axle that are late by {size:.3f} s",
+}
 
 Size = tuple[float, ...]
 
@@ -99,12 +111,14 @@ class Cause:
     misfit: float
 
 
-def causes_of(car: Vehicle, runs: Sequence[RampRun]) -> tuple[Cause, ...]:
+def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -> tuple[Cause, ...]:
     """The hypotheses on ramps ``runs`` with both axles, most probable first.
+
+    Stops are as good as ramps, and may be on an ``other_road``.
 
     Raises ValueError where nothing is left of a ramp.
     """
-    evidence = _Evidence(car, runs)
+    evidence = _Evidence(car, runs, other_road)
     nothing = evidence.cause(Hypothesis("", 1.0), -math.inf)
     base = nothing.log_odds
     causes = (nothing, *(evidence.cause(h, base) for h in _hypotheses(car, runs)))
@@ -112,32 +126,54 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun]) -> tuple[Cause, ...]:
     return tuple(sorted(compared, key=lambda cause: -cause.log_odds))
 
 
-def named(causes: Sequence[Cause]) -> tuple[Cause, ...]:
-    """The mistakes that the ramps leave, most probable first; none where pads explain as well."""
+def _set(causes: Sequence[Cause]) -> tuple[Cause, ...]:
+    """What the ramps leave, most probable first; none where nothing wrong, or nothing, explains
+    them.
+    """
     best = causes[0]
-    left = tuple(c for c in causes if c.log_odds > best.log_odds - SURE)
-    explained = best.misfit < _EXPLAINED and best.log_odds > SURE
-    return left if explained and all(c.hypothesis.code for c in left) else ()
+    sure = SURE * max(best.misfit, 1.0)  # what leaves more than its errors is as much less sure
+    near = tuple(c for c in causes if c.log_odds > best.log_odds - sure)
+    return near if best.misfit < _EXPLAINED and best.log_odds > sure else ()
 
 
-def motor_in(causes: Sequence[Cause]) -> str:
-    """A motor that explains ramps nearly as well as other pads do, in words; "" where none does."""
+def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...]:
+    """The mistakes that the ramps leave, most probable first.
+
+    ``beside_pads`` where other pads are left, too: a ramp has those of the file, a stop may be wet.
+    """
+    near = _set(causes)
+    mistakes = tuple(c for c in near if c.hypothesis.code)
+    return mistakes if beside_pads or len(mistakes) == len(near) else ()
+
+
+def certain(causes: Sequence[Cause]) -> bool:
+    """Whether a mistake is believed: no pads explain the ramps as well."""
+    near = _set(causes)
+    return bool(near) and near[0].log_odds > CERTAIN and all(c.hypothesis.code for c in near)
+
+
+def other_than_pads(causes: Sequence[Cause]) -> str:
+    """A mistake that explains ramps nearly as well as other pads do, in words; "" for none."""
     best = max(c.log_odds for c in causes if not c.hypothesis.code)
-    near = (c for c in causes if c.hypothesis.code == MOTOR and c.log_odds > best - SURE)
+    near = (c for c in causes if c.hypothesis.code in _IN_WORDS and c.log_odds > best - SURE)
     for cause in near:
-        axle, torque = AXLE_NAMES[cause.hypothesis.axle], cause.size[0]
-        return f"a motor that brakes the {axle} wheels by up to {torque:.0f} N m, and is not logged"
+        axle = AXLE_NAMES[cause.hypothesis.axle]
+        return _IN_WORDS[cause.hypothesis.code].format(axle=axle, size=cause.size[0])
     return ""
 
 
-def measured(causes: Sequence[Cause]) -> Iterator[Measured]:
+def measured(causes: Sequence[Cause], beside_pads: bool = True) -> Iterator[Measured]:
     """What the rules are told of the mistakes that are named."""
-    for cause in named(causes):
+    for cause in named(causes, beside_pads):
         axle, size = cause.hypothesis.axle, cause.size
         words = {"axle": AXLE_NAMES[axle], "channel": f"T_drive_{axle}"}
         if cause.hypothesis.code == SCALE:
             words |= {"factor": f"{size[0]:.3g}", "cause": _why(size[0])}
             yield Measured(SCALE, size[0], words=words)
+        elif cause.hypothesis.code == LATE:
+            yield Measured(LATE, size[0], words=words)
+        elif cause.hypothesis.code == DRAG:
+            yield Measured(DRAG, size[0] / 1e5, words=words)
         elif cause.hypothesis.code == MOTOR:
             yield Measured(MOTOR, size[0], words=words | {"bar": f"{size[1] / 1e5:.0f}"})
         else:
@@ -159,9 +195,12 @@ def _hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
     """All but the one that nothing is wrong, with which they are compared."""
     for pads in ((_OTHER, _PADS), (_PADS, _OTHER), (_OTHER, _OTHER)):
         yield Hypothesis("", 0.1, pads=pads)
-    for axle, radius in zip(
-        AXLES, (car.front.rolling_radius, car.rear.rolling_radius), strict=True
-    ):
+    for axle, brake in zip(AXLES, (car.front, car.rear), strict=True):
+        radius = brake.rolling_radius
+        delays, drags = (tuple((x,) for x in sizes) for sizes in (_DELAYS, _DRAGS))
+        yield Hypothesis(LATE, 0.01, delays, _FIRST_DELAYS, _in_time(car, axle), axle=axle)
+        undo = _without(axle, _dragging(brake))
+        yield Hypothesis(DRAG, 0.004, drags, _FIRST_DRAGS, undo, axle=axle)
         logged = [np.abs(getattr(run.blocks, f"drive_{axle}")[run.braked]) for run in runs]
         if max(float(np.max(x, initial=0.0)) for x in logged) > _LEAST_DRIVE:
             factors = tuple((factor,) for factor in _FACTORS)
@@ -214,6 +253,31 @@ def _motor(radius: float) -> _Force:
     return force
 
 
+def _dragging(brake: Axle) -> _Force:
+    """Of one wheel's brake in which a pressure is left, until the pedal gives more."""
+    gain = brake.torque_gain * brake.pad_friction / brake.rolling_radius
+
+    def force(run: RampRun, size: Size) -> Array:
+        pressure = np.maximum(run.blocks.p_f, run.blocks.p_r)
+        return np.asarray(gain * np.maximum(size[0] - pressure, 0.0))
+
+    return force
+
+
+def _in_time(car: Vehicle, axle: str) -> Callable[[RampRun, Size], RampRun]:
+    """Put the wheel speeds of an axle in time: late ones are those of a faster car."""
+    radius = (car.front if axle == "f" else car.rear).rolling_radius
+
+    def undo(run: RampRun, size: Size) -> RampRun:
+        b, name = run.blocks, f"omega_{axle}"
+        omega = getattr(b, name) - size[0] * G * b.z / radius
+        b = replace(b, **{name: omega})
+        slip = None if b.v is None else mean_slip(car, run.load_f, b.omega_f, b.omega_r, b.v)
+        return replace(run, blocks=b, slip=slip)
+
+    return undo
+
+
 def _limited(run: RampRun, size: Size) -> RampRun:
     """With the rear pressure that a valve leaves."""
     return replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, *size)))
@@ -236,20 +300,33 @@ def _top(sizes: Sequence[Size], log: Array, best: int) -> float:
 
 
 @cache
-def _draws() -> tuple[Ensemble, Array, Array]:
-    """Draws of the field whose pads have any ratio, with centre and root of what is linear."""
+def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
+    """Draws of the field whose pads have any ratio, with centre and root of what is linear.
+
+    Every second one on an ``other_road``, as a stop may have it.
+    """
     from scipy.special import ndtri
 
     x = ndtri(spread_evenly(_DRAWS, OWN + 1))
     e, centre, root = drawn(x[:, :OWN], ())
-    return replace(e, log_pad_ratio=_BROAD * x[:, -1]), centre, root
+    e = replace(e, log_pad_ratio=_BROAD * x[:, -1])
+    if other_road:
+        (_, mean), (_, sigma) = STOP.log_peak.mean, STOP.log_peak.sigma
+        place = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
+        log_peak = np.where(np.arange(e.size) % 2, mean + sigma * place, np.log(e.peak))
+        stiff = STOP.log_stiffness.mean[1] + 0.25 * (log_peak - math.log(0.9))
+        softer = np.where(np.arange(e.size) % 2, np.exp(-stiff), 1.0)
+        centre[:, :2] *= softer[:, None]
+        root[:, :2] *= softer[:, None, None]
+        e = replace(e, peak=np.exp(log_peak))
+    return e, centre, root
 
 
 class _Evidence:
     """The evidence of hypotheses on the ramps of a car."""
 
-    def __init__(self, car: Vehicle, runs: Sequence[RampRun]) -> None:
-        self.car, self.runs = car, runs
+    def __init__(self, car: Vehicle, runs: Sequence[RampRun], other_road: bool) -> None:
+        self.car, self.runs, self.draws = car, runs, _draws(other_road)
         self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
 
     def cause(self, h: Hypothesis, nothing: float) -> Cause:
@@ -275,7 +352,7 @@ class _Evidence:
         runs = [h.undo(run, size) if h.undo else run for run in self.runs]
         sums = [self._sum(run) for run in runs]
         level = float(np.mean([level for _, level, _ in sums]))
-        e, centre, root = _draws()
+        e, centre, root = self.draws
         regression = self.regression.with_forces_of(runs)
         split, mean, _ = regression.solve(e, centre, root)
         each = split + self._prior(level, e.log_pad_ratio, h.pads)

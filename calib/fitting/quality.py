@@ -17,6 +17,7 @@ from calib.car.vehicle import MassUsed, Vehicle
 from calib.fitting.curves import find_peak
 from calib.fitting.ensemble import Ensemble, Shown
 from calib.fitting.known import Known
+from calib.fitting.mistakes import LATE
 from calib.fitting.posterior import Posterior, posterior
 from calib.fitting.regression import Regression
 from calib.model.ramp import SETTINGS, RampRun
@@ -41,12 +42,12 @@ def explained(
     ratio: Value,
     known: Sequence[Known],
     refused: Callable[..., LogError],
-    excused: bool,
+    named: Sequence[PlausibilityWarning],
 ) -> tuple[Posterior, dict[str, float]]:
     """The ensemble of the ramps, ``ratio`` known of the pads before, and figures of what it leaves.
 
     What ``refused`` makes of the reason is raised where nothing explains them; a misfit is
-    ``excused`` where its cause is named.
+    excused where its cause is ``named``, and is no wheel speed.
     """
     try:
         found = posterior(car, runs, ratio, known=known)
@@ -58,11 +59,13 @@ def explained(
         ) from error
     left = [residuals(car, found, run) for run in runs if run.only is None]
     worst = max(_rms(eta) for eta, _ in left)
-    if worst > _MOST and not excused:
+    late = [one.causes[0] for one in named if one.code == LATE]
+    if worst > _MOST and (late or not named):
         raise refused(
             f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
             expected=f"up to {_MOST:.0f} times",
-            do="look at the wheel speeds with `brake-cal check`: one may be late, or coarse",
+            do="look at the wheel speeds with `brake-cal check`: "
+            + "; or ".join([*late, "one may be coarse" if late else "one may be late, or coarse"]),
         )
     eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
     figures = {

@@ -18,7 +18,7 @@ from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import lateral, sides
 
 _WANDERS = 0.5  # chance of a slope that changes from which it is named [1]
-_MOTOR, _STATED = 0.67, 0.01
+_MOTOR, LEAST_ODDS = 0.67, 0.01
 """Odds of a motor from which it is named [1]: what is named too often costs a look, a motor that is
 not named stands in the pads. Least odds of one before the run: files that have none err, too."""
 _FORCE = 0.1  # spread of a motor's force over the usual brake force [1]: 0.01 to 0.1 g beside 0.3 g
@@ -74,7 +74,7 @@ def brakes(e: Evidence) -> Iterator[Measured]:
     share, late = response.share, response.fading
     one = likelihood_ratio(share, math.hypot(response.share_sigma, _USUAL), _FORCE)
     other = likelihood_ratio(late, math.hypot(response.fading_sigma, _FADING), _FORCE)
-    odds = max(e.run.vehicle.motor_odds, _STATED)
+    odds = max(e.run.vehicle.motor_odds, LEAST_ODDS)
     if odds * (one + other + one * other) / 3.0 > _MOTOR:
         yield Measured("unexplained_braking_force", share if one > other else late)
     yield Measured("braking_force_missing", share, response.share_sigma)

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.base.units import from_si
-from calib.base.warning import Measured, PlausibilityWarning, relative
+from calib.base.warning import Measured, PlausibilityWarning, bounds_of, relative
 from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle
-from calib.table.budget import pad_levels
+from calib.table.budget import grade, pad_levels
 from calib.table.table import Calibration, Value
 
 _POSSIBLE = (0.05, 1.0)
@@ -82,8 +82,16 @@ def of_calibration(
 
     ``stated`` what the user says of the logarithm of the ratio: it is to be near that.
     """
-    yield relative("pads_off_file_f", found.pad_friction_f.value, vehicle.front.pad_friction)
-    yield relative("pads_off_file_r", found.pad_friction_r.value, vehicle.rear.pad_friction)
+    axles = [
+        relative("pads_off_file_f", found.pad_friction_f.value, vehicle.front.pad_friction),
+        relative("pads_off_file_r", found.pad_friction_r.value, vehicle.rear.pad_friction),
+    ]
+    yield from axles
+    low, high = bounds_of("pads_off_file_f")
+    if all(low <= axle.value <= high for axle in axles):
+        scale = found.pad_scale
+        sigma = math.hypot(grade(vehicle), scale.sigma / scale.value)
+        yield Measured("pads_off_file", pad_levels(vehicle, found).level, sigma, math.expm1)
     rho, known = found.pad_log_ratio, stated.value if stated else 0.0
     yield Measured("pad_ratio", rho.value - known, rho.sigma, lambda x: math.expm1(known + x))
     yield Measured("tyre_stiffness", found.slip_stiffness.value)

@@ -41,7 +41,14 @@ _OF_MOTION: tuple[Figure, ...] = (
 _OF_SIGNALS: tuple[Figure, ...] = (
     *(channels.copied, channels.late, channels.at_rest),
     *(channels.pressure_sides, channels.from_master),
-    *(wheels.car_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale, wheels.lost_pulses),
+    *(
+        wheels.car_wheels,
+        wheels.a_x_by_wheels,
+        wheels.slip,
+        wheels.slip_of_v,
+        wheels.v_scale,
+        wheels.lost_pulses,
+    ),
     *(forces.accelerometer, forces.brakes, forces.bend, forces.levels),
 )
 """Those that need all channels, and a car that moves."""

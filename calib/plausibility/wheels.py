@@ -11,9 +11,10 @@ import numpy as np
 
 from calib.base.arrays import Mask
 from calib.base.intervals import scatter
-from calib.base.names import WHEELS
+from calib.base.names import WHEELS, G
 from calib.base.warning import LIMITS, Measured, bounds_of, relative
 from calib.car.balance import front_biased_up_to
+from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE, MOVING
 from calib.car.figures import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
@@ -30,6 +31,9 @@ _FEWEST, _SPREAD, _LASTING = 20, 0.3, 2.0
 than one of them its errors last [1]."""
 _PLAIN = 8.0  # sigmas from which an offset is plain [1]
 _STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
+_ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
+"""Rolling [s] that tells zero and slope of a_x, change of the slope after it [1], and how well a
+vehicle file knows its radii [1]; one sigma each."""
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""
@@ -173,6 +177,36 @@ def car_wheels(e: Evidence) -> Iterator[Measured]:
     if e.run.vehicle is not None and (rolling := e.run.rolling_radii) is not None:
         yield relative("rolling_radius_f", rolling[0], e.run.car.front.rolling_radius)
         yield relative("rolling_radius_r", rolling[1], e.run.car.rear.rolling_radius)
+
+
+def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:
+    """Scale of a_x against the wheels where no v is there: what both say of the speed that is lost.
+
+    Zero and slope of a_x are those of the lead-in, and a usual tyre slips. Taken at that block at
+    which all of it errs least: the slower the car is, the less the slip counts.
+    """
+    b = e.run.blocks
+    rolled = np.flatnonzero(b.lead_in)
+    if e.run.vehicle is None or b.v is not None or rolled.size * b.length < _ROLLED:
+        return
+    if e.run.clock.gaps:  # nobody knows what was lost in them
+        return
+    car, (mean, sigma, *_) = e.run.car, CAR.compliance
+    rim = 0.5 * (car.front.rolling_radius * b.omega_f + car.rear.rolling_radius * b.omega_r)
+    time = b.end - b.end[rolled[-1]]
+    slope, before = np.polyfit(time[rolled], rim[rolled], 1)
+    z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) - slope / G, 0.0)
+    gained = G * b.length * np.cumsum(z)
+    lost = before - rim / (1.0 - mean * np.clip(z, 0.0, 1.0))
+    ends = e.run.slipping.first if e.run.slipping else np.inf
+    use = np.flatnonzero((time > 0.0) & (b.end < ends) & (rim > MOVING) & (lost > MOVING))
+    if use.size:
+        errs = np.hypot(rim * sigma * z, _OTHER_SLOPE * G * time)[use] / lost[use]
+        i = use[np.argmin(errs)]
+        usual = math.hypot(float(errs.min()), _RADIUS, LOG.a_x_scale.sigma)
+        yield Measured(
+            "a_x_by_wheels", float(gained[i] / lost[i]) - 1.0 - LOG.a_x_scale.mean, usual
+        )
 
 
 def slip_of_v(e: Evidence) -> Iterator[Measured]:

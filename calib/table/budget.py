@@ -13,6 +13,7 @@ from calib.base.intervals import Z95
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import NBSP, plus_minus, rows
 from calib.car.balance import front_share
+from calib.car.beliefs import CAR
 from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, Table
 
@@ -180,6 +181,11 @@ class PadLevels(NamedTuple):
 
     level: float
     ratio: float
+
+
+def grade(vehicle: Vehicle) -> float:
+    """Standard deviation of ln of the pads' level over that of the file, by their grade [1]."""
+    return vehicle.front.pad_friction_tolerance or CAR.log_pad_ratio.sigma / math.sqrt(2.0)
 
 
 def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:

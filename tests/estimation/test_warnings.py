@@ -47,6 +47,16 @@ def test_a_wrong_a_x_is_named_and_measured(fitted, clean, scale, offset, code, w
     assert warning.measured == pytest.approx(scale - 1.0 + offset, abs=within)
 
 
+@pytest.mark.parametrize(("axle", "delay"), [("f", 0.05), ("r", 0.04)])
+def test_wheel_speeds_of_an_axle_that_are_late_are_named_first(fitted, clean, axle, delay):
+    log = noisy(clean, 1)
+    wheels = [f"omega_{axle}{side}" for side in "lr"]
+    late = {w: np.interp(log.time - delay, log.time, log[w]) for w in wheels}
+    first, *_ = warnings_of(estimate(fitted, replace(log, channels={**log.channels, **late})))
+    assert first.code == "wheels_late"
+    assert first.measured == pytest.approx(delay, abs=0.01)
+
+
 def test_pads_wet_on_one_axle_are_named(fitted):
     log = noisy(stop(with_pads(REAL, 0.22, 0.38)), 3)
     found = warnings_of(estimate(fitted, log))

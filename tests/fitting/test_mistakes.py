@@ -84,6 +84,26 @@ def test_a_valve_is_named_with_its_knee():
     assert first.size[0] == pytest.approx(15e5, rel=0.4)
 
 
+@pytest.mark.parametrize("axle", ["f", "r"])
+def test_wheel_speeds_that_are_late_are_named_with_their_delay(axle):
+    log = noisy(ramp(REAL), 8)
+    wheels = [f"omega_{axle}{side}" for side in "lr"]
+    late = {w: np.interp(log.time - 0.05, log.time, log[w]) for w in wheels}
+    first = named(causes(replace(log, channels={**log.channels, **late})))[0]
+    assert (first.hypothesis.code, first.hypothesis.axle) == ("wheels_late", axle)
+    assert first.size[0] == pytest.approx(0.05, abs=0.02)
+
+
+def test_a_brake_that_drags_is_named_with_its_pressure():
+    own = dict.fromkeys(("fr", "rl", "rr"), pressure) | {"fl": lambda t: max(pressure(t), 5e5)}
+    run = drive(REAL, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=own)
+    log = noisy(as_log(run, "ramp"), 9)
+    log = replace(log, channels={k: x for k, x in log.channels.items() if k[:3] not in WHEELS})
+    first = named(causes(log))[0]
+    assert (first.hypothesis.code, first.hypothesis.axle) == ("brake_drags", "f")
+    assert first.size[0] == pytest.approx(5e5, rel=0.4)
+
+
 @pytest.mark.parametrize("log", [lambda: noisy(ramp(REAL), 6), lambda: scaled(1.0)])
 def test_nothing_is_named_where_nothing_is_wrong(log):
     assert named(causes(log())) == ()

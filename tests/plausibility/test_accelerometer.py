@@ -5,10 +5,13 @@ from types import SimpleNamespace
 import pytest
 
 from calib.base.names import G
+from calib.car.beliefs import LOG
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.forces import accelerometer
-from calib.plausibility.wheels import v_scale
+from calib.plausibility.wheels import a_x_by_wheels, v_scale
 from calib.run.accelerometer import Accelerometer
+from calib.run.run import Run
+from tests.support.reference_car import CAR, REAL, misread, noisy, stop, without
 from tests.support.refusals import broken
 
 
@@ -59,6 +62,15 @@ def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
 def test_a_scale_that_no_sensor_has_is_told_alone():
     (warning,) = warned(sensor(scale=0.06), 1.0 / 6.0)
     assert (warning.code, warning.measured) == ("v_scale", pytest.approx(0.2))
+
+
+@pytest.mark.parametrize("gain", [0.85, 1.0, 1.15])
+def test_a_gain_of_a_x_is_told_by_the_wheels_where_no_v_is(gain):
+    log = misread(noisy(without(stop(REAL), "v"), 3), gain)
+    (told,) = a_x_by_wheels(Evidence(Run(log, CAR)))
+    assert told.value + LOG.a_x_scale.mean == pytest.approx(gain - 1.0, abs=2.0 * told.sigma)
+    assert told.sigma < 0.03
+    assert not [*a_x_by_wheels(Evidence(Run(stop(REAL), CAR)))]
 
 
 def test_what_is_not_sure_is_not_warned_about():

@@ -39,7 +39,10 @@ def codes(pads):
     ("pads", "expected"),
     [
         (calibration(), []),
-        (calibration(0.85, 0.85), []),
+        (calibration(0.89, 0.89), []),
+        (calibration(1.11, 1.11), []),
+        (calibration(0.85, 0.85), ["pads_off_file"]),
+        (calibration(1.15, 1.15), ["pads_off_file"]),
         (calibration(0.75, 0.75), ["pads_off_file_f", "pads_off_file_r"]),
         (calibration(1.3, 1.3), ["pads_off_file_f", "pads_off_file_r"]),
         (calibration(1.1, 0.9), ["pad_ratio"]),
