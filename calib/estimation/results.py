@@ -5,6 +5,7 @@ written completely or not at all.
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from calib.store.version import Stored
 from calib.table.budget import STOP
 from calib.table.budget import summary as budget_summary
 from calib.table.exported import Precision
+from calib.table.unseen import Unseen, unseen
 
 SUMMARY = "summary.json"
 
@@ -45,7 +47,14 @@ def to_dict(
         "exported": how and asdict(how),
         "logs": [_of_log(r) for r in results],
         "agreement": together and asdict(together),
+        "unseen": [one._asdict() for one in unseen_in(stored, results)],
     }
+
+
+def unseen_in(stored: Stored, results: Sequence[Validation]) -> list[Unseen]:
+    """Entries of the vehicle file that neither ramp nor stops show to be wrong."""
+    v = any(r.estimate.blocks.v is not None for r in results)
+    return unseen(stored.table, v, results[0].mass.tolerance if results else None)
 
 
 def _of_log(r: Validation) -> dict[str, object]:

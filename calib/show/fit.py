@@ -18,6 +18,7 @@ from calib.show.table import sheet
 from calib.store.figures import answer
 from calib.store.version import Stored
 from calib.table.budget import summary as budget_summary
+from calib.table.unseen import Unseen, unseen, unseen_line
 
 _CURVES = "The curves of the table with their 95 % bands, and the measured points."
 
@@ -49,11 +50,20 @@ def facts(found: Fitted) -> Facts:
         warnings=table.warnings,
         pictures=[Picture(_CURVES, curves)],
         parts=[
-            Facts("The car", rows=[("mass", str(found.mass))]),
+            Facts(
+                "The car",
+                rows=[("mass", str(found.mass)), ("seen by", unseen_line(_unseen(found)))],
+            ),
             *of_table.parts,
             origin(stored, logs, date.today().isoformat(), found.files),
         ],
     )
+
+
+def _unseen(found: Fitted) -> list[Unseen]:
+    """What these ramps cannot show."""
+    v = any("v" in log for log in found.ramps)
+    return unseen(found.stored.table, v, found.mass.tolerance)
 
 
 def document(found: Fitted) -> dict[str, object]:
@@ -68,6 +78,7 @@ def document(found: Fitted) -> dict[str, object]:
         "answer": answer(stored),
         "calibration": table.calibration,
         "budget": budget_summary(*table.budget.axles),
+        "unseen": [one._asdict() for one in _unseen(found)],
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,

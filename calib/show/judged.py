@@ -72,10 +72,20 @@ def pads(figures: Mapping[str, float | None], axle: str, of: str = "") -> str:
     return mean_of(figures, f"{of}pad_friction_{axle}", f"{of}interval_{axle}")
 
 
+def valid(figures: Mapping[str, float | None]) -> str:
+    """Share of the samples of a stop in which the ECU is valid; none where no sample counts."""
+    share = figures["ecu_valid_share"] if figures["valid_share"] else 0.0
+    return plain("valid_share").with_unit(share)
+
+
 def mean_of(figures: Mapping[str, float | None], key: str, interval: str) -> str:
     """A mean with its 95 % interval, by the names of both metrics."""
     mean, width = figures[key], figures[interval]
-    return UNKNOWN if mean is None or width is None else plus_minus(mean, mean * width)
+    return (
+        UNKNOWN
+        if not figures["valid_share"] or mean is None or width is None
+        else plus_minus(mean, mean * width)
+    )
 
 
 def broken(r: Validation) -> list[str]:

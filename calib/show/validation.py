@@ -7,6 +7,7 @@ from pathlib import Path
 
 from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.agreement import agreement
+from calib.estimation.results import unseen_in
 from calib.estimation.validate import (
     CALIBRATION,
     HOLDOUT,
@@ -18,7 +19,7 @@ from calib.estimation.validate import (
     proof_of,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import UNKNOWN, broken, budget_rows, mean_of, pads, stop_by_stop, word
+from calib.show.judged import UNKNOWN, broken, budget_rows, mean_of, pads, stop_by_stop, valid, word
 from calib.show.origin import origin
 from calib.show.stop import pads_over_time
 from calib.store.evidence import CONSISTENT
@@ -26,12 +27,15 @@ from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.table.budget import STOP, advice_lines, limiting
 from calib.table.exported import Precision
+from calib.table.unseen import unseen_line
 
 _PROOFS = {
     TRUTH: "the torques in the logs",
     REFERENCE: "the speed v, which cannot show an error of the ramp itself",
     NONE: "nothing: the logs hold neither torques nor v",
 }
+_V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
+"""Of logs with v that prove nothing."""
 _SHOWN = 4
 """Limits that are broken, in the head of the answer; all are in the details."""
 
@@ -64,6 +68,7 @@ def facts(judged: Validated) -> Facts:
             ("vehicle", stored.table.vehicle.name),
             ("mass", str(found[0].mass)),
             *_limiting(found),
+            ("seen by", unseen_line(unseen_in(stored, results))),
         ],
         notes=advice,
     )
@@ -75,7 +80,11 @@ def facts(judged: Validated) -> Facts:
         tables=[by_stop(stored, found)],
         rows=[
             *[row for result in found for row in _against(result)][:_SHOWN],
-            *([("judged by", _PROOFS[proof])] if any(r.role == HOLDOUT for r in found) else []),
+            *(
+                [("judged by", _judged_by(results, proof))]
+                if any(r.role == HOLDOUT for r in found)
+                else []
+            ),
             *([] if how is None else [("as exported", str(how))]),
             *(("limited by", limiting(budget)) for budget in budgets[:1]),
         ],
@@ -88,6 +97,12 @@ def facts(judged: Validated) -> Facts:
             origin(stored, logs, date.today().isoformat(), judged.files),
         ],
     )
+
+
+def _judged_by(results: Sequence[Validation], proof: str) -> str:
+    """What the verdict rests on."""
+    with_v = any("v" in result.estimate.ran.log for result in results)
+    return _V_NOT_USED if proof == NONE and with_v else _PROOFS[proof]
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
@@ -103,7 +118,7 @@ def _outcome(stored: Stored, results: list[Validation]) -> str:
 
 def _change(stored: Stored, r: Validation) -> float | None:
     """Pad level of the ECU in a stop over that of the ramp, less 1."""
-    level = r.figures["ecu_pad_level"]
+    level = r.figures["ecu_pad_level"] if r.figures["valid_share"] else None
     return None if level is None else level / stored.table.calibration.pad_scale.value - 1.0
 
 
@@ -133,7 +148,7 @@ def by_stop(stored: Stored, results: Sequence[Validation]) -> Table:
                 r.log,
                 *(pads(r.figures, axle, "ecu_") for axle in "fr"),
                 UNKNOWN if change is None else signed_percent(change),
-                plain("valid_share").with_unit(r.figures["ecu_valid_share"]),
+                valid(r.figures),
                 word(r),
             )
         )
@@ -151,11 +166,10 @@ def _of_one(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     of, cal = r.figures, stored.table.calibration
     level = mean_of(of, "ecu_pad_level", "ecu_interval_level")
     ecu = [pads(of, "f", "ecu_"), pads(of, "r", "ecu_"), level]
-    share = plain("valid_share").with_unit
-    yield "ECU", *ecu, share(of["ecu_valid_share"])
+    yield "ECU", *ecu, valid(of)
     with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
     best = [pads(of, "f"), pads(of, "r"), mean_of(of, "pad_level", "interval_level")]
-    yield with_v, *best, share(of["valid_share"])
+    yield with_v, *best, plain("valid_share").with_unit(of["valid_share"])
     then = {"f": cal.pad_friction_f.value, "r": cal.pad_friction_r.value}
     now = {axle: of[f"pad_friction_{axle}"] for axle in then}
     change = [signed_percent(x / then[axle] - 1.0) for axle, x in now.items() if x is not None]

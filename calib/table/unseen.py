@@ -1,0 +1,132 @@
+"""Which entries of a vehicle file no log of a car can show to be wrong, and what would.
+
+    wrong entry --> level and ratio of the pads --> within what pads of one grade have: nobody sees
+
+A ramp gives the brake force over the pressure, and by eta how the axles share it. An entry that is
+wrong moves what is called pad friction, and a warning comes only where no pads of the file's grade
+are like that.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.base.warning import RULES
+from calib.car.balance import front_share
+from calib.car.beliefs import CAR, LOG
+from calib.car.forces import axle_loads
+from calib.table.budget import grade
+from calib.table.table import Table
+
+NOTHING = "nothing in these logs"
+_MOST = {"a_x": 0.08, "rolling_radius": 0.08}
+"""Mistake that the wheels show, as of `a_x_by_wheels` [1]; past half no car is like its file."""
+_RADIUS = 0.01  # how well a file knows the rolling radii: wear and inflation [1]
+_SHOWN_BY = {
+    "mass": "weigh the car with driver and load (--mass)",
+    "p_mc": "a gauge at a caliper, or wheel pressures",
+    "a_x": "log v, or turn the sensor over on level ground",
+    "rolling_radius": "log v, or measure how far the car rolls in ten turns",
+    "cg_height": "lift an axle on a scale, or the data sheet",
+    "cg_to_front_axle": "axle loads on a scale",
+}
+_BRAKE = "a roller brake tester (--bench), or the drawing of the brake"
+
+
+class Unseen(NamedTuple):
+    """An ``entry`` of the vehicle file, or a channel, that may be wrong without being seen.
+
+    ``doubt`` one sigma of what is known of it before, that the intervals count [1]; None where it
+    is taken as it is. ``front``, ``rear`` change of the pads for one of the entry, relative [1];
+    ``share_front``, ``share_rear`` of the variance of the pads that is this doubt [1]; ``up_to``
+    mistake that goes without a warning [1]; ``shown_by`` what would show it.
+    """
+
+    entry: str
+    doubt: float | None
+    front: float
+    rear: float
+    share_front: float
+    share_rear: float
+    up_to: float
+    seen_by: str
+    shown_by: str
+
+
+def unseen(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
+    """What logs of a table's car do not show, the largest part of the interval first.
+
+    ``v`` whether they have a reference speed; ``mass`` sigma of that of the car, relative [1].
+    """
+    known = table.vehicle.mass_tolerance if mass is None else mass
+    told = (_unseen(table, *one) for one in _entries(table, v, known))
+    return sorted(told, key=lambda one: (-one.share_front - one.share_rear, one.up_to))
+
+
+def unseen_line(found: list[Unseen]) -> str:
+    """The same in a line: each entry with the mistake that goes without a warning."""
+    return f"{NOTHING}: " + ", ".join(f"{x.entry} ±{100.0 * x.up_to:.0f} %" for x in found)
+
+
+def _entries(
+    table: Table, v: bool, mass: float
+) -> Iterator[tuple[str, float | None, float, float]]:
+    """Entry, its doubt, and by how much it moves ln of the level and of the ratio of the pads.
+
+    The ratio is partly that of the file: what eta says counts by the rest.
+    """
+    share, read = _share(table), 1.0 - table.quality.get("pad_ratio_nominal_weight", 0.0)
+    yield "mass", mass, 1.0, 0.0
+    yield "p_mc", None, -1.0, 0.0
+    if not v:
+        yield "a_x", LOG.a_x_scale.sigma, 1.0, 0.0
+        yield "rolling_radius", _RADIUS, 1.0, 0.0
+    for name in ("piston_area", "effective_radius"):
+        yield f"front.{name}", None, -share, -read
+        yield f"rear.{name}", None, share - 1.0, read
+    height, ahead = _by_loads(table)
+    yield "cg_height", CAR.cg_height.sigma, 0.0, read * height
+    yield "cg_to_front_axle", CAR.cg_to_front_axle.sigma, 0.0, read * ahead
+
+
+def _share(table: Table) -> float:
+    return front_share(table.vehicle, table.calibration.pad_log_ratio.value)
+
+
+def _by_loads(table: Table) -> tuple[float, float]:
+    """Change of ln of the pads' ratio for one of cg_height and of cg_to_front_axle, relative [1].
+
+    Eta holds share/F_zf - (1 - share)/F_zr, (22) for alike tyres, at half of the ramp.
+    """
+    car, share = table.vehicle, _share(table)
+    z = 0.5 * table.quality.get("deceleration_max", 0.4)
+    front, rear = (float(load) / car.weight for load in axle_loads(car, np.asarray(z)))
+    by_load = (share / front**2 + (1.0 - share) / rear**2) / (1.0 / front + 1.0 / rear)
+    by_share = by_load / (share * (1.0 - share))  # of a load that moves to the front axle [1]
+    height = z * car.cg_height / car.wheelbase
+    return by_share * height, -by_share * car.cg_to_front_axle / car.wheelbase
+
+
+def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: float) -> Unseen:
+    share, cal = _share(table), table.calibration
+    sigmas = cal.pad_scale.sigma / cal.pad_scale.value, cal.pad_log_ratio.sigma
+    of_level, of_ratio = (
+        next(rule for rule in RULES if rule.code == code) for code in ("pads_off_file", "pad_ratio")
+    )
+    limits = (
+        of_level.sure * math.hypot(grade(table.vehicle), sigmas[0]),
+        max(of_ratio.high, Z95 * sigmas[1]),
+    )
+    moves, most = (level, ratio), _MOST.get(entry, 0.5)
+    up_to = min(most, *(x / max(abs(m), 1e-6) for x, m in zip(limits, moves, strict=True)))
+    front, rear = level + (1.0 - share) * ratio, level - share * ratio
+    whole = (sum(x**2 for x in parts.values()) for parts in table.budget.axles)
+    of_front, of_rear = (
+        min(((doubt or 0.0) * move) ** 2 / of, 1.0) if of > 0.0 else 0.0
+        for move, of in zip((front, rear), whole, strict=True)
+    )
+    shown_by = _SHOWN_BY.get(entry, _BRAKE)
+    return Unseen(entry, doubt, front, rear, of_front, of_rear, up_to, NOTHING, shown_by)

@@ -1,0 +1,66 @@
+"""What no log of a car shows, against closed forms and a root of the equation of eta."""
+
+from dataclasses import replace
+
+import pytest
+from scipy.optimize import brentq
+
+from calib.car.balance import front_share
+from calib.car.forces import axle_loads
+from calib.table.unseen import unseen
+from tests.support.tables import VEHICLE, made_table
+
+TABLE = made_table()
+Z = 0.2  # half of the ramp that the table is taken to have
+
+
+def entries(**how):
+    return {one.entry: one for one in unseen(TABLE, **how)}
+
+
+@pytest.mark.parametrize(
+    ("how", "shown"),
+    [
+        ({"v": True}, {"a_x", "rolling_radius"}),
+        ({"v": False, "mass": 0.004}, set()),
+    ],
+)
+def test_what_a_speed_shows_is_not_on_the_list(how, shown):
+    everything = entries(v=False)
+    assert {*everything} - {*entries(**how)} == shown
+    assert all(0.0 < one.up_to <= 0.5 and one.shown_by for one in everything.values())
+
+
+def test_the_mass_has_its_share_of_the_variance_and_comes_first():
+    first, *_ = unseen(TABLE, v=True, mass=0.01)
+    of_front, of_rear = (sum(x**2 for x in parts.values()) for parts in TABLE.budget.axles)
+    assert (first.entry, first.front, first.rear) == ("mass", 1.0, 1.0)
+    assert first.share_front == pytest.approx(0.01**2 / of_front)
+    assert first.share_rear == pytest.approx(0.01**2 / of_rear)
+
+
+def test_an_area_moves_the_pads_of_its_own_axle_alone():
+    front, rear = (entries(v=True)[f"{axle}.piston_area"] for axle in ("front", "rear"))
+    assert (front.front, front.rear) == pytest.approx((-1.0, 0.0))
+    assert (rear.front, rear.rear) == pytest.approx((0.0, -1.0))
+
+
+@pytest.mark.parametrize("entry", ["cg_height", "cg_to_front_axle"])
+def test_loads_move_the_ratio_as_the_same_eta_demands(entry):
+    share = front_share(VEHICLE, 0.0)
+
+    def unlike(share, car):
+        front, rear = axle_loads(car, Z)
+        return share / front - (1.0 - share) / rear
+
+    by = 1e-4
+    longer = {"cg_to_rear_axle": VEHICLE.cg_to_rear_axle - by * VEHICLE.cg_to_front_axle}
+    other = replace(
+        VEHICLE,
+        **{entry: (1.0 + by) * getattr(VEHICLE, entry)},
+        **(longer if entry == "cg_to_front_axle" else {}),
+    )
+    moved = brentq(lambda x: unlike(x, other) - unlike(share, VEHICLE), 0.1, 0.99, xtol=1e-14)
+    ratio = (moved - share) / (share * (1.0 - share)) / by
+    of = entries(v=True)[entry]
+    assert of.front - of.rear == pytest.approx(ratio, rel=1e-2)
