@@ -15,7 +15,7 @@ NaN equals NaN. Strings must be equal, but for those that are a number with its 
 keys, columns, units and files. The order of keys is free, that of columns, rows and lists is not.
 JSON, TOML, CSV and Parquet are compared by key or column, exports by their numbers and the text
 between them; pages, pictures and what is printed for people are not. Exit code 1 if anything
-differs. What is renamed or left out stands in the rules below.
+differs. What is left out stands in the rules below.
 """
 
 import argparse
@@ -50,10 +50,6 @@ SHOWN = 20
 
 # The rules --------------------------------------------------------------------------------------
 
-RENAMED = {"flaws": "violations"}
-"""Old name to new name of keys, columns and files. BEFORE is read with it."""
-REWORDED = {"nought below": "zero below"}
-"""Old text (a regular expression) to new text, in strings and exports. BEFORE is read with it."""
 LEFT_OUT = {
     "arguments": "commands are renamed",
     "seconds": "a duration",
@@ -189,15 +185,13 @@ NUMBER = re.compile(r"(?<![\w.])[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 """A number in a text. Digits within a name (f1, sedan_2up) and hyphens within a word are text."""
 
 
-def reworded(inputs: frozenset[str], words: dict[str, str]) -> Reword:
+def reworded(inputs: frozenset[str]) -> Reword:
     """A text without what is not compared."""
 
     def known(found: re.Match[str]) -> str:
         return found[0] if any(digest.startswith(found[0]) for digest in inputs) else "DIGEST"
 
     def text(text: str) -> str:
-        for old, new in words.items():
-            text = re.sub(old, new, text)
         for pattern, put in MASKED:
             text = pattern.sub(put, text)
         return DIGEST.sub(known, text)
@@ -270,12 +264,10 @@ READERS: dict[str, Callable[[Path, Reword], Columns]] = {
 }
 
 
-def read(path: Path, text: Reword, renamed: dict[str, str]) -> dict[str, Column]:
+def read(path: Path, text: Reword) -> dict[str, Column]:
     """Columns by name; of two with one name none is lost."""
     out: dict[str, Column] = {}
-    for place, column in READERS[path.suffix](path, text):
-        parts = re.split(r"([^\w])", place)
-        name = "".join(renamed.get(part, part) for part in parts)
+    for name, column in READERS[path.suffix](path, text):
         while name in out:
             name += "'"
         out[name] = column
@@ -302,10 +294,10 @@ def difference(a: Column, b: Column, tolerance: float) -> str | None:
     return f"[{wrong[0]}] {str(a[wrong[0]])[:160]} != {str(b[wrong[0]])[:160]}{more}"
 
 
-def files(home: Path, renamed: dict[str, str]) -> dict[str, Path]:
+def files(home: Path) -> dict[str, Path]:
     """Every file that is compared, by its name in the other folder."""
     paths = [p for p in sorted(home.rglob("*")) if p.is_file() and p.suffix in READERS]
-    names = [p.relative_to(home).with_name(renamed.get(p.name, p.name)).as_posix() for p in paths]
+    names = [p.relative_to(home).as_posix() for p in paths]
     copied = re.compile(r"inputs/|recording\.json|demo/all/out/sample_logs/")
     return {n: p for n, p in zip(names, paths, strict=True) if not copied.match(n)}
 
@@ -319,7 +311,7 @@ def compare(before: Path, after: Path, tolerance: float) -> int:
     """Compare two recordings and print what was found; 1 if something differs."""
     logs = [p for home in (before, after) for p in (home / LOGS).rglob("*") if p.is_file()]
     inputs = frozenset(hashlib.sha256(path.read_bytes()).hexdigest() for path in logs)
-    ours, theirs = files(before, RENAMED), files(after, {})
+    ours, theirs = files(before), files(after)
     alone = sorted(calls(before) ^ calls(after))
     print(f"calls of one side only, not compared: {', '.join(alone) or 'none'}")
     places: dict[str, list[str]] = {}
@@ -331,8 +323,7 @@ def compare(before: Path, after: Path, tolerance: float) -> int:
         if name not in ours or name not in theirs:
             told.append(f"{name} in {'BEFORE' if name in ours else 'AFTER'} only")
             continue
-        left = read(ours[name], reworded(inputs, REWORDED), RENAMED)
-        right = read(theirs[name], reworded(inputs, {}), {})
+        left, right = (read(of[name], reworded(inputs)) for of in (ours, theirs))
         for place in {**left, **right}:
             if place not in left or place not in right:
                 told.append(f"{name}: {place} in {'BEFORE' if place in left else 'AFTER'} only")
