@@ -1,6 +1,6 @@
 """Bad input in the library: what is damaged or mutated is read, or refused by our own errors.
 
-Damaged files at the command line are in `tests/cli/test_bad_input.py`.
+Damaged files at the command line are in `tests/cli/test_hostile.py`.
 """
 
 import random

@@ -51,12 +51,3 @@ def test_dir_names_the_face_and_nothing_else():
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="has no attribute 'fitt'"):
         _ = calib.fitt
-
-
-def test_a_table_prints_its_name_range_pads_and_logs(stored):
-    first, *lines = repr(stored).splitlines()
-    assert first == f"sedan@1 in {stored.path}"
-    assert lines[0] == f"Table sedan, {stored.table.provenance.program}"
-    assert lines[1] == "  f1, f2  21 rows, eta - 1 up to 0.500 %, z 0.00 to 0.30 g"
-    assert lines[2] == "  pads    front 0.4 +- 0.02, rear 0.39 +- 0.039 (95 %)"
-    assert lines[3] == "  logs    ramp.csv (ramp), coast.csv (coast)"

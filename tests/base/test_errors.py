@@ -22,21 +22,6 @@ def test_exit_codes(code, names):
     assert {CLASSES[name]("x").exit_code for name in names.split()} == {code}
 
 
-def test_a_message_says_what_where_expected_and_what_to_do():
-    error = errors.LogError("unit 'bra'", where="a.csv: p_mc", expected="bar", do="mend the header")
-    assert str(error) == "a.csv: p_mc: unit 'bra'; expected bar; mend the header"
-    assert (error.what, error.where, error.expected, error.do) == (
-        "unit 'bra'",
-        "a.csv: p_mc",
-        "bar",
-        "mend the header",
-    )
-
-
 def test_a_message_is_one_line_whatever_is_put_into_it():
     error = BrakeCalError("not\r\n\tTOML", where="a\n\x1b[2J.csv", expected="b\nc", do="\u202ed")
     assert str(error) == "a\\n\\x1b[2J.csv: not TOML; expected b c; \\u202ed"
-
-
-def test_more_mistakes_of_a_file_have_a_line_each():
-    assert str(BrakeCalError("2 errors", lines=("a\nb", "c"))) == "2 errors\n  a b\n  c"

@@ -2,13 +2,10 @@
 
 import numpy as np
 import pytest
-import scipy.stats
 from scipy.integrate import quad
 from scipy.stats import norm
 
 from calib.base.intervals import (
-    QUARTILE,
-    Z95,
     likelihood_ratio,
     noise_over,
     second_differences,
@@ -39,11 +36,6 @@ def test_noise_is_told_from_slow_motion_and_from_a_spike_also_where_a_line_joins
     seldom = np.interp(np.arange(2000), np.arange(0, 2000, 8), x[::8])
     assert white_noise(seldom) < 0.03
     assert noise_over(seldom, 8.0)[-1] > 0.06
-
-
-def test_the_quantiles_are_those_of_the_normal_distribution():
-    assert pytest.approx(scipy.stats.norm.ppf(0.975), abs=5e-5) == Z95
-    assert pytest.approx(scipy.stats.norm.ppf(0.75), abs=5e-5) == QUARTILE
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,6 @@
 """The channels against the contract, written out by hand."""
 
-import pytest
-
 from calib.base.names import CHANNELS
-from calib.base.units import from_si, to_si
 
 CONTRACT = """
     time      s
@@ -30,10 +27,3 @@ def test_channels_and_units_are_those_of_the_contract_in_its_order():
     assert have[: len(rows)] == rows
     # what a gate may read, and what the balance takes out
     assert have[len(rows) :] == [("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m")]
-
-
-@pytest.mark.parametrize("name", CHANNELS)
-def test_a_channel_is_named_once_and_its_units_are_of_one_quantity(name):
-    q = CHANNELS[name]
-    assert q.name == name
-    assert to_si(from_si(1.0, q.unit, q.si), q.unit, q.si) == pytest.approx(1.0)

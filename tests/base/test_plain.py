@@ -27,7 +27,3 @@ def test_every_metric_has_a_plain_name():
 )
 def test_a_value_is_shown_in_the_unit_that_people_read(key, value, text):
     assert plain(key).with_unit(value).replace(NBSP, " ") == text
-
-
-def test_a_limit_is_not_rounded():
-    assert plain("interval_f").bounds(None, 0.1234).replace(NBSP, " ") == "at most 12.34 %"

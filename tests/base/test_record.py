@@ -15,7 +15,6 @@ from calib.base.record import (
     QuantityMark,
     Section,
     by_name,
-    json_schema,
     quantity_pattern,
     validated,
 )
@@ -121,12 +120,6 @@ def test_the_pattern_takes_what_the_reader_takes(si):
 @given(value=st.floats(allow_nan=False, allow_infinity=False), si=st.sampled_from(SI))
 def test_a_written_quantity_reads_back_to_the_last_bit(value, si):
     assert quantity(written_quantity(value, si), si, None, LimitsError) == value
-
-
-def test_what_may_be_left_out_is_not_null_in_the_json_schema():
-    properties = json_schema(CarFile)["properties"]
-    assert properties["seats"] == {"title": "Seats", "type": "integer"}
-    assert properties["spare"] == {"$ref": "#/$defs/Wheel"}
 
 
 def test_a_message_lists_a_hundred_mistakes_and_counts_the_rest(tmp_path):

@@ -62,13 +62,3 @@ def of(**changed: str) -> dict[str, str]:
 def test_what_cannot_be_read_in_one_way_is_refused(word, table):
     with pytest.raises(ValueError, match=word):
         beliefs_of(Car, table)
-
-
-def test_a_further_case_of_a_stop_is_drawn_as_often_as_it_says():
-    worn = of(group="stop", quantity="log_tyre", case="worn", share="0.25", mean="3", sigma="0.1")
-    tyre = beliefs_of(Stop, [*TABLE, worn]).log_tyre
-    u = (np.arange(1000) + 0.5) / 1000
-    assert np.mean(tyre.is_case("worn", u)) == pytest.approx(0.2)
-    assert np.mean(tyre.drawn(u, np.zeros(1000))) == pytest.approx(0.2 * 3.0)
-    with pytest.raises(ValueError, match="not in"):
-        tyre.is_case("new", u)

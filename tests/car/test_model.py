@@ -115,31 +115,6 @@ def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
     assert "model.toml" in message
 
 
-def test_all_errors_of_a_file_come_in_one_message(tmp_path):
-    text = WHOLE
-    for old, new in (
-        ("front = 0.30", "front = 30"),
-        ("6600 cm^2", "6600 cm"),
-        ("4500 ms", "4500 kg"),
-        ("[[surfaces]]", '[[empirical]]\nplace = "roof"\ndriver = "spede"\n[[surfaces]]'),
-    ):
-        assert old in text
-        text = text.replace(old, new, 1)
-    head, *lines = refused(tmp_path, text).splitlines()
-    assert head == f"{tmp_path / 'model.toml'}: 7 errors"
-    assert [line.split(": ")[0] for line in lines] == [
-        "  pads.front",
-        "  effects.aerodynamic_drag.drag_area",
-        "  surfaces[1].start",
-        "  empirical[0].place",
-        "  empirical[0].driver",
-        "  empirical[0]",
-        "  empirical[0]",
-    ]
-    assert lines[4].endswith("did you mean 'speed'?")
-    assert lines[5].endswith("key 'knots' is missing; expected a value for 'knots'")
-
-
 # The road ----------------------------------------------------------------------------------------
 
 TIME = np.arange(401) * 0.01

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from calib.base.warning import UNITS
-from calib.car.figures import plausible, to_confirm
+from calib.car.figures import plausible
 from calib.car.vehicle import Axle, Vehicle
 from calib.car.vehicle_file import read_vehicle
 
@@ -98,19 +98,3 @@ def test_a_mistake_is_told_with_its_causes(name):
     assert code in found
     assert set(found) <= set(UNITS)
     assert all(w.causes and w.do and w.log == vehicle.name for w in found.values())
-
-
-def test_what_only_some_cars_have_is_for_a_person_to_confirm():
-    """A compact car with EBD, its distances swapped by hand: 41 % of the load in front."""
-    compact = CARS["compact with EBD"]
-    swapped = replace(
-        compact,
-        cg_to_front_axle=compact.cg_to_rear_axle,
-        cg_to_rear_axle=compact.cg_to_front_axle,
-    )
-    assert plausible(swapped) == ()
-    assert "41 % of the load is on the front axle" in " ".join(to_confirm(swapped))
-    assert "locks first beyond 0.4" in " ".join(to_confirm(compact))
-    assert to_confirm(SEDAN) == to_confirm(CARS["limousine"]) == ()
-    asked = {name for name, one in CARS.items() if to_confirm(one)}
-    assert asked == {"compact with EBD", "van, laden", "rear engine", "microcar"}

@@ -51,19 +51,6 @@ def test_a_piped_log_is_read_as_its_file(piped, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
 
 
-@pytest.mark.parametrize(
-    ("words", "code"),
-    [
-        (("fit", "-", *CAR), 2),
-        (("station", SEDAN / "ramp_wet_asphalt.csv", "-", *CAR, "--out", "out"), 2),
-    ],
-)
-def test_where_a_log_must_have_a_name_it_is_refused(piped, tmp_path, monkeypatch, words, code):
-    monkeypatch.chdir(tmp_path)
-    assert piped(*words).code == code
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_terminal_another_format_and_too_much_are_no_log(piped, monkeypatch):
     assert piped("check", "-", terminal=True).code == 3
     assert piped("check", "-", data=b"(1700000000.0004) can0 101#0000D4FF5F750000\n").code == 3

@@ -1,13 +1,12 @@
 """A full disk gives 5 and one line on stderr, a reader that went away gives 0 and none."""
 
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-
-from cli.outputs import writing
 
 ROOT = Path(__file__).parents[2]
 COAST = str(ROOT / "sample_logs" / "sedan" / "coast.csv")
@@ -61,9 +60,11 @@ def test_streams_that_the_shell_has_closed():
         assert ran.returncode == code
 
 
-@full
-def test_a_result_on_a_full_disk(tmp_path):
-    from calib.base.errors import AnswerError
-
-    with pytest.raises(AnswerError), writing(tmp_path / "a.txt"), open("/dev/full", "wb") as disk:
-        disk.write(b"a")
+def test_a_bad_file_ends_with_3_and_no_traceback(tmp_path):
+    """On the way out of the interpreter either."""
+    path = tmp_path / "empty.csv"
+    path.write_text("")
+    ran = run(["check", str(path), "--json"], stdout=subprocess.PIPE)
+    assert ran.returncode == json.loads(ran.stdout)["error"]["exit_code"] == 3
+    assert ran.stderr.decode().splitlines()[-1].startswith(f"error: {path}: ")
+    assert b"Traceback" not in ran.stderr

@@ -1,4 +1,3 @@
-import re
 from pathlib import Path
 
 import pytest
@@ -40,15 +39,6 @@ def files():
     return sorted(p.name for p in Path().iterdir())
 
 
-@pytest.mark.parametrize(("name", "magic"), [("a.png", PNG), ("a.SVG", SVG), ("a.pdf", PDF)])
-def test_the_ending_names_the_format_and_the_bytes_are_the_same_again(plot, name, magic):
-    assert plot("sedan@1", "--figure", "f1-f2", "--out", name).code == 0
-    first = Path(name).read_bytes()
-    assert first.startswith(magic)
-    assert plot("sedan@1", "--figure", "f1-f2", "--out", name).code == 0
-    assert Path(name).read_bytes() == first
-
-
 def test_a_result_of_validate(plot, brake_cal, tables):
     assert brake_cal("validate", "sedan-2up", STOP, "--store", tables, "--out", "r").code in (0, 1)
     ran = plot("r/basalt_wet_pads.parquet", "--figure", "normalised-forces", "--json")
@@ -68,19 +58,6 @@ def test_several_logs_are_pages_of_a_pdf_or_files(plot):
 def test_logs_of_one_name_do_not_overwrite_each_other(plot):
     assert plot(STOP, STOP, "--figure", "eta").code == 0
     assert files() == ["basalt_wet_pads-eta-2.png", "basalt_wet_pads-eta.png"]
-
-
-def test_the_help_names_every_panel(plot, brake_cal):
-    """But the other channels of a log."""
-    told = brake_cal("plot", "--help").out
-    for given in (
-        ("sedan-2up", RAMP),
-        ("sedan@1", "sedan@2"),
-        ("sedan-2up", STOP),
-        (STOP, "--figure", "eta"),
-    ):
-        (sheet,) = parsed(plot(*given, "--json"))["sheets"]
-        assert {*sheet["figures"]} - {*read_log(STOP).channels} <= {*re.findall(r"[\w-]+", told)}
 
 
 @pytest.mark.parametrize(

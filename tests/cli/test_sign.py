@@ -6,7 +6,6 @@ import sys
 import pytest
 
 from calib.store.minisign import generate
-from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.cli.conftest import parsed
 from tests.support.signing import ADA, EVE, secret_file
@@ -119,17 +118,6 @@ def test_require_signed_goes_on_only_with_what_is_signed(use, signed, public, tm
     ran = use(name, "--require-signed", "--key", public)
     assert f"sedan@1 is signed as released by key {ADA.public.key_id}\n" in ran.err
     assert ran.code == (0 if name == "export" else 3)
-
-
-def test_a_bare_name_is_not_an_older_version(tables, signed, two, secret, public, tmp_path):
-    Store(two).judge("sedan@2", StateDecision("released", "good"))
-    tables("sign", "sedan@2", "--key", secret)
-    Store(two).judge("sedan@2", StateDecision("rejected", "wet", by="Bob"))
-    export = ("export", "--format", "json", "--out", tmp_path / "x.json", "--require-signed")
-    ran = tables(*export, "sedan", "--key", public)
-    assert (ran.code, ran.result) == (4, "")
-    assert "sedan@2: signed as released, rejected since (by Bob" in ran.err
-    assert tables(*export, "sedan@1", "--key", public).code == 0
 
 
 def test_a_pair_of_keys_is_made_and_never_replaced(tables, tmp_path, monkeypatch):

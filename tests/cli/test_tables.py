@@ -115,20 +115,6 @@ def test_a_release_holds_who_why_and_the_digest_of_the_evidence(drafts, summary,
 
 
 @pytest.mark.parametrize(
-    ("change", "code"),
-    [
-        ({"verdict": "failed"}, 2),
-        ({"role": "calibration"}, 3),
-        ({"digest": "0" * 64}, 3),
-    ],
-)
-def test_evidence_that_does_not_speak_for_the_version(drafts, summary, store, change, code):
-    ran = drafts("release", "sedan@1", "--reason", "a", "--evidence", summary(**change))
-    assert (ran.code, ran.result) == (code, "")
-    assert Store(store).load("sedan@1").state.word == "draft"
-
-
-@pytest.mark.parametrize(
     "words",
     [
         ("release", "sedan", "--reason", "a"),

@@ -11,7 +11,7 @@ from calib.estimation.metrics import METRICS
 from calib.logs.write import write_csv, write_parquet
 from calib.store.store import Store
 from tests.cli.conftest import parsed
-from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, without
+from tests.support.reference_car import CAR, WET, cut, noisy, stop, without
 
 LOGS = ("wet.csv", "harder.parquet", "bad.csv", "plain.csv")
 
@@ -110,33 +110,3 @@ def test_two_logs_of_one_name_have_no_place_in_out(run, bench, tmp_path):
     assert (ran.code, ran.result) == (2, "")
     assert not (tmp_path / "results").exists()
     assert run("wet.csv", twin).code == 0
-
-
-def test_a_calibration_log_proves_nothing(brake_cal, tmp_path):
-    log, where = tmp_path / "ramp.csv", ("--store", tmp_path / "tables")
-    write_csv(noisy(ramp(REAL), 1), log)
-    assert brake_cal("fit", log, "--vehicle", SEDAN / "vehicle.toml", *where).code == 0
-    ran = brake_cal("validate", "sedan-2up", log, *where, "--json")
-    assert (ran.code, parsed(ran)["logs"][0]["role"]) == (1, "calibration")
-
-
-def pads(ran):
-    return parsed(ran)["logs"][0]["figures"]["pad_friction_f"]
-
-
-def test_a_stated_mass_is_used_and_told(run, tmp_path):
-    """A stop of the car with a fifth of its mass more on board, alone and by another file."""
-    loaded, other = tmp_path / "loaded.csv", tmp_path / "other.toml"
-    write_csv(noisy(stop(replace(WET, mass_scale=1.2)), 3), loaded)
-    known, unknown = (run(loaded, "--json", *words) for words in (("--mass", "2.093 t"), ()))
-    assert pads(known) == pytest.approx(0.31, rel=0.03)
-    assert pads(unknown) == pytest.approx(0.31 / 1.2, rel=0.03)
-    masses = [parsed(ran)["mass"] for ran in (known, unknown)]
-    assert [(m["value"], m["stated"]) for m in masses] == [(2093.0, True), (1744.0, False)]
-    assert masses[0]["share"] == 2093.0 / 1744.0
-    text = (SEDAN / "vehicle.toml").read_text().replace('"1744 kg"', '"1900 kg"')
-    other.write_text(text.replace("pad_friction = 0.38", "pad_friction = 0.5", 1))
-    assert run(loaded, "--vehicle", other).code == 3
-    ran = run(loaded, "--vehicle", other, "--mass", "2093 kg", "--json")
-    assert ran.code == 0, ran.err
-    assert pads(ran) == pytest.approx(0.31, rel=0.05)

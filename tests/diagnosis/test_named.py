@@ -9,8 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.effects.catalogue import CATALOGUE
-from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import OWN
 from calib.diagnosis.explanation.explanation import Explanation
 from calib.diagnosis.explanation.fit import fit
@@ -56,7 +54,7 @@ def test_the_test_that_is_proposed_separates_most(rivals):
     one, other = rivals
     ((name, sigma),) = best_drives(one, [(other.base, other.effects)])
     made = without_form(one)
-    runs = [run for run in manoeuvres(one) if run.source.startswith(("coast", "hard", "light"))]
+    runs = [run for run in manoeuvres(one) if run.source == name or run.source.startswith("light")]
     shown = {run.source: refitted(rivals, made, run) for run in runs}
     assert "coast" in name
     assert sigma > 10.0
@@ -76,36 +74,6 @@ def test_the_confusion_set_has_each_pair_with_its_drive(rivals):
     assert 0.0 < pair.apart_in_logs < pair.apart_in_drive
     # and no farther than their misfits: a triangle with the measurement
     assert pair.apart_in_logs <= sum(np.sqrt(at.reduced * at.count) for at in (drag, rolling))
-
-
-@pytest.fixture(scope="module")
-def cold():
-    """A light stop of a car that lacks nothing: no heat, little speed, one pressure."""
-    return based(draw("none", 42, only=("step_low",)))
-
-
-def changed(at, name, run) -> float:
-    """Rms of v that an effect of usual size changes in a manoeuvre, driven open loop [m/s]."""
-    model = model_of(at.problem.vehicle, at.base, at.effects)
-    with_it = replace(model, effects=Effects({name: CATALOGUE[name].card.usual}))
-    heat = {} if run.temperature_f is None else {"f": run.temperature_f, "r": run.temperature_r}
-    one, other = (
-        simulate(m, run.time, run.p_mc, float(run.v[0]), temperature=heat) for m in (model, with_it)
-    )
-    n = min(one.time.size, other.time.size)
-    return float(np.sqrt(np.mean((one["v"][:n] - other["v"][:n]) ** 2)))
-
-
-def test_drag_is_seen_in_a_coast_and_fade_in_a_hard_stop(cold):
-    tests = {run.source: run for run in manoeuvres(cold)}
-    weak = tests["light stop at 8 bar from 60 km/h"]
-    wanted = {"aerodynamic_drag": "coast down from 130", "pad_thermal_fade": "45 bar"}
-    for name, words in wanted.items():
-        usual = Effects({name: CATALOGUE[name].card.usual})
-        ((drive, sigma),) = best_drives(cold, [(cold.base, cold.effects.with_(usual))])
-        assert words in drive
-        assert sigma > 10.0
-        assert changed(cold, name, tests[drive]) > 2.0 * changed(cold, name, weak)
 
 
 def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():

@@ -54,14 +54,6 @@ def test_pads_of_one_axle_that_depend_on_the_speed():
     assert best.base.pad_friction_f == pytest.approx(SEDAN.front.pad_friction, rel=0.02)
 
 
-def test_a_force_on_the_body_that_depends_on_the_time_of_the_run():
-    hidden = EmpiricalTerm("body", "elapsed", (0.0, 3.0, 6.0, 9.0), (0.0, 0.02, 0.0, 0.02))
-    (told,) = found(hidden).effects.terms
-    assert (told.place, told.driver) == (hidden.place, hidden.driver)
-    true = np.interp(told.knots, hidden.knots, hidden.values)
-    assert np.array(told.values) == pytest.approx(true, abs=0.002)
-
-
 def test_what_depends_on_the_pressure_in_front_is_put_there():
     """A torque on the pads or on the wheels: no log tells these apart."""
     hidden = EmpiricalTerm("front_brakes", "pressure", (0.0, 5e5, 15e5, 4e6), (0.0, -0.2, 0.0, 0.1))

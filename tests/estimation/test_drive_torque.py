@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.estimation.baselines import METHODS
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from tests.support.plant import as_log, drive
@@ -62,23 +61,6 @@ def test_a_logged_motor_costs_nothing(control, front, rear, lasting):
     for (inside, rms), (_, free_rms), allowed in zip(found, control, (0.015, 0.03), strict=True):
         assert inside > 0.95
         assert rms < free_rms + allowed
-
-
-def test_a_torque_of_zero_changes_nothing(free):
-    nothing = [
-        replace(log, channels={**log.channels, **dict.fromkeys(CHANNELS, np.zeros(log.time.size))})
-        for log in free
-    ]
-    one, other = (fit(CAR, logs[:2]) for logs in (free, nothing))
-    for name, draws in vars(one.draws).items():
-        assert getattr(other.draws, name) == pytest.approx(draws, rel=1e-12, abs=1e-15), name
-    assert other.calibration == one.calibration
-    first, second = (estimate(one, logs[2]) for logs in (free, nothing))
-    for name, values in first.columns().items():
-        assert second.columns()[name] == pytest.approx(values, rel=1e-12, nan_ok=True), name
-    others, again = ({k: of(e) for k, of in METHODS.items()} for e in (first, second))
-    for name, pads in others.items():
-        assert np.array(again[name]) == pytest.approx(np.array(pads), nan_ok=True), name
 
 
 def test_a_motor_on_the_lead_in_is_not_zeroed_away(free):

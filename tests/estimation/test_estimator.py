@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from calib.base.names import WHEELS, G
-from calib.car.balance import brake_forces
 from calib.estimation.baselines import METHODS
 from calib.estimation.estimator import estimate
-from calib.estimation.known import known_resistance, nominal_car
+from calib.estimation.known import known_resistance
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Constants
 from calib.estimation.validate import validate
@@ -261,15 +260,6 @@ def test_spikes_of_one_sample_are_no_abs(fitted, wet, result):
     assert np.mean(e.valid) > 0.9 * np.mean(result.valid)
 
 
-@pytest.mark.parametrize("rolled", [0.4, 0.0])
-def test_with_less_of_a_lead_in_the_interval_is_wider(fitted, wet, rolled):
-    whole, short = (estimate(fitted, cut(wet, first)) for first in (0.0, 1.5 - rolled))
-    for name in ("pads_r", "pads_f"):
-        a, b = ((x.upper - x.lower)[-200:] for x in (getattr(e.best, name) for e in (short, whole)))
-        assert np.all(np.isfinite(a))
-        assert np.mean(a) > (0.99 if rolled else 1.1) * np.mean(b)
-
-
 # What the estimate starts from.
 
 
@@ -345,23 +335,6 @@ def test_slips_are_counted_from_free_rolling(fitted):
         true = 1.0 - rim / log["v"]
         assert true[0] > 4e-4
         assert slip == pytest.approx(true, abs=5e-5)
-
-
-def test_calibrated_pads_brake_as_the_ramp_did_in_the_nominal_ratio(fitted):
-    then = fitted.calibration
-    pads_f, pads_r = (
-        replace(of, value=0.9 * math.exp(half) * axle.pad_friction)
-        for of, half, axle in (
-            (then.pad_friction_f, 0.15, CAR.front),
-            (then.pad_friction_r, -0.15, CAR.rear),
-        )
-    )
-    shifted = replace(then, pad_friction_f=pads_f, pad_friction_r=pads_r)
-    car = nominal_car(replace(fitted, calibration=shifted))
-    assert car.front.pad_friction / car.rear.pad_friction == pytest.approx(1.0)
-    one = np.ones(())
-    fitted = 0.9 * sum(brake_forces(CAR, one, one, 0.3))
-    assert sum(brake_forces(car, one, one)) == pytest.approx(fitted)
 
 
 def test_a_car_that_stands_at_the_end_changes_nothing(fitted, wet, result):

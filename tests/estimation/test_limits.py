@@ -3,11 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.base.errors import LimitsError
 from calib.estimation.limits import Judgement, Limit, judge
 from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS
-from tests.support.refusals import refusal
 
 KNOWN = set(METRICS)
 
@@ -16,10 +14,6 @@ def write(tmp_path, text):
     path = tmp_path / "limits.toml"
     path.write_text(text)
     return path
-
-
-def refused(path):
-    return refusal(read_limits, path, KNOWN, kind=LimitsError, names=path)
 
 
 def test_read_in_the_order_of_the_file(tmp_path):
@@ -32,28 +26,6 @@ def test_read_in_the_order_of_the_file(tmp_path):
         Limit("valid_share", 0.7, None),
         Limit("torque_error_f", None, 0.05),
         Limit("eta_zero", -1.0, 1.0),
-    )
-
-
-def test_all_errors_of_a_file_come_in_one_message(tmp_path):
-    path = write(
-        tmp_path,
-        "schema = 1\n[limits]\nvalid_share = { min = 0.9, max = 0.8 }\neta_zero = 0.1\n"
-        "torque_eror_f = { max = 0.05 }\ninterval_f = { fail = [1], warn = [2, 1], max = nan }\n",
-    )
-    head, *lines = refused(path).splitlines()
-    assert head == f"{path}: 6 errors"
-    assert [line.split(": ")[0] for line in lines] == [
-        "  limits.eta_zero",
-        "  limits.interval_f.max",
-        "  limits.interval_f.fail",
-        "  limits.interval_f.warn",
-        "  limits.valid_share",
-        "  limits",
-    ]
-    assert lines[0].startswith("  limits.eta_zero: 0.1 is not a table; expected { min = NUMBER }")
-    assert lines[3] == "  limits.interval_f.warn: 2 to 1 is no range; expected [LOW, HIGH]; " + (
-        "-inf, inf: no limit"
     )
 
 

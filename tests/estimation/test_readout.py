@@ -7,7 +7,6 @@ import pytest
 
 from calib.base.names import WHEELS
 from calib.estimation.estimator import estimate
-from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, cut, noisy, stop, with_pads, without
 
 READ = ("best", "ecu")
@@ -69,32 +68,6 @@ def test_every_settled_sample_has_an_answer(fitted, wet, read):
         e = estimate(fitted, log)
         for name, x in getattr(e, read).columns().items():
             assert np.all(np.isfinite(x[settled(e)])), name
-
-
-@pytest.mark.parametrize("last", [1.75, 4.013])
-def test_what_comes_later_changes_no_bit(fitted, wet, found, last):
-    early = estimate(fitted, cut(wet, 0.0, last))
-    n = early.time.size // early.blocks.samples * early.blocks.samples
-    for name, x in early.ecu.columns().items():
-        assert np.array_equal(x[:n], found.ecu.columns()[name][:n]), name
-
-
-def test_a_second_stop_is_read_as_if_alone(fitted):
-    """25 bar from 27 m/s, two seconds of rolling, and again with pads that dried."""
-
-    def pedal(t):
-        return 25e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0) * (t < 3.0 or t > 5.0)
-
-    plant = replace(REAL, pads=lambda t: (0.25, 0.22) if t < 4.0 else (0.38, 0.38))
-    log = noisy(as_log(drive(plant, pedal, 27.0, duration=9.0, stop_speed=1.5), "twice"), 2)
-    e = estimate(fitted, log)
-    first, second = (
-        e.braked & (e.read.speed > 3.0) & (e.time > a) & (e.time < b)
-        for a, b in ((2.1, 3.0), (5.5, 9))
-    )
-    assert inside(e.best.level, level_of(0.25, 0.22), first) > 0.9
-    assert inside(e.best.level, level_of(0.38, 0.38), second) > 0.9
-    assert inside(e.best.pads_f, 0.38, second) > 0.9
 
 
 @pytest.mark.parametrize("logged", ["with v", "without v"])

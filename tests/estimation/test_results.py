@@ -1,17 +1,10 @@
 """What `validate --out` leaves: the contract of the columns, whole or not at all."""
 
-import json
-import os
-
 import numpy as np
 import pyarrow.parquet as pq
-import pytest
 
-from calib.estimation import results
-from calib.estimation.results import to_dict, write_result, write_results
+from calib.estimation.results import write_result
 from tests.estimation.test_metrics import N, made_estimate
-from tests.estimation.test_validate import made
-from tests.support.tables import stored_as
 
 SEEN = ("z", "eta", "normalised_force_f", "normalised_force_r")
 BOUNDED = {
@@ -51,42 +44,6 @@ def test_columns_are_those_of_the_contract(tmp_path):
     assert [kinds.pop(name) for name in ("valid", "ecu_valid")] == ["bool", "bool"]
     assert kinds.pop("ecu_reason") == "int64"
     assert set(kinds.values()) == {"double"}
-
-
-def test_every_log_and_the_summary(tmp_path):
-    logs = [made("first"), made("second")]
-    out = tmp_path / "deep" / "results"
-    paths = write_results(logs, to_dict(stored_as("t@1"), logs), out)
-    assert [p.name for p in paths] == ["first.parquet", "second.parquet", "summary.json"]
-    assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in paths)
-    summary = json.loads((out / "summary.json").read_text())
-    assert [log["log"] for log in summary["logs"]] == ["first", "second"]
-
-
-@pytest.mark.parametrize("there_before", [True, False])
-@pytest.mark.parametrize("what", ["second log", "summary"])
-def test_a_failure_leaves_nothing(tmp_path, monkeypatch, there_before, what):
-    out = tmp_path / "out"
-    if there_before:
-        out.mkdir()
-    logs = [made("first"), made("second")]
-    summary = to_dict(stored_as("t@1"), logs)
-    if what == "summary":
-        summary["agreement"] = float("nan")  # no JSON
-    else:
-        whole = results.write_result
-
-        def full(e, path):
-            if path.name == "second.parquet":
-                raise OSError(28, "No space left on device")
-            whole(e, path)
-
-        monkeypatch.setattr(results, "write_result", full)
-    with pytest.raises((OSError, ValueError)):
-        write_results(logs, summary, out)
-    assert out.exists() == there_before
-    assert not any(tmp_path.rglob("*.parquet"))
-    assert not there_before or os.listdir(out) == []
 
 
 def test_a_frame_has_the_columns_of_the_file_and_their_units(tmp_path):

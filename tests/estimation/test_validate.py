@@ -102,13 +102,6 @@ def swapped_wheels(log, a, b):
     )  # fmt: skip
 
 
-def test_wheels_of_one_side_in_the_wrong_columns_are_refused(fitted):
-    dry = noisy(stop(REAL), 5)
-    assert "omega_fl and omega_rl have changed places" in refused(
-        fitted, swapped_wheels(dry, "fl", "rl")
-    )
-
-
 def test_wheels_of_a_diagonal_in_the_wrong_columns_leave_no_valid_sample(fitted):
     dry = noisy(stop(REAL), 5)
     (found,) = validate(fitted, [swapped_wheels(dry, "fr", "rl")])
@@ -132,18 +125,6 @@ def test_without_truth_and_v_nothing_is_proved(fitted, wet, passed):
     assert [log["proof"] for log in both["logs"]] == ["none", "truth"]
     calibration = replace(passed, role="calibration")
     assert (calibration.proof, calibration.word) == ("none", "failed")
-
-
-def test_the_default_limits_rest_on_what_is_handed_out():
-    """And on whether the log is one of a braking that the table covers."""
-    names = {limit.figure for limit in DEFAULTS}
-    of_best = {name for name in names if not name.startswith("ecu_")}
-    assert of_best == {"valid_share", "covered_share"}
-    ends = {limit.figure: (limit.low, limit.high, limit.warn_high) for limit in DEFAULTS}
-    assert ends["ecu_valid_share"] == (0.7, None, None)
-    for of in ("f", "r", "level"):
-        assert ends[f"ecu_normalised_error_{of}"] == (None, 3.0, 2.0)
-    assert ends["ecu_reference_f"] == ends["ecu_reference_r"] == (None, 3.5, 2.5)
 
 
 def test_a_map_that_is_wrong_fails_with_truth_and_with_v(fitted, wet, passed):

@@ -174,20 +174,6 @@ def test_no_text_of_a_csv_can_be_taken_for_a_number(stored):
 PAGE = Path(__file__).parents[2] / "calib" / "manual" / "tables.md"
 
 
-@pytest.mark.parametrize(
-    ("module", "option"), [("pandas", "comment"), ("polars", "comment_prefix")]
-)
-def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, option):
-    library = pytest.importorskip(module)
-    line = f'{module}.read_csv("car.csv", {option}="#")'
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "car.csv").write_bytes(FORMATS["csv"].write(built(stored)))
-    assert f"`{line}`" in PAGE.read_text()
-    frame = eval(line, {module: library})
-    units = dict(zip(frame["label"], frame["unit"], strict=True))
-    assert (units["sedan_f1"], units["sedan_mass"]) == ("-", "kg")
-
-
 def test_a_dcm_names_the_axis_of_each_curve_and_its_function(stored, tmp_path):
     seen = dcm_reader(FORMATS["dcm"].write(built(stored)), tmp_path)
     assert seen["axes"]["sedan_D"] == seen["axes"]["sedan_f1"] == "sedan_eta"

@@ -4,7 +4,6 @@ ln of the pads' ratio is A + B_Z z + B_SHIFT shift + B_SLIP slip; the axes have 
 """
 
 import json
-import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,7 +17,6 @@ from calib.base.errors import ExchangeError
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.compare import Difference, difference
-from calib.exports.export import export
 from calib.exports.read import read_back
 from calib.exports.write import FORMATS
 from calib.store.store import Store
@@ -236,17 +234,3 @@ def test_a_damaged_map_is_refused(mapped, tmp_path, form, old, new):
     (tmp_path / "a").write_text(text.replace(old, new, 1))
     with pytest.raises(ExchangeError):
         read_back(tmp_path / "a")
-
-
-def test_an_export_says_what_its_breakpoints_cost(mapped, tmp_path):
-    made = export(mapped, tmp_path / "a.h", points=3, bits=8, unreleased=True)
-    axes = {axis["label"]: axis for axis in made.to_dict()["axes"]}
-    assert axes["sedan_shift"]["maps"] == [f"sedan_{name}" for name in made_map().names]
-    assert (axes["sedan_z"]["points"], axes["sedan_z"]["rows"]) == (3, 4)
-    assert axes["sedan_z"]["worst"] < 0.02  # a plane: only the ends of rounded axes are off
-    assert axes["sedan_z_level"]["curves"][:2] == ["sedan_level", "sedan_level_lower"]
-    assert "maps" not in axes["sedan_eta"]
-    single = export(mapped, tmp_path / "b.h", single=True, unreleased=True)
-    text = single.content.decode()
-    assert re.search(r"const float sedan_mass = 1744\.0F;", text)
-    assert "numbers: float" in text

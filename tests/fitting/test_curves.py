@@ -26,7 +26,7 @@ from tests.support.reference_car import (
     with_ratio,
 )
 
-SEEDS = range(2)
+SEEDS = range(1)
 L_F, L_R, H = 1.1556, 1.6494, 0.615
 """Table II [m]."""
 

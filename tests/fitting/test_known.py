@@ -12,7 +12,6 @@ from calib.base.warning import Measured, judged
 from calib.car.tyre_file import read_tyre
 from calib.fitting import known as module
 from calib.fitting.ensemble import draws_of
-from calib.fitting.fit import fit
 from calib.fitting.known import Known, known_before, log_more
 from calib.fitting.pads import UNSAID
 from calib.fitting.posterior import posterior
@@ -163,16 +162,3 @@ def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
     assert said.code == "fleet_prior"
     assert np.mean(e.compliance_f) == pytest.approx(np.mean(before.compliance_f), rel=0.03)
     assert inside(e.log_pad_ratio, math.log(RATIO))
-
-
-def test_a_table_names_what_its_prior_rests_on(tyre):
-    run, file = noisy(ramp(plant()), 1), tyre()
-    cars = {"b@1": fit(CAR, [noisy(ramp(plant(ratio=1.0)), 2)])}
-    table = fit(CAR, [run], tyre=[file], fleet=cars)
-    made_of = table.provenance
-    assert [(x.name, x.digest) for x in made_of.logs if x.role == "tyre"] == [
-        (file.name, file.digest)
-    ]
-    assert [(x.id, x.digest) for x in table.fleet] == [("b@1", cars["b@1"].digest)]
-    assert table.digest == fit(CAR, [run], tyre=[file], fleet=cars).digest
-    assert not fit(CAR, [run]).fleet

@@ -22,7 +22,7 @@ from tests.support.reference_car import (
 )
 from tests.support.refusals import refusal
 
-SEEDS = range(2)
+SEEDS = range(1)
 UNLIKE = with_ratio(replace(REAL, rear_stiffness=1.12), 1.1)
 """Front pads 10 % better than the rear ones, rear tyres 12 % stiffer: the file knows neither."""
 

@@ -52,11 +52,6 @@ def seeing(run):
     return posterior(CAR, [prepared(run)], USUAL)
 
 
-@pytest.fixture(scope="module")
-def blind(run):
-    return posterior(CAR, [prepared(without(run, "v"))], USUAL)
-
-
 @pytest.mark.parametrize("tyre", TYRES)
 @pytest.mark.parametrize("hidden", [(), ("v",)], ids=["with v", "without v"])
 def test_truth_of_a_plant_is_inside(tyre, hidden):

@@ -43,10 +43,8 @@ def test_a_valve_is_named_with_its_pressure():
     assert warning.measured > 2.0 * warning.expected[1]
 
 
-def test_a_car_without_one_is_right_with_v_and_without():
-    log = ramp(None, 4)
-    for one in (log, without(log, "v")):
-        assert "rear_pressure_limited" not in codes(FRONT_BIASED, one)
+def test_a_car_without_one_is_right_without_v():
+    assert "rear_pressure_limited" not in codes(FRONT_BIASED, without(ramp(None, 4), "v"))
 
 
 def test_a_declared_valve_is_known():

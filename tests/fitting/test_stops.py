@@ -120,9 +120,6 @@ def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
     assert np.std(loose.mass) == pytest.approx(math.sqrt(variance), rel=0.05)
 
 
-SOFTER = np.full((2, 1), -0.2)
-
-
 def still(count=1, **other):
     """Stops that bring nothing, but for ``other``."""
     usual = scenarios(CAR, one_car(**TYRES), count)

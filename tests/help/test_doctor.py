@@ -1,7 +1,5 @@
 """What the doctor finds, on stores and packages that are made wrong on purpose."""
 
-from importlib.metadata import requires, version
-
 from packaging.requirements import Requirement
 
 from calib.help import doctor
@@ -13,17 +11,6 @@ from tests.support.tables import made_table
 def of(store, name):
     (found,) = [one for one in examine(store) if one.name == name]
     return found
-
-
-def test_every_package_that_is_declared_is_told(tmp_path):
-    told = {need.name: (installed, extra) for need, installed, extra in doctor.packages()}
-    declared = [line for line in requires("brake-cal") if "extra" not in line]
-    assert len(declared) >= 10
-    for line in declared:
-        name = line.partition(">=")[0]
-        assert told[name] == (version(name), "")
-    assert {extra for _, extra in told.values()} == {"", "mdf", "can", "sign", "dist"}
-    assert of(tmp_path, "numpy").state == FINE
 
 
 def test_a_missing_package_is_wrong_and_a_missing_extra_is_not(tmp_path, monkeypatch):
@@ -45,8 +32,3 @@ def test_the_store(tmp_path):
     file = tmp_path / "file"
     file.touch()
     assert (of(file, "store").state, "is a file" in of(file, "store").what) == (WRONG, True)
-
-
-def test_it_writes_nothing(tmp_path):
-    examine(tmp_path / "tables")
-    assert list(tmp_path.iterdir()) == []

@@ -1,11 +1,18 @@
-"""The contents of the manual, and every link and anchor in it and in the README."""
+"""The pages: contents, links, and that commands, columns, limits, codes and effects are theirs."""
 
 import re
 from pathlib import Path
 
 import pytest
+import typer.main
 
+from calib.base.warning import UNITS
+from calib.car.effects.catalogue import CATALOGUE
+from calib.estimation.estimator import COLUMNS
+from calib.estimation.limits import DEFAULTS
 from calib.help.page import FOLDER, contents
+from cli.main import app
+from tests.support.gallery import PAGE, PICTURES
 from tests.support.manual import PAGES
 
 README, CONTRIBUTING = (FOLDER.parents[1] / f"{name}.md" for name in ("README", "CONTRIBUTING"))
@@ -42,3 +49,73 @@ def test_links_lead_to_files_and_headings_that_are_there(page):
         assert file.is_file(), target
         if at:
             assert at in {anchor(title) for title in titles(file)}, target
+
+
+REFERENCE = (FOLDER / "reference.md").read_text()
+
+
+def rows() -> set[str]:
+    """The commands of the first table: `tables list`, `show` is `tables list` and `tables show`."""
+    table = REFERENCE.partition("## Exit codes")[0]
+    found: set[str] = set()
+    for cell in re.findall(r"^\| (`.*?) \|", table, flags=re.MULTILINE):
+        words = re.findall(r"`([^`]+)`", cell)
+        group = words[0].split()[0] if " " in words[0] else ""
+        found |= {words[0], *(f"{group} {word}".strip() for word in words[1:])}
+    return found
+
+
+def test_every_command_is_in_the_table():
+    known = rows()
+    for name, command in typer.main.get_command(app).every():
+        parts = getattr(command, "commands", {})
+        assert name in known or {f"{name} {part}" for part in parts} <= known, name
+        assert name in known or parts, name
+
+
+VALIDATION = (FOLDER / "validation.md").read_text()
+
+
+def test_every_column_is_in_the_table_of_columns():
+    table = VALIDATION.partition("| column | unit |")[2].partition("\n\n")[0]
+    told: set[str] = set()
+    for line in table.splitlines():
+        first, *others = re.findall(r"`(\w+)`", line.split(" | ")[0]) or [""]
+        root = first.rpartition("_")[0]
+        told |= {first, *(root + name if name.startswith("_") else name for name in others)}
+    bare = {name for name in told if name.startswith(("pad_", "brake_torque"))}
+    out = {name + end for name in bare for end in ("", "_lower", "_upper")} | {"valid"}
+    assert "ecu_reason" in told
+    assert (told - {""}) | out | {f"ecu_{name}" for name in out} == set(COLUMNS)
+
+
+def test_the_default_limits_are_those_of_the_program():
+    rows = dict(re.findall(r"^\| `(\w+)`.*\| ([^|]+) \|$", VALIDATION, flags=re.MULTILINE))
+    for limit in DEFAULTS:
+        axle = 1 if limit.figure.endswith("_r") else 0
+        told = rows[re.sub("_(r|level)$", "_f", limit.figure)]
+        numbers = [float(number) for number in re.findall(r"\d\.\d+", told)]
+        bound = next(x for x in (limit.low, limit.high, limit.warn_low) if x is not None)
+        assert numbers[axle] == bound, limit.figure
+
+
+TOLD = "".join((FOLDER / f"{name}.md").read_text() for name in ("troubleshooting", "vehicle_file"))
+"""Codes of logs and results, and of vehicle files. `_f` stands for both axles, a key for itself."""
+
+
+def test_every_code_is_in_the_manual():
+    assert len(UNITS) > 50
+    for code in UNITS:
+        key = code.removesuffix("_f").removesuffix("_r")
+        assert any(f"`{name}`" in TOLD for name in (code, f"{key}_f", key)), code
+
+
+def test_every_effect_is_in_the_gallery_with_the_words_of_its_card():
+    text = PAGE.read_text(encoding="utf-8")
+    assert [name for name, one in CATALOGUE.items() if one.card.looks_like not in text] == []
+
+
+def test_the_pictures_are_those_of_the_page_and_small():
+    text, made = PAGE.read_text(encoding="utf-8"), sorted(PICTURES.iterdir())
+    assert [one.stem for one in made] == sorted(n for n in CATALOGUE if f"/{n}.png" in text)
+    assert sum(one.stat().st_size for one in made) < 400e3

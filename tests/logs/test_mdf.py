@@ -81,17 +81,6 @@ def test_what_has_only_names_is_a_state(tmp_path):
     np.testing.assert_array_equal(gear.values, np.arange(200) // 80)
 
 
-def test_a_channel_can_be_held_by_the_map(tmp_path):
-    slow = asammdf.Signal(np.asarray([1.0, 2.0, 3.0]), np.asarray([0.0, 1.0, 1.99]), name="steer",
-                          unit="deg")  # fmt: skip
-    path = write(tmp_path / "run.mf4", others(), [slow])
-    chart = tmp_path / "map.toml"
-    chart.write_text('schema = 1\n[channels.steering]\nsource = "steer"\nmethod = "hold"\n')
-    log = read_log(path, chart)
-    expected = np.where(log.time < 1.0, 1.0, np.where(log.time < 1.99, 2.0, 3.0))
-    np.testing.assert_allclose(np.rad2deg(log["steering"]), expected)
-
-
 def test_a_name_in_two_groups_must_be_chosen(tmp_path):
     groups = (others(), [signal("p_mc", samples=np.full(TIME.size, 9.0))])
     path = write(tmp_path / "run.mf4", *groups, names=("ESP", "bench"))

@@ -57,29 +57,3 @@ def test_flipped_bits_are_seen():
         damaged[place] ^= 0x10
         with pytest.raises(LogError, match="damaged"):
             open_parquet(bytes(damaged), "run.parquet").read(range(20))
-
-
-def test_units_in_the_names():
-    fields = [pa.field("time [s]", pa.float64()), pa.field("p_mc [MPa]", pa.float32())]
-    data = parquet(fields, [[0.0, 0.1], [1.0, 2.0]])
-    assert open_parquet(data, "run.parquet").columns == (Column("time", "s"), Column("p_mc", "MPa"))
-
-
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_what_asammdf_exports(tmp_path):
-    asammdf = pytest.importorskip("asammdf")
-    time = np.arange(100) / 200
-    signals = [
-        asammdf.Signal(np.sin(time), time, unit="bar", name="p_mc"),
-        asammdf.Signal(np.cos(time), time, unit="m/s", name="speed [km/h]"),
-    ]
-    with asammdf.MDF() as mdf:
-        mdf.append(signals)
-        mdf.export("parquet", tmp_path / "run.parquet")
-    source = open_parquet((tmp_path / "run.parquet").read_bytes(), "run.parquet")
-    found = {c.name: c for c in source.columns}
-    assert found["time"] == Column("time", "s", "timestamps")
-    assert found["p_mc"].unit is None  # asammdf drops it
-    assert found["speed"].unit == "km/h"  # in the name it stays
-    index = [c.name for c in source.columns].index("time")
-    np.testing.assert_allclose(source.read([index])[0], time)

@@ -1,6 +1,5 @@
 """The verdicts: each way to spoil a run is named, with what to do, and a good run passes."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 
 from calib.base.names import WHEELS, G
 from calib.logs.read import read_log
-from calib.plausibility.check import check, facts, to_dict, uses
+from calib.plausibility.check import check, uses
 from calib.run.run import Run
 from tests.support.made_runs import BAR_PER_G, changed, made_run, ramp, stop, with_slip
 from tests.support.reference_car import REAL, noisy, one_axle, swapped, without
@@ -190,16 +189,6 @@ def test_a_speed_in_another_unit_is_named(mistake):
     log = changed(log, v=READ_AS[mistake] * log["v"])
     assert usable(log) == []
     assert "v is in {} and was read as {}".format(*mistake.split(" as ")) in reasons(log)
-
-
-def test_text_and_data():
-    findings = check(RAMP)
-    assert {"clock", "braking 1", "good for"} <= dict(facts(findings)).keys()
-    data = json.loads(json.dumps(to_dict(findings)))
-    assert data["usable"] is True
-    assert data["seen"]["clock"]["samples"] == 1600
-    assert data["figures"]["lead_in"] == pytest.approx(1.5, abs=0.2)
-    assert data["figures"]["speed_max"] == pytest.approx(30.0, rel=0.01)
 
 
 def test_what_a_log_is_good_for_although_it_lacks_something():

@@ -62,14 +62,6 @@ def told(b):
     return other_scale(b, DENSITY_Z, DENSITY_V)
 
 
-def test_a_good_sensor_is_left_alone():
-    b, felt = run()
-    sensor = judged(b)
-    assert abs(sensor.scale) < 0.012
-    assert abs(sensor.bias) < 0.003
-    assert sensor.corrected(felt)[-1] == pytest.approx(0.4, rel=0.01)
-
-
 @pytest.mark.parametrize("scale", [-0.05, 0.05])
 def test_a_scale_is_taken_out(scale):
     b, felt = run(scale=scale)

@@ -11,8 +11,6 @@ from tests.support.made_runs import made_run
 from tests.support.reference_car import IDEAL, noisy, one_axle, without
 from tests.support.tables import VEHICLE
 
-RUN = made_run()
-
 
 @pytest.mark.parametrize(("rate", "samples"), [(40.0, 2), (200.0, 10), (1000.0, 50)])
 def test_block_means_are_numpys(rate, samples):

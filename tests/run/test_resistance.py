@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import ModelError
 from calib.car.effects.body import AERODYNAMIC_DRAG
 from calib.car.effects.effects import Effects
 from calib.car.effects.wheels import ROLLING_RESISTANCE
@@ -121,19 +120,6 @@ def test_known_effects_are_kept(coast):
     assert found.known
     assert found.mean == (0.66, 0.011)  # though the coast says 0.80 and 0.015
     assert found.effects.parameters == told.effects.parameters
-
-
-@pytest.mark.parametrize(
-    ("effects", "says"),
-    [
-        ({"fad": {"area": 1.0}}, "fad"),
-        ({"aerodynamic_drag": {"area": 0.66}}, "area"),
-        ({"rolling_resistance": {"coefficient": 0.6}}, "0.6 is not believable"),
-    ],
-)
-def test_an_effect_that_is_not_known_is_not_passed_over(effects, says):
-    with pytest.raises(ModelError, match=says):
-        identify(replace(CAR, effects=Effects(effects)), [])
 
 
 def test_one_known_effect_gives_the_other_from_a_lead_in(ramp):

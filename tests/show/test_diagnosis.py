@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
-from calib.diagnosis.diagnosis import Alike, Confusion, Pair, ShowingDrive, Size, to_dict
+from calib.diagnosis.diagnosis import to_dict
 from calib.diagnosis.search import SearchStep
 from calib.show.diagnosis import KINDS, facts, outcome
 from calib.show.diagnosis_figure import sheet
@@ -125,33 +125,3 @@ def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
         ("aerodynamic drag", "1.000", "320", "160"),
         ("hydraulic lag, without aerodynamic drag", "1.125", "12", "-2"),
     ]
-
-
-def test_explanations_that_fit_alike_have_the_drive_for_each_pair(named):
-    alike = Confusion(
-        (
-            Alike(("road_grade",), 1.0, 0.0),
-            Alike(("mass_error", "hydraulic_lag"), 1.0025, 0.0025),
-        ),
-        (Pair((0, 1), 3.0, "coast", 48.0),),
-    )
-    told = tables(replace(named, verdict="ambiguous", confusion=alike))
-    assert told["Explanations that"] == [
-        ("A: road grade", "1.000", ""),
-        ("B: mass error and hydraulic lag", "1.002", "+0.0025"),
-    ]
-    assert told["How far"] == [("A or B", "3 sigma", "coast", "48 sigma")]
-
-
-def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
-    unseen = (
-        ShowingDrive("road_grade", {"grade": Size(0.01, "1")}, "coast", 48.0, clear=True),
-        ShowingDrive(
-            "residual_torque", {"residual_pressure": Size(1.5e5, "Pa")}, "stop", 0.0, clear=False
-        ),
-    )
-    found = replace(named, drives=unseen)
-    first, last = tables(found)["The drive"]
-    assert first[2:] == ("coast", "48 sigma")
-    assert last[1] == "residual pressure 1.5 bar"
-    assert last[2].endswith("stop")

@@ -1,5 +1,4 @@
 import json
-from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -9,7 +8,6 @@ from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.results import open_fleet
 from calib.line.fleet.summary import document, headline, summarise
 from calib.show.fleet import facts, sheet, window
-from calib.show.html import page_of
 from calib.show.sheet import render
 from cli.console import plain
 from tests.support.fleet_results import results
@@ -44,17 +42,6 @@ def test_small_fleets_are_drawn_and_names_as_they_are(tmp_path, n):
         assert n >= 10 or (low <= look.values.min() and look.values.max() <= high)
         assert render(sheet(few, look).overview(), ".png").startswith(b"\x89PNG")
     assert "a$b/c$" in [sheet(few, look).panels[0].title for look in few.looks]
-
-
-def test_the_page_has_a_picture_of_each_metric_to_look_at(found):
-    told = replace(facts(found), title="<i>a & b</i>")
-    drawn = [part.title for part in told.parts[-1].parts]
-    assert drawn[0] == "Pad friction, front (pad_friction_f)"
-    text = page_of(told)
-    assert text.count("image/svg+xml") == len(drawn) < len(found.looks)
-    assert "csv: &lt;b&gt;ends&lt;/b&gt; at " in text
-    assert headline(found).startswith("Pad friction, front, built drift; ")
-    assert "3 logs with an error" in headline(found)
 
 
 def test_the_document_is_json_and_says_what_chance_gives(found):

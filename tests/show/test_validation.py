@@ -5,7 +5,6 @@ import pytest
 from calib.estimation.limits import Judgement
 from calib.show.facts import FAILED, PASSED
 from calib.show.validation import Validated, facts
-from calib.table.exported import Precision
 from tests.estimation.test_validate import made
 from tests.support.tables import stored_as
 
@@ -65,10 +64,3 @@ def test_the_metric_that_fails_is_named():
     (text,) = [text for name, text in found.rows if "ecu_reference_r" in text]
     assert "4.2" in text
     assert "3.5" in text
-
-
-@pytest.mark.parametrize("how", [Precision(8, 16), Precision(single=True)])
-def test_a_table_that_was_rounded_is_told(how):
-    rows = dict(told(made("a", **ECU), how=how).rows)
-    assert str(how) in rows.values()
-    assert str(how) not in dict(told(made("a", **ECU)).rows).values()

@@ -1,4 +1,4 @@
-"""A store, a store of signed tables, and twelve ramps each fitted by itself."""
+"""A store, a store of signed tables, and eight ramps each fitted by itself."""
 
 import shutil
 
@@ -49,4 +49,4 @@ def copy(signed_store, tmp_path):
 @pytest.fixture(scope="session")
 def runs() -> list[Table]:
     driven = ramp(REAL)
-    return [fit(CAR, [noisy(driven, seed)]) for seed in range(12)]
+    return [fit(CAR, [noisy(driven, seed)]) for seed in range(8)]

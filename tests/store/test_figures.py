@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from calib.car.effects.effects import DefinedIn, Effects
+from calib.car.effects.effects import Effects
 from calib.store.figures import answer, effect_figures, verdict
 from calib.store.state import StateDecision
 from calib.store.store import Store
@@ -27,16 +27,6 @@ def test_an_interval_within_the_range_of_the_card_is_that_of_the_sigma():
     assert none.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)  # no drag is negative
     (given,) = effect_figures(with_drag(0.66, 0.0))
     assert str(given) == "drag_area 0.66 m^2 (given)"
-
-
-def test_an_effect_whose_file_was_not_given_has_si_units():
-    own = {"mine": DefinedIn("mine.py", "ab" * 32)}
-    table = made_table()
-    car = replace(table.vehicle, effects=Effects({"mine": {"size": 1.0}}, own=own))
-    effects = Effects({"mine": {"size": -1.0}}, sigma={"mine": {"size": 0.5}}, own=own)
-    (one,) = effect_figures(replace(table, vehicle=car, effects=effects))
-    assert one.unit == "SI"
-    assert one.ci95 == pytest.approx((-1.98, -0.02), abs=1e-3)
 
 
 @pytest.mark.parametrize("word", ["draft", "released", "rejected", "withdrawn"])

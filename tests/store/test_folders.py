@@ -16,7 +16,13 @@ def store(tmp_path):
     return made
 
 
-@pytest.mark.parametrize("name", ["a b", "-rf", "journal.jsonl", "Journal.head", "a..b", "x" * 101])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("a b", "-rf", "journal.jsonl", "Journal.head", "a..b", "x" * 101, "", "a@1", "a\n"),
+        *("..", "../evil", "a/b", "/tmp/x", ".hidden"),
+    ],
+)
 def test_a_vehicle_that_names_no_table_is_refused_as_it_is_read(tmp_path, name):
     path = tmp_path / "car.toml"
     text = (SEDAN / "vehicle.toml").read_text()

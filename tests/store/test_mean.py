@@ -21,7 +21,7 @@ def scatter(values):
     [("ratio", 3.0), ("stiffness", 1.5)],
 )
 def test_the_own_error_of_a_logarithm_is_its_scatter_from_run_to_run(runs, name, most):
-    """12 runs know a standard deviation to 21 %; what the prior holds scatters less than it says.
+    """8 runs know a standard deviation to 27 %; what the prior holds scatters less than it says.
 
     The whole sigma is no measure of it: the pads' ratio scatters by a sixth of its own.
     """

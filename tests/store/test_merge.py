@@ -25,7 +25,7 @@ STIFFNESS = st.lists(st.floats(22.0, 32.0), min_size=2, max_size=5, unique=True)
 
 @pytest.fixture(scope="module")
 def copies(runs):
-    """Twelve measurements of one car, taken for twelve cars."""
+    """Measurements of one car, taken for as many cars."""
     return [version(table, n) for n, table in enumerate(runs, start=1)]
 
 

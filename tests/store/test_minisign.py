@@ -154,21 +154,6 @@ def test_an_existing_file_is_not_replaced(files, existing):
     assert [path.read_text() for path in files if path.exists()] == ["precious"]
 
 
-@pytest.mark.parametrize("write", [1, 2])
-def test_a_full_disk_leaves_nothing(files, monkeypatch, write):
-    done = []
-
-    def full(handle):
-        done.append(handle)
-        if len(done) == write:
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(KeyFileError):
-        generate(*files, "")
-    assert list(files[0].parent.iterdir()) == []
-
-
 def test_without_the_extra_it_is_named_and_key_numbers_are_read(monkeypatch, files):
     monkeypatch.setitem(sys.modules, "minisign", None)
     assert read_signature(HERE / "open.minisig").key_id == PUBLIC.key_id

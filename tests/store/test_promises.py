@@ -291,7 +291,7 @@ def test_a_journal_that_is_missing_is_refused(three, gone):
 
 
 def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
-    """Killed before each change of the disk; the state machine and a study do more."""
+    """Killed before each change of the disk."""
     reject = replace(REJECT, verdict="failed")
     for step in range(100):
         before = len(store.list()) if store.folder.is_dir() else 0

@@ -12,7 +12,6 @@ import calib.store.journal
 from calib.base.errors import DamagedTable, SignatureRefused, StoreError
 from calib.store.signature import (
     Statement,
-    key_ids,
     parse_statement,
     require_signed,
     sign,
@@ -194,21 +193,6 @@ def test_a_version_without_a_signature_of_the_key_is_refused(store):
     path = store.folder / "wagon" / "v0001.minisig"
     path.write_bytes(path.read_bytes()[:-9])
     refusal(store, "wagon@1", EVE)
-
-
-def test_two_keys_have_a_file_each_and_a_second_signature_takes_the_place_of_the_first(store):
-    home = store.folder / "sedan"
-    sign(store, "sedan@2", EVE)
-    named = home / f"v0002.{EVE.public.key_id}.minisig"
-    for key in (ADA, EVE):
-        used(store, "sedan@2", key)
-    assert key_ids(store.load("sedan@2")) == (ADA.public.key_id, EVE.public.key_id)
-    first = (home / "v0002.minisig").read_bytes()
-    sign(store, "sedan@2", ADA)
-    assert (home / "v0002.minisig").read_bytes() != first
-    assert sorted(p.name for p in home.glob("v0002.*")) == sorted(["v0002.minisig", named.name])
-    named.rename(home / "v0002.minisig")  # whatever the name of the file
-    used(store, "sedan@2", EVE)
 
 
 @pytest.mark.parametrize("decision", [REJECT, WITHDRAW])

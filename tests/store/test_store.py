@@ -54,17 +54,6 @@ def test_an_unsound_table_is_not_stored(store):
     assert not store.folder.exists()
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["..", "../evil", "a/b", "/tmp/x", ".hidden", "", "a..b", "a@1", "a b", "x" * 101, "a\n"],
-)
-def test_a_name_cannot_lead_out_of_the_store(name, tmp_path):
-    with pytest.raises(StoreError) as refusal:
-        Store(tmp_path / "tables").save(made_table(name=name))
-    assert refusal.value.exit_code == 4
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_read_only_store_is_refused_and_still_read(stored, store, monkeypatch):
     def refuse(*arguments, **options):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))

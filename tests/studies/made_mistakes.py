@@ -15,7 +15,7 @@ from calib.base.arrays import Array
 from calib.base.names import WHEELS, G
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
-from tests.studies.made_lines import BAR, RUNS, STOPS, Line, Run, exchanged
+from tests.studies.made_lines import BAR, RUNS, STOPS, Line, Run, exchanged, line
 from tests.support.plant import Plant, Pressure
 
 Rng = np.random.Generator
@@ -249,6 +249,28 @@ def late(channel: str) -> Make:
     return make
 
 
+def wheels_late(rng: Rng) -> Mistake:
+    """The wheel speeds of one axle, as of a controller that filters or sends them later."""
+    delay, side = float(rng.uniform(0.02, 0.06)), str(rng.choice(["f", "r"]))
+
+    def shifted(x: Array, log: Log) -> Array:
+        return np.asarray(np.interp(log.time - delay, log.time, x))
+
+    channels = {f"omega_{side}{left}": shifted for left in "lr"}
+    return Mistake(f"{axle(side == 'f')} {1e3 * delay:.0f} ms", channels=channels)
+
+
+def wheel_off(rng: Rng) -> Mistake:
+    k, wheel = 1.0 + 0.03 * sign(rng), str(rng.choice(WHEELS))
+    return Mistake(f"{wheel} {percent(k)}", channels={f"omega_{wheel}": lambda x, log: k * x})
+
+
+def another_car(rng: Rng) -> Mistake:
+    """The runs of another car, with the same pressures."""
+    other = line(rng, 0).runs["ramp"].plant
+    return of_car(f"of {other.vehicle.mass:.0f} kg", lambda plant: other)
+
+
 def clock_of_v(rng: Rng) -> Mistake:
     k = off_by(rng, 0.02, 0.10)
     slow = {"v": lambda x, log: np.interp(log.time / k, log.time, x)}
@@ -303,6 +325,9 @@ PADS = r"\bpads?\b|pad_friction|caliper|piston"
 TYRES = r"\btyres?\b"
 RADIUS = r"radius|radii|\btyres?\b|wheel size"
 SPEED = r"\bv\b|reference speed"
+WHEELS_LATE = r"\bwheels? .*late|late.*\bwheels?|clock"
+WHEEL = r"\bwheels?\b|omega_|\btyres?\b"
+CAR = r"(another|other|of the) (car|vehicle)|\bcar of|vehicle file"
 BEND = r"\bbend|corner|curve|steer|lateral"
 SLOPE = r"slope|grade|hill|incline"
 DRAG = r"drags|dragging|residual|seiz|stuck|sticks"
@@ -351,6 +376,15 @@ KINDS: dict[str, Kind] = {
     "clock of v": Kind(f"{CLOCK}|{SPEED}", ALL, clock_of_v, needs_v=True),
     "v in km/h called m/s": Kind(SPEED, ALL, times("v", 3.6), needs_v=True),
     "v gain": Kind(SPEED, ALL, gain("v", 0.02, 0.05), needs_v=True),
+    "v late, all": Kind(SPEED, ALL, late("v"), needs_v=True),
+    "wheels of an axle late, all": Kind(WHEELS_LATE, ALL, wheels_late),
+    "wheels of an axle late, ramp": Kind(WHEELS_LATE, RAMP, wheels_late),
+    "wheels of an axle late, stops": Kind(WHEELS_LATE, STOPS, wheels_late),
+    "a wheel 3 % off, ramp": Kind(WHEEL, RAMP, wheel_off),
+    "a wheel 3 % off, stops": Kind(WHEEL, STOPS, wheel_off),
+    "ramp of another car": Kind(CAR, RAMP, another_car),
+    "coast of another car": Kind(CAR, ("coast",), another_car),
+    "stops of another car": Kind(CAR, STOPS, another_car),
     "bend, ramp": Kind(BEND, RAMP, bend),
     "bend, stops": Kind(BEND, STOPS, bend),
     "slope, all": Kind(SLOPE, ALL, slope),

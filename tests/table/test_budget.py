@@ -24,18 +24,6 @@ def test_parts_add_up_to_the_variance(level, ratio):
     assert all(x > 0.0 for parts in axles for x in parts.values())
 
 
-def test_summary_names_the_largest_part_and_what_to_do():
-    front, rear = {"zeros": 0.001, "mass": 0.03}, {"tyres": 0.02, "mass": 0.01}
-    told = summary(front, rear)
-    assert (told["front"], told["rear"]) == (front, rear)
-    assert told["largest"]["front"]["part"] == "mass"
-    assert "mass_tolerance" in told["largest"]["front"]["do"]
-    assert told["largest"]["rear"]["part"] == "tyres"
-    # the front pads by the mass, the rear ones by what they are not alike in
-    assert len(advice_lines([front, rear, front])) == 3
-    assert advice_lines([]) == []
-
-
 @pytest.mark.parametrize(("of", "lacks"), [(RAMP, []), (STOP, ["resistance", "load_geometry"])])
 def test_every_part_has_an_advice_of_its_own(of, lacks):
     told = rows("budget.csv", "calib.table")

@@ -53,22 +53,6 @@ def test_only_the_common_axis_counts(table):
     assert not far.identical
 
 
-def test_changes_are_sorted_into_sections(table):
-    scale = replace(table.calibration.pad_scale, value=1.1)
-    other = replace(
-        table,
-        calibration=replace(table.calibration, pad_scale=scale),
-        quality={"rms": 0.0021, "coverage": 0.9},
-        provenance=replace(table.provenance, logs=table.provenance.logs[:1] * 2),
-    )
-    changes = diff(table, other).changes
-    assert set(changes) == {"calibration", "quality", "provenance"}
-    (pad_scale,) = changes["calibration"]
-    assert (pad_scale.key, pad_scale.a, pad_scale.b) == ("pad_scale.value", "1.05", "1.1")
-    (coverage,) = changes["quality"]
-    assert (coverage.key, coverage.a, coverage.b) == ("coverage", None, "0.9")
-
-
 # One fit on two kinds of computer
 
 FIT = """

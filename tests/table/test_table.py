@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.digest import content_digest
-from calib.car.effects.effects import Effects, EmpiricalTerm
+from calib.car.effects.effects import Effects
 from tests.support.tables import K, from_content, made_table
 
 PARTS = ("difference", "paper", "tyre", "map", "level_map", "draws")
@@ -41,28 +41,6 @@ def test_keys_that_say_nothing_are_no_part_of_a_record(table):
     told = replace(table, vehicle=replace(table.vehicle, rear=rear))
     assert from_content(*told.content()).vehicle == told.vehicle
     assert told.digest != table.digest
-
-
-TERM = EmpiricalTerm("front_brakes", "speed", (5.0, 30.0), (0.0, -0.1))
-WRITTEN = {
-    "place": "front_brakes",
-    "driver": "speed",
-    "knots": [5.0, 30.0],
-    "values": [0.0, -0.1],
-}
-
-
-@pytest.mark.parametrize("terms", [(), (TERM,), (TERM, TERM)], ids=len)
-def test_the_record_keeps_the_keys_of_tables_stored_before(table, terms):
-    """Named effects stand in the vehicle, the term beside it, sigma beside each value."""
-    effects = replace(table.vehicle.effects, terms=terms)
-    held = replace(table, vehicle=replace(table.vehicle, effects=effects))
-    record, curves = held.content()
-    assert record["vehicle"]["effects"] == {"aerodynamic_drag": {"drag_area": 0.66}}
-    assert record["effects"] == {"aerodynamic_drag": {"drag_area": {"value": 0.66, "sigma": 0.02}}}
-    written = {0: None, 1: WRITTEN, 2: [WRITTEN, WRITTEN]}[len(terms)]
-    assert record.get("empirical") == written
-    assert from_content(record, curves).vehicle == held.vehicle
 
 
 def test_digest_is_sha256_of_the_canonical_content():

@@ -5,9 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.car.effects.catalogue import CATALOGUE
-from calib.car.effects.combined import on_links, total_axle_moment, total_body_force
-from calib.car.effects.effect import AT_WHEELS, BRAKES, SLOWING, acts_on
+from calib.car.effects.combined import total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from tests.support.effect_runs import made_motion
 from tests.support.tables import VEHICLE
@@ -33,22 +31,6 @@ def test_totals_are_the_sums_worked_out_here(area, c_rr, share):
     assert force == pytest.approx(0.6 * area * np.array([25.0, 400.0, 1600.0]) + lost)
     assert front == pytest.approx(np.full(3, c_rr * 1e4 * 0.322))
     assert rear == pytest.approx(np.full(3, (c_rr * 7e3 + lost) * 0.322))
-
-
-def test_effects_are_chosen_by_what_they_do_and_terms_among_them():
-    brakes, body = (
-        EmpiricalTerm(place, "constant", (0.0,), (0.1,)) for place in ("brakes", "body")
-    )
-    parts = {"engine_drag": {"drag_torque": 1.0}, "hydraulic_delay": {"delay": 0.1}}
-    sigma = {"engine_drag": {"drag_torque": 0.2}}
-    effects = Effects(parts, (brakes, body), sigma)
-    pressed = {"hydraulic_delay": {"delay": 0.1}}
-    assert on_links(effects, BRAKES) == Effects(pressed, (brakes,))
-    assert on_links(effects, SLOWING) == Effects(
-        {"engine_drag": parts["engine_drag"]}, (body,), sigma
-    )
-    assert acts_on(CATALOGUE["rolling_resistance"], AT_WHEELS)
-    assert not acts_on(CATALOGUE["aerodynamic_drag"], AT_WHEELS)
 
 
 def test_what_both_have_is_taken_from_the_other_with_its_sigma_and_its_terms():

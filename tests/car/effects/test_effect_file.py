@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ModelError
-from calib.car.effects.catalogue import CATALOGUE
-from calib.car.effects.effect_file import checked, read_own_effects, trial
+from calib.car.effects.effect_file import read_own_effects, trial
 from tests.support.effect_runs import made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
 
@@ -98,10 +97,3 @@ def test_a_hook_that_goes_wrong_later_says_so_too(tmp_path):
     line = line_with(text, "assert")
     with pytest.raises(ModelError, match=rf"mine\.py:{line}: axle_moment raises AssertionError"):
         effect.axle_moment(CAR, {"torque": 1.0}, made_motion([60.0]))
-
-
-@pytest.mark.parametrize("name", sorted(CATALOGUE))
-def test_the_effects_of_the_catalogue_pass_the_same_checks(name):
-    """The forms that are asked of the user are those of the catalogue; at nothing they do
-    nothing."""
-    checked(CATALOGUE[name], "here.py")

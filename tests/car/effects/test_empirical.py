@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.base.errors import ModelError
-from calib.car.effects.combined import pad_factors, total_axle_moment, total_body_force
+from calib.car.effects.combined import total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import driver_along, drivers_of
 from calib.car.history import Motion
@@ -51,18 +50,6 @@ def test_it_is_straight_between_knots_and_constant_beyond_them():
     assert force / SEDAN.weight == pytest.approx([0.1, 0.1, 0.2, 0.3])
 
 
-@pytest.mark.parametrize(
-    ("place", "front", "rear"),
-    [("front_brakes", 0.9, 1.0), ("rear_brakes", 1.0, 0.6), ("brakes", 0.9, 0.6)],
-)
-def test_brakes_read_the_discs_of_their_own_axle(place, front, rear):
-    found = pad_factors(over_temperature(place), HEATED, np.ones(3), np.ones(3))
-    assert found[0] == pytest.approx(np.full(3, front))
-    assert found[1] == pytest.approx(np.full(3, rear))
-    both = [float(x[0]) for x in drivers_of(place, "temperature", HEATED)]
-    assert both == [t for t, k in ((100.0, front), (400.0, rear)) if k != 1.0]
-
-
 def test_wheels_read_the_discs_of_their_own_axle_and_the_body_those_in_front():
     motion = Motion(HEATED.v, np.full(3, 1e4), np.full(3, 7e3), HEATED)
     moments = {
@@ -76,11 +63,3 @@ def test_wheels_read_the_discs_of_their_own_axle_and_the_body_those_in_front():
     assert not np.any(moments["rear_wheels"][0])
     body = total_body_force(SEDAN, over_temperature("body"), motion)
     assert body == pytest.approx(np.full(3, -0.1 * SEDAN.weight))
-
-
-def test_a_temperature_that_is_not_known_is_named():
-    cold = made_history(3, temperature_r=None, source="stop_7.csv")
-    with pytest.raises(ModelError, match=r"stop_7\.csv: .*rear discs.*T_disc_r"):
-        pad_factors(over_temperature("brakes"), cold, np.ones(3), np.ones(3))
-    front, _ = pad_factors(over_temperature("front_brakes"), cold, np.ones(3), np.ones(3))
-    assert front == pytest.approx(1.0 - 1e-3 * cold.temperature_f)

@@ -16,7 +16,6 @@ from tests.support.effect_runs import (
     wave,
 )
 
-FADE = {"fade_slope": 0.001, "fade_onset": 150.0}
 WET = {"wet_loss": 0.4, "dry_energy": 50e3}
 PRESSURE = CATALOGUE["pad_pressure_dependence"]
 

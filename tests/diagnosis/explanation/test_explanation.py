@@ -83,9 +83,9 @@ def hard(vehicle: Vehicle, plant: Plant) -> Problem:
     return asked(vehicle, [noisy(log, seed) for seed, log in enumerate(logs, 1)])
 
 
-@pytest.mark.parametrize("peak", [1.1, 1.15])
-def test_a_hard_stop_shows_a_peak_above_the_usual_one(peak):
+def test_a_hard_stop_shows_a_peak_above_the_usual_one():
     """From the usual 0.95 alone a fit may end at 0.90 and 0.98, with 3.5 of mean square."""
+    peak = 1.15
     front_biased = replace(CAR, rear=replace(CAR.rear, piston_area=0.6 * CAR.rear.piston_area))
     found = fitted(hard(front_biased, Plant(front_biased, tyre=magic(18.0, peak, 1.55))))
     assert found.reduced < 1.15
@@ -97,7 +97,7 @@ def test_a_hard_stop_shows_a_peak_above_the_usual_one(peak):
 @pytest.fixture(scope="module")
 def drag() -> HiddenCase:
     """Its drag acts at the height of the centre of gravity: it moves no load."""
-    return draw("single", 10, names=(DRAG,), severity=1)
+    return draw("single", 10, (DRAG,), severity=1, only=("coast", "ramp", "step_high"))
 
 
 def knowing(case: HiddenCase, **known: float) -> Problem:

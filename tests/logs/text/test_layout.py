@@ -86,21 +86,6 @@ SAMPLES = "".join(f"{i / 200:.3f},{i / 10:.2f}\n" for i in range(60))
 
 
 @pytest.mark.parametrize(
-    "data",
-    [
-        (TWO + SAMPLES).replace(",", " , ").encode(),
-        (TWO.replace("p_mc [bar]", '"p_mc [bar]"') + SAMPLES).encode(),
-        (TWO + SAMPLES).replace("0.015", "open").encode(),
-    ],
-    ids=["spaces", "quotes", "text in another column"],
-)
-def test_reads_the_columns_that_are_asked_for(data):
-    source = open_csv(data, "run.csv")
-    assert source.columns == (Column("time", "s"), Column("p_mc", "bar"))
-    np.testing.assert_array_equal(source.read([1])[0], np.arange(60) / 10)
-
-
-@pytest.mark.parametrize(
     ("data", "says"),
     [
         (b"MDF     \0\0\0\0", "not text"),
