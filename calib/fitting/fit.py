@@ -26,7 +26,7 @@ from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.mistakes import Cause, causes_of, certain, measured, other_than_pads
 from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
 from calib.fitting.posterior import parts_of
-from calib.fitting.quality import explained, metrics, remarks, warnings_of
+from calib.fitting.quality import MOVE_ETA, explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
 from calib.model.ramp import SETTINGS, RampRun, nominal_forces, prepare, sort_runs
 from calib.model.roller_bench import RollerBench
@@ -99,7 +99,8 @@ def fit(
     both = [run for run in runs if run.only is None]
     causes = causes_of(car, both)
     mistakes = _mistakes(causes, both, refused)
-    ensemble, figures = explained(car, runs, before, told, refused, mistakes)
+    moves_eta = [one for one in warnings if one.code in MOVE_ETA]
+    ensemble, figures = explained(car, runs, before, told, refused, [*mistakes, *moves_eta])
     held = list(zip(told, ensemble.held.tolist(), strict=True))
     # curves over eta and the level of both axles' pads are of ramps on which both brake
     some = ensemble.thinned(4)

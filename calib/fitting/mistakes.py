@@ -42,6 +42,9 @@ _EXPLAINED = 2.5
 """Mean square of what the best leaves of eta, slip and sum, over their errors, past which nothing
 on the list explains the ramp."""
 
+_MOSTLY = 8.0
+"""The same of what leaves less than 0.4 of what nothing wrong does: few draws are exact."""
+
 _DRAWS = 512
 _BROAD = 0.5  # sigma of ln of the pads' ratio of the draws: any pads
 _PADS = 0.1  # sigma of ln of the friction of an axle's pads against the file
@@ -65,7 +68,7 @@ _FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
 """Sizes that are tried first: of a factor, of a motor, of a delay, of a drag, of a valve."""
 _NEAR = 6.0  # ln of the odds against a mistake from which on no other size of it is tried
 
-_DELAYS = (0.02, 0.03, 0.045, 0.07, 0.1)  # by which the wheel speeds of an axle are late [s]
+_DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # by which the wheel speeds of an axle are late [s]
 _DRAGS = (1e5, 2e5, 3e5, 4.5e5, 7e5)  # pressures that are left in one brake of an axle [Pa]
 
 SCALE, MOTOR, VALVE = "drive_torque_scale", "motor_not_logged", "rear_pressure_limited"
@@ -133,7 +136,9 @@ def _set(causes: Sequence[Cause]) -> tuple[Cause, ...]:
     best = causes[0]
     sure = SURE * max(best.misfit, 1.0)  # what leaves more than its errors is as much less sure
     near = tuple(c for c in causes if c.log_odds > best.log_odds - sure)
-    return near if best.misfit < _EXPLAINED and best.log_odds > sure else ()
+    nothing = next(c.misfit for c in causes if c.log_odds == 0.0)
+    most = max(_EXPLAINED, min(_MOSTLY, nothing / 2.5))
+    return near if best.misfit < most and best.log_odds > sure else ()
 
 
 def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...]:

@@ -31,6 +31,9 @@ from calib.table.table import Value
 
 _SOME = 64  # draws whose median is taken: it is known far better than a block
 
+MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
+"""What is likely where no tyre explains eta, and what no table comes of."""
+
 _MOST = 3.0
 """Root mean square of the residuals of eta past which a ramp is not explained: foreign tyres leave
 0.5 to 1.4, a wheel speed that is held for 0.1 s, and moves the ratio of the pads by a sixth, 5."""
@@ -47,7 +50,7 @@ def explained(
     """The ensemble of the ramps, ``ratio`` known of the pads before, and figures of what it leaves.
 
     What ``refused`` makes of the reason is raised where nothing explains them; a misfit is
-    excused where its cause is ``named``, and is no wheel speed.
+    excused where its cause is ``named``, and is nothing that moves eta.
     """
     try:
         found = posterior(car, runs, ratio, known=known)
@@ -59,13 +62,13 @@ def explained(
         ) from error
     left = [residuals(car, found, run) for run in runs if run.only is None]
     worst = max(_rms(eta) for eta, _ in left)
-    late = [one.causes[0] for one in named if one.code == LATE]
-    if worst > _MOST and (late or not named):
+    if worst > _MOST and all(one.code in MOVE_ETA for one in named):
+        likely = [one.causes[0] for one in named if one.code in MOVE_ETA]
         raise refused(
             f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
             expected=f"up to {_MOST:.0f} times",
-            do="look at the wheel speeds with `brake-cal check`: "
-            + "; or ".join([*late, "one may be coarse" if late else "one may be late, or coarse"]),
+            do="; or ".join([*likely, "a wheel speed that is late, or coarse"])
+            + ": look at the log with `brake-cal check`",
         )
     eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
     figures = {
