@@ -11,25 +11,22 @@ import numpy as np
 
 from calib.base.arrays import Mask
 from calib.base.intervals import scatter
-from calib.base.names import WHEELS, G
+from calib.base.names import AXLE_NAMES, WHEELS, G
 from calib.base.warning import LIMITS, Measured, bounds_of, relative
 from calib.car.balance import front_biased_up_to
 from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE, MOVING
 from calib.car.figures import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
+from calib.plausibility.wheel_offset import offsets_of
 from calib.run.blocks import Blocks
-from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE, SMOOTH, DrivingRecord
+from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE
 from calib.run.wheels import crossed_side
 
 _SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # taken for each other [m/s]
 _UNIT_KNOWN = 0.16
 """Largest distance (logarithm) from the factor between two units at which they are named: half of
 that between the closest two, 1.61 and 2.24."""
-_FEWEST, _SPREAD, _LASTING = 20, 0.3, 2.0
-"""Means over which an offset is told, share of the speed that must change [1], and how much longer
-than one of them its errors last [1]."""
-_PLAIN = 8.0  # sigmas from which an offset is plain [1]
 _STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
 _ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
 """Rolling [s] that tells zero and slope of a_x, change of the slope after it [1], and how well a
@@ -51,8 +48,14 @@ def wheels(e: Evidence) -> Iterator[Measured]:
     if (slope := axles.slope) is not None:
         yield Measured("a_x_sign", float(slope < 0.0))
         yield Measured("a_x_unit", abs(slope))
-    if axles.radius is not None:
-        yield from _of_v(e.run.driving, axles.radius, slope or 0.0)
+    offsets = offsets_of(e.run) if axles.radius is not None else {}
+    for axle, offset in offsets.items():
+        of_v = f"an offset of v of {-3.6 * offset.value * offset.radius:+.1f} km/h"
+        of_axle = {"wheels": f"{AXLE_NAMES.get(axle)} wheel speeds", "of_v": ""}
+        words = of_axle if axle else {"wheels": "wheel speeds", "of_v": of_v}
+        yield Measured("wheel_offset", offset.value, offset.sigma, words=words)
+    if axles.radius is not None and not offsets:
+        yield from _of_v(axles.radius, slope or 0.0)
     if (crossed := crossed_side(e.run.wheels, e.run.alone)) is not None:
         yield Measured("wheels_crossed_side", crossed.part, words={"found": crossed})
     if (eta := axles.eta_braked) is not None:
@@ -60,48 +63,14 @@ def wheels(e: Evidence) -> Iterator[Measured]:
         yield Measured("axles_swapped", rise, eta.half, words=_sides(e.run.alone))
 
 
-def _of_v(driving: DrivingRecord, radius: float, by_a_x: float) -> Iterator[Measured]:
-    """An offset of the wheel speeds where v makes wheels of no car and a_x agrees with it; else
-    the unit of v.
-    """
+def _of_v(radius: float, by_a_x: float) -> Iterator[Measured]:
+    """The unit of v."""
     low, high = bounds_of("v_unit")
-    least, most = bounds_of("v_unit_by_a_x")
     known = low <= by_a_x <= high
-    wrong = not low <= radius <= high or (known and not least <= radius / by_a_x <= most)
-    offset = _speed_offset(driving) if wrong else None
-    if offset is not None and known:
-        value, sigma, without = offset
-        agrees = abs(math.log(without / by_a_x)) < _UNIT_KNOWN
-        if agrees and abs(value) > max(_PLAIN * sigma, bounds_of("wheel_offset")[1]):
-            words = {"km_h": f"{3.6 * value * without:+.1f}"}
-            yield Measured("wheel_offset", value, sigma, words=words)
-            return
     words = {"unit": _read_as(radius / (by_a_x if known else NOMINAL_RADIUS))}
     yield Measured("v_unit", radius, words=words)
     if known:
         yield Measured("v_unit_by_a_x", radius / by_a_x, words=words)
-
-
-def _speed_offset(driving: DrivingRecord) -> tuple[float, float, float] | None:
-    """Offset of the wheel speeds against v [rad/s], its sigma, and the radius without it [m].
-
-    omega = v/R + offset + what slips, which is in proportion to z. None where the speed hardly
-    changes, or no wheel of a car has that radius. A tyre that is no line makes up to 4.4 rad/s, a
-    wheel of another size none.
-    """
-    use = np.flatnonzero(driving.moving)[:: max(1, round(SMOOTH / driving.step))]
-    v, z, omega = driving.speed[use], driving.z[use], driving.wheel[use]
-    if use.size < _FEWEST or np.ptp(v) < _SPREAD * np.max(v):
-        return None
-    A = np.stack([v, np.ones_like(v), z * v, z], axis=1)
-    found = np.linalg.lstsq(A, omega, rcond=None)[0]
-    left = omega - A @ found
-    variance = _LASTING * float(left @ left) / (use.size - A.shape[1])
-    sigma = math.sqrt(variance * np.linalg.pinv(A.T @ A)[1, 1])
-    low, high = bounds_of("v_unit")
-    if sigma == 0.0 or not 1.0 / high < found[0] < 1.0 / low:
-        return None
-    return float(found[1]), sigma, float(1.0 / found[0])
 
 
 def _sides(alone: str | None) -> dict[str, str]:

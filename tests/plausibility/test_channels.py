@@ -11,8 +11,8 @@ from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import FIT, unusable
 from calib.plausibility.wheels import car_wheels, lost_pulses, slip_of_v
 from calib.run.run import Run
-from tests.support.plant import WHEELS
-from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
+from tests.support.plant import WHEELS, dugoff
+from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop
 from tests.support.refusals import broken, why_not
 
 
@@ -158,16 +158,50 @@ def test_bumps_up_and_down_lose_no_pulses(clean):
 RAMP = noisy(ramp(REAL), 3)
 
 
-def refused(log):
-    return unusable(Run(log), FIT, (REFUSE,))
+def refused(log, car=None):
+    return unusable(Run(log, car), FIT, (REFUSE,))
 
 
-@pytest.mark.parametrize("offset", [59.6, -30.0])
-def test_an_offset_of_the_wheel_speeds_is_named_with_its_size(offset):
-    log = changed(RAMP, **{f"omega_{w}": RAMP[f"omega_{w}"] + offset for w in WHEELS})
-    first = refused(log)[0]
+STOP = noisy(stop(REAL), 3)
+
+
+@pytest.mark.parametrize(
+    ("log", "offset", "wheels"),
+    [
+        (RAMP, 59.6, WHEELS),
+        (RAMP, -30.0, WHEELS),
+        (RAMP, -7.0, WHEELS),
+        (STOP, 5.0, WHEELS),
+        (STOP, -3.0, WHEELS),
+        (STOP, 6.0, WHEELS[:2]),
+        (STOP, -5.0, WHEELS[2:]),
+    ],
+)
+def test_an_offset_of_the_wheel_speeds_is_named_with_its_size(log, offset, wheels):
+    log = changed(log, **{f"omega_{w}": log[f"omega_{w}"] + offset for w in wheels})
+    first = refused(log, CAR)[0]
     assert first.code == "wheel_offset"
-    assert first.measured == pytest.approx(offset, rel=0.1)
+    assert first.measured == pytest.approx(offset, rel=0.1, abs=1.0)
+    assert len(first.causes) == len(wheels) // 2  # one of v is no offset of one axle
+
+
+def test_an_offset_of_v_is_one_of_all_wheels():
+    first = refused(changed(STOP, v=STOP["v"] + 4.0 / 3.6), CAR)[0]
+    assert first.code == "wheel_offset"
+    assert float(first.causes[1].split()[-2]) == pytest.approx(4.0, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    "log",
+    [
+        changed(RAMP, **{f"omega_{w}": 1.05 * RAMP[f"omega_{w}"] for w in WHEELS}),
+        noisy(stop(REAL, pressure=120e5), 5),  # its wheels lock
+        noisy(ramp(replace(WET, tyre=dugoff(20.0, 0.5))), 3),
+    ],
+)
+def test_neither_another_radius_nor_deep_slip_is_an_offset(log):
+    codes = {one.code for car in (None, CAR) for one in refused(log, car)}
+    assert "wheel_offset" not in codes
 
 
 @pytest.mark.parametrize("factor", [1.609, 3.6, 1.0 / 3.6])
