@@ -108,7 +108,13 @@ class _Block(NamedTuple):
     numbers: dict[str, Numbers]
 
 
+_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029]")
+
+
 def _read_dcm(path: Path, text: str) -> _Found:
+    if odd := _CONTROL.search(text):
+        line = text.count("\n", 0, odd.start()) + 1
+        raise _bad(path, f"the control character U+{ord(odd[0]):04X} in line {line}", "text")
     lines = [line.strip() for line in text.splitlines()]
     begin = next((i for i, line in enumerate(lines) if line.split() == [_FORMAT, "2.0"]), None)
     if begin is None:

@@ -181,3 +181,12 @@ def test_other_files_are_refused(tmp_path):
             read_back(tmp_path / "a")
     with pytest.raises(ExchangeError, match="no such file"):
         read_back(tmp_path / "none")
+
+
+@pytest.mark.parametrize("odd", ["\0", "\x0b", "\x1b[31m", "\x85", "\u2028"])
+def test_a_control_character_is_named_with_its_line(stored, tmp_path, odd):
+    path, text = tmp_path / "t.dcm", WRITERS["DCM"](built(stored, "DCM")).decode()
+    path.write_text(text.replace("LANGNAME ", f"LANGNAME {odd}", 1), encoding="utf-8")
+    line = text[: text.index("LANGNAME ")].count("\n") + 1
+    with pytest.raises(ExchangeError, match=rf"U\+{ord(odd[0]):04X} in line {line}\b"):
+        read_back(path)
