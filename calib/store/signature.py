@@ -154,9 +154,9 @@ def verify_signed(
     `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
     """
     memory = recall()
-    entries, now = store.verify(name), store.now()
+    now = store.now()
     memory.check(store.folder, now.journal, public.key_id)
-    found = tuple(_with_signature(now, entry, public) for entry in entries)
+    found = store.verify(name, lambda entry: _with_signature(now, entry, public))
     return found, _keep(now, public, memory) if all(one.sound for one in found) else ""
 
 

@@ -28,7 +28,7 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """One version: ``stored`` is None where it cannot be read, as ``violations`` then say.
+    """One version: ``stored`` is None where it cannot be read, as ``violations`` say, or let go.
 
     ``signed``: the state in its signature, where a key was given and one holds.
     """

@@ -8,7 +8,7 @@ a version that every reader finds and the next writer moves. What the store prom
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -147,16 +147,20 @@ class Store:
                     if wanted in (None, now.journal.word(name, version)):
                         yield now.entry(name, version)
 
-    def verify(self, name: str | None = None) -> tuple[StoreEntry, ...]:
+    def verify(
+        self,
+        name: str | None = None,
+        also: Callable[[StoreEntry], StoreEntry] = lambda x: x,
+    ) -> tuple[StoreEntry, ...]:
         """Compare versions with digests, invariants and journal, of one table or of all.
 
-        One entry per version that is or ever was, and one for each that the journal does not know.
+        One entry per version that is or ever was, and one for each that the journal does not know,
+        without its table: one is held at a time. ``also`` is asked of each while it has it.
         """
         with self._reading() as now:
             names = {*now.names, *names_in(self.folder)} if name is None else {now.known(name)}
-            return tuple(
-                now.verified(one, v) for one in sorted(names) for v in now.with_strays(one)
-            )
+            each = (now.verified(one, v) for one in sorted(names) for v in now.with_strays(one))
+            return tuple(replace(also(entry), stored=None) for entry in each)
 
     def unfinished(self) -> tuple[Path, ...]:
         """Folders that a writer has begun, or that a stopped one left; the next writer clears."""
