@@ -198,5 +198,7 @@ def check_increasing(time: Array, where: str) -> None:
         f"({counted(wrong.size, 'such row')})",
         where=f"{where}: time",
         expected="strictly increasing time",
-        do="export again, or delete the repeated rows",
+        do="sort the rows by time, or split runs whose time begins again"
+        if back
+        else "export again, or delete the repeated rows",
     )

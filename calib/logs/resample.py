@@ -50,7 +50,7 @@ def of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
     The rows are uneven then, and a column (n,), NaN where it has no value, has even times of its
     own. Required channels decide, or all columns where none is one.
     """
-    if not is_ascending(time) or _even(time):
+    if time.size < 3 or not is_ascending(time) or _even(time):
         return False
     own = {name: x for name, x in columns.items() if name in CHANNELS and CHANNELS[name].required}
     known = [np.isfinite(x) for x in (own or columns).values()]

@@ -1,0 +1,60 @@
+"""Any log, channels and rows in any order: a finite answer, or a line that refuses it."""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+ROOT = Path(__file__).parents[2]
+SEDAN = ROOT / "sample_logs" / "sedan"
+TABLES = ("--store", ROOT / "tables")
+COMMANDS = {
+    "check": (),
+    "fit": ("--vehicle", SEDAN / "vehicle.toml"),
+    "validate": (*TABLES,),
+}
+LOGS = ("ramp_wet_asphalt", "dry_asphalt_stop", "coast")
+SCALES = (1.0, -1.0, 0.0, 1e-3, 3.6, 1e3, 1e9, 1e300, 5e-324)
+
+
+@cache
+def frame(name: str) -> pd.DataFrame:
+    return pd.read_csv(SEDAN / f"{name}.csv")
+
+
+@st.composite
+def any_log(draw) -> pd.DataFrame:
+    log = frame(draw(st.sampled_from(LOGS)))
+    columns = draw(st.permutations(list(log.columns)))
+    log = log[columns[: draw(st.integers(len(columns) - 3, len(columns)))]]
+    first = draw(st.integers(0, 900))
+    log = log.iloc[first : first + draw(st.integers(1, len(log)))].copy()
+    for name in draw(st.lists(st.sampled_from(sorted(log.columns)), max_size=2)):
+        log[name] *= draw(st.sampled_from(SCALES))
+    if draw(st.integers(0, 3)) == 3:
+        log = log.iloc[np.random.default_rng(draw(st.integers(0, 99))).permutation(len(log))]
+    return log
+
+
+def finite(text: str) -> float:
+    raise AssertionError(f"{text} is no number")
+
+
+@settings(max_examples=12, suppress_health_check=list(HealthCheck), deadline=None)
+@given(any_log(), st.sampled_from(sorted(COMMANDS)))
+def test_it_has_a_finite_answer_or_is_refused_in_a_line(brake_cal, tmp_path, log, command):
+    path = tmp_path / "any.csv"
+    log.to_csv(path, index=False)
+    of = ("sedan-2up",) if command == "validate" else ()
+    store = ("--store", tmp_path / "new") if command == "fit" else ()
+    ran = brake_cal(command, *of, path, *COMMANDS[command], *store, "--json")
+    document = json.loads(ran.out, parse_constant=finite)
+    assert "Traceback" not in ran.err
+    if ran.code == 1:  # a verdict, and no crash
+        assert "error" not in document
+    else:
+        assert ran.code in (0, 3), ran.err
