@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.clock import check_running, evened, on_line, step_of
+from calib.logs.clock import check_running, evened, is_ascending, on_line, step_of
 from calib.logs.read import read_log
 from tests.support.made_runs import made_run, stop
 
@@ -100,6 +100,10 @@ def test_an_optional_channel_of_an_unknown_unit_is_left_out(tmp_path):
     log = read_log(path)
     assert "v" not in log
     assert any("furlong" in note for note in log.notes)
+
+
+def test_a_time_that_stands_is_not_ascending():
+    assert not is_ascending(np.array([0.0, 0.1, 0.1, 0.2]))
 
 
 def kept(size, lost=()):
