@@ -29,16 +29,20 @@ class Shape:
     ]
     bits: Annotated[int | None, option(_BITS, "BITS", "--fixed-point")]
     single: Annotated[bool, option(_SINGLE, None, "--float")]
+    double: Annotated[bool, option("In double precision: the code for an ECU else is in single.")]
 
     def precision(self, code: bool = False) -> "Precision | None":
         """What is asked for, for C ``code`` or not; None for the full table."""
         from calib.base.errors import ExchangeError
         from calib.table.exported import Precision
 
+        if self.double and (self.single or self.bits):
+            raise misuse("one of --float, --fixed-point and --double", "--double")
         if (self.points, self.bits, self.single, code) == (None, None, False, False):
             return None
+        single = self.single or (code and not self.double and self.bits is None)
         with at_option("--points, --fixed-point, --float", ExchangeError):
-            return Precision(self.points, self.bits, self.single, code)
+            return Precision(self.points, self.bits, single, code)
 
 
 _EXPORT_OPTIONS = (
@@ -49,7 +53,7 @@ _EXPORT_OPTIONS = (
 @command(
     "brake-cal tables export sedan-2up --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
-    "brake-cal tables export sedan-2up --format ecu --float --sample-time 0.005 --out bte",
+    "brake-cal tables export sedan-2up --format ecu --sample-time 0.005 --out bte",
 )
 def export(
     table: Table,
@@ -61,8 +65,8 @@ def export(
     ),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     shape: Shape,
-    sample_time: float | None = option("Time from call to call [s], 0.01; for ecu and FMUs.", "S"),
-    prefix: str | None = option("Of all labels; the table's name, of code bte.", "NAME"),
+    sample_time: float | None = option("Time from call to call [s]; of ecu and FMUs.", "S"),
+    prefix: str | None = option("First part of all labels; else the table's name.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     without_effect: list[str] = option("Known effect that no ECU senses; repeatable.", "NAME"),
@@ -86,10 +90,8 @@ def export(
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
     kind = (form or "").lower()
-    with at_option("--prefix", ExchangeError):
-        _check_out(out, stored, prefix, kind == FOLDER)
+    _check_out(out, stored, prefix, kind == FOLDER)
     asked: dict[str, Any] = {
-        "prefix": prefix,
         "elf": elf,
         "quality": read_quality(validation, stored) if validation else UNPROVED,
         "without_effects": without_effect,
@@ -98,13 +100,15 @@ def export(
     written: WrittenCode | Exported
     with at_option(_EXPORT_OPTIONS, ExchangeError), writing(out):
         if kind in CODES:
-            how = shape.precision() or Precision()
-            step = 0.01 if sample_time is None else sample_time
-            written = write_code(stored, out, kind, how, step, **asked)
+            how = shape.precision(kind == FOLDER) or Precision()
+            if sample_time is None:
+                raise misuse("needed: the time from call to call of your ECU", "--sample-time")
+            written = write_code(stored, out, kind, how, sample_time, prefix, **asked)
         elif sample_time is not None:
             raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
         else:
-            written = write(stored, out, form, **asked, **vars(shape))
+            asked |= {"points": shape.points, "bits": shape.bits, "single": shape.single}
+            written = write(stored, out, form, prefix=prefix, **asked)
     for note in written.notes:
         say(note)
     return Answer(written.to_dict(), repr(written))
@@ -119,9 +123,9 @@ def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) ->
         check_file(out)
         refuse_foreign(out, lambda data: digest in data)
         return
-    check_folder(out, files_of(prefix))
+    check_folder(out, files_of(stored, prefix))
     refuse_foreign(out / "README.md", lambda data: digest in data)
-    for name in files_of(prefix):
+    for name in files_of(stored, prefix):
         refuse_foreign(out / name, lambda data: OURS in data)
 
 

@@ -67,6 +67,7 @@ def log(
     ),
     start: float | None = option("Cut: first time [s]; else the start.", "TIME", "--from"),
     until: float | None = option("Cut: last time [s]; else the end.", "TIME"),
+    si: bool = option("In SI units: pressures in Pa, as the code of an ECU takes them."),
     channel: list[str] = option("Show or draw only this column; may be repeated.", "NAME"),
     channel_map: Map,
 ) -> Answer:
@@ -77,7 +78,7 @@ def log(
     --until cut at times of its own clock. Columns of a --map get their canonical names, sign and
     scale.
     """
-    from calib.logs.whole import channels_log, cut, inventory, read_whole
+    from calib.logs.whole import channels_log, cut, in_si, inventory, read_whole
     from calib.logs.write import WRITERS
     from calib.run.events import run_events
     from calib.show.facts import Facts
@@ -92,6 +93,7 @@ def log(
         file, data = source_of(path)
         whole = read_whole(file, channel_map, data=data)
         whole = whole if start is until is None else cut(whole, start, until)
+        whole = in_si(whole) if si else whole
         part = _chosen(whole, channel)
         if out is not None and (write := WRITERS.get(out.suffix.lower())):
             write_file(out, write(part))

@@ -1,15 +1,14 @@
 """The C of a version in one call: in an FMU, or the folder that an ECU project takes in.
 
     bte.h bte.c                 the estimator, the same for every car of a precision
-    bte_car.c                   the numbers of the car
-    bte.a2l bte.dcm bte.cdfx    its maps for a calibration tool
+    bte_car_NAME.c              the data of the car, with NAME_ before every label
+    bte_car_NAME.a2l .dcm .cdfx its data for a calibration tool
     bte_run.c bte_vectors.h     samples with the answers of Python, and a program that compares
     README.md CMakeLists.txt
 
 Nothing is made again in the ECU project: functions are called, and files are replaced.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -20,22 +19,18 @@ from typing import Any
 import numpy as np
 
 from calib.base.errors import ExchangeError
+from calib.base.names import CHANNELS as LOGGED
 from calib.base.plain import counted
 from calib.base.write import publish, workshop, write_whole
 from calib.car.model import default_model
-from calib.ecu.car_source import (
-    PREFIX,
-    SOURCE,
-    axes_of,
-    cell,
-    code_grids,
-    initial,
-    sources,
-)
+from calib.ecu.car_data import CAR, axes_of, code_grids, numbers_of, sources
+from calib.ecu.car_source import SOURCE, cell, initial
 from calib.ecu.fmu import Content, Version, write_fmu
+from calib.ecu.memory import calibrated, measured
 from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
+from calib.exports.dataset import prefix
 from calib.exports.export import require_handed_out
 from calib.exports.write import FORMATS, as_comment
 from calib.model.sensor_noise import add_noise
@@ -49,11 +44,7 @@ from calib.table.table import Table
 FOLDER = "ecu"  # the format that is a folder; the others are one file each
 _TOOLS = ("a2l", "cdfx", "dcm")  # formats of calibration tools, by the ending of the file
 _GIVEN = ("bte_run.c", "CMakeLists.txt", "README.md")
-_MADE = ("bte.h", "bte.c", "bte_car.c", "bte_vectors.h", *(f"bte.{form}" for form in _TOOLS))
-_HEADERS = (
-    " assert complex ctype errno features fenv float inttypes iso646 limits locale math setjmp "
-    "signal stdarg stdbool stddef stdint stdio stdlib string tgmath time wchar wctype "
-)
+_MADE = ("bte.h", "bte.c", "bte_vectors.h")
 OURS = b"brake-cal"  # what every file of the folder has in it
 
 
@@ -87,13 +78,10 @@ class WrittenCode:
         }
 
 
-def files_of(prefix: str | None) -> list[str]:
-    """Names in the folder of an ECU. Raises ExchangeError for a prefix that C does not take."""
-    first = PREFIX if prefix is None else prefix
-    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,15}", first) or f" {first} " in _HEADERS:
-        expected = "a letter, then up to 15 of letters, digits and _, and no header of C"
-        raise ExchangeError(f"the prefix {first!r}", expected=expected)
-    return [_renamed(name, first) for name in (*_GIVEN, *_MADE)]
+def files_of(stored: Stored, first: str | None) -> list[str]:
+    """Names in the folder of an ECU, with the ``first`` part of the labels of the car."""
+    car = f"{CAR}_{prefix(stored.name if first is None else first)}"
+    return [*_GIVEN, *_MADE, *(f"{car}.{form}" for form in ("c", *_TOOLS))]
 
 
 def write_code(
@@ -101,8 +89,8 @@ def write_code(
     out: Path,
     form: str,
     how: Precision,
-    sample_time: float = 0.01,
-    prefix: str | None = None,
+    sample_time: float,
+    first: str | None = None,
     *,
     elf: Path | None = None,
     quality: Quality = UNPROVED,
@@ -116,8 +104,9 @@ def write_code(
     form : ``ecu``, a folder; ``fmu2`` or ``fmu3``, the same in an FMU; ``car-fmu2`` or
         ``car-fmu3``, an FMU of the car whose sensors that one reads.
     sample_time : of the ECU's task, from call to call [s].
-    prefix, elf, quality : of a folder alone: of every label and file; the linked program with the
-        code, for the addresses in the A2L; result of a validation, for the state in the CDF.
+    first, elf, quality : of a folder alone: first part of the labels of the data, of the table's
+        name if not given; the linked program with the code, for the addresses in the A2L; result
+        of a validation, for the state in the CDF.
     without_effects, unreleased : what may be handed out, see `require_handed_out`.
 
     Raises ExchangeError for what no code can have, StoreError for a version that is not handed out
@@ -129,14 +118,13 @@ def write_code(
     left = replace(car, effects=car.effects.without(*without_effects))
     stored = replace(stored, table=replace(stored.table, vehicle=left))
     if form != FOLDER:
-        if elf or prefix is not None or quality is not UNPROVED:
+        if elf or first is not None or quality is not UNPROVED:
             raise ExchangeError("an FMU has no --elf, --prefix, --validation")
         version: Version = 2 if form.endswith("2") else 3
         content: Content = "car" if form.startswith("car") else "estimator"
         write_fmu(stored, out, how, sample_time, version, content)
         return WrittenCode(stored, out, form, how, sample_time, (out.name,))
-    first = PREFIX if prefix is None else prefix
-    files_of(first)
+    first = prefix(stored.name if first is None else first)
     files = _write_bundle(stored, out, how, sample_time, first, quality, elf)
     axes = axes_of(code_grids(stored.table, first, how))
     notes = tuple(f"{axis.label}: {axis.placed}" for axis in axes if axis.reduced)
@@ -149,16 +137,16 @@ def _write_bundle(
     folder: Path,
     how: Precision,
     sample_time: float,
-    prefix: str,
+    first: str,
     quality: Quality,
     elf: Path | None,
 ) -> list[Path]:
-    texts = sources(stored.table, sample_time, how, "$about", stored.version)
+    texts = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
     texts |= {name: (SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
     texts["bte_vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
     about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.words}"
     facts = {
-        "about": as_comment(about),
+        "about": as_comment(about), "car": f"{CAR}_{first}", "first": first,
         "table": stored.id, "digest": stored.digest, "state": stored.state.words,
         "bits": how.floating, "cell": cell(how), "step": f"{sample_time:g}",
         "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"),
@@ -166,19 +154,23 @@ def _write_bundle(
         "answers": "\n".join(f"| `{x.name}` | {x.unit} | {x.meaning} |" for x in ANSWERS.values()),
     }  # fmt: skip
     date, single = datetime.now(UTC).date().isoformat(), how.floating == 32
-    whole = build(stored, how.points, quality, how.bits, date, first=prefix)
+    whole = build(stored, how.points, quality, how.bits, date, first=first)
     version = replace(whole.scalars[0], fixed=None)
     shown = replace(whole, curves=(), scalars=(version,), single=single)
     with workshop(folder) as work:
         for name, text in texts.items():
-            content = Template(_renamed(text, prefix)).safe_substitute(facts)
-            write_whole(work / _renamed(name, prefix), content.encode())
+            write_whole(work / name, Template(text).safe_substitute(facts).encode())
         for form in _TOOLS:
-            grids = code_grids(stored.table, prefix, how, FORMATS[form].most_axes)
+            grids = code_grids(stored.table, first, how, FORMATS[form].most_axes)
             data = replace(shown, axes=tuple(axes_of(grids)), grids=tuple(grids))
-            if elf is not None and FORMATS[form].addressed:
-                data = replace(data, addresses=find_addresses(elf, data))
-            write_whole(work / f"{prefix}.{form}", FORMATS[form].write(data))
+            if FORMATS[form].addressed:
+                numbers = calibrated(
+                    numbers_of(stored.table, sample_time, stored.version), first, how.floating // 8
+                )
+                tool = tuple(measured(first, how.floating // 8))
+                data = replace(data, scalars=tuple(numbers), measured=tool)
+                data = replace(data, addresses=find_addresses(elf, data)) if elf else data
+            write_whole(work / f"{CAR}_{first}.{form}", FORMATS[form].write(data))
         return publish(work, folder, "README.md")
 
 
@@ -187,12 +179,6 @@ def _inputs(sample_time: float) -> Iterator[str]:
     for x, low, high, jump in zip(CHANNELS.values(), *limits(sample_time), strict=True):
         most = f"{jump:g}" if jump < high - low else ""
         yield f"| `{x.name}` | {x.unit} | {low:g} to {high:g} | {most} | {x.meaning} |"
-
-
-def _renamed(text: str, prefix: str) -> str:
-    """The same with another prefix, in capitals where it is."""
-    with_prefix = {PREFIX: prefix, PREFIX.upper(): prefix.upper()}
-    return re.sub("|".join(with_prefix), lambda found: with_prefix[found[0]], text)
 
 
 def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
@@ -208,10 +194,23 @@ def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
     samples[-5:, A_X] = 99.0
     samples = how.computed(samples)
     every, bits = samples_of_block(sample_time), how.floating
-    yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
-    yield f"#define COUNT {len(samples)}U\n#define EVERY {every}U"
-    yield f"#define TOLERANCE {1e-9 if bits == 64 else 1e-4}"
     kept = answered(table, sample_time, samples)[every - 1 :: every]
-    for name, rows in (("inputs[][BTE_INPUTS]", samples), ("expected[][BTE_TOLD]", kept)):
-        cells = initial(rows.tolist(), bits).replace("}, ", "},\n")
-        yield f"static const bte_real {name} = {cells};\n"
+    yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
+    yield '#ifndef BTE_VECTORS_H\n#define BTE_VECTORS_H\n\n#include "bte.h"\n'
+    yield f"#define BTE_VECTORS_COUNT {len(samples)}U\n#define BTE_VECTORS_EVERY {every}U"
+    yield f"#define BTE_VECTORS_TOLERANCE {1e-9 if bits == 64 else 1e-4}"
+    yield "#define BTE_VECTORS_CAR (&$car)\nextern const bte_car $car;\n"
+    units = {x.name: LOGGED[x.name].si if x.name in LOGGED else x.unit for x in CHANNELS.values()}
+    needed = sum(name in LOGGED and LOGGED[name].required for name in CHANNELS)
+    yield f"#define BTE_VECTORS_NEEDED {needed} /* columns that a log has; others may be 0 */"
+    columns = ", ".join(f'"{name} [{unit}]"' for name, unit in units.items())
+    names = (f"{x}{end}" for x in ANSWERS for end in ("", "_lower", "_upper"))
+    for name, text in (
+        ("char *const bte_vectors_columns[]", f"{{{columns}}}"),
+        ("char bte_vectors_header[]", f'"time,reason,{",".join(names)}"'),
+        (f"bte_real bte_vectors_inputs[][{samples.shape[1]}]", initial(samples.tolist(), bits)),
+        (f"bte_real bte_vectors_answers[][{kept.shape[1]}]", initial(kept.tolist(), bits)),
+    ):
+        cells = text.replace("}, ", "},\n")
+        yield f"extern const {name};\nconst {name} = {cells};\n"
+    yield "#endif"

@@ -18,7 +18,8 @@ from calib.base.names import PROGRAM
 from calib.base.templates import templates
 from calib.base.write import write_whole
 from calib.car.model import WET_ASPHALT, Model
-from calib.ecu.car_source import SOURCE, sources
+from calib.ecu.car_data import CAR, sources
+from calib.ecu.car_source import SOURCE
 from calib.estimation.known import known_effects
 from calib.estimation.online import REASON, VARIABLES, Variable
 from calib.estimation.reasons import Reason
@@ -80,14 +81,16 @@ def write_fmu(
     """
     car, step = stored.table.vehicle.name, repr(float(sample_time))
     name = f"{prefix(car)}_{of}"
-    code = sources(stored.table, sample_time, how, f"{name}, SHA-256 {stored.digest}")
+    first = prefix(stored.name)
+    code = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
     files = "fmi.c", f"fmi{version}.h", f"{of}.h"
     glue = {
         file: (SOURCE.parent / "fmu_source" / file).read_text(encoding="utf-8") for file in files
     }
     variables, starts = [*_variables(of)], _starts(stored.table, of)
     facts = {
-        "version": version, "of": of, "name": name, "step": step, "program": PROGRAM,
+        "version": version, "of": of, "name": name, "data": f"{CAR}_{first}",
+         "step": step, "program": PROGRAM,
         "car": printable(car), "table": f"{stored.id}, {printable(stored.state.words)}",
         "compiled": [file for file in (*code, *glue) if file.endswith(".c")],
         "variables": variables, "references": ",\n       ".join(x.name.upper() for x in variables),
@@ -98,7 +101,8 @@ def write_fmu(
     inside = {"modelDescription.xml": written("model.xml.j2").render(facts)}
     if version == 3:
         inside["sources/buildDescription.xml"] = written("build.xml.j2").render(facts)
-    code |= {file: Template(text).substitute(facts) for file, text in glue.items()}
+    facts["about"] = f"{name}, SHA-256 {stored.digest}"
+    code |= {file: Template(text).safe_substitute(facts) for file, text in (code | glue).items()}
     inside |= {f"sources/{file}": text for file, text in code.items()}
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w") as out:

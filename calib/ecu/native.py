@@ -1,6 +1,6 @@
 """The C code of an ECU, compiled for this machine and run on logs.
 
-bte.c + bte_car.c --cc--> shared object --ctypes--> answers of every sample
+bte.c + bte_car_here.c --cc--> shared object --ctypes--> answers of every sample
 """
 
 import ctypes
@@ -17,7 +17,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
-from calib.ecu.car_source import SOURCE, require_plain, sources
+from calib.ecu.car_data import require_plain, sources
+from calib.ecu.car_source import SOURCE
 from calib.estimation.estimator import Estimate
 from calib.estimation.online import ANSWERS, READ_OUT, rows_of, samples_of
 from calib.estimation.readout import Bounded, Readout
@@ -56,7 +57,7 @@ class Native:
 
     def __init__(self, table: Table, sample_time: float, how: Precision) -> None:
         cc, self.real = compiler(), np.float64 if how.floating == 64 else np.float32
-        files = sources(table, sample_time, how, "made to be run here")
+        files = sources(table, sample_time, how, "here")
         files["bte_run.c"] = (SOURCE / "bte_run.c").read_text(encoding="utf-8")
         with TemporaryDirectory() as folder:
             for name, text in files.items():
@@ -75,7 +76,8 @@ class Native:
         given = np.ascontiguousarray(samples, self.real)
         told = np.empty((len(given), OUTPUTS), self.real)
         first, last = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))
-        self.library.bte_run(first, ctypes.c_uint32(len(given)), last)
+        car = ctypes.byref(ctypes.c_char.in_dll(self.library, "bte_car_here"))
+        self.library.bte_run(car, first, ctypes.c_uint32(len(given)), last)
         return told.astype(np.float64)
 
 

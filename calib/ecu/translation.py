@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from textwrap import wrap
 
 _TYPES = {
-    "Constants": "const bte_car *", "State": "bte_state *", "Sample": "const bte_block *",
+    "Constants": "BTE_CAL bte_numbers *", "State": "bte_filters *", "Sample": "const bte_block *",
     "Zero": "bte_zero *", "LevelFilter": "bte_level_filter *", "SpeedFilter": "bte_speed_filter *",
     "Sums": "bte_sums *", "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
     "None": "void",

@@ -93,6 +93,14 @@ def reset_stop(c: Constants, s: State) -> None:
     s.braked, s.mean_z = 0.0, 0.0
 
 
+def start(c: Constants, s: State) -> None:
+    """Begin with radii of the car within 1 %, and with pads of any level."""
+    s.demand.value, s.eta_less_1.value, s.slip.value = 0.0, c.radii - 1.0, 0.0
+    s.demand.variance, s.eta_less_1.variance, s.slip.variance = c.zero**2, c.zero**2, c.zero**2
+    s.level.lag, s.level.var_lag = c.lag, c.lag_sigma**2
+    reset_stop(c, s)
+
+
 def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
     dt, lag = c.block, max(s.level.lag, c.least_lag)

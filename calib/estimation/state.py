@@ -143,8 +143,8 @@ class Sample(NamedTuple, Generic[Number]):
 class Zero:
     """What a signal reads while nothing brakes: a Gaussian that walks."""
 
-    value: float
-    variance: float
+    value: float = 0.0
+    variance: float = 0.0
 
 
 @dataclass(slots=True)
@@ -196,9 +196,9 @@ class Sums:
 class State:
     """All that the estimator remembers."""
 
-    demand: Zero
-    eta_less_1: Zero
-    slip: Zero
+    demand: Zero = field(default_factory=Zero)
+    eta_less_1: Zero = field(default_factory=Zero)
+    slip: Zero = field(default_factory=Zero)
     level: LevelFilter = field(default_factory=LevelFilter)
     speed: SpeedFilter = field(default_factory=SpeedFilter)
     rim: float = 0.0  # of all wheels [m/s]

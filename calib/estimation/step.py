@@ -23,15 +23,15 @@ from calib.estimation.equations import (
     eta_error,
     reason_of,
     renewed,
-    reset_stop,
     rim_speed,
     share_of,
+    start,
     step_filters,
     update,
     update_zero,
     weighed,
 )
-from calib.estimation.state import Constants, LevelFilter, Sample, State, Zero
+from calib.estimation.state import Constants, Sample, State
 
 
 class Answer(NamedTuple):
@@ -56,10 +56,9 @@ class Answer(NamedTuple):
 
 
 def started(c: Constants) -> State:
-    """The state before the first block: radii of the car within 1 %, pads of any level."""
-    demand, eta, slip = (Zero(x, c.zero**2) for x in (0.0, c.radii - 1.0, 0.0))
-    s = State(demand, eta, slip, LevelFilter(lag=c.lag, var_lag=c.lag_sigma**2))
-    reset_stop(c, s)
+    """The state before the first block."""
+    s = State()
+    start(c, s)
     return s
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from calib.base.bounded import PROGRAM, bytes_of
 from calib.base.errors import ProgramError
-from calib.exports.dataset import Addresses, Dataset, Object
+from calib.exports.dataset import Addresses, Dataset, Object, Within
 
 _LARGEST_ADDRESS = 0xFFFF_FFFF
 """A2L holds addresses of 32 bits."""
@@ -33,16 +33,27 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
         elf = ELFFile(BytesIO(content))
         symbols = _symbols(path, elf, data)
         for one in data.objects:
-            _check_same(path, data, one, elf, symbols[one.label])
-        by_label = {name: int(symbol["st_value"]) for name, symbol in symbols.items()}
+            _check_same(path, data, one, elf, symbols[one.place.symbol])
+        places = {one.label: one.place for one in data.objects}
+        places |= {one.label: one.within for one in data.measured} | {data.epk: Within(data.epk)}
+        by_label = {
+            name: int(symbols[at.symbol]["st_value"]) + at.offset
+            for name, at in places.items()
+            if at.symbol in symbols
+        }
     except ProgramError:
         raise
     except Exception as cause:  # a damaged file makes pyelftools raise almost anything
         what = f"is damaged: {str(cause) or type(cause).__name__}"
         raise ProgramError(what, where=path, do="copy or link it again") from cause
     moved = "it is position-independent: its addresses count from where it is loaded"
-    remarks = (f"{path.name}: {moved}",) if elf["e_type"] == "ET_DYN" else ()
-    return Addresses(by_label, not elf.little_endian, remarks)
+    remarks = [f"{path.name}: {moved}"] if elf["e_type"] == "ET_DYN" else []
+    if absent := {one.within.symbol for one in data.measured} - symbols.keys():
+        remarks.append(f"{path.name}: no {', '.join(absent)}: measurements have no address")
+    data_at = [symbols[one.place.symbol] for one in data.objects]
+    begin = min(x["st_value"] for x in data_at)
+    end = max(x["st_value"] + x["st_size"] for x in data_at)
+    return Addresses(by_label, (begin, end - begin), not elf.little_endian, tuple(remarks))
 
 
 def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
@@ -51,7 +62,8 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
     if not tables or elf["e_type"] == "ET_REL":
         expected = "the linked program as the linker wrote it, before `strip`"
         raise ProgramError("has no symbols at fixed addresses", where=path, expected=expected)
-    wanted = [one.label for one in data.objects]
+    needed = {one.place.symbol for one in data.objects}
+    wanted = needed | {one.within.symbol for one in data.measured} | {data.epk}
     found = {
         symbol.name: symbol
         for table in tables
@@ -61,15 +73,15 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
         and symbol["st_info"]["bind"] in ("STB_GLOBAL", "STB_WEAK")
         and symbol["st_info"]["type"] in ("STT_NOTYPE", "STT_OBJECT")
     }
-    missing = [name for name in wanted if name not in found]
+    missing = sorted(needed - found.keys())
     if missing:
         raise ProgramError(
             f"has no symbol {', '.join(missing[:3])}",
             where=path,
             expected="every object of the C header",
-            do=f"compile {data.prefix}_car.c of the code, or define {data.prefix.upper()}_DEFINE "
-            "before a C header in one source file; keep what no code reads from the linker (KEEP "
-            "in its script, or no --gc-sections)",
+            do=f"compile bte_car_{data.prefix}.c, or define "
+            f"{data.prefix.upper()}_DEFINE before a C header in one source file; "
+            "keep what no code reads from the linker (KEEP in its script, or no --gc-sections)",
         )
     return found
 
@@ -80,6 +92,8 @@ def _check_same(path: Path, data: Dataset, one: Object, elf: Any, symbol: Any) -
         values = one.fixed.raw.astype(f"i{one.fixed.bits // 8}")
     kind = values.dtype.newbyteorder("<" if elf.little_endian else ">")
     size, held = symbol["st_size"], _held(path, elf, symbol)
+    if one.within is not None and held is not None:
+        size, held = values.nbytes, held[one.within.offset :][: values.nbytes]
     if size != values.nbytes or held not in (None, values.astype(kind).tobytes()):
         raise ProgramError(
             f"holds other numbers in {one.label}, {size} bytes",

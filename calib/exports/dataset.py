@@ -7,7 +7,7 @@ import hashlib
 import re
 import unicodedata
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,11 +97,40 @@ def _hex(values: Numbers) -> str:
     return " ".join(v.hex() for v in values)
 
 
+class Within(NamedTuple):
+    """A place in the object of a ``symbol``: the name of it in C, and the bytes before it."""
+
+    symbol: str
+    member: str = ""
+    offset: int = 0
+
+    @property
+    def link(self) -> str:
+        """As debug information has it."""
+        return f"{self.symbol}.{self.member}" if self.member else self.symbol
+
+
+class Measured(NamedTuple):
+    """A variable in the memory; ``kind`` its type in A2L, ``low`` and ``high`` its range [unit]."""
+
+    label: str
+    meaning: str
+    unit: str
+    kind: str
+    low: float
+    high: float
+    within: Within
+
+
 @dataclass(frozen=True)
 class Addresses:
-    """Address of each object by label, and the byte order; ``remarks`` on what was assumed."""
+    """Address of each object by label, and the byte order; ``remarks`` on what was assumed.
+
+    ``segment`` first address and size of what holds the data [bytes].
+    """
 
     by_label: dict[str, int] = field(default_factory=dict)
+    segment: tuple[int, int] = (0, 0)
     big_endian: bool = False
     remarks: tuple[str, ...] = (_NONE_GIVEN,)
 
@@ -119,6 +148,12 @@ class Object:
     values: Array
     fixed: Fixed | None
     axes: tuple["Axis", ...] = field(default=(), kw_only=True)
+    within: Within | None = field(default=None, kw_only=True)
+
+    @property
+    def place(self) -> Within:
+        """Where it is: an object of the memory of its own, if nothing else is said."""
+        return self.within or Within(self.label)
 
     @property
     def kind(self) -> str:
@@ -234,7 +269,7 @@ class Scalar(Object):
 class Dataset:
     """The exported data of ``stored``, in integers of ``bits``, in ``single`` precision or double.
 
-    ``date`` of the export, for CDF: a table has none. ``addresses`` for A2L.
+    ``date`` of the export, for CDF: a table has none. ``addresses`` and ``measured`` for A2L.
     """
 
     stored: Stored
@@ -248,6 +283,12 @@ class Dataset:
     single: bool
     date: str
     addresses: Addresses = Addresses()
+    measured: tuple[Measured, ...] = ()
+
+    @property
+    def epk(self) -> str:
+        """Label of the text in the memory that says which table it is: the digest."""
+        return f"{self.prefix}_digest"
 
     @property
     def id(self) -> str:

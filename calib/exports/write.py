@@ -6,8 +6,8 @@
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
     c-header  constants in C99 by MISRA C:2012: declared for every file (8.4, 8.11), defined only
               where <NAME>_DEFINE is defined before it (8.6)
-    a2l       ASAM MCD-2 MC 1.7.1: what the objects of the C header are, where, and how to read
-              them; without values and interface, to be merged into the A2L of the ECU
+    a2l       ASAM MCD-2 MC 1.7.1: what the objects of the C header or of the code are, where, and
+              how to read them; without values and interface, to be merged into the A2L of the ECU
 
 A map of three axes is a CUBOID; DCM knows two, and has one map for each value of the third. Every
 number is written so that it reads back to the last bit.
@@ -51,6 +51,7 @@ _LONGEST_TEXT = 255  # characters of a text of A2L
 _TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # of A2L by width of the fixed point
 _DIGITS = 7  # significant ones that a tool shows of the largest number of an object in double
 _MOST_DECIMALS = 15
+MOST = 1e30  # of a number without limits, in any floating point [its unit]
 
 
 def _write_json(data: Dataset) -> bytes:
@@ -189,7 +190,12 @@ def _type_limits(one: Object) -> tuple[float, float]:
 
 
 def _limits(one: Object) -> tuple[float, float]:
-    """Range of the numbers and their 95 % band, within that of the type [unit]."""
+    """Range of the numbers and their 95 % band, within that of the type [unit].
+
+    A number of the code is there to be changed, and has none.
+    """
+    if one.within is not None:
+        return -MOST, MOST
     values = one.values if one.fixed is None else one.fixed.values
     band = np.concatenate((values, one.band[np.isfinite(one.band)]))
     low, high = _type_limits(one)

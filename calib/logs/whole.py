@@ -127,6 +127,18 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
     return replace(log, columns=tuple(rows))
 
 
+def in_si(log: WholeLog) -> WholeLog:
+    """The same with its channels in SI units, as the C code of an ECU takes them."""
+    units = {c.name: CHANNELS[c.name].si for c in log.columns if c.canonical and c.unit}
+    columns = (
+        replace(c, values=to_si(c.values, c.unit, units[c.name]), unit=units[c.name])
+        if c.unit and c.name in units
+        else c
+        for c in log.columns
+    )
+    return replace(log, columns=tuple(columns))
+
+
 @dataclass(frozen=True)
 class Inventory:
     """One column: range in ``unit``, rows with a value, rate [Hz], start and length of gaps [s]."""

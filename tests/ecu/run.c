@@ -26,15 +26,14 @@ void reset(void) {
 __attribute__((section(".vectors"), used)) static void (*const vectors[])(void) = {
     (void (*)(void))0x20400000U, reset};
 
-__attribute__((noinline)) static bte_reason measured(bte_state *s, const bte_real x[BTE_INPUTS],
-                                                     bte_real y[BTE_ANSWERS][BTE_BOUNDS]) {
+__attribute__((noinline)) static bte_reason measured(bte_state *s, const bte_inputs *x) {
     volatile uint32_t *const top = (volatile uint32_t *)__builtin_frame_address(0);
     uint32_t words = PAINTED;
     for (int i = 16; i < PAINTED; i++) {
         top[-i] = PAINT;
     }
     const uint32_t before = SYSTICK[2];
-    const bte_reason reason = bte_step(s, x, y);
+    const bte_reason reason = bte_step(s, x);
     figures[written++] = (before - SYSTICK[2]) & FULL;
     do {
         words--;
@@ -47,12 +46,14 @@ __attribute__((noinline)) static bte_reason measured(bte_state *s, const bte_rea
 
 #include "bte_run.c"
 
+extern const bte_car bte_car_sedan_2up;
+
 int main(void) {
-    static bte_real samples[MOST * BTE_INPUTS], told[MOST * BTE_TOLD];
+    static bte_real samples[MOST * BTE_INPUTS], rows[MOST * BTE_ROW];
     FILE *in = fopen("samples.bin", "rb"), *out = fopen("answers.bin", "wb");
     const size_t count = fread(samples, BTE_INPUTS * sizeof *samples, MOST, in);
-    bte_run(samples, (uint32_t)count, told);
-    fwrite(told, BTE_TOLD * sizeof *told, count, out);
+    bte_run(&bte_car_sedan_2up, samples, (uint32_t)count, rows);
+    fwrite(rows, BTE_ROW * sizeof *rows, count, out);
     fclose(in);
     fclose(out);
     out = fopen("figures.bin", "wb");

@@ -1,6 +1,7 @@
 """The folder that an ECU project takes in, as compilers, tools and a bare Cortex-M4F see it."""
 
 import json
+import subprocess
 
 import numpy as np
 import pytest
@@ -8,15 +9,17 @@ import pytest
 from calib.base.errors import ProgramError
 from calib.ecu.code import files_of, write_code
 from calib.ecu.native import Native
-from calib.estimation.online import samples_of
+from calib.estimation.online import ANSWERS, CHANNELS, answered, rows_of, samples_of
+from calib.estimation.state import Constants
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
 from calib.table.exported import Precision
 from tests.exports.test_a2l import a2ltool, needs_a2ltool
 from tests.studies.ecu_target import ARGUED, remarks
 from tests.support import ecu_code
+from tests.support.a2l import decoded, objects, read_a2l, without_epk
 from tests.support.ecu_code import BOTH, SEDAN, STRICT, called, failing, program
-from tests.support.programs import needs
+from tests.support.programs import memory_of, needs
 
 HOW = {  # with the time from call to call [s]
     "double": (Precision(), 0.02),
@@ -27,7 +30,9 @@ CHECKED = {
     "gcc": "-fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow",
     "clang": "-fsanitize=address,undefined,float-divide-by-zero,integer",
 }
-FLASH, RAM, MEAN, WORST = 12_288, 4_096, 3e3, 15e3  # code, RAM [bytes]; instructions of a sample
+OWN = '#include "bte.h"\nextern bte_state bte_estimator;\nbte_state bte_estimator;\n'
+DATA = "bte_car_sedan_2up.c"
+FLASH, RAM, MEAN, WORST = 8_700, 2_048, 2.4e3, 12e3  # code, RAM [bytes]; instructions of a sample
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +61,9 @@ def native():
 def test_it_compiles_without_a_remark_and_its_vectors_agree(codes, width, cc):
     for standard in ("c99", "c17"):
         called(codes[width], program(codes[width], f"{cc} -std={standard} -O2 {STRICT}"))
-    called(codes[width], cc, STRICT, "-c -x c++ bte.c")  # bte_car.c is C
-    called(codes[width], cc, STRICT, "-DBTE_FIND=own -DBTE_CAL=volatile -c bte.c bte_car.c")
+    called(codes[width], cc, STRICT, "-c -x c++ bte.c")  # the data are C
+    called(codes[width], cc, STRICT, "-DBTE_FIND=own -DBTE_CAL=volatile -c bte.c", DATA)
+    called(codes[width], cc, STRICT, "-std=c99 -fsyntax-only bte_vectors.h")
 
 
 @needs("cc")
@@ -65,15 +71,34 @@ def test_it_compiles_without_a_remark_and_its_vectors_agree(codes, width, cc):
 @pytest.mark.parametrize("width", HOW)
 def test_another_program_finds_the_addresses_of_the_a2l(codes, width, tmp_path):
     code = codes[width]
-    made = program(code, "cc -std=c99 -g -gdwarf-4 -no-pie")
+    (code / "own.c").write_text(OWN)
+    made = program(code, "cc -std=c99 -g -gdwarf-4 -no-pie own.c")
     update = ("--elffile", made, "--update", "FULL", "--update-mode", "STRICT")
-    theirs = a2ltool(tmp_path, (code / "bte.a2l").read_bytes(), *update)
+    file = code / "bte_car_sedan_2up.a2l"
+    theirs = without_epk(a2ltool(tmp_path, file.read_bytes(), *update))
     write_code(SEDAN, code, "ecu", *HOW[width], elf=made)
-    assert a2ltool(tmp_path, (code / "bte.a2l").read_bytes()) == theirs
-    assert theirs.count("/begin CHARACTERISTIC") == 12  # eight maps, three levels, the version
+    assert without_epk(a2ltool(tmp_path, file.read_bytes())) == theirs
+    module = read_a2l(file.read_bytes()).one("MODULE")
+    memory, found = memory_of(made), decoded(module, memory_of(made))
+    epk = module.one("MOD_PAR")
+    text = memory(int(epk.after("ADDR_EPK")[0], 0), 64).decode()
+    assert text == epk.after("EPK")[0].strip('"') == SEDAN.digest
+    begin, size = (int(x, 0) for x in epk.one("MEMORY_SEGMENT").given[5:7])
+    assert all(begin <= at[0] < begin + size for at in objects(module).values())
+    car = SEDAN.table.vehicle
+    for name, value in {
+        "version": SEDAN.version, "c_weight": car.weight, "c_track_width": car.track_width,
+        "c_rolling_radius_r": car.rear.rolling_radius, "c_high_omega_rr": 500.0,
+        "c_sample_time": HOW[width][1], "c_moving": Constants.moving,
+    }.items():  # fmt: skip
+        assert found[f"sedan_2up_{name}"] == pytest.approx([value], rel=1e-7)
+    kinds = [one.given[0].removeprefix("sedan_2up_") for one in module.all("MEASUREMENT")]
+    ends = ("", "_lower", "_upper")
+    assert {*CHANNELS, *(f"{x}{end}" for x in ANSWERS for end in ends), "reason"} <= {*kinds}
+    assert {"state_demand_value", "state_level_var_lag", "state_speed_cov_offset_scale"} <= {*kinds}
     before = {path: path.read_bytes() for path in code.iterdir()}
     with pytest.raises(ProgramError):  # it has no labels of that name
-        write_code(SEDAN, code, "ecu", *HOW[width], "take", elf=made)
+        write_code(SEDAN, code, "ecu", *HOW[width], "other", elf=made)
     assert before == {path: path.read_bytes() for path in code.iterdir()}
 
 
@@ -82,6 +107,29 @@ def test_cmake_builds_it_and_runs_the_vectors(codes, tmp_path):
     called(tmp_path, "cmake -B . -S", codes["single"])
     called(tmp_path, "cmake --build .")
     assert "100% tests passed" in called(tmp_path, "ctest")
+
+
+@needs("cc")
+def test_a_stop_that_the_log_command_writes_runs_in_c_as_in_python(codes, brake_cal, tmp_path):
+    stop, si, code = sample_logs() / "sedan" / "dry_asphalt_stop.csv", tmp_path / "si.csv", codes
+    lines = stop.read_text().splitlines(keepends=True)
+    gap, half = tmp_path / "gap.csv", tmp_path / "half.csv"
+    gap.write_text("".join(lines[:600] + lines[640:1200]))
+    half.write_text("".join(lines[:1] + lines[1:1200:2]))
+    made = program(code["single"], "cc -std=c99 -O2")
+    assert brake_cal("log", gap, "--si", "--out", si).code == 0
+    ran = subprocess.run([made, si], capture_output=True, text=True, check=True)
+    names, *rows = ran.stdout.splitlines()
+    told = np.array([row.split(",") for row in rows], float)
+    log = read_log(gap)
+    expected = answered(SEDAN.table, 0.005, samples_of(log))[rows_of(log)]
+    assert names.split(",")[:4] == ["time", "reason", "pad_level", "pad_level_lower"]
+    np.testing.assert_allclose(told[:, 0], log.time)
+    assert np.array_equal(told[:, 1], expected[:, 0])
+    np.testing.assert_allclose(told[:, 2:], expected[:, 1:], rtol=1e-4)
+    assert brake_cal("log", half, "--si", "--out", si, "--force").code == 0
+    for wrong in (si, gap, tmp_path / "none.csv"):  # another rate, pressures in bar, no file
+        assert subprocess.run([made, wrong], capture_output=True).returncode == 2
 
 
 @needs("cppcheck")
@@ -123,32 +171,34 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
     words = ("tables", "export", SEDAN.id, "--store", SEDAN.path.parent.parent, "--format")
     code, own = tmp_path / "code", tmp_path / "own"
     foreign = {"bte_own.c": "/* our task, around brake-cal */\n", "notes.txt": "ours\n"}
-    for prefix in ("bte", "take", "take"):
-        ran = brake_cal(*words, "ECU", "--float", "--out", code, "--prefix", prefix, "--json")
+    step = ("--sample-time", "0.005")
+    for prefix in ("math", "9a-b", "9a-b"):
+        how = (*step, "--out", code, "--prefix", prefix)
+        ran = brake_cal(*words, "ECU", *how, "--json")
         told = json.loads(ran.out)
         assert (ran.code, told["format"], told["float"]) == (0, "ecu", 32)
-        assert set(told["files"]) == set(files_of(prefix))
+        assert set(told["files"]) == set(files_of(SEDAN, prefix))
         for name, text in foreign.items():
             (code / name).write_text(text)
-    assert {path.name for path in code.iterdir()} == {*files_of("bte"), *files_of("take"), *foreign}
-    assert not any("bte" in path.read_text().lower() for path in code.glob("take*.[ch]"))
-    called(code, program(code, f"cc -std=c99 {STRICT}", prefix="take"))
+    written = {name for prefix in ("math", "9a-b") for name in files_of(SEDAN, prefix)}
+    assert {path.name for path in code.iterdir()} == {*written, *foreign}
+    called(code, program(code, f"cc -std=c99 {STRICT}", car="t_9a_b"))
     (code / "README.md").write_text("The estimator of brake-cal, of another version.\n")
-    assert brake_cal(*words, "ecu", "--out", code, "--prefix", "take").code == 2
-    assert set(files_of("xBTE")) >= {"xBTE.c", "xBTE.h", "xBTE_car.c", "xBTE.a2l"}
+    assert brake_cal(*words, "ecu", *step, "--out", code).code == 2
     own.mkdir()
     (own / "CMakeLists.txt").write_text("project(own)\n")
     new = ("ecu", "--out", own / "code")
     for more in (
-        *((*new, "--prefix", name) for name in ("9a", "a-b", "", "math", "stddef")),
         *((*new, "--sample-time", time) for time in (0.0, 1.0)),
-        ("ecu", "--out", own),
-        ("fmu3", "--out", own / "CMakeLists.txt"),
-        ("car-fmu2", "--out", own / "car.fmu", "--prefix", "x"),
+        new,
+        (*new, *step, "--double", "--float"),
+        ("ecu", *step, "--out", own),
+        ("fmu3", *step, "--out", own / "CMakeLists.txt"),
+        ("car-fmu2", *step, "--out", own / "car.fmu", "--prefix", "x"),
         ("dcm", "--out", own / "car.dcm", "--sample-time", 0.01),
     ):
         assert brake_cal(*words, *more).code == 2
     assert [path.read_text() for path in own.iterdir()] == ["project(own)\n"]
     for form in ("car-fmu2", "FMU3"):
-        ran = brake_cal(*words, form, "--out", own / "car.fmu", "--json")
+        ran = brake_cal(*words, form, *step, "--out", own / "car.fmu", "--json")
         assert json.loads(ran.out)["format"] == form.lower()

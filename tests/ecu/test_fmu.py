@@ -150,3 +150,23 @@ def test_other_steps_and_unknown_references_are_refused_and_change_nothing(fmus)
         assert caught.value.status == ERROR
         assert x.getFloat64(INPUTS + REALS) == before
     assert x.getInt32([REASON]) == [1]
+
+
+@pytest.mark.parametrize("model", ["estimator", "car"])
+def test_a_state_is_taken_up_again_and_carried_to_another_instance(fmus, model):
+    one, other = ready(fmus[model]), ready(fmus[model])
+    inputs = ROLLING if model == "estimator" else [2e6, 0.0, 0.0]
+    told = [x.valueReference for x in fmus[model][1].modelVariables if x.causality == "output"][:-1]
+    one.setFloat64([*range(len(inputs))], inputs)
+    one.doStep(0.0, 40 * STEP)
+    kept, then = one.getFMUState(), one.getFloat64(told)
+    one.doStep(40 * STEP, 40 * STEP)
+    later = one.getFloat64(told)
+    one.setFMUState(kept)
+    carried = other.deserializeFMUState(one.serializeFMUState(kept))
+    other.setFMUState(carried)
+    for x, state in ((one, kept), (other, carried)):
+        assert x.getFloat64(told) == then != later
+        x.doStep(40 * STEP, 40 * STEP)
+        assert x.getFloat64(told) == later
+        x.freeFMUState(state)

@@ -8,12 +8,13 @@ import pytest
 
 from calib.base.errors import ProgramError, StoreError
 from calib.car.effects.effects import Effects
-from calib.ecu.car_source import require_plain
+from calib.ecu.car_data import require_plain
 from calib.ecu.native import Native, coded
 from calib.ecu.translation import translated
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.online import (
     A_X,
+    ANSWERS,
     CHANNELS,
     DRIVEN,
     FL,
@@ -34,7 +35,7 @@ from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 
 pytestmark = needs("cc")
 
-STEP = 0.005
+STEP, READY = 0.005, 0
 REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, *_ = 0, *range(1, 22, 3)
 FAULT, LOCKED = {Reason.FAULT}, {Reason.LOCKED}
 RELEASED = {Reason.VALID, Reason.NOT_BRAKED}
@@ -169,20 +170,35 @@ def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(both):
     assert unknown[LEVEL] > 1.04  # the thrust is taken for a zero of a_x
 
 
-def test_another_table_is_taken_at_rest_only(fitted):
+def test_other_data_are_taken_at_rest_and_what_is_of_the_sensors_lasts(fitted, drive_on):
     code = Native(fitted, STEP, Precision()).library
-    state, out = create_string_buffer(4096), create_string_buffer(1024)
-    car = c_void_p(addressof(c_char.in_dll(code, "bte_this_car")))
-    code.bte_init(state, car)
+    state, car = (
+        create_string_buffer(4096),
+        c_void_p(addressof(c_char.in_dll(code, "bte_car_here"))),
+    )
+    assert code.bte_init(state, car) == READY
     fresh = state.raw
-    for speed, taken in ((60.0, False), (0.0, True)):
+    for row in drive_on[TIME < 4.9]:
+        code.bte_step(state, (c_double * len(row))(*row))
+    left = state.raw
+    assert not code.bte_exchange(state, car)
+    assert state.raw == left
+    for _ in range(40):
         x = np.zeros(len(CHANNELS))
-        x[OMEGA] = speed
-        for _ in range(2):  # the first one is a jump
-            code.bte_step(state, (c_double * len(x))(*x), out)
-        left = fresh if taken else state.raw
-        assert code.bte_exchange(state, car) == taken
-        assert state.raw == left
+        code.bte_step(state, (c_double * len(x))(*x))
+    assert code.bte_exchange(state, car)
+    ours, theirs, zeros = (np.frombuffer(x, count=200) for x in (fresh, state.raw, left))
+    (places,) = np.nonzero(ours != theirs)
+    first = 1 + len(CHANNELS) + 3 * len(ANSWERS)  # of the filters: zeros of demand and of eta
+    assert {*range(first, first + 4)} <= {*places.tolist()}
+    assert places.size <= 7  # and the lag, its variance, the seal
+    assert theirs[first] == zeros[first]
+    for damage in (None, 8 * first, 4):  # none, in a zero, in the layout
+        bits = bytearray(state.raw)
+        if damage is not None:
+            bits[damage] ^= 1
+        other = create_string_buffer(bytes(bits), len(bits))
+        assert code.bte_resume(other, car) == (damage is None)
 
 
 @pytest.mark.parametrize(

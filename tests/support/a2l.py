@@ -36,6 +36,11 @@ class Block:
         return self.given[at : at + count]
 
 
+def without_epk(a2l):
+    """An A2L without what debug information does not tell."""
+    return re.sub(r"/begin MOD_PAR.*?/end MOD_PAR", "", a2l, flags=re.DOTALL)
+
+
 def read_a2l(content):
     """The PROJECT of a file."""
     text = re.sub(r"/\*.*?\*/", " ", content.decode("utf-8-sig"), flags=re.DOTALL)

@@ -18,7 +18,8 @@ RUN = Path(__file__).parents[1] / "ecu" / "run.c"
 STRICT = "-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror"
 SAME_BITS = "-ffp-contract=off -fno-math-errno"
 M4F = "arm-none-eabi-gcc -std=c99 -Os -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16"
-LINK = "--specs=rdimon.specs -Wl,--section-start=.vectors=0 bte.o bte_car.o run.o -lm -o ecu.elf"
+CAR = "bte_car_sedan_2up"
+LINK = f"--specs=rdimon.specs -Wl,--section-start=.vectors=0 bte.o {CAR}.o run.o -lm -o ecu.elf"
 QEMU = (
     "qemu-system-arm -M mps2-an386 -icount shift=5 -nographic -monitor none -serial none "
     "-semihosting-config enable=on,target=native -kernel ecu.elf"
@@ -30,10 +31,10 @@ READ = np.array([(channel.low, channel.high, *NOTHING) for channel in CHANNELS.v
 """What each channel may read once it fails (10, 8)."""
 
 
-def program(code: Path, command: str, main: Path | None = None, prefix: str = "bte") -> Path:
+def program(code: Path, command: str, main: Path | None = None, car: str = "sedan_2up") -> Path:
     """A program by a compiler with its options: of the vectors, or of another ``main``."""
-    out, last = code / "program", main or f"-D{prefix.upper()}_VECTORS {prefix}_run.c"
-    called(code, command, SAME_BITS, f"-I. {prefix}.c {prefix}_car.c", last, "-lm -o", out)
+    out, last = code / "program", main or "-DBTE_VECTORS bte_run.c"
+    called(code, command, SAME_BITS, f"-I. bte.c bte_car_{car}.c", last, "-lm -o", out)
     return out
 
 
@@ -50,10 +51,10 @@ def on_target(code: Path, samples: Array) -> tuple[Array, list[int], Array]:
     Answers (n, 22); flash of bte.c and of bte_car.c, RAM of bte_state, stack of one bte_step
     [bytes]; instructions of each sample (n,).
     """
-    called(code, M4F, SAME_BITS, STRICT, "-I. -c bte.c bte_car.c", RUN)
+    called(code, M4F, SAME_BITS, STRICT, "-I. -c bte.c bte_car_sedan_2up.c", RUN)
     called(code, M4F, LINK)
     told = answers(code, samples, QEMU)
-    sizes = called(code, "arm-none-eabi-size bte.o bte_car.o").splitlines()[1:]
+    sizes = called(code, "arm-none-eabi-size bte.o bte_car_sedan_2up.o").splitlines()[1:]
     flash = [sum(map(int, size.split()[:2])) for size in sizes]  # text and data
     state, stack, *ticks = np.fromfile(code / "figures.bin", np.uint32).tolist()
     return told, [*flash, state, stack], PER_TICK * np.array(ticks)

@@ -1,5 +1,5 @@
 /* A car that rolls and brakes in a straight line, as a model of fmi.c: the equations of
- * calib/model/solver.py with the numbers of bte_car.c, and the tyre of calib/car/magic_formula.py.
+ * calib/model/solver.py with the numbers of $data.c, and the tyre of calib/car/magic_formula.py.
  * Newton's method finds the slips of the axles; z, speed and loads follow in the same turns.
  */
 static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01; /* [1]; [m/s]; [1] */
@@ -11,7 +11,7 @@ typedef struct {
 
 /* The state after `dt` [s], or that of a steady deceleration where it is 0. */
 static void solve(model *m, double x[], double dt) {
-    const bte_car *car = &bte_this_car;
+    const bte_numbers *car = $data.numbers;
     const double shape = x[TYRE_SHAPE], edge = tan(0.5 * acos(-1.0) * EDGE / shape);
     const model was = *m;
     m->slip[BTE_FRONT] = m->slip[BTE_REAR] = 0.0; /* from where no turn goes past a peak */
@@ -32,7 +32,7 @@ static void solve(model *m, double x[], double dt) {
             const double rise = stiffness * cos(angle) / (1.0 + held * held);
             const double force = most * (sin(angle) + shape * (bx - held) * rise / stiffness);
             /* wheels and brakes */
-            const double radius = car->radius[a], turning = car->turning_mass[a];
+            const double radius = car->rolling_radius[a], turning = car->turning_mass[a];
             const double omega = v * (1.0 - m->slip[a]) / radius;
             const double spin = dt > 0.0 ? (omega - was.omega[a]) / dt : -G * m->z * omega / v;
             const double brakes = 2.0 * x[PAD_FRICTION_F + a] * car->torque_gain[a] * x[P_MC];
@@ -63,7 +63,9 @@ static void model_step(model *m, double x[], bool first) {
         x[V] = m->v * moves;
         for (int a = 0; a < BTE_AXLES; a++) {
             x[OMEGA_FL + 2 * a] = x[OMEGA_FR + 2 * a] = m->omega[a] * moves;
-            x[BRAKE_TORQUE_F + a] = x[PAD_FRICTION_F + a] * bte_this_car.torque_gain[a] * x[P_MC];
+            x[BRAKE_TORQUE_F + a] = x[PAD_FRICTION_F + a] * $data.numbers->torque_gain[a] * x[P_MC];
         }
     }
 }
+
+static void model_moved(model *m) { (void)m; }

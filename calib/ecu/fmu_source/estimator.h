@@ -2,16 +2,23 @@
 typedef bte_state model;
 
 static void model_step(model *s, double numbers[], bool first) {
-    bte_real x[BTE_INPUTS], y[BTE_ANSWERS][BTE_BOUNDS];
+    bte_real in[BTE_INPUTS], out[sizeof(bte_answers) / sizeof(bte_real)];
+    bte_inputs x;
     for (unsigned i = 0; i < BTE_INPUTS; i++) {
-        x[i] = (bte_real)numbers[i];
+        in[i] = (bte_real)numbers[i];
     }
+    (void)memcpy(&x, in, sizeof x);
     if (first) {
-        bte_init(s, &bte_this_car);
-        bte_told(s, x[BTE_P_MC], y);
+        (void)bte_init(s, &$data);
+    } else {
+        (void)bte_step(s, &x);
     }
-    numbers[REASON] = first ? BTE_NOT_BRAKED : bte_step(s, x, y);
-    for (unsigned i = 0; i < BTE_ANSWERS * BTE_BOUNDS; i++) {
-        numbers[LEVEL + i] = (double)y[i / BTE_BOUNDS][i % BTE_BOUNDS];
+    (void)memcpy(out, &s->answers, sizeof out);
+    for (unsigned i = 0; i < sizeof out / sizeof *out; i++) {
+        numbers[PAD_LEVEL + i] = (double)out[i];
     }
+    numbers[REASON] = s->reason;
 }
+
+/* A state that comes from another process points into that one. */
+static void model_moved(model *s) { s->car = &$data; }

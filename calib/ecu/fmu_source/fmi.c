@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "bte.h"
+extern const bte_car $data;
 
 #define SAMPLE_TIME $step /* [s] */
 #define FMI(name) fmi${version}##name
@@ -75,12 +76,28 @@ static const char *advance(instance *x, double time, double length) {
 
 #define BEGINS(name) DOES(name, (void *c, FMI(Boolean) tolerant, double tolerance, double time, \
                                  FMI(Boolean) ends, double end), x->numbers[TIME] = time)
-#define CANNOT_KEEP(State, Deserialize) \
-    CANNOT(Get##State, AND(void **)) CANNOT(Set##State, AND(void *)) \
-    CANNOT(Free##State, AND(void **)) \
-    CANNOT(Serialized##State##Size, (void *c, void *state, size_t *size)) \
-    CANNOT(Serialize##State, (void *c, void *state, FMI(Byte) bytes[], size_t size)) \
-    CANNOT(Deserialize##State, (void *c, const FMI(Byte) bytes[], size_t size, void **state))
+
+/* A state is a copy of the instance; where it is taken up again, the host is another. */
+#define KEEPS(State, Deserialize) \
+    DOES(Get##State, AND(void **), \
+         instance *kept = *value == NULL ? malloc(sizeof *x) : *value; \
+         if (kept == NULL) { wrong = "no memory for a state"; } else { *kept = *x; *value = kept; }) \
+    DOES(Set##State, AND(void *), take_up(x, value)) \
+    DOES(Free##State, AND(void **), free(*value); *value = NULL) \
+    DOES(Serialized##State##Size, (void *c, void *state, size_t *size), *size = sizeof *x) \
+    DOES(Serialize##State, (void *c, void *state, FMI(Byte) bytes[], size_t size), \
+         if (size < sizeof *x) { wrong = "the state is larger"; } \
+         else { (void)memcpy(bytes, state, sizeof *x); }) \
+    DOES(Deserialize, (void *c, const FMI(Byte) bytes[], size_t size, void **state), \
+         instance *kept = *state == NULL ? malloc(sizeof *x) : *state; \
+         if (kept == NULL || size != sizeof *x) { wrong = "no state of this FMU"; } \
+         else { (void)memcpy(kept, bytes, sizeof *x); *state = kept; })
+
+static void take_up(instance *x, const instance *kept) {
+    (void)memcpy(x->numbers, kept->numbers, sizeof x->numbers);
+    x->state = kept->state;
+    model_moved(&x->state);
+}
 
 #include "fmi${version}.h"
 

@@ -17,7 +17,7 @@ GET(Real, at[i] < REASON) SET(Real, at[i] < GIVEN)
 GET(Integer, at[i] == REASON) SET(Integer, false)
 HAS_NO(Boolean) HAS_NO(String)
 
-CANNOT_KEEP(FMUstate, DeSerialize)
+KEEPS(FMUstate, DeSerializeFMUstate)
 CANNOT(GetDirectionalDerivative, (BY, double values[]))
 CANNOT(SetRealInputDerivatives, (SOME, const int order[], const double values[]))
 CANNOT(GetRealOutputDerivatives, (SOME, const int order[], double values[]))

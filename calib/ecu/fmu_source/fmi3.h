@@ -32,7 +32,7 @@ CANNOT_TIME(GetShift, ) CANNOT_TIME(SetShift, const) CANNOT_TIME(SetInterval, co
 CANNOT(GetIntervalDecimal, (SOME, double values[], fmi3IntervalQualifier of[]))
 CANNOT(GetIntervalFraction, (SOME, uint64_t counts[], uint64_t over[], fmi3IntervalQualifier of[]))
 
-CANNOT_KEEP(FMUState, Deserialize)
+KEEPS(FMUState, DeserializeFMUState)
 CANNOT(EnterEventMode, ALONE) CANNOT(EnterStepMode, ALONE) CANNOT(EnterConfigurationMode, ALONE)
 CANNOT(ExitConfigurationMode, ALONE) CANNOT(EnterContinuousTimeMode, ALONE)
 CANNOT(EvaluateDiscreteStates, ALONE) CANNOT(SetTime, AND(double))

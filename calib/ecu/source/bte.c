@@ -13,9 +13,6 @@ enum { TERMS = $terms, LARGEST = $largest }; /* of the series; of what exp gives
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
 
-/* Sums of a block, SI; rear less front by wheel: float32 has few digits. Drive is of both axles. */
-enum { PRESSURE, Z, FRONT, APART, DRIVE };
-
 static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
 static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
 static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
@@ -48,11 +45,11 @@ static bte_real logarithm(bte_real x) {
 }
 
 /* A median with its bounds `by` higher, these farther away by `more`, added as squares. */
-static void widen(bte_real x[BTE_BOUNDS], bte_real by, bte_real more_lower, bte_real more_upper) {
-    const bte_real below = x[BTE_LOWER] - x[BTE_MEDIAN], above = x[BTE_UPPER] - x[BTE_MEDIAN];
-    x[BTE_MEDIAN] += by;
-    x[BTE_LOWER] = x[BTE_MEDIAN] - MATH(sqrt)(square(below) + square(more_lower));
-    x[BTE_UPPER] = x[BTE_MEDIAN] + MATH(sqrt)(square(above) + square(more_upper));
+static void widen(bte_interval *x, bte_real by, bte_real more_lower, bte_real more_upper) {
+    const bte_real below = x->lower - x->median, above = x->upper - x->median;
+    x->median += by;
+    x->lower = x->median - MATH(sqrt)(square(below) + square(more_lower));
+    x->upper = x->median + MATH(sqrt)(square(above) + square(more_upper));
 }
 
 #ifndef BTE_FIND /* there is no other search; the last point has `along` 1 in the last cell */
@@ -75,7 +72,7 @@ static bte_place find(const bte_axis *axis, bte_real x) {
 #endif
 
 /* All columns of a map at a place. */
-static void look_up(const bte_map *map, const bte_real at[], bte_real out[BTE_BOUNDS]) {
+static void look_up(const bte_map *map, const bte_real at[], bte_real out[BTE_COLUMNS]) {
     unsigned corners = 1U, cell[8] = {0};
     bte_real weight[8];
     weight[0] = R(1.0);
@@ -98,172 +95,225 @@ static void look_up(const bte_map *map, const bte_real at[], bte_real out[BTE_BO
     }
 }
 
+static bte_interval interval_at(const bte_map *map, const bte_real at[]) {
+    bte_real x[BTE_COLUMNS];
+    look_up(map, at, x);
+    const bte_interval read = {x[0], x[1], x[2]};
+    return read;
+}
+
 $equations
 
 /* Zeros, from blocks that lie far enough before a bite. */
-static void roll(bte_state *s, const bte_block *x, bool counts) {
-    const bte_car *c = s->car;
+static void roll(bte_state *state, const bte_block *x, bool counts) {
+    const bte_car *car = state->car;
+    BTE_CAL bte_numbers *c = car->numbers;
+    bte_filters *s = &state->filters;
     const bte_real dt = c->block, most = square(c->zero);
-    bte_block *oldest = &s->waiting[s->waits % c->waiting];
+    bte_block *oldest = &state->waiting[state->waits % car->waiting];
     s->demand.variance = smallest(s->demand.variance + square(c->q_bias) * dt, most);
     s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->q_radius) * dt, most);
-    if (x->pressure <= c->bite && s->waits >= c->waiting) {
+    if (x->pressure <= c->bite && state->waits >= car->waiting) {
         const bte_real wheels = c->noise_rim / oldest->rim;
         update_zero(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
         update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
     }
-    if (counts && !s->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
+    if (counts && !state->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
         *oldest = *x;
-        s->waits++;
+        state->waits++;
     } else {
-        s->waits = 0;
+        state->waits = 0;
     }
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
-static void read_ratio(const bte_car *c, const bte_real at[BTE_MAP_AXES],
-                       const bte_real error[BTE_MAP_AXES], bte_real out[BTE_BOUNDS]) {
-    const bte_axis *shifts = &c->pads.axis[BTE_SHIFT];
+static bte_interval read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES],
+                               const bte_real error[BTE_MAP_AXES]) {
+    const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const uint16_t cell = BTE_FIND(shifts, at[BTE_SHIFT]).at;
     const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
-    look_up(&c->pads, at, out);
+    bte_interval ratio = interval_at(&car->pads, at);
     for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
         bte_real place[] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
-        bte_real low[BTE_BOUNDS], high[BTE_BOUNDS];
         place[axis] = at[axis] - step;
-        look_up(&c->pads, place, low);
+        const bte_interval low = interval_at(&car->pads, place);
         place[axis] = at[axis] + step;
-        look_up(&c->pads, place, high);
-        const bte_real by_one = (high[BTE_MEDIAN] - low[BTE_MEDIAN]) / step;
+        const bte_interval high = interval_at(&car->pads, place);
+        const bte_real by_one = (high.median - low.median) / step;
         const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
-        widen(out, R(0.0), more, more);
+        widen(&ratio, R(0.0), more, more);
     }
+    return ratio;
 }
 
-static void blend(bte_real x[BTE_BOUNDS], const bte_real y[BTE_BOUNDS], bte_real share) {
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        x[b] = (R(1.0) - share) * x[b] + share * y[b];
-    }
+static void blend(bte_interval *x, const bte_interval *y, bte_real share) {
+    x->median = (R(1.0) - share) * x->median + share * y->median;
+    x->lower = (R(1.0) - share) * x->lower + share * y->lower;
+    x->upper = (R(1.0) - share) * x->upper + share * y->upper;
 }
 
 /* The best informed ratio so far. */
-static void keep_best(bte_state *s, const bte_real now[BTE_BOUNDS], bte_real pads, bool is_new,
-                      bool adds, bte_real best[BTE_BOUNDS]) {
-    const bte_car *c = s->car;
+static bte_interval best_ratio(bte_state *state, const bte_interval *now, bte_real level,
+                               bool is_new, bool adds) {
+    BTE_CAL bte_numbers *c = state->car->numbers;
+    bte_filters *s = &state->filters;
     s->age += c->block;
-    const bte_real then = Z95 * MATH(sqrt)(aged(c, s, pads));
-    (void)memcpy(best, s->kept, sizeof s->kept);
-    widen(best, R(0.0), then, then);
-    const bte_real known = best[BTE_UPPER] - best[BTE_LOWER];
-    const bte_real of_new = share_of(c, now[BTE_UPPER] - now[BTE_LOWER], known);
+    const bte_real then = Z95 * MATH(sqrt)(aged(c, s, level));
+    bte_interval best = state->ratio;
+    widen(&best, R(0.0), then, then);
+    const bte_real of_new = share_of(c, now->upper - now->lower, best.upper - best.lower);
     const bte_real share = is_new ? R(1.0) : adds ? of_new : R(0.0);
-    blend(s->kept, now, share);
-    const bte_real wider = Z95 * MATH(sqrt)(renewed(c, s, pads, share));
-    (void)memcpy(best, s->kept, sizeof s->kept);
-    widen(best, R(0.0), wider, wider);
+    blend(&state->ratio, now, share);
+    const bte_real wider = Z95 * MATH(sqrt)(renewed(c, s, level, share));
+    best = state->ratio;
+    widen(&best, R(0.0), wider, wider);
+    return best;
 }
 
-/* ln of the pads by level and ratio; distances to their bounds add up as squares. */
-static void part_pads(const bte_car *c, bte_real ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]) {
-    bte_real front[BTE_BOUNDS], rear[BTE_BOUNDS];
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-        const bte_real ratio = ln[BTE_RATIO][b];
-        rear[b] = -logarithm(c->share * exponential(ratio) + (R(1.0) - c->share));
-        front[b] = ratio + rear[b];
-        ln[BTE_PAD_FRICTION_F][b] = ln[BTE_LEVEL][b];
-        ln[BTE_PAD_FRICTION_R][b] = ln[BTE_LEVEL][b];
+static bte_interval scaled(bte_real by, const bte_interval *ln) {
+    const bte_interval x = {by * exponential(ln->median), by * exponential(ln->lower),
+                            by * exponential(ln->upper)};
+    return x;
+}
+
+/* ln of the rear pads over those of the level, by ln of the ratio. */
+static bte_real rear_of(BTE_CAL bte_numbers *c, bte_real ratio) {
+    return -logarithm(c->share * exponential(ratio) + (R(1.0) - c->share));
+}
+
+/* Pads by ln of level and ratio; distances to their bounds add up as squares. */
+static void answer_pads(bte_state *s, const bte_interval *level, const bte_interval *ratio) {
+    BTE_CAL bte_numbers *c = s->car->numbers;
+    const bte_interval rear = {rear_of(c, ratio->median), rear_of(c, ratio->lower),
+                               rear_of(c, ratio->upper)};
+    const bte_interval front = {ratio->median + rear.median, ratio->lower + rear.lower,
+                                ratio->upper + rear.upper};
+    bte_interval of_front = *level, of_rear = *level;
+    widen(&of_front, front.median, front.median - front.lower, front.median - front.upper);
+    widen(&of_rear, rear.median, rear.median - rear.upper, rear.median - rear.lower);
+    const bte_real friction_f = c->pad_friction[BTE_FRONT], friction_r = c->pad_friction[BTE_REAR];
+    s->answers.pad_level = scaled(R(1.0), level);
+    s->answers.pad_ratio = scaled(friction_f / friction_r, ratio);
+    s->answers.pad_friction_f = scaled(friction_f, &of_front);
+    s->answers.pad_friction_r = scaled(friction_r, &of_rear);
+}
+
+static bte_interval times(bte_real by, const bte_interval *x) {
+    const bte_interval y = {by * x->median, by * x->lower, by * x->upper};
+    return y;
+}
+
+/* Torques by the pads of the last block and the pressure of now. */
+static void answer_torques(bte_state *s) {
+    BTE_CAL bte_numbers *c = s->car->numbers;
+    bte_answers *y = &s->answers;
+    const bte_real p_mc = largest(s->last.p_mc, R(0.0));
+    y->brake_torque_f = times(c->torque_gain[BTE_FRONT] * p_mc, &y->pad_friction_f);
+    y->brake_torque_r = times(c->torque_gain[BTE_REAR] * p_mc, &y->pad_friction_r);
+    const bte_real sum = R(2.0) * (y->brake_torque_f.median + y->brake_torque_r.median);
+    y->brake_torque_sum = times(sum / y->pad_level.median, &y->pad_level);
+}
+
+/* A sum with one more number, FNV-1a by words of 32 bits. */
+static uint32_t mixed(uint32_t sum, bte_real x) {
+    uint${floating}_t bits;
+    (void)memcpy(&bits, &x, sizeof bits);
+    const uint64_t wide = bits;
+    return (((sum ^ (uint32_t)(wide & 0xFFFFFFFFU)) * 16777619U) ^ (uint32_t)(wide >> 32U))
+           * 16777619U;
+}
+
+/* The sum over what lasts. */
+static uint32_t seal_of(const bte_state *s) {
+    const bte_filters *f = &s->filters;
+    const bte_real lasts[] = {f->demand.value,        f->demand.variance, f->eta_less_1.value,
+                              f->eta_less_1.variance, f->level.lag,       f->level.var_lag};
+    uint32_t sum = BTE_LAYOUT ^ (uint32_t)sizeof *s;
+    for (unsigned i = 0; i < sizeof lasts / sizeof lasts[0]; i++) {
+        sum = mixed(sum, lasts[i]);
     }
-    widen(ln[BTE_PAD_FRICTION_F], front[0], front[0] - front[1], front[0] - front[2]);
-    widen(ln[BTE_PAD_FRICTION_R], rear[0], rear[0] - rear[2], rear[0] - rear[1]);
+    return sum;
 }
 
-static void take(bte_state *s, const bte_block *x) {
-    const bte_car *c = s->car;
-    const bool counts = x->rim > c->moving && s->worst == BTE_VALID;
-    roll(s, x, counts);
-    step_filters(c, s, x, counts);
-    const bte_block_state seen = block_state(c, s, x, counts);
+static void take(bte_state *state, const bte_block *x) {
+    const bte_car *car = state->car;
+    BTE_CAL bte_numbers *c = car->numbers;
+    const bool counts = x->rim > c->moving && state->worst == BTE_VALID;
+    roll(state, x, counts);
+    step_filters(c, &state->filters, x, counts);
+    const bte_block_state seen = block_state(c, &state->filters, x, counts);
     const bool is_new = seen.blocks == R(0.0);
     const bte_real z = is_new ? c->usual_z : seen.z, shifted = seen.shift / z;
-    bte_real at[BTE_MAP_AXES] = {z, shifted, R(0.0)};
-    bte_real by_map[BTE_BOUNDS], ln[BTE_BRAKE_TORQUE_F][BTE_BOUNDS], *level = ln[BTE_LEVEL];
-    look_up(&c->slip, at, by_map);
-    look_up(&c->level, at, level);
+    bte_real at[BTE_MAP_AXES] = {z, shifted, R(0.0)}, by_map[BTE_COLUMNS];
+    look_up(&car->slip, at, by_map);
+    bte_interval level = interval_at(&car->level, at);
     const bte_slip_evidence w = weighed(c, &seen, z, by_map[0], by_map[1]);
     const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
-    widen(level, logarithm(w.pads * w.scaled), wider, wider);
+    widen(&level, logarithm(w.pads * w.scaled), wider, wider);
     /* ratio */
-    const bte_axis *shifts = &c->pads.axis[BTE_SHIFT];
+    const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const bool of_map = shifted >= shifts->x[0] && shifted <= shifts->x[shifts->count - 1U];
-    bte_real now[BTE_BOUNDS], prior[BTE_BOUNDS];
     at[BTE_SLIP] = w.slip;
     const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &seen, z) / z, w.slip_sigma};
-    read_ratio(c, at, error, now);
-    look_up(&c->before, at, prior);
-    bte_real unread = (now[BTE_UPPER] - now[BTE_LOWER]) / (prior[BTE_UPPER] - prior[BTE_LOWER]);
-    const bool told = !is_new && of_map && z >= c->least_z;
-    const bte_real read = told ? share_of(c, unread, R(1.0)) : R(0.0);
-    blend(now, prior, R(1.0) - read);
-    unread = R(1.0) + read * (unread - R(1.0));
-    widen(now, square(unread) * (c->ramp_ratio - prior[BTE_MEDIAN]), R(0.0), R(0.0));
-    keep_best(s, now, w.pads, is_new, counts && x->pressure > c->bite, ln[BTE_RATIO]);
-    part_pads(c, ln);
-    for (unsigned i = 0; i < BTE_BRAKE_TORQUE_F; i++) { /* it starts with those of the file */
-        for (unsigned b = 0; b < BTE_BOUNDS; b++) {
-            s->told[i][b] = c->start.told[i][BTE_MEDIAN] * exponential(ln[i][b]);
-        }
-    }
-    s->reason = (bte_reason)reason_of(c, x, &seen, s->told[BTE_LEVEL][BTE_MEDIAN], of_map);
-}
-
-void bte_told(const bte_state *s, bte_real p_mc, bte_real out[BTE_ANSWERS][BTE_BOUNDS]) {
-    const bte_real *level = s->told[BTE_LEVEL], *gain = s->car->torque_gain;
-    (void)memcpy(out, s->told, sizeof s->told);
-    for (unsigned b = 0; b < BTE_BOUNDS; b++) { /* the median first */
-        for (unsigned a = 0; a < BTE_AXLES; a++) {
-            const bte_real clamp = gain[a] * largest(p_mc, R(0.0));
-            out[BTE_BRAKE_TORQUE_F + a][b] = clamp * s->told[BTE_PAD_FRICTION_F + a][b];
-        }
-        const bte_real axles = out[BTE_BRAKE_TORQUE_F][0] + out[BTE_BRAKE_TORQUE_R][0];
-        out[BTE_BRAKE_TORQUE_SUM][b] = R(2.0) * axles * (level[b] / level[BTE_MEDIAN]);
-    }
+    bte_interval now = read_ratio(car, at, error);
+    const bte_interval prior = interval_at(&car->before, at);
+    const bte_real unread = (now.upper - now.lower) / (prior.upper - prior.lower);
+    const bool reads = !is_new && of_map && z >= c->least_z;
+    const bte_real read = reads ? share_of(c, unread, R(1.0)) : R(0.0);
+    blend(&now, &prior, R(1.0) - read);
+    const bte_real of_prior = R(1.0) + read * (unread - R(1.0));
+    widen(&now, square(of_prior) * (c->ramp_ratio - prior.median), R(0.0), R(0.0));
+    const bool adds = counts && x->pressure > c->bite;
+    const bte_interval ratio = best_ratio(state, &now, w.pads, is_new, adds);
+    answer_pads(state, &level, &ratio);
+    const bte_real median = state->answers.pad_level.median;
+    state->block_reason = (bte_reason)reason_of(c, x, &seen, median, of_map);
+    state->seal = seal_of(state);
 }
 
 /* Slip of an axle by its force and load. */
-static bte_real slip_at(const bte_car *c, bte_real force, bte_real load) {
-    const bte_place at = BTE_FIND(&c->tyre, force / largest(load, R(0.1) * c->weight));
-    const bte_real low = c->tyre_slip[at.at], high = c->tyre_slip[at.at + 1U];
+static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
+    const bte_real least = R(0.1) * car->numbers->weight;
+    const bte_place at = BTE_FIND(&car->tyre, force / largest(load, least));
+    const bte_real low = car->tyre_slip[at.at], high = car->tyre_slip[at.at + 1U];
     return low + at.along * (high - low);
 }
 
 /* Take in a sample: the last good reading counts while one is out of its range, or jumps. Whether
  * all sensors work. */
-static bool take_sample(bte_state *s, const bte_real x[BTE_INPUTS]) {
-    const bte_car *c = s->car;
-    const bool same = s->started && x[BTE_A_X] == s->last[BTE_A_X];
+static bool take_sample(bte_state *s, const bte_inputs *inputs) {
+    BTE_CAL bte_numbers *c = s->car->numbers;
+    const bool same = s->started && inputs->a_x == s->last.a_x;
+    bte_real x[BTE_INPUTS], raw[BTE_INPUTS], last[BTE_INPUTS]; /* the same, by number */
     bool fine = true;
-    for (unsigned i = 0; i < BTE_INPUTS; i++) {
+    (void)memcpy(x, inputs, sizeof x);
+    (void)memcpy(raw, &s->raw, sizeof raw);
+    (void)memcpy(last, &s->last, sizeof last);
+    for (unsigned i = 0; i < (unsigned)BTE_INPUTS; i++) {
         const bool inside = x[i] >= c->low[i] && x[i] <= c->high[i];
-        const bool taken = inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i]);
-        s->raw[i] = inside ? x[i] : s->raw[i];
-        s->last[i] = taken ? x[i] : s->last[i];
+        const bool taken = inside && !(s->started && MATH(fabs)(x[i] - raw[i]) > c->change[i]);
+        raw[i] = inside ? x[i] : raw[i];
+        last[i] = taken ? x[i] : last[i];
         fine = fine && taken;
     }
+    (void)memcpy(&s->raw, raw, sizeof raw);
+    (void)memcpy(&s->last, last, sizeof last);
     /* an accelerometer that does not move while the pressure does is frozen */
     s->held = same ? s->held + c->sample_time : R(0.0);
-    s->p_held = same ? s->p_held : s->last[BTE_P_MC];
+    s->p_held = same ? s->p_held : s->last.p_mc;
     return fine && !(s->held > c->held_time - R(0.5) * c->sample_time
-                     && MATH(fabs)(s->last[BTE_P_MC] - s->p_held) > c->held_pressure
-                     && c->radius[BTE_FRONT] * s->last[BTE_OMEGA_FL] > c->moving);
+                     && MATH(fabs)(s->last.p_mc - s->p_held) > c->held_pressure
+                     && c->rolling_radius[BTE_FRONT] * s->last.omega_fl > c->moving);
 }
 
 /* Whether the car is steered, corners, or a wheel locks, or just has. */
 static bte_reason disturbance(bte_state *s, bool fine) {
-    const bte_car *c = s->car;
-    const bte_real *x = s->last, *omega = &x[BTE_OMEGA_FL];
+    BTE_CAL bte_numbers *c = s->car->numbers;
+    const bte_inputs *x = &s->last;
+    const bte_real omega[BTE_WHEELS] = {x->omega_fl, x->omega_fr, x->omega_rl, x->omega_rr};
     bte_real fastest = R(0.0), slowest = R(0.0);
-    for (unsigned w = 0; w < BTE_WHEELS; w++) {
+    for (unsigned w = 0; w < (unsigned)BTE_WHEELS; w++) {
         bte_real *b = s->before[w];
         const bte_real last = s->started ? b[1] : omega[w], first = s->started ? b[0] : last;
         const bte_real middle = clip(omega[w], smallest(first, last), largest(first, last));
@@ -272,104 +322,197 @@ static bte_reason disturbance(bte_state *s, bool fine) {
         fastest = w == 0U ? middle : largest(fastest, middle);
         slowest = w == 0U ? middle : smallest(slowest, middle);
     }
-    const bte_real mean = R(0.5) * (x[BTE_OMEGA_RL] + x[BTE_OMEGA_RR]);
-    const bte_real speed = c->radius[BTE_REAR] * mean, z = -x[BTE_A_X] / GRAVITY;
+    const bte_real mean = R(0.5) * (x->omega_rl + x->omega_rr);
+    const bte_real speed = c->rolling_radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
     s->fastest = largest(fastest, s->fastest - c->slows * c->sample_time);
     const bool locks = s->fastest - slowest > c->lock * largest(s->fastest, R(1.0))
                        && s->fastest > c->turning;
     s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
-    const bte_real apart = (x[BTE_OMEGA_RR] - x[BTE_OMEGA_RL]) / largest(mean, R(1.0));
-    const bte_real slip = largest(slip_at(c, z * c->weight, c->weight), R(0.0));
+    const bte_real apart = (x->omega_rr - x->omega_rl) / largest(mean, R(1.0));
+    const bte_real slip = largest(slip_at(s->car, z * c->weight, c->weight), R(0.0));
     const bte_real leaned = R(4.0) * slip * c->cg_height / (GRAVITY * c->track_width);
     const bte_real turned = apart / (c->track_width / square(largest(speed, c->moving)) + leaned);
     s->lateral = s->started ? s->lateral + c->lateral_part * (turned - s->lateral) : turned;
-    return !fine                                                    ? BTE_FAULT
-           : s->since_lock <= c->recover + R(0.5) * c->sample_time  ? BTE_LOCKED
-           : !(MATH(fabs)(s->lateral) < c->lateral)                 ? BTE_CORNERS
-           : !(MATH(fabs)(x[BTE_STEERING]) < c->steering)           ? BTE_TURNED
-                                                                    : BTE_VALID;
+    bte_reason why;
+    if (!fine) {
+        why = BTE_FAULT;
+    } else if (s->since_lock <= c->recover + R(0.5) * c->sample_time) {
+        why = BTE_LOCKED;
+    } else if (!(MATH(fabs)(s->lateral) < c->lateral)) {
+        why = BTE_CORNERS;
+    } else if (!(MATH(fabs)(x->steering) < c->steering)) {
+        why = BTE_TURNED;
+    } else {
+        why = BTE_VALID;
+    }
+    return why;
 }
 
 /* A block from the sums: the force balance (1), (5) to (7), drag and rolling resistance known. */
 static void block_ends(bte_state *s) {
-    const bte_car *c = s->car;
-    bte_real mean[BTE_SIGNALS], load[BTE_AXLES], other[BTE_AXLES], driven[BTE_AXLES];
-    for (unsigned i = 0; i < BTE_SIGNALS; i++) {
-        mean[i] = s->sum[i] / (bte_real)c->samples;
-    }
-    const bte_real p = mean[PRESSURE], z = mean[Z];
-    const bte_real omega[BTE_AXLES] = {mean[FRONT], mean[FRONT] + mean[APART]};
-    const bte_real speed = c->radius[BTE_REAR] * omega[BTE_REAR];
+    const bte_car *car = s->car;
+    BTE_CAL bte_numbers *c = car->numbers;
+    const bte_real n = (bte_real)car->samples;
+    const bte_real p = s->sum.p_mc / n, z = s->sum.z / n, front = s->sum.omega_f / n;
+    const bte_real apart = s->sum.apart / n, omega[BTE_AXLES] = {front, front + apart};
+    const bte_real drive[BTE_AXLES] = {s->sum.drive_f / n, s->sum.drive_r / n};
+    bte_real load[BTE_AXLES], other[BTE_AXLES], driven[BTE_AXLES];
+    const bte_real speed = c->rolling_radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = c->drag * square(speed);
     const bte_real grown = R(1.0) + c->rolling_growth * (square(speed / R(20.0)) - R(1.0));
     const bool held = s->faulty || s->worst == BTE_FAULT; /* a reading: nothing is known of spins */
     bte_real demanded = c->weight * z - body;
-    for (unsigned a = 0; a < BTE_AXLES; a++) {
-        const bte_real spin = held            ? -GRAVITY * z / c->radius[a]
+    for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
+        const bte_real radius = c->rolling_radius[a];
+        const bte_real spin = held            ? -GRAVITY * z / radius
                               : s->block_full ? (omega[a] - s->omega[a]) / c->block
                                               : R(0.0);
         s->omega[a] = omega[a];
         load[a] = c->weight * (c->load[a] + c->height[a] * z);
-        other[a] = c->rolling * grown * load[a] - mean[DRIVE + a] / c->radius[a];
-        demanded -= other[a] + c->turning_mass[a] * c->radius[a] * spin;
+        other[a] = c->rolling * grown * load[a] - drive[a] / radius;
+        demanded -= other[a] + c->turning_mass[a] * radius * spin;
     }
     s->block_full = true;
     s->faulty = s->worst == BTE_FAULT;
     const bte_real z_alone = demanded / c->rolls;
-    for (unsigned a = 0; a < BTE_AXLES; a++) {
+    for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
         const bte_real tyre = c->ramp_share[a] * demanded
                               - c->turning_mass[a] * GRAVITY * z_alone;
         const bte_real alone = c->weight * (c->load[a] + c->height[a] * z_alone);
         load[a] += c->weight * c->drag_lift[a] * body;
-        driven[a] = slip_at(c, tyre + other[a], load[a]) - slip_at(c, tyre, alone);
+        driven[a] = slip_at(car, tyre + other[a], load[a]) - slip_at(car, tyre, alone);
     }
-    const bte_real eta_less_1 = mean[FRONT] > R(0.0) ? mean[APART] / mean[FRONT] : R(0.0);
-    const bte_real left = eta_less_1 + driven[BTE_REAR] - driven[BTE_FRONT] * (R(1.0) + eta_less_1);
-    const bte_real rim = c->radius[BTE_FRONT] * omega[BTE_FRONT] / (R(1.0) - driven[BTE_FRONT]);
-    const bte_block block = {demanded / c->weight, c->force / c->weight * p, p, z,
-                             left / (R(1.0) - driven[BTE_REAR]), largest(rim, c->slowest),
-                             load[BTE_REAR] / c->weight, (bte_real)s->worst};
+    const bte_real eta_less_1 = front > R(0.0) ? apart / front : R(0.0);
+    const bte_real eta = eta_less_1 + driven[BTE_REAR] - driven[BTE_FRONT] * (R(1.0) + eta_less_1);
+    const bte_real rim = c->rolling_radius[BTE_FRONT] * front / (R(1.0) - driven[BTE_FRONT]);
+    bte_block block;
+    block.demand = demanded / c->weight;
+    block.nominal = c->force / c->weight * p;
+    block.pressure = p;
+    block.z = z;
+    block.eta_less_1 = eta / (R(1.0) - driven[BTE_REAR]);
+    block.rim = largest(rim, c->slowest);
+    block.rear_share = load[BTE_REAR] / c->weight;
+    block.disturbed = (bte_real)s->worst;
     take(s, &block);
 }
 
-void bte_init(bte_state *s, const bte_car *car) {
-    *s = car->start;
+static void begin(bte_state *s, const bte_car *car) {
+    BTE_CAL bte_numbers *c = car->numbers;
+    const bte_interval any = {R(0.0), logarithm(c->least_level), logarithm(c->most_level)};
+    (void)memset(s, 0, sizeof *s);
+    s->reason = (uint32_t)BTE_NOT_BRAKED;
+    s->block_reason = BTE_NOT_BRAKED;
+    s->layout = BTE_LAYOUT;
     s->car = car;
+$first
+    s->since_lock = R(2.0) * c->recover;
+    start(c, &s->filters);
+    answer_pads(s, &any, &any);
+    s->seal = seal_of(s);
+}
+
+static bool is_taken(const bte_car *car) {
+    return car->layout == BTE_LAYOUT && car->size == sizeof(bte_car) + sizeof(bte_numbers)
+           && car->waiting >= 1U && car->waiting <= 3U;
+}
+
+/* Zeros of the sensors and the lag of the brakes last, where a state may take the data. */
+static bool begin_again(bte_state *s, const bte_car *car, bool may) {
+    const bool taken = may && is_taken(car);
+    if (taken) {
+        const bte_zero demand = s->filters.demand, eta_less_1 = s->filters.eta_less_1;
+        const bte_real lag = s->filters.level.lag, var_lag = s->filters.level.var_lag;
+        begin(s, car);
+        s->filters.demand = demand;
+        s->filters.eta_less_1 = eta_less_1;
+        s->filters.level.lag = lag;
+        s->filters.level.var_lag = var_lag;
+        s->seal = seal_of(s);
+    }
+    return taken;
+}
+
+static uint32_t of_reals(uint32_t sum, BTE_CAL bte_real x[], uint32_t count) {
+    uint32_t so_far = sum;
+    for (uint32_t i = 0; i < count; i++) {
+        so_far = mixed(so_far, x[i]);
+    }
+    return so_far;
+}
+
+static uint32_t of_map(uint32_t sum, const bte_map *map) {
+    uint32_t cells = 1U, so_far = sum;
+    for (unsigned a = 0; a < map->axes; a++) {
+        cells *= map->axis[a].count;
+        so_far = of_reals(so_far, map->axis[a].x, map->axis[a].count);
+    }
+    for (unsigned k = 0; k < map->columns; k++) {
+        so_far = mixed(so_far, map->step[k]);
+        for (uint32_t i = 0; i < cells; i++) {
+            so_far = mixed(so_far, (bte_real)map->cells[k][i]);
+        }
+    }
+    return so_far;
+}
+
+static uint32_t checksum(const bte_car *car) {
+    BTE_CAL bte_real *numbers = (BTE_CAL bte_real *)car->numbers; /* all of one type */
+    uint32_t sum = of_reals(0U, numbers, (uint32_t)(sizeof *car->numbers / sizeof *numbers));
+    sum = of_map(of_map(sum, &car->pads), &car->slip);
+    sum = of_map(of_map(sum, &car->level), &car->before);
+    return of_reals(of_reals(sum, car->tyre.x, car->tyre.count), car->tyre_slip, car->tyre.count);
+}
+
+bte_status bte_init(bte_state *s, const bte_car *car) {
+    bte_status status = BTE_REFUSED;
+    if (is_taken(car)) {
+        begin(s, car);
+        status = checksum(car) == car->checksum ? BTE_READY : BTE_CALIBRATED;
+    } else {
+        (void)memset(s, 0, sizeof *s);
+    }
+    return status;
 }
 
 bool bte_exchange(bte_state *s, const bte_car *car) {
-    bool rests = true;
-    for (unsigned w = 0; w < BTE_WHEELS; w++) {
-        rests = rests && MATH(fabs)(s->last[BTE_OMEGA_FL + w]) < s->car->rests;
-    }
-    if (rests) {
-        bte_init(s, car);
-    }
-    return rests;
+    const bool known = s->layout == BTE_LAYOUT;
+    const bte_real rests = known ? s->car->numbers->rests : R(0.0);
+    return begin_again(s, car, MATH(fabs)(s->omega[BTE_FRONT]) < rests
+                                   && MATH(fabs)(s->omega[BTE_REAR]) < rests);
 }
 
-bte_reason bte_step(bte_state *s, const bte_real x[BTE_INPUTS],
-                    bte_real out[BTE_ANSWERS][BTE_BOUNDS]) {
+bool bte_resume(bte_state *s, const bte_car *car) {
+    return begin_again(s, car, s->layout == BTE_LAYOUT && s->seal == seal_of(s));
+}
+
+static bte_reason step(bte_state *s, const bte_inputs *x) {
     const bool fine = take_sample(s, x), begins = s->count == 0U;
     const bte_reason disturbed = disturbance(s, fine);
-    const bte_real *last = s->last;
+    const bte_inputs *last = &s->last;
+    const bte_sums_of_block none = {R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)};
+    bte_sums_of_block *sum = &s->sum;
     s->started = true;
     s->worst = begins || disturbed > s->worst ? disturbed : s->worst;
-    s->driven = last[BTE_DRIVEN] > R(0.5) || (!begins && s->driven);
-    const bte_real front = last[BTE_OMEGA_FL] + last[BTE_OMEGA_FR];
-    const bte_real apart = (last[BTE_OMEGA_RL] - last[BTE_OMEGA_FL])
-                           + (last[BTE_OMEGA_RR] - last[BTE_OMEGA_FR]);
-    const bte_real signal[BTE_SIGNALS] = {last[BTE_P_MC], -last[BTE_A_X] / GRAVITY,
-                                          R(0.5) * front, R(0.5) * apart,
-                                          last[BTE_T_DRIVE_F], last[BTE_T_DRIVE_R]};
-    for (unsigned i = 0; i < BTE_SIGNALS; i++) {
-        s->sum[i] = begins ? signal[i] : s->sum[i] + signal[i];
-    }
+    s->driven = last->driven > R(0.5) || (!begins && s->driven);
+    *sum = begins ? none : *sum;
+    sum->p_mc += last->p_mc;
+    sum->z += -last->a_x / GRAVITY;
+    sum->omega_f += R(0.5) * (last->omega_fl + last->omega_fr);
+    sum->apart += R(0.5) * ((last->omega_rl - last->omega_fl) + (last->omega_rr - last->omega_fr));
+    sum->drive_f += last->T_drive_f;
+    sum->drive_r += last->T_drive_r;
     s->count++;
     if (s->count >= s->car->samples) {
         s->count = 0;
         block_ends(s);
     }
-    bte_told(s, last[BTE_P_MC], out);
-    return fine ? s->reason : BTE_FAULT;
+    answer_torques(s);
+    return fine ? s->block_reason : BTE_FAULT;
+}
+
+bte_reason bte_step(bte_state *s, const bte_inputs *x) {
+    const bte_reason reason = s->layout == BTE_LAYOUT ? step(s, x) : BTE_FAULT;
+    s->reason = (uint32_t)reason;
+    return reason;
 }

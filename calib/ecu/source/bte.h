@@ -3,11 +3,12 @@
  *     sample --means over a block--> zeros, level, lag, slip, ratio --> friction, torque, bounds
  *
  * SI units. No memory is allocated, nothing is recursive, and of math.h only sqrt, fabs, frexp and
- * ldexp are called, which have the same bits everywhere.
+ * ldexp are called, which have the same bits everywhere. One code serves any number of cars.
  * One task calls all functions of one `bte_state`:
  *
- *     bte_init(&state, &bte_this_car);                 at power-on, and after a reset
- *     bte_reason reason = bte_step(&state, x, y);      once every `sample_time` of the car
+ *     bte_init(&state, &bte_car_NAME);                 at power-on, and after a reset
+ *     bte_reason reason = bte_step(&state, &inputs);   once every `sample_time` of the car
+ *     state.answers.brake_torque_f.median              until the next call
  */
 #ifndef BTE_H
 #define BTE_H
@@ -18,6 +19,8 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+#define BTE_LAYOUT $layout /* of the structures below, by their text */
 
 typedef $real bte_real;
 typedef $cell bte_cell; /* of the maps */
@@ -36,23 +39,26 @@ typedef enum {
 $reasons
 } bte_reason;
 
-enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4, BTE_SIGNALS = 6 };
-
-/* What the sensors read at one time, x[BTE_INPUTS]; bte_car.c has their ranges. */
-enum {
+/* What the sensors read at one time. */
+typedef struct {
 $inputs
-    BTE_INPUTS
-};
+} bte_inputs;
 
-/* What is answered, y[BTE_ANSWERS][BTE_BOUNDS]: medians with 95 % bounds, finite at any reason. */
-enum { BTE_MEDIAN, BTE_LOWER, BTE_UPPER, BTE_BOUNDS };
-enum {
+/* With its 95 % bounds. */
+typedef struct {
+    bte_real median, lower, upper;
+} bte_interval;
+
+/* What is answered, finite at any reason. */
+typedef struct {
 $answers
-    BTE_ANSWERS
-};
+} bte_answers;
+
+enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4, BTE_INPUTS = $count };
 
 /* Axes of maps: deceleration, (eta - 1)/z, slip in standard deviations; rising points. */
 enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
+enum { BTE_COLUMNS = 3 };
 typedef struct {
     BTE_CAL bte_real *x;
     uint16_t count;
@@ -63,8 +69,8 @@ typedef struct {
 typedef struct {
     bte_axis axis[BTE_MAP_AXES];
     uint16_t axes, columns;
-    BTE_CAL bte_cell *cells[BTE_BOUNDS];
-    bte_real step[BTE_BOUNDS];
+    BTE_CAL bte_cell *cells[BTE_COLUMNS];
+    bte_real step[BTE_COLUMNS];
 } bte_map;
 
 /* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
@@ -77,52 +83,75 @@ typedef struct {
 bte_place BTE_FIND(const bte_axis *axis, bte_real x);
 #endif
 
+/* The numbers of a car, all of one type. */
+typedef struct {
+$numbers
+} bte_numbers;
+
+/* The data of a car: of which bte.h, how large, with which sum; numbers and maps. */
+typedef struct {
+    uint32_t layout, size, checksum;
+    uint16_t samples, waiting; /* of a block; blocks on which no zero rests */
+    BTE_CAL bte_numbers *numbers;
+    bte_map pads, slip, level, before;
+    bte_axis tyre;
+    BTE_CAL bte_real *tyre_slip;
+} bte_car;
+
 /* What a signal reads while nothing brakes, Kalman filters of brakes and speed, and their sums. */
+$structures
+
+typedef struct {
 $filters
+} bte_filters;
 
 /* Means over a block [SI], as the estimator takes them in; forces over the weight. */
 typedef struct {
-    bte_real demand, nominal, pressure, z, eta_less_1, rim, rear_share, disturbed;
+    bte_real $block;
 } bte_block;
 
-/* All that is remembered; of no use outside of bte.c, but for RAM that must survive a reset. */
+/* Sums over the samples of a block. */
 typedef struct {
-    const struct bte_car *car;
-$state
+    bte_real p_mc, z, omega_f, apart, drive_f, drive_r; /* apart: rear less front wheels */
+} bte_sums_of_block;
+
+/* All that is remembered. A tool measures the first five members; calibration data do not move. */
+typedef struct {
+    uint32_t reason, layout;
+    bte_inputs last; /* good readings */
+    bte_answers answers;
+    bte_filters filters;
+    const bte_car *car;
+    bte_interval ratio; /* ln of the best informed one */
     bool started, block_full, faulty, driven;
-    uint32_t waits;
-    bte_block waiting[3];
-    bte_real last[BTE_INPUTS], raw[BTE_INPUTS], before[BTE_WHEELS][2];
-    bte_real fastest, lateral, p_held, held, sum[BTE_SIGNALS], omega[BTE_AXLES];
     uint16_t count;
-    bte_reason worst, reason;
-    bte_real told[BTE_BRAKE_TORQUE_F][BTE_BOUNDS]; /* of the last block; torques follow */
+    uint32_t seal, waits;
+    bte_block waiting[3];
+    bte_inputs raw;
+    bte_real before[BTE_WHEELS][2], fastest, lateral, since_lock, p_held, held, omega[BTE_AXLES];
+    bte_sums_of_block sum;
+    bte_reason worst, block_reason;
 } bte_state;
 
-/* The numbers of a car, SI; calib/ecu/car_source.py of brake-cal has what they are. */
-typedef struct bte_car {
-    bte_state start;
-    bte_map pads, slip, level, before;
-    bte_axis tyre;
-    BTE_CAL bte_real *tyre_slip, *version;
-    uint16_t samples, waiting;
-    bte_real $numbers;
-} bte_car;
+typedef enum {
+    BTE_READY,
+    BTE_CALIBRATED, /* ready, but the data differ from their sum: a tool changed them, or a fault */
+    BTE_REFUSED     /* data of another bte.h or compiler: every answer is 0, its reason a fault */
+} bte_status;
 
-/* Forget everything. */
-void bte_init(bte_state *state, const bte_car *car);
+/* Forget everything, and take the data of a car. */
+bte_status bte_init(bte_state *state, const bte_car *car);
 
-/* Take in a sample, and answer; the reason of the answer. */
-bte_reason bte_step(bte_state *state, const bte_real x[BTE_INPUTS],
-                    bte_real y[BTE_ANSWERS][BTE_BOUNDS]);
+/* Take in a sample; the reason of `state->answers`. */
+bte_reason bte_step(bte_state *state, const bte_inputs *x);
 
-/* Take another car's numbers and forget everything: true at rest, false while it rolls. */
+/* Take other data: true at rest, false while it rolls or if they are refused, and nothing is done.
+ * What a_x and eta read while nothing brakes, and the lag of the brakes, last; all else begins. */
 bool bte_exchange(bte_state *state, const bte_car *car);
 
-/* The answer of the last block, with the torques at a pressure [Pa]. */
-void bte_told(const bte_state *state, bte_real p_mc, bte_real y[BTE_ANSWERS][BTE_BOUNDS]);
-
-extern const bte_car bte_this_car;
+/* After a reset, before bte_init, of a state in RAM that it spared: true if its seal is whole. The
+ * same lasts. False: call bte_init. */
+bool bte_resume(bte_state *state, const bte_car *car);
 
 #ifdef __cplusplus
 }

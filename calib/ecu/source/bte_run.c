@@ -1,43 +1,150 @@
-/* Runs the estimator of brake-cal over many samples. With BTE_VECTORS defined it is a program that
- * compares with bte_vectors.h, which Python wrote.
+/* Runs the estimator of brake-cal over many samples: `bte_run`, for tests.
+ *
+ * With BTE_VECTORS defined it is a program for a PC. Without a file it compares with what Python
+ * answered (bte_vectors.h); with one it writes answers to a stop, as brake-cal log --si writes it:
+ *
+ *     bte_run stop.csv > answers.csv
  */
 #include <string.h>
 
 #include "bte.h"
 
-enum { BTE_TOLD = 1 + BTE_ANSWERS * BTE_BOUNDS }; /* a row: the reason, then the answers */
+enum { BTE_ROW = 1 + (int)(sizeof(bte_answers) / sizeof(bte_real)) }; /* the reason, the answers */
+
+void bte_run(const bte_car *car, const bte_real *samples, uint32_t count, bte_real *rows);
 
 /* Run `count` rows of inputs from the start into rows of answers. */
-void bte_run(const bte_real *samples, uint32_t count, bte_real *told) {
+void bte_run(const bte_car *car, const bte_real *samples, uint32_t count, bte_real *rows) {
     static bte_state state;
-    bte_init(&state, &bte_this_car);
+    (void)bte_init(&state, car);
     for (uint32_t i = 0; i < count; i++) {
-        bte_real y[BTE_ANSWERS][BTE_BOUNDS];
-        told[i * BTE_TOLD] = (bte_real)bte_step(&state, &samples[i * BTE_INPUTS], y);
-        (void)memcpy(&told[i * BTE_TOLD + 1U], y, sizeof y);
+        bte_inputs x;
+        (void)memcpy(&x, &samples[i * BTE_INPUTS], sizeof x);
+        rows[i * BTE_ROW] = (bte_real)bte_step(&state, &x);
+        (void)memcpy(&rows[i * BTE_ROW + 1U], &state.answers, sizeof state.answers);
     }
 }
 
 #ifdef BTE_VECTORS
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-#include "bte_vectors.h" /* COUNT, EVERY, TOLERANCE, inputs, expected */
+#include "bte_vectors.h"
 
-int main(void) {
-    static bte_real told[COUNT * BTE_TOLD];
+enum { LINE = 65536, CELLS = 1024, REFUSED = 2 };
+
+static int compare(void) {
+    static bte_real rows[BTE_VECTORS_COUNT * BTE_ROW];
     unsigned wrong = 0U;
     double worst = 0.0;
-    bte_run(&inputs[0][0], COUNT, told);
-    for (uint32_t i = 0; i < COUNT / EVERY * BTE_TOLD; i++) {
-        const uint32_t end = (i / BTE_TOLD + 1U) * EVERY - 1U;
-        const double right = (double)expected[i / BTE_TOLD][i % BTE_TOLD];
-        const double found = (double)told[end * BTE_TOLD + i % BTE_TOLD];
-        const double apart = fabs(found - right) / fmax(right, 1e-6); /* of reasons 0.1 or more */
-        wrong += !(apart <= TOLERANCE);
+    bte_run(BTE_VECTORS_CAR, &bte_vectors_inputs[0][0], BTE_VECTORS_COUNT, rows);
+    for (uint32_t i = 0; i < BTE_VECTORS_COUNT / BTE_VECTORS_EVERY * BTE_ROW; i++) {
+        const uint32_t end = (i / BTE_ROW + 1U) * BTE_VECTORS_EVERY - 1U;
+        const double right = (double)bte_vectors_answers[i / BTE_ROW][i % BTE_ROW];
+        const double answer = (double)rows[end * BTE_ROW + i % BTE_ROW];
+        const double apart = fabs(answer - right) / fmax(right, 1e-6); /* of reasons 0.1 or more */
+        wrong += !(apart <= BTE_VECTORS_TOLERANCE);
         worst = fmax(worst, apart);
     }
-    printf("%u samples: largest difference %.3g, %u beyond %g\n", COUNT, worst, wrong, TOLERANCE);
+    printf("%u samples: largest difference %.3g, %u beyond %g\n", BTE_VECTORS_COUNT, worst, wrong,
+           BTE_VECTORS_TOLERANCE);
     return wrong > 0U;
 }
+
+static int refuse(const char *file, const char *wrong, const char *name) {
+    fprintf(stderr, "%s: %s%s; write it with `brake-cal log STOP --si --out stop.csv`\n", file,
+            wrong, name);
+    return REFUSED;
+}
+
+/* The cells of a line, which it parts; an empty one is one. */
+static int parted(char *line, char *cell[CELLS]) {
+    int count = 0;
+    line[strcspn(line, "\r\n")] = '\0';
+    for (char *next = line; next != NULL && count < CELLS; count++) {
+        cell[count] = next;
+        next = strchr(next, ',');
+        if (next != NULL) {
+            *next++ = '\0';
+        }
+    }
+    return count;
+}
+
+/* The place of a column; -1 where there is none, -2 where it has another unit. */
+static int place_of(char *const cell[], int count, const char *column) {
+    const size_t name = strcspn(column, " ");
+    for (int k = 0; k < count; k++) {
+        if (strncmp(cell[k], column, name) == 0 && strchr(" [", cell[k][name]) != NULL) {
+            return strcmp(cell[k], column) == 0 ? k : -2;
+        }
+    }
+    return -1;
+}
+
+static void print_row(const bte_state *s, double time) {
+    bte_real y[BTE_ROW - 1];
+    (void)memcpy(y, &s->answers, sizeof y);
+    printf("%.17g,%u", time, (unsigned)s->reason);
+    for (int k = 0; k < BTE_ROW - 1; k++) {
+        printf(",%.9g", (double)y[k]);
+    }
+    printf("\n");
+}
+
+static int run_file(const char *path) {
+    static char line[LINE];
+    static bte_state state;
+    char *cell[CELLS];
+    int place[BTE_INPUTS], at = -1, count = 0;
+    const double step = (double)BTE_VECTORS_CAR->numbers->sample_time;
+    double last = -1.0;
+    FILE *file = fopen(path, "r");
+    if (file == NULL || fgets(line, LINE, file) == NULL) {
+        return refuse(path, "cannot be read", "");
+    }
+    count = parted(line, cell);
+    at = place_of(cell, count, "time [s]");
+    if (at < 0) {
+        return refuse(path, "no column time [s]", "");
+    }
+    for (int i = 0; i < BTE_INPUTS; i++) {
+        place[i] = place_of(cell, count, bte_vectors_columns[i]);
+        if (place[i] == -2 || (place[i] < 0 && i < BTE_VECTORS_NEEDED)) {
+            return refuse(path, "no column ", bte_vectors_columns[i]);
+        }
+    }
+    printf("%s\n", bte_vectors_header);
+    (void)bte_init(&state, BTE_VECTORS_CAR);
+    for (unsigned rows = 0; fgets(line, LINE, file) != NULL; rows++) {
+        bte_inputs x;
+        bte_real row[BTE_INPUTS];
+        count = parted(line, cell);
+        const double time = at < count ? strtod(cell[at], NULL) : -1.0;
+        const double steps = rows == 0U ? 1.0 : (time - last) / step;
+        /* the first step tells the rate, a later one may be a gap */
+        if (!(steps > 0.75 && (rows > 1U || steps < 1.25))) {
+            return refuse(path, "its rate is not that of the code: `sample_time` of bte_numbers", "");
+        }
+        for (int i = 0; i < BTE_INPUTS; i++) {
+            row[i] = (bte_real)NAN;
+        }
+        (void)memcpy(&x, row, sizeof x); /* nothing, in a gap */
+        for (double k = 1.0; k < fmin(floor(steps + 0.5), 10.0 / step); k += 1.0) {
+            (void)bte_step(&state, &x);
+        }
+        for (int i = 0; i < BTE_INPUTS; i++) {
+            const char *text = place[i] >= 0 && place[i] < count ? cell[place[i]] : "0";
+            row[i] = *text == '\0' ? (bte_real)NAN : (bte_real)strtod(text, NULL);
+        }
+        (void)memcpy(&x, row, sizeof x);
+        (void)bte_step(&state, &x);
+        print_row(&state, time);
+        last = time;
+    }
+    return fclose(file) != 0;
+}
+
+int main(int count, char *words[]) { return count > 1 ? run_file(words[1]) : compare(); }
 #endif
