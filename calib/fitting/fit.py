@@ -42,6 +42,8 @@ from calib.run.same_run import fingerprint_of
 from calib.table.invariants import require_finite
 from calib.table.table import LogReference, Provenance, Table, TableReference, Value
 
+_CONTRADICT = "v or a_x, which contradict each other: the clock, the scale or a filter of one"
+
 
 def fit(
     vehicle: Vehicle,
@@ -125,7 +127,10 @@ def fit(
         "stiffness": {part: of[1] for part, of in parts.items()},
     }
     pads, budget = calibration_of(car, scale, ratio, stiffness, variances)
-    require_possible_pads(car, pads, warnings, other_than_pads(causes))
+    contradict = any(one.code in ("a_x_scale", "a_x_against_v") for one in warnings)
+    require_possible_pads(
+        car, pads, warnings, _CONTRADICT if contradict else other_than_pads(causes)
+    )
     difference, paper = difference_curves(car, some, both, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(both))
     table = Table(

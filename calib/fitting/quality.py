@@ -5,6 +5,7 @@ ramp that no draw carries, or that all leave far more of than the sensors err by
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,8 +61,18 @@ def explained(
             expected="no wheel near its limit, and mass, axle loads and radii of this car",
             do="end the ramp before ABS works or a wheel locks; look at it with `brake-cal check`",
         ) from error
-    left = [residuals(car, found, run) for run in runs if run.only is None]
+    left = _left(car, found, runs)
     worst = max(_rms(eta) for eta, _ in left)
+    if worst > _MOST and any(run.slip is not None for run in runs):
+        alone = [replace(run, slip=None) for run in runs]
+        others = _left(car, posterior(car, alone, ratio, known=known), alone)
+        if max(_rms(eta) for eta, _ in others) < _MOST:
+            raise refused(
+                f"v contradicts the wheel speeds: no tyre explains both, eta is left {worst:.1f} "
+                "times what they err by, and without v it is explained",
+                expected="a v of the same car, in time and to scale",
+                do="check clock, filter and scale of v, or leave v out of the log",
+            )
     if worst > _MOST and all(one.code in MOVE_ETA for one in named):
         likely = [one.causes[0] for one in named if one.code in MOVE_ETA]
         raise refused(
@@ -77,6 +88,11 @@ def explained(
         "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
     }
     return found, figures
+
+
+def _left(car: Vehicle, e: Ensemble, runs: Sequence[RampRun]) -> list[tuple[Array, Array]]:
+    """What is left of eta and slip of each ramp on which both axles brake."""
+    return [residuals(car, e, run) for run in runs if run.only is None]
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:

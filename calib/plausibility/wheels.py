@@ -5,6 +5,7 @@ Each function is a figure of `rules.csv` by its name.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -21,6 +22,7 @@ from calib.plausibility.evidence import Evidence
 from calib.plausibility.wheel_offset import offsets_of
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE
+from calib.run.resistance import identify
 from calib.run.wheels import crossed_side
 
 _SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # taken for each other [m/s]
@@ -31,6 +33,7 @@ _STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
 _ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
 """Rolling [s] that tells zero and slope of a_x, change of the slope after it [1], and how well a
 vehicle file knows its radii [1]; one sigma each."""
+_MOST_OF_IT = 0.6  # share of what v and the wheels differ by that a_x shows, too [1]
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""
@@ -143,9 +146,22 @@ def bitten(b: Blocks) -> float:
 
 def car_wheels(e: Evidence) -> Iterator[Measured]:
     """Rolling radii of the axles against those of the vehicle file."""
-    if e.run.vehicle is not None and (rolling := e.run.rolling_radii) is not None:
-        yield relative("rolling_radius_f", rolling[0], e.run.car.front.rolling_radius)
-        yield relative("rolling_radius_r", rolling[1], e.run.car.rear.rolling_radius)
+    if e.run.vehicle is None or (rolling := e.run.rolling_radii) is None:
+        return
+    car = e.run.car
+    both = [
+        relative("rolling_radius_f", rolling[0], car.front.rolling_radius),
+        relative("rolling_radius_r", rolling[1], car.rear.rolling_radius),
+    ]
+    off = min((one.value for one in both), key=abs)
+    likely = "a log of another vehicle"
+    if abs(off) > bounds_of("a_x_scale")[1]:
+        sensor = e.run.accelerometer(identify(car, ()))
+        if math.sqrt(sensor.variance_scale) > 0.5 * abs(off):  # hardly braked: nobody knows
+            likely = "the scale of v, or a log of another vehicle"
+        elif -_MOST_OF_IT > sensor.scale / off > -1.0 / _MOST_OF_IT:
+            likely = "the scale of v, by which a_x and v differ as much"
+    yield from (replace(one, words={"likely": likely}) for one in both)
 
 
 def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:

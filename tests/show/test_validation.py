@@ -37,12 +37,15 @@ def test_the_ecu_stands_first_and_every_row_names_its_stop():
     assert table.rows[-1][2:5] == ("0.300", "0.280", "0.750")
 
 
-def test_without_an_answer_there_is_no_number():
-    found = told(made("a", None, None, valid_share=0.0, ecu_valid_share=0.0))
+@pytest.mark.parametrize("ecu", [{"ecu_valid_share": 0.0}, ECU])
+def test_without_an_answer_there_is_no_number(ecu):
+    """Nor of an ECU beside a stop of which no sample counts."""
+    found = told(made("a", None, None, **(ecu | {"valid_share": 0.0})))
     (one,), two = found.tables[0].rows, found.parts[0].tables[0].rows
     assert len(two) == 2
     cells = [*one[1:4], *(cell for row in two for cell in row[2:5])]
     assert not any(cell[:1].isdigit() for cell in cells)
+    assert [row[5].partition("\xa0")[0] for row in two] == ["0.0", "0.0"]
 
 
 @pytest.mark.parametrize(
