@@ -1,7 +1,5 @@
 """`brake-cal diagnose`: where a model and the measured runs disagree, and the missing effect."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -65,26 +63,15 @@ def diagnose(
     car = with_own(vehicle, effect)
     # a function of one's own acts in one process only
     count = 1 if car.effects.own else workers or min(cores(), 8)
-    with stoppable("stopped; nothing was written"):
-        with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
-            with progress() as step:
-                runs = read_all([*logs, *holdout], channel_map, step)
-            say(f"searching {counted(len(logs), 'log')}, confirming on {len(holdout)}")
-            with progress() as step:
-                found = find(car, runs[: len(logs)], runs[len(logs) :], step, mapped)
-        with progress("drawing the report"):
-            page = page_of(facts_of(found))
-        with writing(out):
-            write_folder(found, text_of(found), page, out)
+    with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
+        with progress() as step:
+            runs = read_all([*logs, *holdout], channel_map, step)
+        say(f"searching {counted(len(logs), 'log')}, confirming on {len(holdout)}")
+        with progress() as step:
+            found = find(car, runs[: len(logs)], runs[len(logs) :], step, mapped)
+    with progress("drawing the report"):
+        page = page_of(facts_of(found))
+    with writing(out):
+        write_folder(found, text_of(found), page, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
     return Answer(to_dict(found), found, out=out)
-
-
-@contextmanager
-def stoppable(said: str) -> Iterator[None]:
-    """Say what becomes of the work where it is interrupted."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        say(said)
-        raise

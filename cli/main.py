@@ -154,6 +154,8 @@ def _ignored(raised: Any) -> None:
 def _run() -> int:
     started, words = time.monotonic(), sys.argv[1:]
     code = _code(words)
+    if code == INTERRUPTED:
+        say("stopped; nothing is half-written: the same command goes on, or begins again")
     if this_run().verbose:
         say(f"took {time.monotonic() - started:.1f} s, exit code {code}")
     return code
@@ -179,7 +181,6 @@ def _failed(words: Sequence[str], error: Any) -> int:
         _fail(words, _usage(error))
         error.show()
     elif isinstance(error, typer.Abort):
-        complain("stopped")
         return INTERRUPTED
     else:
         return _crashed(words, error)

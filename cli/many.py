@@ -16,7 +16,6 @@ from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
-from cli.diagnose import stoppable
 from cli.options import argument, option
 from cli.outputs import check_folder, write_folder, writing
 
@@ -117,18 +116,17 @@ def batch(
     if given.workers is not None and scheduler is not None:
         raise misuse("the scheduler has its own workers", "--workers")
     job, out = given.job(command), given.out
-    with stoppable("stopped; the same command continues where it was"):
-        executor = Cluster(scheduler) if scheduler else Pool(given.workers or cores())
-        say(f"{command.value} on {counted(executor.workers, 'worker')}")
-        try:
-            with progress() as step, writing(out):
-                done = run_batch(
-                    *(job, logs, out, executor),
-                    lambda b: step(f"{b.done} of {b.total} logs", b.done, b.total),
-                    given.fresh,
-                )
-        finally:
-            executor.close()
+    executor = Cluster(scheduler) if scheduler else Pool(given.workers or cores())
+    say(f"{command.value} on {counted(executor.workers, 'worker')}")
+    try:
+        with progress() as step, writing(out):
+            done = run_batch(
+                *(job, logs, out, executor),
+                lambda b: step(f"{b.done} of {b.total} logs", b.done, b.total),
+                given.fresh,
+            )
+    finally:
+        executor.close()
     counts = ", ".join(f"{n} {status.told(command)}" for status, n in sorted(done.counts.items()))
     failed = done.counts[Status.FAILED] > 0
     return Answer(
