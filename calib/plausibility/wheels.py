@@ -33,7 +33,7 @@ _STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
 _ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
 """Rolling [s] that tells zero and slope of a_x, change of the slope after it [1], and how well a
 vehicle file knows its radii [1]; one sigma each."""
-_MOST_OF_IT = 0.6  # share of what v and the wheels differ by that a_x shows, too [1]
+_MOST_OF_IT = 0.4  # share of what v and the wheels differ by that a_x shows, too [1]
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""

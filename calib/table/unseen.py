@@ -62,7 +62,8 @@ def unseen(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
     ``v`` whether they have a reference speed; ``mass`` sigma of that of the car, relative [1].
     """
     known = table.vehicle.mass_tolerance if mass is None else mass
-    told = (_unseen(table, *one) for one in _entries(table, v, known))
+    told = [_unseen(table, *one) for one in _entries(table, v, known)]
+    told += _pads_of_file(table)
     return sorted(told, key=lambda one: (-one.share_front - one.share_rear, one.up_to))
 
 
@@ -90,6 +91,20 @@ def _entries(
     height, ahead = _by_loads(table)
     yield "cg_height", CAR.cg_height.sigma, 0.0, read * height
     yield "cg_to_front_axle", CAR.cg_to_front_axle.sigma, 0.0, read * ahead
+
+
+def _pads_of_file(table: Table) -> Iterator[Unseen]:
+    """The friction that the file gives the pads: the weight it has in their ratio moves them.
+
+    They depart from a wrong one as from a wrong area, by what eta says.
+    """
+    share, weight = _share(table), table.quality.get("pad_ratio_nominal_weight", 0.0)
+    for name, sign in (("front", 1.0), ("rear", -1.0)):
+        area = _unseen(
+            table, "", None, -share if sign > 0.0 else share - 1.0, sign * (weight - 1.0)
+        )
+        of = _unseen(table, f"{name}.pad_friction", grade(table.vehicle), 0.0, sign * weight)
+        yield of._replace(up_to=area.up_to)
 
 
 def _share(table: Table) -> float:

@@ -64,3 +64,13 @@ def test_loads_move_the_ratio_as_the_same_eta_demands(entry):
     ratio = (moved - share) / (share * (1.0 - share)) / by
     of = entries(v=True)[entry]
     assert of.front - of.rear == pytest.approx(ratio, rel=1e-2)
+
+
+@pytest.mark.parametrize("weight", [0.0, 0.3])
+def test_pads_of_the_file_move_the_ratio_by_the_weight_that_they_have(weight):
+    table = replace(TABLE, quality={"pad_ratio_nominal_weight": weight})
+    found = {one.entry: one for one in unseen(table, v=True)}
+    front, rear = (found[f"{axle}.pad_friction"] for axle in ("front", "rear"))
+    assert front.front - front.rear == pytest.approx(weight)
+    assert rear.front - rear.rear == pytest.approx(-weight)
+    assert front.up_to == found["front.piston_area"].up_to
