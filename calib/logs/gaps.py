@@ -14,7 +14,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
-from calib.logs.clock import GAP, is_ascending, step_of
+from calib.logs.clock import GAP, check_increasing, is_ascending, step_of
 
 BRIDGE = 0.2
 """Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""
@@ -205,6 +205,8 @@ def complete_channels(
     Raises LogError for an empty one in ``require``, and for missing values in what every log has.
     """
     kept, notes = {}, []
+    if np.isinf(channels["time"]).any():
+        check_increasing(channels["time"], where)
     for name, values in channels.items():
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size == 0:
