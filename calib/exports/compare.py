@@ -2,19 +2,20 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import chain, product
 from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
-from calib.exports.build import build, sliced
+from calib.exports.build import build, maps_of, sliced
 from calib.exports.dataset import Content, Grid, prefix
 from calib.exports.read import CDF, Returned
 from calib.exports.write import FORMATS
 from calib.store.folders import names_in
 from calib.store.store import Store
 from calib.store.version import Stored
+from calib.table.exported import BITS, Precision
 
 _DIGITS = range(17, 2, -1)
 """Significant digits or decimals to which a tool may have rounded, the finest way first."""
@@ -84,6 +85,7 @@ class Difference(NamedTuple):
 
     wrong: list[str]
     rounded: str = ""
+    missing: tuple[str, ...] = ()  # labels of the table that are not in the file
 
 
 def difference(found: Returned, stored: Stored | None) -> Difference:
@@ -101,20 +103,47 @@ def difference(found: Returned, stored: Stored | None) -> Difference:
             )
         rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
-    content = _content(stored, found)
-    rounded, changed = _best_rounding(list(_pairs(found.content, content)))
-    wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
-    wrong = [*([] if rounded else edited), *wrong, *_gaps(found, content)]
+    told = _compared(found, _content(stored, found), edited)
+    points = max((len(x) for x in found.content.axes.values()), default=None)
+    for bits in (None, *BITS) if told.wrong else ():  # the axes of code are rounded first
+        how = Precision(points, bits, single=bits is None, code=True)
+        told = min(told, _compared(found, _coded(stored, found, how), edited), key=_flaws)
     claimed = found.facts.get("digest", stored.digest)
     if claimed != stored.digest:
-        wrong.insert(0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}")
-    return Difference(wrong, rounded)
+        told.wrong.insert(0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}")
+    return told
+
+
+def _flaws(told: Difference) -> int:
+    return len(told.wrong)
+
+
+def _compared(found: Returned, content: Content, edited: list[str]) -> Difference:
+    rounded, changed = _best_rounding(list(_pairs(found.content, content)))
+    wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
+    absent = tuple(sorted(_labels(content) - _labels(found.content)))
+    return Difference(
+        [*([] if rounded else edited), *wrong, *_gaps(found, content)], rounded, absent
+    )
+
+
+def _labels(content: Content) -> set[str]:
+    return {*content.axes, *content.grids, *content.scalars}
+
+
+def _coded(stored: Stored, found: Returned, how: Precision) -> Content:
+    """The numbers of a table, its maps as C code reads them."""
+    most = FORMATS["cdfx" if found.format == CDF else "dcm"].most_axes
+    data = build(stored, first=found.prefix)
+    axes, maps = zip(*maps_of(stored.table, found.prefix, how, most), strict=True)
+    grids, over = tuple(chain.from_iterable(maps)), tuple(chain.from_iterable(axes))
+    return replace(data, axes=over, grids=grids).content()
 
 
 def _content(stored: Stored, found: Returned) -> Content:
     """The numbers of a table, its maps in the slices that the file has where it has slices."""
     most = FORMATS["cdfx" if found.format == CDF else "dcm"].most_axes
-    data = build(stored)
+    data = build(stored, first=found.prefix)
     grids: list[Grid] = []
     for one in data.grids:
         rows = one.axis.numbers
@@ -150,14 +179,12 @@ def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
 
 
 def _gaps(found: Returned, whole: Content) -> list[str]:
-    """Labels that one of both lacks, and curves that end before the table does.
+    """Labels that the table lacks, and curves that end before the table does.
 
     A tool may save other objects of an ECU along; labels of this table begin with its name.
     """
-    ours, theirs = ({*one.axes, *one.grids, *one.scalars} for one in (found.content, whole))
-    ours = {name for name in ours if name.startswith(f"{found.prefix}_")}
-    gaps = [f"{name}: only in the file" for name in ours - theirs]
-    gaps += [f"{name}: only in the table" for name in theirs - ours]
+    more = _labels(found.content) - _labels(whole)
+    gaps = [f"{name}: only in the file" for name in more if name.startswith(f"{found.prefix}_")]
     for name in found.content.grids.keys() & whole.grids.keys():
         for x, rows in zip(found.content.grids[name][0], whole.grids[name][0], strict=True):
             row = _nearest(x, rows)

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 
 from calib.base.bounded import CALIBRATION, bytes_of
 from calib.base.errors import ExchangeError
-from calib.exports.dataset import Content, Numbers
+from calib.exports.dataset import Content, Numbers, prefix
 
 _VERSION = "_version"  # the end of the label of the scalar that holds the version of the table
 DCM, CDF = "DCM", "CDF"  # formats that are read back
@@ -63,10 +63,12 @@ def read_back(path: Path) -> Returned:
 def _returned(path: Path, form: str, found: _Found) -> Returned:
     facts, units, content = found
     firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
-    firsts = [first for first in firsts if f"{first}_D" in content.grids]
+    firsts = [x for x in firsts if {f"{x}_D", f"{x}_level"} & content.grids.keys()]
+    if not firsts and "table" in facts:  # a part of a table
+        firsts = [prefix(facts["table"].partition("@")[0])]
     if len(firsts) != 1:
         raise ExchangeError(
-            f"{form} with the labels of {len(firsts)} tables, such as NAME{_VERSION} and NAME_D",
+            f"{form} with the labels of {len(firsts)} tables: NAME{_VERSION}, NAME_D or NAME_level",
             where=path,
             expected="an export of one table, or that file as another tool has saved it",
         )
@@ -77,7 +79,7 @@ def _returned(path: Path, form: str, found: _Found) -> Returned:
             do="export the table again",
         )
     (first,) = firsts
-    table = facts.get("table", f"{first}@{content.scalars[first + _VERSION]:.0f}")
+    table = facts.get("table") or f"{first}@{content.scalars[first + _VERSION]:.0f}"
     return Returned(form, facts, units, content, first, table)
 
 

@@ -228,6 +228,7 @@ def returned_document(
         "unchanged": found.unchanged,
         "rounded": difference.rounded,
         "differences": difference.wrong,
+        "not_in_file": difference.missing,
     }
 
 
@@ -239,10 +240,12 @@ def returned(found: "Returned", stored: Stored | None, difference: "FromFile") -
         headline = f"unchanged since it was written; {found.table} is not in this store"
     else:
         how = f"as rounded {difference.rounded}" if difference.rounded else "to the last bit"
-        headline = f"agrees with {stored.id} {how}"
+        part = f", without {counted(len(difference.missing), 'label')}" * bool(difference.missing)
+        headline = f"agrees with {stored.id} {how}{part}"
     return Facts(
         headline=headline,
         verdict=FAILED if difference.wrong else PASSED,
-        notes=[f"differs: {what}" for what in difference.wrong],
+        notes=[f"differs: {what}" for what in difference.wrong]
+        + [f"not in the file: {name}" for name in difference.missing],
         parts=[Facts("What is in the file", rows=[("table", found.table), *found.facts.items()])],
     )

@@ -54,6 +54,11 @@ int main(void) {
     const size_t count = fread(samples, BTE_INPUTS * sizeof *samples, MOST, in);
     bte_run(&bte_car_sedan_2up, samples, (uint32_t)count, rows);
     fwrite(rows, BTE_ROW * sizeof *rows, count, out);
+#ifdef SECOND
+    extern const bte_car SECOND; /* of another car, with the same code */
+    bte_run(&SECOND, samples, (uint32_t)count, rows);
+    fwrite(rows, BTE_ROW * sizeof *rows, count, out);
+#endif
     fclose(in);
     fclose(out);
     out = fopen("figures.bin", "wb");

@@ -1,24 +1,43 @@
 """The folder that an ECU project takes in, as compilers, tools and a bare Cortex-M4F see it."""
 
 import json
+import re
+import shutil
 import subprocess
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from calib.base.errors import ProgramError
+from calib.ecu.car_data import numbers_of
 from calib.ecu.code import files_of, write_code
 from calib.ecu.native import Native
 from calib.estimation.online import ANSWERS, CHANNELS, answered, rows_of, samples_of
 from calib.estimation.state import Constants
+from calib.exports.compare import difference
+from calib.exports.read import read_back
 from calib.help.samples import sample_logs
 from calib.logs.read import read_log
+from calib.store.store import Store
 from calib.table.exported import Precision
 from tests.exports.test_a2l import a2ltool, needs_a2ltool
 from tests.studies.ecu_target import ARGUED, remarks
 from tests.support import ecu_code
 from tests.support.a2l import decoded, objects, read_a2l, without_epk
-from tests.support.ecu_code import BOTH, SEDAN, STRICT, called, failing, program
+from tests.support.ecu_code import (
+    BOTH,
+    M4F,
+    QEMU,
+    RUN,
+    SAME_BITS,
+    SEDAN,
+    STRICT,
+    called,
+    failing,
+    program,
+)
 from tests.support.programs import memory_of, needs
 
 HOW = {  # with the time from call to call [s]
@@ -107,6 +126,49 @@ def test_cmake_builds_it_and_runs_the_vectors(codes, tmp_path):
     called(tmp_path, "cmake -B . -S", codes["single"])
     called(tmp_path, "cmake --build .")
     assert "100% tests passed" in called(tmp_path, "ctest")
+
+
+@needs("arm-none-eabi-gcc", "qemu-system-arm", "cc")
+def test_two_cars_in_one_image_each_answer_as_alone(codes, native, tmp_path):
+    other, how = Store(SEDAN.path.parents[1]).load("escort"), HOW["single"]
+    write_code(other, tmp_path / "two", "ecu", *how)
+    own, second = "bte_car_sedan_2up", "bte_car_escort"
+    for name in ("bte.h", "bte.c"):
+        same = (codes["single"] / name).read_bytes()
+        assert (tmp_path / "two" / name).read_bytes() == same
+    shutil.copy(codes["single"] / f"{own}.c", tmp_path / "two")
+    samples, alone = (x[:700] for x in native["single"][0])
+    expected = np.vstack([alone, Native(other.table, how[1], how[0]).run(samples)])
+    assert not np.array_equal(*np.split(expected, 2))
+    section = Path('-DBTE_CAL_DATA=__attribute__((section(".cal")))')
+    cars = f"-I. -DSECOND={second} bte.c {own}.c {second}.c"
+    link = "--specs=rdimon.specs -Wl,--section-start=.vectors=0 -lm -o ecu.elf"
+    for make, run in (
+        (f"cc -std=c99 -O2 {SAME_BITS} {STRICT} {cars}", "./two"),
+        (f"{M4F} {SAME_BITS} {cars}", QEMU),
+    ):
+        to = ("-lm -o two",) if run == "./two" else (link,)
+        called(tmp_path / "two", make, section, RUN, *to)
+        told = ecu_code.answers(tmp_path / "two", samples, run)
+        assert told.tobytes() == expected.astype(np.float32).tobytes()
+    (size,) = re.findall(r"^\.cal +(\d+)", called(tmp_path / "two", "size -A two"), re.MULTILINE)
+    numbers = sum(len(numbers_of(x.table, how[1])) for x in (SEDAN, other))
+    assert int(size) > 4 * numbers + 2 * 65
+
+
+@needs("cc")
+@pytest.mark.parametrize("width", HOW)
+@pytest.mark.parametrize("form", ["dcm", "cdfx"])
+def test_compare_reads_the_files_of_the_folder_and_says_what_is_not_in_them(codes, width, form):
+    file = codes[width] / f"bte_car_sedan_2up.{form}"
+    found = read_back(file)
+    told = difference(found, SEDAN)
+    assert (told.wrong, "sedan_2up_D" in told.missing) == ([], True)
+    assert not {"sedan_2up_version", "sedan_2up_level"} & {*told.missing}
+    levels, (axes, cells) = dict(found.content.grids), found.content.grids["sedan_2up_level"]
+    levels["sedan_2up_level"] = axes, (cells[0] + 0.01, *cells[1:])
+    changed = replace(found, content=replace(found.content, grids=levels))
+    assert difference(changed, SEDAN).wrong
 
 
 @needs("cc")

@@ -85,7 +85,6 @@ WRONG = {
         ("*SSTX sedan_eta\n", ""),
         ("* objects: ", "* objects: 1"),
         ("FESTWERT sedan_l_r", "FESTWERT sedan_l_f"),
-        ("FESTWERT sedan_version", "FESTWERT sedan_verse"),
         ("KENNLINIE sedan_g 21", "KENNLINIE sedan_g"),
         ("FUNKTIONEN\n", "FUNKTIONE\n"),
     ],
