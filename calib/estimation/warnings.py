@@ -83,8 +83,9 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
     )
     asks = any(one.code in _ASKS for one in said) or not _mostly_valid(e)
     asks = asks or _beside_pressure(evidence) or _goes_with_time(e)
-    named = judged(of.log.name, _mistakes(e, known, evidence), VALIDATE) if asks else ()
-    return (*named, *said)
+    rolls = of.slipping is not None and not (of.slipping.locked or of.slipping.cycles)
+    named = _mistakes(e, known, evidence) if asks and rolls else ()
+    return (*judged(of.log.name, named, VALIDATE), *said)
 
 
 def _mostly_valid(e: Estimate) -> bool:

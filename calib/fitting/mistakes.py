@@ -66,6 +66,7 @@ _FIRST = {1: ((-1.0,), (2.0,), (9.0,)), 2: ((250.0, 8e5), (700.0, 12e5))}
 _FIRST_DELAYS, _FIRST_DRAGS = ((0.03,), (0.07,)), ((2e5,), (4.5e5,))
 _FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
 """Sizes that are tried first: of a factor, of a motor, of a delay, of a drag, of a valve."""
+_NEVER = -1e6  # ln of the odds of what explains nothing at all
 _NEAR = 6.0  # ln of the odds against a mistake from which on no other size of it is tried
 
 _DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # by which the wheel speeds of an axle are late [s]
@@ -136,7 +137,8 @@ def _set(causes: Sequence[Cause]) -> tuple[Cause, ...]:
     best = causes[0]
     sure = SURE * max(best.misfit, 1.0)  # what leaves more than its errors is as much less sure
     near = tuple(c for c in causes if c.log_odds > best.log_odds - sure)
-    nothing = next(c.misfit for c in causes if c.log_odds == 0.0)
+    usual = (_PADS, _PADS)
+    nothing = next(c.misfit for c in causes if not c.hypothesis.code and c.hypothesis.pads == usual)
     most = max(_EXPLAINED, min(_MOSTLY, nothing / 2.5))
     return near if best.misfit < most and best.log_odds > sure else ()
 
@@ -348,6 +350,7 @@ class _Evidence:
         best = int(np.argmax(each))
         log = float(logsumexp(each)) - math.log(each.size) + math.log(h.odds)
         size = (_top(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
+        log = max(log, _NEVER)  # of what no draw explains
         return Cause(h, log, size, fits[sizes[best]][1])
 
     def _of(self, h: Hypothesis, size: Size) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from calib.fitting import mistakes
 from calib.fitting.mistakes import causes_of, named
 from calib.logs.log import Log
 from tests.support.plant import as_log, drive
@@ -114,3 +115,15 @@ def test_nothing_is_named_where_nothing_explains_the_ramp():
     shaken = {w: log[w] * (1.0 + 0.01 * np.sin(3.0 * log.time)) for w in ("omega_fl", "omega_fr")}
     spoilt = replace(log, channels={**log.channels, **shaken})
     assert named(causes(spoilt)) == ()
+
+
+def test_what_no_draw_explains_is_no_reason_to_end(monkeypatch):
+    of = mistakes._Evidence._of
+    monkeypatch.setattr(
+        mistakes._Evidence,
+        "_of",
+        lambda e, h, size: (-np.inf, np.nan) if not h.code else of(e, h, size),
+    )
+    found = causes(noisy(ramp(REAL), 6))
+    assert all(np.isfinite(cause.log_odds) for cause in found)
+    named(found)
