@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from calib.car.vehicle_file import read_vehicle as read_vehicle
     from calib.diagnosis.diagnose import diagnose as diagnose
     from calib.estimation.estimator import estimate as estimate
+    from calib.estimation.sample_by_sample import online as online
     from calib.estimation.validate import validate as validate
     from calib.exports.export import export as export
     from calib.fitting.fit import fit as fit
@@ -38,6 +39,7 @@ _HOMES = {
     "estimate": "calib.estimation.estimator",
     "export": "calib.exports.export",
     "fit": "calib.fitting.fit",
+    "online": "calib.estimation.sample_by_sample",
     "read_log": "calib.logs.read",
     "read_vehicle": "calib.car.vehicle_file",
     "sample_logs": "calib.help.samples",

@@ -127,9 +127,24 @@ def read_out(
         np.broadcast_to(x, s.time.shape)[whole].reshape(-1, b.samples).max(axis=1)
         for x in (disturbed, driven)
     )
-    x = _given(table, b, worst, thrust)
+    x = given(table, b, worst, thrust)
     c = constants(table, noise, b.length)
-    answer = _with_before(c, run(c, x))
+    answer = with_before(c, run(c, x))
+    at = np.searchsorted(b.end, s.time, side="right")  # the last complete block, 0 before the first
+    level, ratio, pads_f, pads_r, *changed = (of[:, at] for of in of_blocks(table, x, answer))
+    front, rear = table.vehicle.front, table.vehicle.rear
+    gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
+    torque_f, torque_r = (gain * of for gain, of in zip(gains, (pads_f, pads_r), strict=True))
+    total = level / level[0] * 2.0 * (torque_f[0] + torque_r[0])
+    bounded = level, ratio, pads_f, pads_r, *changed, torque_f, torque_r, total
+    return Readout(x, answer.at(at), *itertools.starmap(Bounded, bounded))
+
+
+def of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ...]:
+    """Level, ratio, pads of both axles and their change since the ramp, each with its bounds.
+
+    ``x`` of blocks (k,), ``answer`` before the first and of each, (1 + k,).
+    """
     car, then = table.vehicle, table.calibration
     front, rear = car.front, car.rear
     share = front_share(car, np.append(x.log_odds[0], x.log_odds))
@@ -139,17 +154,10 @@ def read_out(
     scaled = (filed, answer.ratio), (filed / ramp, answer.change + then.pad_log_ratio.value)
     pads, changed = (by[:, None, None] * pads_of(share, answer.level, x) for by, x in scaled)
     level, ratio = np.exp(answer.level), np.exp(answer.ratio)
-    at = np.searchsorted(b.end, s.time, side="right")  # the last complete block, 0 before the first
-    of_blocks = level, filed[0] / filed[1] * ratio, *pads, *changed
-    level, ratio, pads_f, pads_r, *changed = (of[:, at] for of in of_blocks)
-    gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
-    torque_f, torque_r = (gain * of for gain, of in zip(gains, (pads_f, pads_r), strict=True))
-    total = level / level[0] * 2.0 * (torque_f[0] + torque_r[0])
-    bounded = level, ratio, pads_f, pads_r, *changed, torque_f, torque_r, total
-    return Readout(x, answer.at(at), *itertools.starmap(Bounded, bounded))
+    return level, filed[0] / filed[1] * ratio, *pads, *changed
 
 
-def _with_before(c: Constants, answer: Answer) -> Answer:
+def with_before(c: Constants, answer: Answer) -> Answer:
     """Answers (1 + k,), the first one while no block is complete: any pads."""
     answer = answer.at(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
@@ -158,7 +166,7 @@ def _with_before(c: Constants, answer: Answer) -> Answer:
     return answer
 
 
-def _given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
+def given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
     """What the step is given of each block (k,), with the resistance and slips that are known.
 
     ``disturbed`` number of a `Reason` of each (k,); the rest as of `read_out`.

@@ -25,6 +25,7 @@ from calib.estimation.online import (
     samples_of,
 )
 from calib.estimation.reasons import Reason
+from calib.estimation.sample_by_sample import online
 from calib.estimation.validate import validate_one
 from calib.run.blocks import BLOCK
 from calib.table.exported import Precision
@@ -78,6 +79,18 @@ def drive_on():
 def test_c_equals_python_while_sensors_fail_at_random(seed, drive_on, both):
     both(failing(drive_on, seed))
     both(failing(drive_on[::10], seed), BLOCK)  # where no block hides a sample
+
+
+@pytest.mark.parametrize("seed", [None, 0, 1])
+def test_sample_by_sample_the_answers_are_those_of_the_whole_log(seed, drive_on, fitted):
+    estimator, samples = online(fitted, STEP), drive_on[:1500]
+    samples = samples if seed is None else failing(samples, seed)
+    told = np.array(
+        [[*estimator.step(dict(zip(CHANNELS, x, strict=True))).values()] for x in samples]
+    )
+    expected = answered(fitted, STEP, samples)
+    assert np.array_equal(told[:, REASON], expected[:, REASON])
+    assert told == pytest.approx(expected, rel=1e-9)
 
 
 TIME = STEP * np.arange(2001)

@@ -1,0 +1,176 @@
+"""The estimator of an ECU sample by sample, for tests in a loop: the equations of `online`.
+
+sample --in range?--> sums of a block --50 ms--> step of the table --> answer until the next
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.errors import StoreError
+from calib.base.names import G
+from calib.estimation.known import as_driven, known_effects
+from calib.estimation.online import (
+    A_X,
+    ANSWERS,
+    CHANNELS,
+    DRIVE,
+    DRIVEN,
+    FL,
+    OMEGA,
+    P_MC,
+    RL,
+    RR,
+    STEERING,
+    limits,
+)  # fmt: skip
+from calib.estimation.readout import given, of_blocks, with_before
+from calib.estimation.reasons import Reason
+from calib.estimation.state import Sample, constants
+from calib.estimation.step import Answer, started, step
+from calib.run.blocks import Blocks, samples_of_block
+from calib.run.lateral import LATERAL_TIME
+from calib.run.noise import SensorNoise
+from calib.run.resistance import RESISTANCE
+from calib.table.table import Table
+
+_ENDS = ("", "_lower", "_upper")
+_MEANS = (
+    "p_f", "p_r", "drive_f", "drive_r", "z", "omega_f", "omega_r", "speed", "end", "spin_f",
+    "spin_r",
+)  # fmt: skip
+"""Of `Blocks`, in the order in which they are computed here."""
+
+
+class Online:
+    """An estimator that remembers, of a ``table``, called every ``sample_time`` [s].
+
+    Raises StoreError for a table with known effects that no ECU takes out by itself.
+    """
+
+    def __init__(self, table: Table, sample_time: float) -> None:
+        if more := [x for x in known_effects(table).described if x not in RESISTANCE]:
+            raise StoreError(f"does not take out {', '.join(more)}", expected="no such effect")
+        self._table, self._dt = as_driven(table, table.vehicle), sample_time
+        self._limits, self._n = limits(sample_time), samples_of_block(sample_time)
+        block = round(self._n * sample_time, 9)
+        self._c = constants(self._table, SensorNoise(**table.noise), block)
+        self._state, self._since_lock = started(self._c), math.inf
+        self._omega: Array | None = None
+        self._held = self._frozen_p = self._fastest = self._lateral = 0.0
+        self._raw = self._last = np.zeros(len(CHANNELS))
+        self._wheels, self._rows, self._why = list[Array](), list[Array](), list[int]()
+        self._started = self._faulty = False
+        self._reason, self._answers = int(Reason.NOT_BRAKED), np.zeros((4, 3))
+        self._block_ends(with_answer=False)
+
+    def step(self, sample: Mapping[str, float]) -> dict[str, float]:
+        """Take in what the sensors read, SI by the names of a log; what is not there reads 0.
+
+        Returns the `Reason` and `ANSWERS` with their bounds, by the names of C.
+        """
+        x = np.array([sample.get(name, 0.0) for name in CHANNELS])
+        good = self._take(x)
+        self._rows.append(self._last)
+        self._why.append(self._disturbance(good))
+        self._started = True
+        if len(self._rows) == self._n:
+            self._block_ends()
+        pressure = max(float(self._last[P_MC]), 0.0)
+        axles = self._table.vehicle.front, self._table.vehicle.rear
+        f, r = (a.torque_gain * pressure * y for a, y in zip(axles, self._answers[2:], strict=True))
+        total = self._answers[0] / self._answers[0, 0] * 2.0 * (f[0] + r[0])
+        told = dict(zip(ANSWERS, (*self._answers, f, r, total), strict=True))
+        told = {
+            f"{n}{end}": float(v) for n, y in told.items() for end, v in zip(_ENDS, y, strict=True)
+        }
+        return {"reason": float(self._reason if good else Reason.FAULT), **told}
+
+    def _take(self, x: Array) -> bool:
+        """Whether all sensors work; the last good reading counts while one does not."""
+        (low, high, change), c = self._limits, self._c
+        same = self._started and x[A_X] == self._last[A_X]
+        inside = (x >= low) & (x <= high)
+        taken = inside & ((np.abs(x - self._raw) <= change) | (not self._started))
+        self._raw = np.where(inside, x, self._raw)
+        self._last = np.where(taken, x, self._last)
+        pressure = self._last[P_MC]
+        self._held = self._held + self._dt if same else 0.0
+        self._frozen_p = self._frozen_p if same else pressure
+        rolls = self._table.vehicle.front.rolling_radius * self._last[FL] > c.moving
+        frozen = self._held > c.held_time - 0.5 * self._dt
+        frozen = frozen and abs(pressure - self._frozen_p) > c.held_pressure and rolls
+        return bool(taken.all() and not frozen)
+
+    def _disturbance(self, good: bool) -> int:
+        """Whether the car is steered, corners, or a wheel locks, or just has."""
+        c, x, car = self._c, self._last, self._table.vehicle
+        self._wheels = [*(self._wheels or [x[OMEGA]] * 2), x[OMEGA]][-3:]
+        first, last, now = self._wheels
+        middle = np.clip(now, np.minimum(first, last), np.maximum(first, last))
+        self._fastest = max(float(middle.max()), self._fastest - c.slows * self._dt)
+        locks = self._fastest - middle.min() > c.lock * max(self._fastest, 1.0)
+        locks = locks and self._fastest > c.turning
+        self._since_lock = 0.0 if locks else self._since_lock + self._dt
+        mean = 0.5 * (x[RL] + x[RR])
+        tyre, speed = self._table.tyre, max(car.rear.rolling_radius * mean, c.moving)
+        slip = max(float(np.interp(-x[A_X] / G, tyre.force, tyre.slip)), 0.0)
+        leaned = 4.0 * slip * car.cg_height / (G * car.track_width)
+        turned = (x[RR] - x[RL]) / max(mean, 1.0) / (car.track_width / speed**2 + leaned)
+        share = 1.0 - math.exp(-self._dt / LATERAL_TIME) if self._started else 1.0
+        self._lateral += share * (turned - self._lateral)
+        for wrong, why in (
+            (not good, Reason.FAULT),
+            (self._since_lock <= c.recover + 0.5 * self._dt, Reason.LOCKED),
+            (not abs(self._lateral) < c.lateral, Reason.CORNERS),
+            (not abs(x[STEERING]) < c.steering, Reason.TURNED),
+        ):
+            if wrong:
+                return int(why)
+        return 0
+
+    def _block_ends(self, *, with_answer: bool = True) -> None:
+        """Answer by the means of a block, or before the first."""
+        x = np.array(self._rows or [self._last])
+        why, thrust = max(self._why, default=0), x[:, DRIVEN].max() > 0.5
+        self._rows, self._why = [], []
+        p, a_x, (fl, fr, rl, rr) = x[:, P_MC].mean(), x[:, A_X].mean(), x[:, OMEGA].mean(axis=0)
+        omega, z, car = np.array([fl + fr, rl + rr]) / 2.0, -a_x / G, self._table.vehicle
+        radii = np.array([car.front.rolling_radius, car.rear.rolling_radius])
+        spin = np.zeros(2) if self._omega is None else (omega - self._omega) / self._c.block
+        if self._faulty or why == Reason.FAULT:
+            spin = -G * z / radii
+        means = p, p, *x[:, DRIVE].mean(axis=0), z, *omega, radii[1] * omega[1], 0.0, *spin
+        columns: dict[str, Any] = {n: np.array([v]) for n, v in zip(_MEANS, means, strict=True)}
+        off = np.array([False])
+        b = Blocks(**columns, v=None, lead_in=off, samples=self._n, length=self._c.block)
+        of_step = given(self._table, b, np.array([why]), off | thrust)
+        one = Sample(*(float(y[0]) for y in of_step))
+        state = self._state if with_answer else started(self._c)
+        if with_answer:
+            self._omega, self._faulty = omega, why == Reason.FAULT
+        of_one = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, one)))
+        answer, place = with_before(self._c, of_one), int(with_answer)
+        self._reason = int(answer.reason[place])
+        answers = of_blocks(self._table, of_step, answer)[:4]
+        self._answers = np.stack([y[:, place] for y in answers])
+
+
+def online(table: Table, sample_time: float) -> Online:
+    """An estimator that takes in one sample after the other, as that of an ECU does.
+
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> stop = calib.read_log(logs / "stop_noisy.parquet")
+    >>> estimator = calib.online(table, stop.sample_time)
+    >>> for row in zip(*stop.channels.values()):
+    ...     answer = estimator.step(dict(zip(stop.channels, row, strict=True)))
+    >>> answer["brake_torque_f"] > 0.0
+    True
+    """
+    return Online(table, sample_time)
