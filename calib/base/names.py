@@ -48,6 +48,7 @@ _QUANTITIES = (
     _Quantity("steering", "rad", "rad"),  # delta, of the steering wheel, left positive
     # T_d, of engine or motor at both wheels of an axle together, negative where it slows
     *(_Quantity(f"T_drive_{axle}", "N*m", "N*m") for axle in AXLES),
+    _Quantity("abs_active", "1", "1"),  # 1 while ABS or ESC act, else 0
 )
 CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 """The canonical channels, in the order in which a log is written."""

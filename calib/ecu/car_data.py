@@ -160,7 +160,7 @@ def numbers_of(table: Table, sample_time: float, version: int = 0) -> list[Numbe
 
 def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
     car, known, sensors = table.vehicle, known_effects(table).parameters, tuple(CHANNELS)
-    low, high, change = (x.tolist() for x in limits(sample_time))
+    low, high, change = (x.tolist() for x in limits(sample_time, car))
     drag, rolling = known[DRAG[0]], known[ROLLING[0]]
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / car.wheelbase

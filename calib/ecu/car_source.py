@@ -19,7 +19,7 @@ import numpy as np
 from calib.ecu.translation import structure, translated
 from calib.estimation import state
 from calib.estimation.online import ANSWERS, CHANNELS
-from calib.estimation.reasons import Reason
+from calib.estimation.reasons import CHECKS, Reason
 from calib.estimation.state import Sample, State
 from calib.table.exported import Precision
 
@@ -62,6 +62,7 @@ def header(numbers: Iterable[tuple[str, str]], how: Precision) -> tuple[str, str
         cell=cell(how),
         reasons="\n".join(f"    BTE_{x.name} = {int(x)}, /* {x.words} */" for x in Reason),
         count=len(CHANNELS),
+        checks=", ".join(f"BTE_{x.upper()}" for x in CHECKS).replace(",", " = BTE_INPUTS,", 1),
         inputs=_declared("bte_real", read),
         answers=_declared("bte_interval", answered),
         numbers=_declared("bte_real", numbers),

@@ -23,6 +23,7 @@ from calib.base.names import CHANNELS as LOGGED
 from calib.base.plain import counted
 from calib.base.write import publish, workshop, write_whole
 from calib.car.model import default_model
+from calib.car.vehicle import Vehicle
 from calib.ecu.car_data import CAR, axes_of, code_grids, numbers_of, sources
 from calib.ecu.car_source import SOURCE, cell, initial
 from calib.ecu.fmu import Content, Version, write_fmu
@@ -150,7 +151,7 @@ def _write_bundle(
         "table": stored.id, "digest": stored.digest, "state": stored.state.words,
         "bits": how.floating, "cell": cell(how), "step": f"{sample_time:g}",
         "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"),
-        "inputs": "\n".join(_inputs(sample_time)),
+        "inputs": "\n".join(_inputs(sample_time, stored.table.vehicle)),
         "answers": "\n".join(f"| `{x.name}` | {x.unit} | {x.meaning} |" for x in ANSWERS.values()),
     }  # fmt: skip
     date, single = datetime.now(UTC).date().isoformat(), how.floating == 32
@@ -174,9 +175,9 @@ def _write_bundle(
         return publish(work, folder, "README.md")
 
 
-def _inputs(sample_time: float) -> Iterator[str]:
+def _inputs(sample_time: float, car: Vehicle) -> Iterator[str]:
     """Rows of a table of what the code reads."""
-    for x, low, high, jump in zip(CHANNELS.values(), *limits(sample_time), strict=True):
+    for x, low, high, jump in zip(CHANNELS.values(), *limits(sample_time, car), strict=True):
         most = f"{jump:g}" if jump < high - low else ""
         yield f"| `{x.name}` | {x.unit} | {low:g} to {high:g} | {most} | {x.meaning} |"
 

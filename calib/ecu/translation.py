@@ -17,6 +17,7 @@ from textwrap import wrap
 _TYPES = {
     "Constants": "BTE_CAL bte_numbers *", "State": "bte_filters *", "Sample": "const bte_block *",
     "Zero": "bte_zero *", "LevelFilter": "bte_level_filter *", "SpeedFilter": "bte_speed_filter *",
+    "Check": "bte_check *",
     "Sums": "bte_sums *", "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
     "None": "void",
 }  # fmt: skip

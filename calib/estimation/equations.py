@@ -20,6 +20,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.names import G
 from calib.estimation.reasons import Reason
 from calib.estimation.state import (
+    Check,
     Constants,
     LevelFilter,
     Number,
@@ -54,6 +55,7 @@ class BlockState(NamedTuple, Generic[Number]):
     zero_eta: Number  # as they stand [1]
     zero_slip: Number
     counts: Number  # 1 where the wheels tell the speed, else 0
+    checks: Number  # `CHECKS` that fail or just did, one bit each
 
 
 class SlipEvidence(NamedTuple):
@@ -74,6 +76,13 @@ def update_zero(zero: Zero, x: float, variance: float) -> None:
     zero.variance *= 1.0 - gain
 
 
+def zero_fits(c: Constants, s: State, x: Sample[float]) -> bool:
+    """Whether a reading of a car that rolls is a zero that a car can have."""
+    fits = abs(x.demand) < c.most_zero and abs(x.eta_less_1 - c.radii + 1.0) < c.most_radii
+    s.check.refused = 0.0 if fits else s.check.refused + 1.0
+    return fits
+
+
 def shift(s: State, x: Sample[float]) -> float:
     """Eta over its zero, less 1."""
     return (x.eta_less_1 - s.eta_less_1.value) / (1.0 + s.eta_less_1.value)
@@ -91,6 +100,11 @@ def reset_stop(c: Constants, s: State) -> None:
     f.cov_level_lag, f.cov_level_rate, f.cov_lag_rate = 0.0, 0.0, 0.0
     s.sums.blocks, s.sums.z, s.sums.shift, s.sums.z_squared = 0.0, 0.0, 0.0, 0.0
     s.braked, s.mean_z = 0.0, 0.0
+    e: Check = s.check
+    off = s.speed.scale - c.scale
+    if abs(off) > c.far * c.scale_sigma:  # what a fault that is gone has left, is learned again
+        s.speed.var_scale = max(s.speed.var_scale, off**2)
+    e.level, e.chatter, e.ratio, e.modulated, e.far = 1.0, 0.0, 0.0, 1e3, 1e3
 
 
 def start(c: Constants, s: State) -> None:
@@ -129,6 +143,8 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     rough = (c.r_level * y) ** 2 + (c.r_lag * f.level * (x.nominal - h)) ** 2
     spread = h * p_level + k * p_lag + c.noise_z**2 / dt + rough
     residual = y - f.level * h
+    nis = min(residual**2 / spread, c.most_chatter)
+    s.check.chatter += (nis - s.check.chatter) * dt / c.chatter_memory
     jump = min(residual**2 - c.jump**2 * spread, (c.level_sigma * h) ** 2)
     keep = math.exp(-dt / c.memory)
     if jump > 0.0:  # pads that change at once: what no noise explains, and the means are of others
@@ -154,19 +170,27 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     s.mean_z = max(sums.z / sums.blocks, c.least_mean_z)
 
 
-def update(s: State, h: float, k: float, residual: float, variance: float) -> float:
+def update(
+    c: Constants, s: State, h: float, k: float, residual: float, variance: float, mean: float
+) -> float:
     """Update the speed's filter by a reading of ``h`` v + ``k`` ln(slip/z) with its variance.
 
     Return the ``residual`` in standard deviations. No tyre slips by more than z, or by less than
-    1/3000 of it.
+    1/3000 of it. ``mean`` of the residual if a_x errs by what the brakes do not explain.
     """
     f: SpeedFilter = s.speed
+    e: Check = s.check
     p_v = h * f.var_v + k * f.cov_v_slip
     p_slip = h * f.cov_v_slip + k * f.var_slip
     p_offset = h * f.cov_v_offset + k * f.cov_slip_offset
     p_scale = h * f.cov_v_scale + k * f.cov_slip_scale
     gain = 1.0 / (h * p_v + k * p_slip + variance)
     step, g_v, g_slip, g_offset = gain * residual, gain * p_v, gain * p_slip, gain * p_offset
+    e.ratio += min(gain * mean * (residual - 0.5 * mean), c.most_evidence)
+    e.v += g_v * mean
+    e.slip += g_slip * mean
+    e.offset += g_offset * mean
+    e.scale += gain * p_scale * mean
     f.v += step * p_v
     f.slip = min(max(f.slip + step * p_slip, -8.0), 0.0)
     f.offset += step * p_offset
@@ -187,10 +211,69 @@ def update(s: State, h: float, k: float, residual: float, variance: float) -> fl
 def reset_speed(c: Constants, s: State) -> None:
     """Take the speed of the rims, with a_x as it usually is."""
     f: SpeedFilter = s.speed
-    f.v, f.slip, f.offset, f.scale = 0.0, 0.0, 0.0, c.scale
-    f.var_v, f.var_slip, f.var_offset, f.var_scale = 1.0, 0.0, c.offset**2, c.scale_sigma**2
+    f.v, f.slip, f.offset, f.scale = 0.0, c.log_slip, 0.0, c.scale
+    f.var_v, f.var_slip = 1.0, c.log_slip_sigma**2
+    f.var_offset, f.var_scale = c.offset**2, c.scale_sigma**2
     f.cov_v_slip, f.cov_v_offset, f.cov_v_scale = 0.0, 0.0, 0.0
     f.cov_slip_offset, f.cov_slip_scale, f.cov_offset_scale = 0.0, 0.0, 0.0
+    e: Check = s.check
+    e.v, e.slip, e.offset, e.scale, e.error = 0.0, 0.0, 0.0, 0.0, 0.0
+
+
+def unexplained(c: Constants, s: State, x: Sample[float]) -> float:
+    """Brake force that pads as they were do not explain: theirs, or an error of a_x."""
+    force = x.demand - s.demand.value - s.check.level * s.acting
+    return force if abs(force) > c.unexplained else 0.0
+
+
+def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
+    """Whether the deceleration changes as the torque of a motor does, which else is wrong.
+
+    Then the demand, which has the torque in it, changes by as much and the brakes explain nothing.
+    """
+    f: LevelFilter = s.level
+    e: Check = s.check
+    y, h, k = x.demand - s.demand.value, s.acting, f.level * s.by_lag
+    rough = (c.r_level * y) ** 2 + (c.r_lag * f.level * (x.nominal - h)) ** 2
+    spread = h * (h * f.var_level + 2.0 * k * f.cov_level_lag) + k * k * f.var_lag + rough
+    spread += c.noise_z**2 / c.block + s.demand.variance
+    step = x.drive - e.drive
+    likely = step * (y - f.level * h - 0.5 * step)
+    fits = not counts or abs(step) < c.unexplained or likely < c.errs * spread
+    e.motor = e.motor + c.block if fits else 0.0
+    e.drive += step * min(c.block / c.drive_memory, 1.0) if fits else 0.0
+    return fits
+
+
+def check_a_x(c: Constants, s: State) -> None:
+    """Ask whether the brake force that is unexplained is an error of a_x, as the wheels tell.
+
+    Once it is, it stays one until the force is explained again.
+    """
+    e: Check = s.check
+    e.ratio -= e.ratio * c.block / c.usual_level if e.error == 0.0 else 0.0
+    errs = e.ratio > c.errs or (e.a_x == 0.0 and e.error != 0.0)
+    e.a_x = 0.0 if errs else e.a_x + c.block
+    e.ratio = min(e.ratio, c.errs)
+    if e.ratio <= 0.0:  # it begins again
+        e.ratio, e.v, e.slip, e.offset, e.scale = 0.0, 0.0, 0.0, 0.0, 0.0
+    if errs:  # what was learned of it is of no use
+        s.demand.variance = c.zero**2
+    s.anchored = s.anchored and not errs and e.motor > 0.0
+
+
+def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, counts: bool) -> None:
+    """Whether innovations and states are such as no car has, and the level before a step."""
+    e: Check = s.check
+    y = x.demand - s.demand.value
+    check_a_x(c, s)
+    if braking and counts and e.a_x > 0.0:
+        e.level += (s.level.level - e.level) * c.block / min(s.braked + c.block, c.usual_level)
+    e.modulated = 0.0 if e.chatter > c.chatter else e.modulated + c.block
+    beyond = y < c.least_demand or y > c.most_demand or abs(s.speed.offset) > c.far * c.offset
+    beyond = beyond or abs(s.speed.scale - c.scale) > c.far * c.scale_sigma
+    beyond = beyond or s.speed.slip - c.log_slip > c.far_slip * c.log_slip_sigma
+    e.far = 0.0 if beyond and counts else e.far + c.block
 
 
 def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
@@ -210,6 +293,10 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
     by_scale = lost if braking else 0.0
     f.v += s.rim - rims
     f.v -= lost * (1.0 - f.scale) if braking else lost
+    e: Check = s.check
+    errs = unexplained(c, s, x)
+    e.v += by_offset * e.offset + by_scale * e.scale - 0.5 * by_offset * (errs + e.error)
+    e.error = errs
     s.rim = rims
     var_v = f.var_v + by_offset * f.cov_v_offset + by_scale * f.cov_v_scale
     f.cov_v_slip += by_offset * f.cov_slip_offset + by_scale * f.cov_slip_scale
@@ -223,20 +310,24 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
     else:
         f.slip, f.var_slip = c.log_slip, c.log_slip_sigma**2
         f.cov_v_slip, f.cov_slip_offset, f.cov_slip_scale = 0.0, 0.0, 0.0
+        e.slip = 0.0
 
 
 def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
     """The speed by the wheels; what does not fit is offset, scale and slip."""
+    e: Check = s.check
     v, over = s.rim + s.speed.v, max(x.demand - s.demand.value, 0.0)
     slip = over * math.exp(s.speed.slip) if braking else 0.0
     variance = c.noise_rim**2 / c.block + (c.r_slip * slip * v) ** 2
-    s.innovation = update(s, 1.0 - slip, -v * slip, v * slip - s.speed.v, variance)
+    then = slip if over <= 0.0 else slip * max(1.0 - e.error / over, 0.0)  # if a_x errs
+    then /= 1.0 + e.slip + 0.5 * e.slip**2  # is exp(e.slip), nearly
+    mean = (v - e.v) * (1.0 - then) - v * (1.0 - slip)
+    s.innovation = update(c, s, 1.0 - slip, -v * slip, v * slip - s.speed.v, variance, mean)
 
 
 def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """What a block tells of brakes and speed."""
     dt, braking, before = c.block, x.pressure > c.bite, s.mean_z
-    brake_line_lag(c, s, x.nominal)
     if braking:
         s.braked += dt
         s.released = 0.0
@@ -249,7 +340,16 @@ def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
     predict(c, s, x, abs(s.mean_z - before), braking=braking)
     if counts:
         update_wheels(c, s, x, braking=braking)
+    check_states(c, s, x, braking=braking, counts=counts)
     s.z = x.z
+
+
+def failed_checks(c: Constants, s: State) -> float:
+    """Bits of the checks that fail, or did just now, in the order of `CHECKS`."""
+    e: Check = s.check
+    bits = (1.0 if e.a_x < c.recover else 0.0) + (2.0 if e.motor < c.recover else 0.0)
+    bits += (4.0 if e.modulated < c.recover else 0.0) + (8.0 if e.far < c.recover else 0.0)
+    return bits + (16.0 if e.refused >= c.refusals else 0.0)
 
 
 def block_state(c: Constants, s: State, x: Sample[float], *, counts: bool) -> BlockState[float]:
@@ -263,6 +363,7 @@ def block_state(c: Constants, s: State, x: Sample[float], *, counts: bool) -> Bl
         s.demand.variance, s.eta_less_1.variance,
         s.acting / x.nominal if x.pressure > c.bite else 1.0, s.innovation, s.braked,
         1.0 + s.eta_less_1.value, s.slip.value, 1.0 if counts else 0.0,
+        failed_checks(c, s),
     )  # fmt: skip
 
 
@@ -319,6 +420,7 @@ def reason_of(
     """The first `Reason` that applies to blocks (k,); ``level`` of the pads [1]."""
     why = np.where(of_map, Reason.VALID, Reason.BEYOND_MAP)
     why = np.where((level <= c.least_level) | (level >= c.most_level), Reason.NO_PAD, why)
+    why = np.where(seen.checks > 0.0, Reason.IMPLAUSIBLE, why)
     why = np.where(seen.braked < c.settle - 0.5 * c.block, Reason.JUST_APPLIED, why)
     why = np.where(x.rim <= c.moving, Reason.SLOW, why)
     why = np.where(x.disturbed > 0.0, x.disturbed, why)  # the rims of locked wheels are slow

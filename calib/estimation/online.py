@@ -16,8 +16,7 @@ from calib.base.plain import rows
 from calib.car.vehicle import Vehicle
 from calib.estimation.known import as_driven
 from calib.estimation.readout import Readout, read_out
-from calib.estimation.reasons import Reason, disturbances
-from calib.estimation.state import Constants
+from calib.estimation.reasons import CHECKS, Reason, disturbances
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.run.filters import block_mean
@@ -52,10 +51,10 @@ def _read(row: dict[str, str]) -> Variable:
 
 VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.estimation"))}
 CHANNELS = {x.name: x for x in VARIABLES.values() if "input" in x.estimator}
-"""What an ECU reads at one time; a sample (10,) has this order, in Python and in C."""
+"""What an ECU reads at one time; a sample (11,) has this order, in Python and in C."""
 
-P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_ = range(len(CHANNELS))
-OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, None)
+P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_, ABS_ACTIVE = range(len(CHANNELS))
+OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, DRIVEN + 3)
 
 REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
@@ -73,7 +72,7 @@ def rows_of(log: Log) -> Index:
 
 
 def samples_of(log: Log) -> Array:
-    """What an ECU would read in a log (m, 10), by `CHANNELS`: nothing, so NaN, in its gaps."""
+    """What an ECU would read in a log (m, 11), by `CHANNELS`: nothing, so NaN, in its gaps."""
     rows = rows_of(log)
     samples = np.full((rows[-1] + 1, len(CHANNELS)), np.nan)
     nothing = np.zeros_like(log.time)
@@ -81,10 +80,20 @@ def samples_of(log: Log) -> Array:
     return samples
 
 
-def limits(sample_time: float) -> tuple[Array, Array, Array]:
-    """Low and high ends and largest changes of `CHANNELS` (10,) between calls [s]."""
+_GRIP = 1.2  # force of an axle over the weight of the car that no tyres have [1]
+_FASTEST = 110.0  # speed that no car has [m/s]
+
+
+def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
+    """Low and high ends and largest changes of `CHANNELS` (11,) between calls [s].
+
+    No motor has more torque than the tyres of a ``car`` take.
+    """
     sensors = CHANNELS.values()
     low, high, jump, rate = np.array([(x.low, x.high, x.jump, x.rate) for x in sensors]).T
+    most = [_GRIP * car.weight * axle.rolling_radius for axle in (car.front, car.rear)]
+    low[DRIVE], high[DRIVE] = np.negative(most), most
+    high[OMEGA] = np.minimum(high[OMEGA], _FASTEST / car.front.rolling_radius)
     return low, high, np.minimum(jump + rate * sample_time, high - low)
 
 
@@ -98,27 +107,44 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     ``car`` as it is driven, with the known effects that it takes out; the pad frictions are those
     that act, with them. Where a sensor fails, as in a gap of the log, its last good reading counts.
     """
-    rows, step, radius = rows_of(log), log.sample_time, car.front.rolling_radius
-    x, good = _held(samples_of(log), step, radius)
+    rows, step = rows_of(log), log.sample_time
+    x, works = _held(samples_of(log), step, car)
+    good = works.all(axis=1)
     time = step * np.arange(len(x), dtype=np.float64)
     held = {"time": time, **dict(zip(CHANNELS, x.T, strict=True))}
     run = Run(replace(log, channels=held), car, causal=True)
     b, ran = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
     unsure = fault | np.append(False, fault[:-1])  # of a reading that is held no spin is known
-    spin_f = np.where(unsure, -G * b.z / radius, b.spin_f)
+    spin_f = np.where(unsure, -G * b.z / car.front.rolling_radius, b.spin_f)
     spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
     b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, ran.vehicle)
     why = np.where(good, disturbances(used, ran.log, run.signals), Reason.FAULT)
     told = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, DRIVEN] > 0.5)
     reason = np.where(good, told.step.reason, Reason.FAULT)
     told = told.with_pads(ran.factor_f, ran.factor_r)
-    told = replace(told, step=told.step._replace(reason=reason))
+    diagnosis = ~works @ 2.0 ** np.arange(len(CHANNELS))
+    diagnosis += 2.0 ** len(CHANNELS) * told.step.diagnosis
+    told = replace(told, step=told.step._replace(reason=reason, diagnosis=diagnosis))
     return told.at(rows) if rows.size < reason.size else told
 
 
+def diagnosed(diagnosis: Array) -> dict[str, tuple[int, int]]:
+    """How often each input or check began to fail in samples (n,), and in how many it does.
+
+    ``diagnosis`` as of `online`, bits of `CHANNELS` and then of `CHECKS`; what never fails is left
+    out.
+    """
+    out = {}
+    for i, name in enumerate((*CHANNELS, *CHECKS)):
+        fails = diagnosis.astype(np.int64) >> i & 1
+        if fails.any():
+            out[name] = int(np.sum(np.diff(fails, prepend=0) > 0)), int(fails.sum())
+    return out
+
+
 def answered(table: Table, sample_time: float, samples: Array) -> Array:
-    """Reasons and answers (n, 22) to samples (n, 10), a block or more, as `bte_run` has them.
+    """Reasons and answers (n, 22) to samples (n, 11), a block or more, as `bte_run` has them.
 
     ``sample_time`` of the ECU's task [s]. A row has a `Reason`, then `ANSWERS`, each a median with
     its bounds; all are finite.
@@ -129,21 +155,14 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
     return np.vstack([told.step.reason, *(getattr(told, name) for name in READ_OUT)]).T
 
 
-def _held(x: Array, sample_time: float, radius: float) -> tuple[Array, Mask]:
-    """Samples (n, 10) with the last good readings, and where all sensors work (n,)."""
-    low, high, jump = limits(sample_time)
+def _held(x: Array, sample_time: float, car: Vehicle) -> tuple[Array, Mask]:
+    """Samples (n, 11) with the last good readings, and where each sensor works (n, 11)."""
+    low, high, jump = limits(sample_time, car)
     inside = (x >= low) & (x <= high)
     raw = _last(x, inside)
     taken = inside & (np.abs(np.diff(raw, axis=0, prepend=raw[:1])) <= jump)
     last = _last(x, taken)
-    a_x, p = last[:, A_X], last[:, P_MC]
-    changed = np.append(True, x[1:, A_X] != a_x[:-1])
-    since_when = np.maximum.accumulate(np.where(changed, np.arange(len(x)), 0))
-    held_time, c = sample_time * (np.arange(len(x)) - since_when), Constants
-    frozen = held_time > c.held_time - 0.5 * sample_time
-    frozen &= np.abs(p - p[since_when]) > c.held_pressure
-    frozen &= radius * last[:, FL] > c.moving
-    return last, taken.all(axis=1) & ~frozen
+    return last, taken
 
 
 def _last(x: Array, good: Mask) -> Array:

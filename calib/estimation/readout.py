@@ -162,7 +162,7 @@ def with_before(c: Constants, answer: Answer) -> Answer:
     answer = answer.at(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
         x[:, 0] = np.log([1.0, c.least_level, c.most_level])
-    answer.reason[0] = Reason.NOT_BRAKED
+    answer.reason[0], answer.diagnosis[0] = Reason.NOT_BRAKED, 0.0
     return answer
 
 
@@ -187,6 +187,8 @@ def given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Arr
         disturbed=disturbed.astype(np.float64),
         log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
         driven=driven.astype(np.float64),
+        drive=(b.drive_f / car.front.rolling_radius + b.drive_r / car.rear.rolling_radius)
+        / car.weight,
     )
 
 

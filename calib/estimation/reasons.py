@@ -37,13 +37,25 @@ class Reason(IntEnum):
     JUST_APPLIED = 6, "the brake has just been applied"
     NO_PAD = 7, "no pad has such a friction"
     BEYOND_MAP = 8, "no stop that the table knows shows such an eta"
-    FAULT = 9, "a sensor is out of its range or frozen"
+    FAULT = 9, "a sensor is out of its range, or jumps"
+    IMPLAUSIBLE = 10, "what is measured is not what the model predicts"
+    ABS = 11, "ABS or ESC act, or just have"
+
+
+CHECKS = {
+    "a_x_changed": "a_x changes, and the wheels do not",
+    "motor_changed": "the torque of a motor changes, and the car does not",
+    "modulated": "the force changes all the time at a held pressure, as with ABS",
+    "far": "what was learned of a_x, or the demanded force, is as of no car",
+    "no_zero": "what is read while nothing brakes is no zero",
+}
+"""What is asked of the innovations and the states; one that fails is `Reason.IMPLAUSIBLE`."""
 
 
 def disturbances(table: Table, log: Log, s: Signals) -> Index:
-    """A `Reason` for each sample (n,) in which the car is steered or a wheel locks, or just has.
+    """A `Reason` for each sample (n,): the car is steered, a wheel locks or ABS acts, or just has.
 
-    0 where neither is so.
+    0 where none is so.
     """
     slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
     car, steered = table.vehicle, log.channels.get("steering", np.zeros_like(s.time))
@@ -56,7 +68,10 @@ def disturbances(table: Table, log: Log, s: Signals) -> Index:
     )
     # within half a sample: else a rounding could decide it
     locked = since(s.time, _locks(log, s)) <= Constants.recover + 0.5 * s.sample_time
-    return np.where(locked, Reason.LOCKED, told)
+    told = np.where(locked, Reason.LOCKED, told)
+    acts = log.channels.get("abs_active", np.zeros_like(s.time)) > 0.5
+    acted = since(s.time, acts) <= Constants.recover + 0.5 * s.sample_time
+    return np.where(acted, Reason.ABS, told)
 
 
 def _locks(log: Log, s: Signals) -> Mask:

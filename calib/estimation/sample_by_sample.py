@@ -15,11 +15,11 @@ from calib.base.names import G
 from calib.estimation.known import as_driven, known_effects
 from calib.estimation.online import (
     A_X,
+    ABS_ACTIVE,
     ANSWERS,
     CHANNELS,
     DRIVE,
     DRIVEN,
-    FL,
     OMEGA,
     P_MC,
     RL,
@@ -55,12 +55,13 @@ class Online:
         if more := [x for x in known_effects(table).described if x not in RESISTANCE]:
             raise StoreError(f"does not take out {', '.join(more)}", expected="no such effect")
         self._table, self._dt = as_driven(table, table.vehicle), sample_time
-        self._limits, self._n = limits(sample_time), samples_of_block(sample_time)
+        self._limits, self._n = limits(sample_time, table.vehicle), samples_of_block(sample_time)
         block = round(self._n * sample_time, 9)
         self._c = constants(self._table, SensorNoise(**table.noise), block)
-        self._state, self._since_lock = started(self._c), math.inf
+        self._state = started(self._c)
+        self._since_lock = self._since_abs = math.inf
         self._omega: Array | None = None
-        self._held = self._frozen_p = self._fastest = self._lateral = 0.0
+        self._fastest = self._lateral = 0.0
         self._raw = self._last = np.zeros(len(CHANNELS))
         self._wheels, self._rows, self._why = list[Array](), list[Array](), list[int]()
         self._started = self._faulty = False
@@ -91,19 +92,12 @@ class Online:
 
     def _take(self, x: Array) -> bool:
         """Whether all sensors work; the last good reading counts while one does not."""
-        (low, high, change), c = self._limits, self._c
-        same = self._started and x[A_X] == self._last[A_X]
+        low, high, change = self._limits
         inside = (x >= low) & (x <= high)
         taken = inside & ((np.abs(x - self._raw) <= change) | (not self._started))
         self._raw = np.where(inside, x, self._raw)
         self._last = np.where(taken, x, self._last)
-        pressure = self._last[P_MC]
-        self._held = self._held + self._dt if same else 0.0
-        self._frozen_p = self._frozen_p if same else pressure
-        rolls = self._table.vehicle.front.rolling_radius * self._last[FL] > c.moving
-        frozen = self._held > c.held_time - 0.5 * self._dt
-        frozen = frozen and abs(pressure - self._frozen_p) > c.held_pressure and rolls
-        return bool(taken.all() and not frozen)
+        return bool(taken.all())
 
     def _disturbance(self, good: bool) -> int:
         """Whether the car is steered, corners, or a wheel locks, or just has."""
@@ -115,6 +109,7 @@ class Online:
         locks = self._fastest - middle.min() > c.lock * max(self._fastest, 1.0)
         locks = locks and self._fastest > c.turning
         self._since_lock = 0.0 if locks else self._since_lock + self._dt
+        self._since_abs = 0.0 if x[ABS_ACTIVE] > 0.5 else self._since_abs + self._dt
         mean = 0.5 * (x[RL] + x[RR])
         tyre, speed = self._table.tyre, max(car.rear.rolling_radius * mean, c.moving)
         slip = max(float(np.interp(-x[A_X] / G, tyre.force, tyre.slip)), 0.0)
@@ -124,6 +119,7 @@ class Online:
         self._lateral += share * (turned - self._lateral)
         for wrong, why in (
             (not good, Reason.FAULT),
+            (self._since_abs <= c.recover + 0.5 * self._dt, Reason.ABS),
             (self._since_lock <= c.recover + 0.5 * self._dt, Reason.LOCKED),
             (not abs(self._lateral) < c.lateral, Reason.CORNERS),
             (not abs(x[STEERING]) < c.steering, Reason.TURNED),
@@ -135,13 +131,14 @@ class Online:
     def _block_ends(self, *, with_answer: bool = True) -> None:
         """Answer by the means of a block, or before the first."""
         x = np.array(self._rows or [self._last])
-        why, thrust = max(self._why, default=0), x[:, DRIVEN].max() > 0.5
+        fault, why = Reason.FAULT in self._why, max(self._why, default=0)
+        thrust = x[:, DRIVEN].max() > 0.5
         self._rows, self._why = [], []
         p, a_x, (fl, fr, rl, rr) = x[:, P_MC].mean(), x[:, A_X].mean(), x[:, OMEGA].mean(axis=0)
         omega, z, car = np.array([fl + fr, rl + rr]) / 2.0, -a_x / G, self._table.vehicle
         radii = np.array([car.front.rolling_radius, car.rear.rolling_radius])
         spin = np.zeros(2) if self._omega is None else (omega - self._omega) / self._c.block
-        if self._faulty or why == Reason.FAULT:
+        if self._faulty or fault:
             spin = -G * z / radii
         means = p, p, *x[:, DRIVE].mean(axis=0), z, *omega, radii[1] * omega[1], 0.0, *spin
         columns: dict[str, Any] = {n: np.array([v]) for n, v in zip(_MEANS, means, strict=True)}
@@ -151,7 +148,7 @@ class Online:
         one = Sample(*(float(y[0]) for y in of_step))
         state = self._state if with_answer else started(self._c)
         if with_answer:
-            self._omega, self._faulty = omega, why == Reason.FAULT
+            self._omega, self._faulty = omega, fault
         of_one = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, one)))
         answer, place = with_before(self._c, of_one), int(with_answer)
         self._reason = int(answer.reason[place])

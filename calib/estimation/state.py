@@ -87,8 +87,21 @@ class Constants:
     slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
     turning: float = MOVING / NOMINAL_RADIUS  # below that none locks [rad/s]
     recover: float = 1.0  # after that the filters behind the signals have forgotten it [s]
-    held_time: float = 0.25  # a_x is frozen where it keeps a value for that [s] while a car rolls
-    held_pressure: float = 5e5  # and the pressure moves by that [Pa]
+    unexplained: float = 0.02  # brake force that is no noise of a_x, at least [1]
+    errs: float = 10.0  # log likelihood ratio from which it is a_x, or a motor
+    most_evidence: float = 2.5  # that a block adds to it, at most: no bump is an error of a_x
+    drive_memory: float = 0.5  # [s]
+    usual_level: float = 1.0  # memory of the level before a step, and of what it says [s]
+    chatter: float = 8.0  # mean of squared innovations while ABS works, each at most
+    most_chatter: float = 36.0
+    chatter_memory: float = 0.7  # [s]
+    far: float = 7.0  # of a learnt state from its prior [sigma]
+    far_slip: float = 2.8  # of ln(slip/z), upwards
+    least_demand: float = -0.15  # of a car that brakes [1]
+    most_demand: float = 1.3
+    most_zero: float = 0.1  # of a zero of the demand [1]
+    most_radii: float = 0.05  # by which eta - 1 is from that of the file's radii [1]
+    refusals: float = 10.0  # of zeros in a row, after which none is known
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
@@ -137,6 +150,7 @@ class Sample(NamedTuple, Generic[Number]):
     disturbed: Number  # number of a `Reason` while the car is steered or a wheel locks, else 0
     log_odds: Number  # ln of the front pressure over the rear one
     driven: Number  # 1 while the accelerator is pressed: thrust and slip are no zeros
+    drive: Number  # force of motors in the demand [1]
 
 
 @dataclass(slots=True)
@@ -193,6 +207,26 @@ class Sums:
 
 
 @dataclass(slots=True)
+class Check:
+    """What the innovations say of the sensors: whether it is the brakes, a_x, a motor or ABS."""
+
+    level: float = 1.0  # before a step [1]
+    error: float = 0.0  # of a_x, if the pads did not change [1]
+    v: float = 0.0  # and by how much the states of the speed are off then
+    slip: float = 0.0
+    offset: float = 0.0
+    scale: float = 0.0
+    ratio: float = 0.0  # log likelihood ratio of that
+    drive: float = 0.0  # force of motors, as it was [1]
+    chatter: float = 0.0  # mean of the squared innovations
+    refused: float = 0.0  # zeros in a row that are none
+    a_x: float = 1e3  # time since each was seen last [s]
+    motor: float = 1e3
+    modulated: float = 1e3
+    far: float = 1e3
+
+
+@dataclass(slots=True)
 class State:
     """All that the estimator remembers."""
 
@@ -201,6 +235,7 @@ class State:
     slip: Zero = field(default_factory=Zero)
     level: LevelFilter = field(default_factory=LevelFilter)
     speed: SpeedFilter = field(default_factory=SpeedFilter)
+    check: Check = field(default_factory=Check)
     rim: float = 0.0  # of all wheels [m/s]
     anchored: bool = False  # once the speed no longer moves with the zero of eta
     waiting: deque[Sample[float]] = field(default_factory=deque)

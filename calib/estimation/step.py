@@ -20,7 +20,9 @@ from calib.estimation.equations import (
     BlockState,
     aged,
     block_state,
+    brake_line_lag,
     eta_error,
+    motor_fits,
     reason_of,
     renewed,
     rim_speed,
@@ -30,6 +32,7 @@ from calib.estimation.equations import (
     update,
     update_zero,
     weighed,
+    zero_fits,
 )
 from calib.estimation.state import Constants, Sample, State
 
@@ -47,6 +50,7 @@ class Answer(NamedTuple):
     slip_sigma: Array
     zero_eta: Array  # what eta reads while nothing brakes, and the slip of all wheels
     zero_slip: Array
+    diagnosis: Array  # bits of `calib.estimation.reasons.CHECKS` that fail
     innovation: Array  # of the wheels, in standard deviations; NaN where they do not count
     reason: Array  # a `Reason`
 
@@ -64,7 +68,9 @@ def started(c: Constants) -> State:
 
 def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
     """Take in a block. Changes the state."""
+    brake_line_lag(c, s, x.nominal)
     counts = x.rim > c.moving and not x.disturbed
+    counts = motor_fits(c, s, x, counts=counts) and counts
     _roll(c, s, x, counts=counts)
     step_filters(c, s, x, counts=counts)
     if counts and x.v == x.v:  # not where v is missing: NaN is not
@@ -81,8 +87,9 @@ def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.noise_rim / old.rim
-        update_zero(s.demand, old.demand, (c.noise_z**2 + 1e-8) / c.block)
-        update_zero(s.eta_less_1, old.eta_less_1, 2.0 * wheels**2 / c.block)
+        if zero_fits(c, s, old):
+            update_zero(s.demand, old.demand, (c.noise_z**2 + 1e-8) / c.block)
+            update_zero(s.eta_less_1, old.eta_less_1, 2.0 * wheels**2 / c.block)
         if old.v > c.moving:
             slip = 1.0 - rim_speed(s, old) / old.v
             update_zero(s.slip, slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
@@ -98,7 +105,7 @@ def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
     variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
     in_time = x.v - G * x.z * c.late
-    update(s, 1.0, 0.0, in_time * (1.0 - s.slip.value) - v, variance)
+    update(c, s, 1.0, 0.0, in_time * (1.0 - s.slip.value) - v, variance, -s.check.v)
 
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:
@@ -133,7 +140,7 @@ def _answers(c: Constants, s: State, x: Sample[Array], seen: BlockState[Array]) 
     return Answer(
         level, best[:, 0], best[:, 1], w.noise, w.accelerometer, zeros,
         usual + sigma * w.slip, sigma * w.slip_sigma, seen.zero_eta, seen.zero_slip,
-        np.where(counts, seen.innovation, np.nan),
+        seen.checks, np.where(counts, seen.innovation, np.nan),
         reason_of(c, x, seen, np.exp(level[0]), of_map),
     )  # fmt: skip
 

@@ -35,6 +35,7 @@ DECIMALS = {
     "v": 5,
     "T": 2,
     "steering": 6,
+    "abs": 0,
     "true_Tb": 3,
     "true_Fx": 3,
     "true_Fz": 3,

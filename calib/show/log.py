@@ -58,6 +58,7 @@ _TITLES = {
     "T_disc": "Temperature of the discs",
     "steering": "Steering wheel",
     "T_drive": "Torque of engine or motor",
+    "abs_active": "ABS or ESC",
 }
 """Titles of panels by the kind of their columns; a foreign column has its name."""
 

@@ -10,6 +10,7 @@ from calib.run.copies import factor_between, is_other_quantity
 from calib.run.pressure_delay import pressure_delay
 from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows
 from calib.suggest.words import (
+    ABS,
     BRAKE,
     DECELERATION,
     DERIVED,
@@ -237,6 +238,7 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
 
 _BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
     "steering": ("rad", None, (STEERING,)),
+    "abs_active": ("1", None, (ABS,)),
     "T_disc_f": ("degC", "f", (DISC,)),
     "T_disc_r": ("degC", "r", (DISC,)),
     "T_drive_f": ("N*m", "f", (TORQUE, DRIVE)),

@@ -88,6 +88,7 @@ TORQUE = _of(
     "request req requested max min limit lim available avail driver fahrer hand",
 )
 """Not another torque, nor one that is only asked for or possible."""
+ABS = _of("abs esc esp dsc", "lamp lampe warn fault fehler error off pressure druck")
 DISC = _of("disc disk rotor scheibe bremsscheibe")
 _WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""

@@ -26,4 +26,6 @@ def test_channels_and_units_are_those_of_the_contract_in_its_order():
     have = [(name, q.unit) for name, q in CHANNELS.items()]
     assert have[: len(rows)] == rows
     # what a gate may read, and what the balance takes out
-    assert have[len(rows) :] == [("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m")]
+    assert have[len(rows) :] == [
+        ("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m"), ("abs_active", "1"),
+    ]  # fmt: skip

@@ -27,8 +27,8 @@ TIME = STEP * np.arange(1200)
 RAMP, STOP = 6e5 * np.maximum(TIME - 1.0, 0.0), 25e5 * np.clip((TIME - 2.0) / 0.1, 0.0, 1.0)
 RELEASED = 56.5e5 * np.clip((TIME - 0.1) / 0.4, 0.0, 1.0) * (TIME < 1.1)  # from near the peak
 MOTOR = {"T_drive_f": 300.0 * np.sin(np.maximum(TIME - 0.1, 0.0)), "T_drive_r": -100.0 * (TIME > 3)}
-ROLLING = [2e6, -3.0, 60.0, 60.0, 60.2, 60.2, 0.0, 0.0, 0.0, 0.0]
-INPUTS, REALS, REASON = list(range(10)), list(range(10, 31)), 32  # 31 is the time
+ROLLING = [2e6, -3.0, 60.0, 60.0, 60.2, 60.2, 0.0, 0.0, 0.0, 0.0, 0.0]
+INPUTS, REALS, REASON = list(range(11)), list(range(11, 32)), 33  # 32 is the time
 
 
 def written(path, stored, version, model):

@@ -42,7 +42,7 @@ def test_sensors_are_judged_as_they_read_not_behind_known_effects(fitted, effect
         for one in (log, read(log, a_x=rough), read(log, a_x=frozen), read(log, p_mc=glitch))
     )
     assert not np.any(rough.ecu.step.reason == Reason.FAULT)
-    assert np.mean(frozen.ecu.step.reason[frozen.braked] == Reason.FAULT) > 0.8
+    assert not np.any(frozen.ecu.valid)
     both = fine.ecu.valid & glitch.ecu.valid
     assert both.sum() > 100
     for x, y in ((fine.ecu.pads_f, glitch.ecu.pads_f), (fine.ecu.torque_f, glitch.ecu.torque_f)):

@@ -14,7 +14,7 @@ from calib.run.blocks import BLOCK
 PAGE = (FOLDER / "method.md").read_text()
 LOGS = calib.sample_logs() / "simulation_study"
 AT = 7.0  # [s]
-UNITS = dict.fromkeys(("bite", "untouched", "least_pressure", "held_pressure"), 1e5)  # [bar]
+UNITS = dict.fromkeys(("bite", "untouched", "least_pressure"), 1e5)  # [bar]
 UNITS |= {"steering": np.pi / 180.0}  # [deg]
 NUMBER = r"-?\d+\.\d+"
 

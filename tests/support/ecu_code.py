@@ -28,7 +28,7 @@ PER_TICK = 1.25  # instructions of 32 ns, as ``shift=5`` has them, in a tick of 
 BOTH = [pytest.param(cc, marks=needs(cc)) for cc in ("gcc", "clang")]
 NOTHING = (np.nan, np.inf, -np.inf, 1e30, 1e-40, 0.0)
 READ = np.array([(channel.low, channel.high, *NOTHING) for channel in CHANNELS.values()])
-"""What each channel may read once it fails (10, 8)."""
+"""What each channel may read once it fails (11, 8)."""
 
 
 def program(code: Path, command: str, main: Path | None = None, car: str = "sedan_2up") -> Path:
@@ -39,14 +39,14 @@ def program(code: Path, command: str, main: Path | None = None, car: str = "seda
 
 
 def answers(code: Path, samples: Array, command: str | Path) -> Array:
-    """Answers (n, 22) to samples (n, 10), in their floating point, of a program of `RUN`."""
+    """Answers (n, 22) to samples (n, 11), in their floating point, of a program of `RUN`."""
     samples.tofile(code / "samples.bin")
     called(code, command)
     return np.fromfile(code / "answers.bin", samples.dtype).reshape(-1, OUTPUTS)
 
 
 def on_target(code: Path, samples: Array) -> tuple[Array, list[int], Array]:
-    """Run it over samples (n, 10) on the Cortex-M4F.
+    """Run it over samples (n, 11) on the Cortex-M4F.
 
     Answers (n, 22); flash of bte.c and of bte_car.c, RAM of bte_state, stack of one bte_step
     [bytes]; instructions of each sample (n,).
@@ -79,7 +79,7 @@ def called(folder: Path, *command: str | Path) -> str:
 
 
 def failing(samples: Array, seed: int) -> Array:
-    """Samples (n, 10) in pieces, each with gains and zeros that are wrong but go into the filter;
+    """Samples (n, 11) in pieces, each with gains and zeros that are wrong but go into the filter;
     some channels read an end of their range, or no number."""
     x, rng = samples.copy(), np.random.default_rng(seed)
     for part in np.split(x, np.sort(rng.integers(len(x), size=(5, 20, 100)[seed % 3]))):

@@ -115,8 +115,10 @@ static void roll(bte_state *state, const bte_block *x, bool counts) {
     s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->q_radius) * dt, most);
     if (x->pressure <= c->bite && state->waits >= car->waiting) {
         const bte_real wheels = c->noise_rim / oldest->rim;
-        update_zero(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
-        update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
+        if (zero_fits(c, s, oldest)) {
+            update_zero(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
+            update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
+        }
     }
     if (counts && !state->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
         *oldest = *x;
@@ -239,7 +241,9 @@ static uint32_t seal_of(const bte_state *s) {
 static void take(bte_state *state, const bte_block *x) {
     const bte_car *car = state->car;
     BTE_CAL bte_numbers *c = car->numbers;
-    const bool counts = x->rim > c->moving && state->worst == BTE_VALID;
+    const bool usual = x->rim > c->moving && state->worst == BTE_VALID;
+    brake_line_lag(c, &state->filters, x->nominal);
+    const bool fits = motor_fits(c, &state->filters, x, usual), counts = usual && fits;
     roll(state, x, counts);
     step_filters(c, &state->filters, x, counts);
     const bte_block_state seen = block_state(c, &state->filters, x, counts);
@@ -268,6 +272,7 @@ static void take(bte_state *state, const bte_block *x) {
     const bte_interval ratio = best_ratio(state, &now, w.pads, is_new, adds);
     answer_pads(state, &level, &ratio);
     const bte_real median = state->answers.pad_level.median;
+    state->checks = (uint16_t)seen.checks;
     state->block_reason = (bte_reason)reason_of(c, x, &seen, median, of_map);
     state->seal = seal_of(state);
 }
@@ -280,13 +285,12 @@ static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
     return low + at.along * (high - low);
 }
 
-/* Take in a sample: the last good reading counts while one is out of its range, or jumps. Whether
- * all sensors work. */
-static bool take_sample(bte_state *s, const bte_inputs *inputs) {
+/* Take in a sample: the last good reading counts while one is out of its range, or jumps. Bits of
+ * the sensors that fail. */
+static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     BTE_CAL bte_numbers *c = s->car->numbers;
-    const bool same = s->started && inputs->a_x == s->last.a_x;
     bte_real x[BTE_INPUTS], raw[BTE_INPUTS], last[BTE_INPUTS]; /* the same, by number */
-    bool fine = true;
+    uint32_t failing = 0U;
     (void)memcpy(x, inputs, sizeof x);
     (void)memcpy(raw, &s->raw, sizeof raw);
     (void)memcpy(last, &s->last, sizeof last);
@@ -295,19 +299,24 @@ static bool take_sample(bte_state *s, const bte_inputs *inputs) {
         const bool taken = inside && !(s->started && MATH(fabs)(x[i] - raw[i]) > c->change[i]);
         raw[i] = inside ? x[i] : raw[i];
         last[i] = taken ? x[i] : last[i];
-        fine = fine && taken;
+        failing |= taken ? 0U : ((uint32_t)1U << i);
     }
     (void)memcpy(&s->raw, raw, sizeof raw);
     (void)memcpy(&s->last, last, sizeof last);
-    /* an accelerometer that does not move while the pressure does is frozen */
-    s->held = same ? s->held + c->sample_time : R(0.0);
-    s->p_held = same ? s->p_held : s->last.p_mc;
-    return fine && !(s->held > c->held_time - R(0.5) * c->sample_time
-                     && MATH(fabs)(s->last.p_mc - s->p_held) > c->held_pressure
-                     && c->rolling_radius[BTE_FRONT] * s->last.omega_fl > c->moving);
+    return failing;
 }
 
-/* Whether the car is steered, corners, or a wheel locks, or just has. */
+/* Count what fails, and how often it began to. */
+static void diagnose(bte_state *s, uint32_t failing) {
+    const uint32_t begins = failing & ~s->diagnosis;
+    for (unsigned i = 0; failing != 0U && i < (unsigned)BTE_DIAGNOSES; i++) {
+        s->often[i] = (uint16_t)(s->often[i] + ((begins >> i) & 1U));
+        s->lasted[i] += (failing >> i) & 1U;
+    }
+    s->diagnosis = failing;
+}
+
+/* Whether the car is steered, corners, a wheel locks or ABS acts, or just has. */
 static bte_reason disturbance(bte_state *s, bool fine) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     const bte_inputs *x = &s->last;
@@ -328,6 +337,7 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     const bool locks = s->fastest - slowest > c->lock * largest(s->fastest, R(1.0))
                        && s->fastest > c->turning;
     s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
+    s->since_abs = x->abs_active > R(0.5) ? R(0.0) : s->since_abs + c->sample_time;
     const bte_real apart = (x->omega_rr - x->omega_rl) / largest(mean, R(1.0));
     const bte_real slip = largest(slip_at(s->car, z * c->weight, c->weight), R(0.0));
     const bte_real leaned = R(4.0) * slip * c->cg_height / (GRAVITY * c->track_width);
@@ -336,6 +346,8 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     bte_reason why;
     if (!fine) {
         why = BTE_FAULT;
+    } else if (s->since_abs <= c->recover + R(0.5) * c->sample_time) {
+        why = BTE_ABS;
     } else if (s->since_lock <= c->recover + R(0.5) * c->sample_time) {
         why = BTE_LOCKED;
     } else if (!(MATH(fabs)(s->lateral) < c->lateral)) {
@@ -360,7 +372,7 @@ static void block_ends(bte_state *s) {
     const bte_real speed = c->rolling_radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = c->drag * square(speed);
     const bte_real grown = R(1.0) + c->rolling_growth * (square(speed / R(20.0)) - R(1.0));
-    const bool held = s->faulty || s->worst == BTE_FAULT; /* a reading: nothing is known of spins */
+    const bool held = s->faulty || s->failed; /* a reading: nothing is known of spins */
     bte_real demanded = c->weight * z - body;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
         const bte_real radius = c->rolling_radius[a];
@@ -373,7 +385,7 @@ static void block_ends(bte_state *s) {
         demanded -= other[a] + c->turning_mass[a] * radius * spin;
     }
     s->block_full = true;
-    s->faulty = s->worst == BTE_FAULT;
+    s->faulty = s->failed;
     const bte_real z_alone = demanded / c->rolls;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
         const bte_real tyre = c->ramp_share[a] * demanded
@@ -394,6 +406,9 @@ static void block_ends(bte_state *s) {
     block.rim = largest(rim, c->slowest);
     block.rear_share = load[BTE_REAR] / c->weight;
     block.disturbed = (bte_real)s->worst;
+    block.drive = (drive[BTE_FRONT] / c->rolling_radius[BTE_FRONT]
+                   + drive[BTE_REAR] / c->rolling_radius[BTE_REAR])
+                  / c->weight;
     take(s, &block);
 }
 
@@ -407,6 +422,7 @@ static void begin(bte_state *s, const bte_car *car) {
     s->car = car;
 $first
     s->since_lock = R(2.0) * c->recover;
+    s->since_abs = s->since_lock;
     start(c, &s->filters);
     answer_pads(s, &any, &any);
     s->seal = seal_of(s);
@@ -487,13 +503,15 @@ bool bte_resume(bte_state *s, const bte_car *car) {
 }
 
 static bte_reason step(bte_state *s, const bte_inputs *x) {
-    const bool fine = take_sample(s, x), begins = s->count == 0U;
+    const uint32_t failing = take_sample(s, x);
+    const bool fine = failing == 0U, begins = s->count == 0U;
     const bte_reason disturbed = disturbance(s, fine);
     const bte_inputs *last = &s->last;
     const bte_sums_of_block none = {R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)};
     bte_sums_of_block *sum = &s->sum;
     s->started = true;
     s->worst = begins || disturbed > s->worst ? disturbed : s->worst;
+    s->failed = !fine || (!begins && s->failed);
     s->driven = last->driven > R(0.5) || (!begins && s->driven);
     *sum = begins ? none : *sum;
     sum->p_mc += last->p_mc;
@@ -507,6 +525,7 @@ static bte_reason step(bte_state *s, const bte_inputs *x) {
         s->count = 0;
         block_ends(s);
     }
+    diagnose(s, failing | ((uint32_t)s->checks << (unsigned)BTE_INPUTS));
     answer_torques(s);
     return fine ? s->block_reason : BTE_FAULT;
 }

@@ -56,6 +56,12 @@ $answers
 
 enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4, BTE_INPUTS = $count };
 
+/* Bits of `diagnosis`: an input that is out of its range or jumps, by its place, then these. */
+enum {
+    $checks, /* the first one behind the inputs */
+    BTE_DIAGNOSES
+};
+
 /* Axes of maps: deceleration, (eta - 1)/z, slip in standard deviations; rising points. */
 enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
 enum { BTE_COLUMNS = 3 };
@@ -123,12 +129,13 @@ typedef struct {
     bte_filters filters;
     const bte_car *car;
     bte_interval ratio; /* ln of the best informed one */
-    bool started, block_full, faulty, driven;
-    uint16_t count;
+    bool started, block_full, faulty, failed, driven;
+    uint16_t count, checks, often[BTE_DIAGNOSES]; /* how often each began to fail */
+    uint32_t lasted[BTE_DIAGNOSES], diagnosis; /* in how many calls it did; bits of what fails */
     uint32_t seal, waits;
     bte_block waiting[3];
     bte_inputs raw;
-    bte_real before[BTE_WHEELS][2], fastest, lateral, since_lock, p_held, held, omega[BTE_AXLES];
+    bte_real before[BTE_WHEELS][2], fastest, lateral, since_lock, since_abs, omega[BTE_AXLES];
     bte_sums_of_block sum;
     bte_reason worst, block_reason;
 } bte_state;
