@@ -68,6 +68,7 @@ def export(
     sample_time: float | None = option("Time from call to call [s]; of ecu and FMUs.", "S"),
     prefix: str | None = option("First part of all labels; else the table's name.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
+    compiled: bool = option("With a binary for this machine in an FMU; needs FMPy and cmake."),
     validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     without_effect: list[str] = option("Known effect that no ECU senses; repeatable.", "NAME"),
     unreleased: bool = option("Also a version that is not released; the file then says so."),
@@ -103,9 +104,10 @@ def export(
             how = shape.precision(kind == FOLDER) or Precision()
             if sample_time is None:
                 raise misuse("needed: the time from call to call of your ECU", "--sample-time")
+            asked["compiled"] = compiled
             written = write_code(stored, out, kind, how, sample_time, prefix, **asked)
-        elif sample_time is not None:
-            raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time")
+        elif sample_time is not None or compiled:
+            raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time, --compiled")
         else:
             asked |= {"points": shape.points, "bits": shape.bits, "single": shape.single}
             written = write(stored, out, form, prefix=prefix, **asked)

@@ -26,7 +26,7 @@ from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.ecu.car_data import CAR, axes_of, code_grids, numbers_of, sources
 from calib.ecu.car_source import SOURCE, cell, initial
-from calib.ecu.fmu import Content, Version, write_fmu
+from calib.ecu.fmu import Content, Version, compile_fmu, write_fmu
 from calib.ecu.memory import calibrated, measured
 from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
 from calib.exports.addresses import find_addresses
@@ -97,6 +97,7 @@ def write_code(
     quality: Quality = UNPROVED,
     without_effects: Sequence[str] = (),
     unreleased: bool = False,
+    compiled: bool = False,
 ) -> WrittenCode:
     """Write the estimator, or the simulated car, with the numbers of a version.
 
@@ -108,6 +109,7 @@ def write_code(
     first, elf, quality : of a folder alone: first part of the labels of the data, of the table's
         name if not given; the linked program with the code, for the addresses in the A2L; result
         of a validation, for the state in the CDF.
+    compiled : of an FMU alone: with a binary for this machine, too, by FMPy.
     without_effects, unreleased : what may be handed out, see `require_handed_out`.
 
     Raises ExchangeError for what no code can have, StoreError for a version that is not handed out
@@ -118,12 +120,16 @@ def write_code(
     car = stored.table.vehicle
     left = replace(car, effects=car.effects.without(*without_effects))
     stored = replace(stored, table=replace(stored.table, vehicle=left))
+    if form == FOLDER and compiled:
+        raise ExchangeError("only an FMU is compiled", expected="fmu2, fmu3 and those of the car")
     if form != FOLDER:
         if elf or first is not None or quality is not UNPROVED:
             raise ExchangeError("an FMU has no --elf, --prefix, --validation")
         version: Version = 2 if form.endswith("2") else 3
         content: Content = "car" if form.startswith("car") else "estimator"
         write_fmu(stored, out, how, sample_time, version, content)
+        if compiled:
+            compile_fmu(out)
         return WrittenCode(stored, out, form, how, sample_time, (out.name,))
     first = prefix(stored.name if first is None else first)
     files = _write_bundle(stored, out, how, sample_time, first, quality, elf)

@@ -2,11 +2,13 @@
 
     p_mc --> car: a_x, wheel speeds --> estimator: pad friction and torque with their bounds
 
-No binary is inside: the tool that imports it compiles the sources, with its own headers of FMI.
+The tool that imports it compiles the sources, with its own headers of FMI, if no binary is inside.
 """
 
 import hashlib
 import io
+import subprocess
+import sys
 import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,6 +16,7 @@ from pathlib import Path
 from string import Template
 from typing import Literal
 
+from calib.base.errors import ProgramError
 from calib.base.names import PROGRAM
 from calib.base.templates import templates
 from calib.base.write import write_whole
@@ -110,3 +113,21 @@ def write_fmu(
             out.writestr(zipfile.ZipInfo(file), text, zipfile.ZIP_DEFLATED)
         out.comment = stored.digest.encode()
     write_whole(path, made.getvalue())
+
+
+def compile_fmu(path: Path) -> None:
+    """Put a binary for this machine into an FMU, with the headers of FMPy.
+
+    Raises ProgramError without FMPy, cmake or a compiler; the FMU then has its sources alone.
+    """
+    with zipfile.ZipFile(path) as made:
+        digest = made.comment
+    command = [sys.executable, "-m", "fmpy", "compile", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        do = (
+            f"pip install fmpy, and have cmake and a compiler on PATH: {done.stderr[-200:].strip()}"
+        )
+        raise ProgramError("no binary could be made", where=path, do=do)
+    with zipfile.ZipFile(path, "a") as made:
+        made.comment = digest

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.ecu.fmu import V0, simulated, write_fmu
+from calib.ecu.fmu import V0, compile_fmu, simulated, write_fmu
 from calib.estimation.online import ANSWERS, CHANNELS, answered
 from calib.model.simulate import simulate
 from calib.table.exported import Precision
@@ -45,9 +44,9 @@ def fmus(request, tmp_path_factory):
     folder, fmus = tmp_path_factory.mktemp("bare"), {}
     for model in ("estimator", "car"):
         path, about = written(folder / f"{model}.fmu", SEDAN, request.param, model)
-        command = [sys.executable, "-m", "fmpy", "compile", path]
-        env = os.environ | {"PATH": PATH}
-        subprocess.run(command, cwd=folder, env=env, capture_output=True, check=True)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("PATH", PATH)
+            compile_fmu(path)
         fmus[model] = fmpy.extract(path, folder / model), about
     return fmus
 
