@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -202,6 +203,8 @@ def test_stopped_it_is_no_verdict_and_leaves_nothing(tmp_path, number):
         cwd=Path(__file__).parents[2],
         stderr=subprocess.PIPE,
         text=True,
+        # a test command in a shell's background ignores SIGINT, and so would this
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )
     said = process.stderr.readline()
     assert said.startswith("fitting")
