@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.errors import ExchangeError, StoreError
+from calib.base.errors import ExchangeError
 from calib.base.names import AXLES, G
 from calib.car.balance import force_per_pressure, front_share, turning_shares
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
 from calib.ecu.car_source import Member, code, comments, header, initial
-from calib.estimation.known import known_effects
+from calib.estimation.known import known_effects, require_plain
 from calib.estimation.online import CHANNELS, limits
 from calib.estimation.state import LEVEL, PADS, SLIP, Constants, constants
 from calib.exports.build import maps_of
@@ -27,7 +27,7 @@ from calib.exports.dataset import MOST_AXES, Axis, Grid
 from calib.run.blocks import samples_of_block
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise
-from calib.run.resistance import DRAG, RESISTANCE, ROLLING
+from calib.run.resistance import DRAG, ROLLING
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
 
@@ -104,17 +104,6 @@ def _definitions(
         yield f"\nextern {declared};\nBTE_CAL_DATA {declared} = {initial(values, bits)};"
     body = "\n".join(f"    .{member} = {initial(x, bits)}," for member, x in car.items())
     yield f"\nextern const bte_car {name};\nconst bte_car {name} = {{\n{body}\n}};\n"
-
-
-def require_plain(table: Table) -> None:
-    """Raise StoreError for effects that the code does not take out."""
-    more = [x for x in known_effects(table).described if x not in RESISTANCE]
-    if more:
-        raise StoreError(
-            f"the code does not take out {', '.join(more)}",
-            expected=" and ".join(RESISTANCE) + " alone",
-            do="hand out the table in another format, and take the effect out before it is read",
-        )
 
 
 def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_AXES) -> list[Grid]:

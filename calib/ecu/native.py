@@ -17,9 +17,10 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ProgramError
-from calib.ecu.car_data import require_plain, sources
+from calib.ecu.car_data import sources
 from calib.ecu.car_source import SOURCE
 from calib.estimation.estimator import Estimate
+from calib.estimation.known import require_plain
 from calib.estimation.online import ANSWERS, READ_OUT, rows_of, samples_of
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.validate import Coded

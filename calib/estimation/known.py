@@ -7,12 +7,13 @@ from functools import lru_cache
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.errors import StoreError
 from calib.car.balance import ForceBalance, braked_tyres, front_share, turning_shares
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
-from calib.run.resistance import DRAG, ROLLING, Resistance
+from calib.run.resistance import DRAG, RESISTANCE, ROLLING, Resistance
 from calib.table.budget import pad_levels
 from calib.table.table import Table
 
@@ -38,6 +39,17 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
 def known_effects(table: Table) -> Effects:
     """Drag and rolling resistance of the fit, and what the vehicle knows, which goes before it."""
     return table.effects.with_(table.vehicle.effects)
+
+
+def require_plain(table: Table) -> None:
+    """Raise StoreError for effects that the code does not take out."""
+    more = [x for x in known_effects(table).described if x not in RESISTANCE]
+    if more:
+        raise StoreError(
+            f"the code does not take out {', '.join(more)}",
+            expected=" and ".join(RESISTANCE) + " alone",
+            do="hand out the table in another format, and take the effect out before it is read",
+        )
 
 
 def known_resistance(table: Table) -> Resistance:

@@ -15,7 +15,9 @@ from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.base.names import AXLES, WHEELS
 from calib.car.balance import brake_forces, front_share
+from calib.car.effects.effect import Pair
 from calib.car.forces import speed_ratio
+from calib.car.vehicle import Vehicle
 from calib.estimation.known import known_effects, known_slips
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Constants, Sample, constants
@@ -132,12 +134,24 @@ def read_out(
     answer = with_before(c, run(c, x))
     at = np.searchsorted(b.end, s.time, side="right")  # the last complete block, 0 before the first
     level, ratio, pads_f, pads_r, *changed = (of[:, at] for of in of_blocks(table, x, answer))
-    front, rear = table.vehicle.front, table.vehicle.rear
-    gains = [a.torque_gain * np.maximum(p, 0.0) for a, p in ((front, s.p_f), (rear, s.p_r))]
-    torque_f, torque_r = (gain * of for gain, of in zip(gains, (pads_f, pads_r), strict=True))
-    total = level / level[0] * 2.0 * (torque_f[0] + torque_r[0])
-    bounded = level, ratio, pads_f, pads_r, *changed, torque_f, torque_r, total
+    torques = torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
+    bounded = level, ratio, pads_f, pads_r, *changed, *torques
     return Readout(x, answer.at(at), *itertools.starmap(Bounded, bounded))
+
+
+def torques_of(
+    car: Vehicle, pressures: tuple[Array | float, Array | float], level: Array, pads: Pair
+) -> tuple[Array, Array, Array]:
+    """Torque of a front, of a rear wheel and of all [N m], each with its bounds (3, n).
+
+    ``pressures`` of the axles [Pa] (n,); their ``level`` and ``pads`` [1] with bounds (3, n).
+    """
+    gains = (
+        axle.torque_gain * np.maximum(pressure, 0.0)
+        for axle, pressure in zip((car.front, car.rear), pressures, strict=True)
+    )
+    front, rear = (gain * friction for gain, friction in zip(gains, pads, strict=True))
+    return front, rear, level / level[0] * 2.0 * (front[0] + rear[0])
 
 
 def of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ...]:

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.errors import StoreError
 from calib.base.names import G
-from calib.estimation.known import as_driven, known_effects
+from calib.estimation.known import as_driven, require_plain
 from calib.estimation.online import (
     A_X,
     ABS_ACTIVE,
@@ -27,14 +26,13 @@ from calib.estimation.online import (
     STEERING,
     limits,
 )  # fmt: skip
-from calib.estimation.readout import given, of_blocks, with_before
+from calib.estimation.readout import given, of_blocks, torques_of, with_before
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample, constants
 from calib.estimation.step import Answer, started, step
 from calib.run.blocks import Blocks, samples_of_block
-from calib.run.lateral import LATERAL_TIME
+from calib.run.lateral import LATERAL_TIME, turning
 from calib.run.noise import SensorNoise
-from calib.run.resistance import RESISTANCE
 from calib.table.table import Table
 
 _ENDS = ("", "_lower", "_upper")
@@ -48,12 +46,11 @@ _MEANS = (
 class Online:
     """An estimator that remembers, of a ``table``, called every ``sample_time`` [s].
 
-    Raises StoreError for a table with known effects that no ECU takes out by itself.
+    Raises StoreError as `require_plain`.
     """
 
     def __init__(self, table: Table, sample_time: float) -> None:
-        if more := [x for x in known_effects(table).described if x not in RESISTANCE]:
-            raise StoreError(f"does not take out {', '.join(more)}", expected="no such effect")
+        require_plain(table)
         self._table, self._dt = as_driven(table, table.vehicle), sample_time
         self._limits, self._n = limits(sample_time, table.vehicle), samples_of_block(sample_time)
         block = round(self._n * sample_time, 9)
@@ -80,15 +77,14 @@ class Online:
         self._started = True
         if len(self._rows) == self._n:
             self._block_ends()
-        pressure = max(float(self._last[P_MC]), 0.0)
-        axles = self._table.vehicle.front, self._table.vehicle.rear
-        f, r = (a.torque_gain * pressure * y for a, y in zip(axles, self._answers[2:], strict=True))
-        total = self._answers[0] / self._answers[0, 0] * 2.0 * (f[0] + r[0])
-        told = dict(zip(ANSWERS, (*self._answers, f, r, total), strict=True))
-        told = {
-            f"{n}{end}": float(v) for n, y in told.items() for end, v in zip(_ENDS, y, strict=True)
+        pressure, (level, _, *pads) = self._last[P_MC], self._answers
+        torques = torques_of(self._table.vehicle, (pressure, pressure), level, (pads[0], pads[1]))
+        answers = {
+            f"{name}{end}": float(value)
+            for name, bounded in zip(ANSWERS, (*self._answers, *torques), strict=True)
+            for end, value in zip(_ENDS, bounded, strict=True)
         }
-        return {"reason": float(self._reason if good else Reason.FAULT), **told}
+        return {"reason": float(self._reason if good else Reason.FAULT), **answers}
 
     def _take(self, x: Array) -> bool:
         """Whether all sensors work; the last good reading counts while one does not."""
@@ -111,12 +107,11 @@ class Online:
         self._since_lock = 0.0 if locks else self._since_lock + self._dt
         self._since_abs = 0.0 if x[ABS_ACTIVE] > 0.5 else self._since_abs + self._dt
         mean = 0.5 * (x[RL] + x[RR])
-        tyre, speed = self._table.tyre, max(car.rear.rolling_radius * mean, c.moving)
-        slip = max(float(np.interp(-x[A_X] / G, tyre.force, tyre.slip)), 0.0)
-        leaned = 4.0 * slip * car.cg_height / (G * car.track_width)
-        turned = (x[RR] - x[RL]) / max(mean, 1.0) / (car.track_width / speed**2 + leaned)
+        apart, speed = (x[RR] - x[RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
+        slip = np.interp(-x[A_X] / G, self._table.tyre.force, self._table.tyre.slip)
+        turned = turning(apart, speed, car.track_width, slip, car.cg_height)
         share = 1.0 - math.exp(-self._dt / LATERAL_TIME) if self._started else 1.0
-        self._lateral += share * (turned - self._lateral)
+        self._lateral += share * float(turned - self._lateral)
         for wrong, why in (
             (not good, Reason.FAULT),
             (self._since_abs <= c.recover + 0.5 * self._dt, Reason.ABS),

@@ -38,7 +38,22 @@ def lateral(
     rear wheels [1] (n,) while they brake, ``height`` of the centre of gravity [m]: each axle is
     taken to carry its share of the roll moment.
     """
-    geometric = track_width / np.maximum(s.speed, MOVING) ** 2
+    turned = turning(sides(log) - straight, s.speed, track_width, slip, height)
+    return low_pass(turned, s.sample_time, LATERAL_TIME)
+
+
+def turning(
+    apart: Array | float,
+    speed: Array | float,
+    track_width: float,
+    slip: Array | float,
+    height: float,
+) -> Array:
+    """Lateral acceleration [m/s^2] (n,) before the low pass.
+
+    ``apart`` what `sides` reads [1], ``speed`` [m/s], (n,) each; the rest as of `lateral`.
+    """
+    geometric = track_width / np.maximum(speed, MOVING) ** 2
     # the outer wheel carries 2 h/(g l_w) a_y more of its load and slips less, the inner one more
     leaned = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)
-    return low_pass((sides(log) - straight) / (geometric + leaned), s.sample_time, LATERAL_TIME)
+    return np.asarray(apart / (geometric + leaned))

@@ -8,9 +8,9 @@ import pytest
 
 from calib.base.errors import ProgramError, StoreError
 from calib.car.effects.effects import Effects
-from calib.ecu.car_data import require_plain
 from calib.ecu.native import Native, coded
 from calib.ecu.translation import translated
+from calib.estimation.known import require_plain
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.online import (
     A_X,
