@@ -126,6 +126,12 @@ def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     s.nominal = nominal
 
 
+def rough_force(c: Constants, s: State, x: Sample[float]) -> float:
+    """Variance of a block's brake force by road and body, and by what is still to come of it."""
+    to_come = c.r_lag * s.level.level * (x.nominal - s.acting)
+    return (c.r_level * (x.demand - s.demand.value)) ** 2 + to_come**2
+
+
 def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     """Level and lag by the brake force of a block; sums of what goes into the map."""
     f: LevelFilter = s.level
@@ -140,8 +146,7 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     p_level = h * f.var_level + k * f.cov_level_lag
     p_lag = h * f.cov_level_lag + k * f.var_lag
     p_rate = h * f.cov_level_rate + k * f.cov_lag_rate
-    rough = (c.r_level * y) ** 2 + (c.r_lag * f.level * (x.nominal - h)) ** 2
-    spread = h * p_level + k * p_lag + c.noise_z**2 / dt + rough
+    spread = h * p_level + k * p_lag + c.noise_z**2 / dt + rough_force(c, s, x)
     residual = y - f.level * h
     nis = min(residual**2 / spread, c.most_chatter)
     s.check.chatter += (nis - s.check.chatter) * dt / c.chatter_memory
@@ -234,8 +239,8 @@ def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> boo
     f: LevelFilter = s.level
     e: Check = s.check
     y, h, k = x.demand - s.demand.value, s.acting, f.level * s.by_lag
-    rough = (c.r_level * y) ** 2 + (c.r_lag * f.level * (x.nominal - h)) ** 2
-    spread = h * (h * f.var_level + 2.0 * k * f.cov_level_lag) + k * k * f.var_lag + rough
+    spread = h * (h * f.var_level + 2.0 * k * f.cov_level_lag) + k * k * f.var_lag
+    spread += rough_force(c, s, x)
     spread += c.noise_z**2 / c.block + s.demand.variance
     step = x.drive - e.drive
     likely = step * (y - f.level * h - 0.5 * step)

@@ -24,6 +24,7 @@ from calib.base.warning import VOID, WARN, Measured, PlausibilityWarning, judged
 from calib.car.braking import BITE, MOVING
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
+from calib.estimation.metrics import counted_samples, share
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
 from calib.fitting.maps import scenarios, seen
@@ -81,17 +82,11 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         *warnings_on(evidence, VALIDATE, does),
         *judged(of.log.name, of_table, VALIDATE, does),
     )
-    asks = any(one.code in _ASKS for one in said) or not _mostly_valid(e)
+    asks = any(one.code in _ASKS for one in said) or share(e.valid, counted_samples(e)) <= 0.5
     asks = asks or _beside_pressure(evidence) or _goes_with_time(e)
     rolls = of.slipping is not None and not (of.slipping.locked or of.slipping.cycles)
     named = _mistakes(e, known, evidence) if asks and rolls else ()
     return (*judged(of.log.name, named, VALIDATE), *said)
-
-
-def _mostly_valid(e: Estimate) -> bool:
-    """Whether most of the braked samples above walking speed are valid."""
-    counted = e.braked & (e.read.speed > MOVING)
-    return bool(np.count_nonzero(e.valid & counted) > 0.5 * np.count_nonzero(counted))
 
 
 def _beside_pressure(evidence: Evidence) -> bool:
