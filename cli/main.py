@@ -91,7 +91,7 @@ app = group(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-INTERRUPTED = 130
+_INTERRUPTED = 130
 """Exit code after Ctrl-C and SIGTERM, as `typer` gives it."""
 
 
@@ -131,7 +131,7 @@ def main() -> None:
             signal.signal(number, _interrupt)
     sys.unraisablehook = _ignored
     code = _delivered(_run)
-    if code == INTERRUPTED:
+    if code == _INTERRUPTED:
         # CPython ends by the signal, and not with the exit code, where an interrupt met code made
         # from text, as that of a dataclass is; to run other such code takes that back
         exec("")
@@ -154,7 +154,7 @@ def _ignored(raised: Any) -> None:
 def _run() -> int:
     started, words = time.monotonic(), sys.argv[1:]
     code = _code(words)
-    if code == INTERRUPTED:
+    if code == _INTERRUPTED:
         say("stopped; nothing is half-written: the same command goes on, or begins again")
     if this_run().verbose:
         say(f"took {time.monotonic() - started:.1f} s, exit code {code}")
@@ -169,7 +169,7 @@ def _code(words: Sequence[str]) -> int:
         raise
     except Exception as error:
         # an interrupt within the import of a library comes back as an error of that import
-        return INTERRUPTED if this_run().interrupted else _failed(words, error)
+        return _INTERRUPTED if this_run().interrupted else _failed(words, error)
 
 
 def _failed(words: Sequence[str], error: Any) -> int:
@@ -181,7 +181,7 @@ def _failed(words: Sequence[str], error: Any) -> int:
         _fail(words, _usage(error))
         error.show()
     elif isinstance(error, typer.Abort):
-        return INTERRUPTED
+        return _INTERRUPTED
     else:
         return _crashed(words, error)
     return int(error.exit_code)

@@ -70,7 +70,7 @@ def sources(
         f"{first}_digest": ("BTE_CAL char", f'"{digest}"'),
         f"{first}_numbers": ("BTE_CAL bte_numbers", {x.name: x.value for x in numbers}),
         **{axis.label: (real, axis.numbers) for axis in axes_of(grids)},
-        **{grid.label: ("BTE_CAL bte_cell", raw_of(grid)) for grid in grids},
+        **{grid.label: ("BTE_CAL bte_cell", _raw_of(grid)) for grid in grids},
         f"{first}_tyre_force": (real, force),
         f"{first}_tyre_slip": (real, slip),
     }
@@ -121,7 +121,7 @@ def axes_of(grids: Iterable[Grid]) -> list[Axis]:
     return [*{axis.label: axis for grid in grids for axis in grid.axes}.values()]
 
 
-def raw_of(grid: Grid) -> list[float] | list[int]:
+def _raw_of(grid: Grid) -> list[float] | list[int]:
     """The cells of a map as they are in the memory."""
     return grid.fixed.raw.tolist() if grid.fixed else grid.numbers
 
@@ -215,7 +215,7 @@ def _summed(columns: list[Grid]) -> Iterator[float]:
         yield from axis.numbers
     for grid, step in zip(columns, _steps(columns), strict=True):
         yield step
-        yield from raw_of(grid)
+        yield from _raw_of(grid)
 
 
 def checksum(values: Iterable[float], bits: int) -> int:

@@ -18,7 +18,7 @@ from calib.estimation.state import State
 from calib.exports.dataset import Measured, Scalar, Within, label
 from calib.exports.write import MOST
 
-STATE = "bte_estimator"  # of the ECU's project
+_STATE = "bte_estimator"  # of the ECU's project
 _ENDS = {"": "median", "_lower": "lower", "_upper": "upper"}
 
 
@@ -42,10 +42,10 @@ def measured(first: str, size: int) -> Iterator[Measured]:
     """What a tool can measure, in numbers of ``size`` bytes: by the names of every other place."""
     reasons = "; ".join(f"{int(x)} {x.words}" for x in Reason)
     yield Measured(f"{first}_reason", reasons[:250], "1", "ULONG", 0.0, 255.0,
-                   Within(STATE, "reason", 0))  # fmt: skip
+                   Within(_STATE, "reason", 0))  # fmt: skip
     kind, at = ("FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"), 8
     for name, member, meaning, unit, low, high in _members():
-        place = Within(STATE, member, at)
+        place = Within(_STATE, member, at)
         yield Measured(f"{first}_{name}", meaning, unit, kind, low, high, place)
         at += size
 

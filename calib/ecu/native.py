@@ -30,7 +30,7 @@ from calib.table.table import Table
 
 OUTPUTS = 1 + 3 * len(ANSWERS)  # a reason, and `ANSWERS` with their bounds
 
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
+_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 """Without contraction every compiler gives the same bits."""
 
 
@@ -65,7 +65,7 @@ class Native:
                 Path(folder, name).write_text(text, encoding="utf-8")
             made = str(Path(folder, "bte.so"))
             code = [str(Path(folder, name)) for name in files if name.endswith(".c")]
-            line = [*cc, *FLAGS, *code, "-o", made, "-lm"]
+            line = [*cc, *_FLAGS, *code, "-o", made, "-lm"]
             done = subprocess.run(line, capture_output=True, text=True, check=False)
             if not Path(made).exists():
                 why = f"exit code {done.returncode}: {done.stderr[:400]}"

@@ -44,7 +44,7 @@ class _Road:
 
 
 @dataclass(frozen=True)
-class Agreement:
+class _Agreement:
     """Mean pad friction of all stops, and the largest departure from it within a road [1]."""
 
     pad_friction_f: float
@@ -60,7 +60,7 @@ class Agreement:
         return self.largest_departure_f > front or self.largest_departure_r > rear
 
 
-def agreement(results: Iterable[Validation]) -> Agreement | None:
+def agreement(results: Iterable[Validation]) -> _Agreement | None:
     """Agreement of the stops; None where no two with an answer are of one road and like pads.
 
     From the softest road on, each stop that is like the softest one left is of its road.
@@ -83,7 +83,9 @@ def agreement(results: Iterable[Validation]) -> Agreement | None:
     if not spreads:
         return None
     means, most = stops[:, :2].mean(axis=0), np.array(spreads, dtype=float).max(axis=0)
-    return Agreement(float(means[0]), float(means[1]), float(most[0]), float(most[1]), tuple(roads))
+    return _Agreement(
+        float(means[0]), float(means[1]), float(most[0]), float(most[1]), tuple(roads)
+    )
 
 
 def stiffness(e: Estimate) -> tuple[float, float]:

@@ -55,7 +55,7 @@ def mean_gain(e: Estimate) -> Pair:
 # The paper's law ---------------------------------------------------------------------------------
 
 
-def as_written(e: Estimate) -> Pair:
+def _as_written(e: Estimate) -> Pair:
     """The paper's law (23)-(25) as it is written, with nothing added.
 
     d omega/dt is the step of the axle's mean wheel speed since the sample before; nothing is
@@ -68,10 +68,10 @@ def as_written(e: Estimate) -> Pair:
     car, s = e.car, e.read
     spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
     b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
-    return adapted(e, by_curves(e.table, e.eta, b), gain(car.front))
+    return _adapted(e, by_curves(e.table, e.eta, b), gain(car.front))
 
 
-def adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
+def _adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
     """Pad friction mu_n + zeta of the axles (n,) by the law on their brake forces [N] (n,).
 
     Each axle has its own gain and is frozen where no pads bite; with one ``gamma`` it never is.
@@ -120,7 +120,7 @@ def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
 METHODS: dict[str, Callable[[Estimate], Pair]] = {
     "nominal": nominal,
     "mean_gain": mean_gain,
-    "gradient_as_written": as_written,
-    "gradient_paper": lambda e: adapted(e, by_curves(e.table, e.eta, e.forces.balance)),
+    "gradient_as_written": _as_written,
+    "gradient_paper": lambda e: _adapted(e, by_curves(e.table, e.eta, e.forces.balance)),
 }
 """The methods by the names that they have in files."""

@@ -16,7 +16,7 @@ from calib.base.plain import rows
 from calib.car.vehicle import Vehicle
 from calib.estimation.known import as_driven
 from calib.estimation.readout import Readout, read_out
-from calib.estimation.reasons import CHECKS, Reason, disturbances
+from calib.estimation.reasons import Reason, disturbances
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.run.filters import block_mean
@@ -127,20 +127,6 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     diagnosis += 2.0 ** len(CHANNELS) * told.step.diagnosis
     told = replace(told, step=told.step._replace(reason=reason, diagnosis=diagnosis))
     return told.at(rows) if rows.size < reason.size else told
-
-
-def diagnosed(diagnosis: Array) -> dict[str, tuple[int, int]]:
-    """How often each input or check began to fail in samples (n,), and in how many it does.
-
-    ``diagnosis`` as of `online`, bits of `CHANNELS` and then of `CHECKS`; what never fails is left
-    out.
-    """
-    out = {}
-    for i, name in enumerate((*CHANNELS, *CHECKS)):
-        fails = diagnosis.astype(np.int64) >> i & 1
-        if fails.any():
-            out[name] = int(np.sum(np.diff(fails, prepend=0) > 0)), int(fails.sum())
-    return out
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:

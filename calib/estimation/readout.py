@@ -166,7 +166,7 @@ def of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ..
     ramp = np.array([then.pad_friction_f.value, then.pad_friction_r.value])
     # over the ramp's pads: the tyres are those of today, and fall out
     scaled = (filed, answer.ratio), (filed / ramp, answer.change + then.pad_log_ratio.value)
-    pads, changed = (by[:, None, None] * pads_of(share, answer.level, x) for by, x in scaled)
+    pads, changed = (by[:, None, None] * _pads_of(share, answer.level, x) for by, x in scaled)
     level, ratio = np.exp(answer.level), np.exp(answer.ratio)
     return level, filed[0] / filed[1] * ratio, *pads, *changed
 
@@ -206,7 +206,7 @@ def given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Arr
     )
 
 
-def pads_of(share: Array, level: Array, ratio: Array) -> Array:
+def _pads_of(share: Array, level: Array, ratio: Array) -> Array:
     """Front and rear pads over those of the file [1], each with bounds (2, 3, k).
 
     ``share`` of the front axle with the file's pads (k,), ln of ``level`` and ``ratio`` (3, k).

@@ -92,7 +92,7 @@ def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
     return Ensemble(**{one.name: columns[one.name] for one in fields(Ensemble)})
 
 
-class UnitSlips(NamedTuple):
+class _UnitSlips(NamedTuple):
     """What draws make of forces: of the axles (2, n, k), all [1].
 
     ``slip`` per compliance; ``load`` over the weight, ``grown`` by what share of that at rest,
@@ -107,7 +107,7 @@ class UnitSlips(NamedTuple):
 
 def unit_slips(
     car: Vehicle, e: Ensemble, z: Array, forces: Array, peak: Array | float = 1.0
-) -> UnitSlips:
+) -> _UnitSlips:
     """Slips per compliance of every draw at decelerations ``z`` (n, k) [1], (6), (7), (15), (16).
 
     ``forces`` of the tyres of front and rear axle over the weight (2, n, k); ``peak`` of the road
@@ -122,7 +122,7 @@ def unit_slips(
     most = (e.peak * peak)[:, None] * np.exp(-e.peak_load_exponent[:, None] * relative)
     use = forces / on_road / most
     unit = np.stack([mean_inverse(of, e.forms) for of in use])
-    return UnitSlips(
+    return _UnitSlips(
         slip=most * unit * np.exp(e.load_exponent[:, None] * relative),
         load=load,
         grown=load * L / np.stack([L - l_f, l_f]) - 1.0,
@@ -130,7 +130,7 @@ def unit_slips(
     )
 
 
-def turned(e: Ensemble, unit: UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
+def turned(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
     """Slips of the tyres of the axles (2, n, k) [1], and those that their wheel speeds show.
 
     ``softer`` compliances over the ramp's, (2, n, 1). A wheel whose radius fell turns faster.
@@ -144,7 +144,7 @@ class Shown(NamedTuple):
 
     ``shift`` eta - 1 by (22) and the mean ``slip`` by load, over the lead-in, both with the
     departures of the draws; of the tyres of the axles (2, n, k) ``forces`` over the loads that the
-    vehicle file gives, and ``slips``; ``rolls`` as of `UnitSlips`, where no tyre is seen to slide.
+    vehicle file gives, and ``slips``; ``rolls`` as of `_UnitSlips`, where no tyre is seen to slide.
     """
 
     z: Array

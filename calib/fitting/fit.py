@@ -185,7 +185,7 @@ def _ready(
     felt = ((run.felt(sensor), run.noise.z) for run, sensor in judged_by)
     known = identify_resistance(car, felt)
     ready = (prepare(run, known.effects, sensor) for run, sensor in judged_by[: len(ramps)])
-    return [without_disturbances(car, run) for run in ready], known
+    return [_without_disturbances(car, run) for run in ready], known
 
 
 def _provenance(
@@ -213,7 +213,7 @@ def _provenance(
     )
 
 
-def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
+def _without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
     """The ramp without blocks in which a bump or a gear shift acts; ``left_out`` says which.
 
         eta             ~ 1, N, N^2, N^3, dN/dt, t     over the braked blocks, N nominal force

@@ -26,20 +26,20 @@ from calib.fitting.ensemble import DEPART_AT, Ensemble, ensemble_of, spread_even
 from calib.table.table import Table, Value
 
 _LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
-NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_LOGS[1:])
-NAMES = (*["form"] * len(FORMS), *NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
+_NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_LOGS[1:])
+NAMES = (*["form"] * len(FORMS), *_NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
 """The coordinates in their order: forms, what else enters slips nonlinearly, and linearly."""
 
 OF = {name: [i for i, one in enumerate(NAMES) if one == name] for name in NAMES}
 """Places of the coordinates of a name."""
 
-OWN = len(FORMS) + len(NONLINEAR)
+OWN = len(FORMS) + len(_NONLINEAR)
 """Number of coordinates that are drawn; the others are linear and integrated out."""
 
 COMPLIANCE, _SIGMA, *_ = CAR.compliance
 _LESS = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE
-LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
-TO_LINEAR = np.array(
+_LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
+_TO_LINEAR = np.array(
     [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
 )
 """Compliances and fall of the radii are LINEAR + TO_LINEAR @ (the last three coordinates)."""
@@ -76,8 +76,8 @@ def drawn(x: Array, known: Sequence[Known]) -> tuple[Ensemble, Array, Array]:
     for i, one in enumerate((_FIELD, *known)):
         at, own = part_of(x, known) == i, np.linalg.cholesky(one.covariance)
         moved = one.mean + x[at, :OWN] @ own[:, :OWN].T
-        y[at], centre[at] = moved[:, :OWN], LINEAR + moved[:, OWN:] @ TO_LINEAR.T
-        left = TO_LINEAR @ own[OWN:, OWN:]
+        y[at], centre[at] = moved[:, :OWN], _LINEAR + moved[:, OWN:] @ _TO_LINEAR.T
+        left = _TO_LINEAR @ own[OWN:, OWN:]
         root[at] = np.linalg.inv(np.linalg.cholesky(np.linalg.inv(left @ left.T))).T
     return _cars(y), centre, root
 
@@ -120,27 +120,27 @@ def _amounts() -> tuple[Array, Array]:
 def _cars(y: Array) -> Ensemble:
     """Cars of coordinates (n, OWN), of unit compliances."""
     columns = y[:, len(FORMS) :].copy()
-    ratio = NONLINEAR.index("log_pad_ratio")
+    ratio = _NONLINEAR.index("log_pad_ratio")
     columns[:, ratio] = np.interp(columns[:, ratio], *_tails())
-    values = dict(zip(NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
+    values = dict(zip(_NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
     values |= {name: np.exp(values[name]) for name in _LOGS}
     values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
     values |= dict.fromkeys(("depart_eta", "depart_slip"), np.zeros((len(y), DEPART_AT.size)))
-    return Ensemble(forms=weights_of(y[:, : len(FORMS)]), v_late=np.zeros(len(y)), **values)
+    return Ensemble(forms=_weights_of(y[:, : len(FORMS)]), v_late=np.zeros(len(y)), **values)
 
 
-def coordinates(e: Ensemble) -> Array:
+def _coordinates(e: Ensemble) -> Array:
     """Coordinates (n, k) of draws, those of the forms among the many that have their weights."""
     rng = np.random.default_rng(44)
     # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
     amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
     forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
     values = vars(e) | {name: np.log(getattr(e, name)) for name in _LOGS}
-    nonlinear = (np.stack([values[name] for name in NONLINEAR], axis=1) - CENTRE) / WIDTH
-    return np.hstack([forms, nonlinear, np.linalg.solve(TO_LINEAR, (e.linear - LINEAR).T).T])
+    nonlinear = (np.stack([values[name] for name in _NONLINEAR], axis=1) - CENTRE) / WIDTH
+    return np.hstack([forms, nonlinear, np.linalg.solve(_TO_LINEAR, (e.linear - _LINEAR).T).T])
 
 
-def weights_of(x: Array) -> Array:
+def _weights_of(x: Array) -> Array:
     """Weights of the forms (n, 5) by their standard normal coordinates (n, 5)."""
     amount = np.exp(np.interp(x, *_amounts()))
     return np.asarray(amount / amount.sum(axis=1, keepdims=True))
@@ -170,7 +170,7 @@ def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Known:
     *nonlinear, compliance, fall = np.mean(rows, axis=0)
     for name, x in zip(("load_exponent", "peak_load_exponent", "peak"), nonlinear, strict=True):
         mean[OF[name]] = (x - getattr(CAR, name).mean) / getattr(CAR, name).sigma
-    mean[OWN:] = np.linalg.solve(TO_LINEAR, [rows[0][3], rows[1][3], fall] - LINEAR)
+    mean[OWN:] = np.linalg.solve(_TO_LINEAR, [rows[0][3], rows[1][3], fall] - _LINEAR)
     sigma[OF["compliance"] + OF["log_tyre_ratio"]] *= compliance / COMPLIANCE
     covariance, form = np.diag(sigma**2), OF["form"]
     mean[form], covariance[np.ix_(form, form)] = _form(use, np.mean(slips, axis=0))
@@ -182,7 +182,7 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
     from scipy.special import ndtri
 
     x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
-    off = np.mean((weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
+    off = np.mean((_weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
     weight = np.exp(-0.5 * (off - off.min()) / (CAR.form.tyre_file / CAR.form.sigma) ** 2)
     return np.average(x, axis=0, weights=weight), np.cov(x.T, aweights=weight, ddof=0)
 
@@ -192,7 +192,7 @@ def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Known:
     one = np.eye(_CARS_APART.size)
     precision, pull = np.diag(1.0 / (1.0 - _CARS_APART)), np.zeros(_CARS_APART.size)
     for table in fleet.values():
-        x = coordinates(ensemble_of(car, table.draws))
+        x = _coordinates(ensemble_of(car, table.draws))
         v, Q = np.linalg.eigh(np.cov(x.T) + 1e-6 * one)
         shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # of an inverse Wishart's mean
         Q, sharp = Q[:, v < _TOLD], shrink / v[v < _TOLD]

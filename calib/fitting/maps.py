@@ -28,7 +28,7 @@ from calib.table.maps import LevelMap, PadMap
 # of the rows of `beliefs.csv` nor on how many there are. Only the road decides two things, its peak
 # and its stiffness.
 
-SCENARIOS = 16384
+_SCENARIOS = 16384
 _EVEN = (
     *("log_pad_ratio case", "log_pad_ratio", "road", "log_peak", "log_stiffness", "log_tyre_f"),
     *("log_tyre_r", "log_mass case", "log_mass", "a_x_scale", "a_x_offset"),
@@ -40,7 +40,7 @@ if _ROADS[0] != _ROADS[1]:
 
 
 @dataclass(frozen=True)
-class Scenarios:
+class _Scenarios:
     """Stops, equally likely, (n,): the car ``of`` each, and what the stop brings.
 
     ``change`` of ln of the pads' ratio since the ramp; ``peak`` of the road over that of the ramp;
@@ -66,7 +66,7 @@ class Scenarios:
         return np.asarray(np.log(np.maximum(1.0 - self.offset / z, 0.05)) + self.mass)
 
 
-def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
+def scenarios(car: Vehicle, e: Ensemble, count: int = _SCENARIOS) -> _Scenarios:
     """``count`` stops of the cars of an ensemble, by a fixed sequence.
 
     Where the file says that the car is weighed, nobody has left a load unstated.
@@ -89,7 +89,7 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = SCENARIOS) -> Scenarios:
     stiff += 0.25 * other * (log_peak + np.log(of.peak / 0.9))
     stated = STOP.log_mass.is_case("as stated", uniform("log_mass case"))
     mass = car.mass_tolerance * ndtri(uniform("log_mass"))
-    return Scenarios(
+    return _Scenarios(
         of=of,
         change=drawn("log_pad_ratio"),
         peak=np.exp(log_peak),
@@ -106,7 +106,7 @@ def _in_any_order(count: int, name: str) -> Array:
     return np.asarray((order + 0.5) / count)
 
 
-def seen(car: Vehicle, s: Scenarios, z: Array, odds: Array | float = 0.0) -> Shown:
+def seen(car: Vehicle, s: _Scenarios, z: Array, odds: Array | float = 0.0) -> Shown:
     """What is seen where the zeroed deceleration demands the brake force ``z`` (k,) [1].
 
     ``z`` over the weight; ``odds`` (k,) ln of the front pressure over the rear one.

@@ -12,7 +12,7 @@ _COMMENT = re.compile(r"^<!--.*?-->\n\n?", re.DOTALL | re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Page:
+class _Page:
     """One page: ``name`` of its file, ``title``, one line ``about`` it, ``group`` of the contents.
 
     The text is read when it is asked for.
@@ -30,12 +30,12 @@ class Page:
 
 
 @cache
-def contents() -> dict[str, Page]:
+def contents() -> dict[str, _Page]:
     """All pages by name, in the order in which they are read, without the list itself."""
     pages, group = {}, ""
     for line in (FOLDER / "index.md").read_text(encoding="utf-8").splitlines():
         if row := _ROW.fullmatch(line):
             group = row["group"] or group
             if row["name"]:
-                pages[row["name"]] = Page(row["name"], row["title"], row["about"], group)
+                pages[row["name"]] = _Page(row["name"], row["title"], row["about"], group)
     return pages

@@ -34,7 +34,7 @@ _WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 
 @dataclass(frozen=True)
-class Opened:
+class _Opened:
     """An opened log, a context: its path, its columns, and the SHA-256 of its bytes."""
 
     path: Path
@@ -61,7 +61,7 @@ def open_log(
     *,
     data: bytes | None = None,
     file: Path | None = None,
-) -> Opened:
+) -> _Opened:
     """Open a log without assigning its columns to channels; of a map text format and DBC are used.
 
     ``path`` names it. ``data`` are its bytes, if known; ``file`` is where they are, if not at
@@ -74,12 +74,12 @@ def open_log(
         refuse_other_kind(data[:64], ending, path)
         text_format = channel_map.text if channel_map else LOOKED
         source = TABLES[ending](data, str(path), text_format)
-        return Opened(path, source, hashlib.sha256(data).hexdigest())
+        return _Opened(path, source, hashlib.sha256(data).hexdigest())
     place = Path(file or path)
     head, digest = _seen(place, path) if data is None else (data, hashlib.sha256(data).hexdigest())
     refuse_other_kind(head[:64], ending, path)
     databases = channel_map.databases if channel_map else {}
-    return Opened(path, RECORDINGS[ending](place, databases), digest)
+    return _Opened(path, RECORDINGS[ending](place, databases), digest)
 
 
 def _seen(file: Path, where: Path) -> tuple[bytes, str]:
@@ -116,7 +116,7 @@ def read_log(
 
 
 def read_opened(
-    opened: Opened, channel_map: ChannelMap | None = None, *, require: tuple[str, ...] = REQUIRED
+    opened: _Opened, channel_map: ChannelMap | None = None, *, require: tuple[str, ...] = REQUIRED
 ) -> Log:
     """Read one run from a log that was opened. Else like `read_log`."""
     needed, source = tuple(dict.fromkeys(("time", *require))), opened.source

@@ -41,7 +41,7 @@ NAMES = tuple(_USUAL)
 
 
 @dataclass(frozen=True)
-class Manoeuvre:
+class _Manoeuvre:
     """Pressure [Pa] at time [s], both (n,), to be driven from ``v0`` [m/s]."""
 
     name: str
@@ -56,7 +56,7 @@ def manoeuvre(
     pressure: float | None = None,
     rate: float = 200.0,
     duration: float | None = None,
-) -> Manoeuvre:
+) -> _Manoeuvre:
     """Return the manoeuvre of that name from ``v0`` [m/s], sampled at ``rate`` [Hz].
 
     ``duration`` [s] is the time of the rise of a ramp, that of all steps of a staircase, the length
@@ -88,7 +88,7 @@ def manoeuvre(
     if name == "wave":
         phase = 2.0 * np.pi * _FREQUENCY * np.maximum(clock - LEAD_IN - level / RISE, 0.0)
         trace *= 1.0 + _SWING * np.sin(phase)
-    return Manoeuvre(name, clock, trace, v0)
+    return _Manoeuvre(name, clock, trace, v0)
 
 
 def _corners(name: str, pressure: float, duration: float) -> list[tuple[float, float]]:

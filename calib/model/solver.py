@@ -38,7 +38,7 @@ from calib.car.vehicle import Axle
 TOLERANCE = 1e-9
 """Largest change of v (relative to the first speed) and of slip in the last iteration."""
 
-ITERATIONS = 60  # each gains one to two digits; 30 s of coasting need about twelve
+_ITERATIONS = 60  # each gains one to two digits; 30 s of coasting need about twelve
 _LEAST_LOAD = 0.01  # share of the weight below which an axle counts as lifted [1]
 
 
@@ -182,7 +182,7 @@ def solve(run: Drive) -> SolverState:
     Raises ModelError if it does not converge, or if fewer than two samples remain.
     """
     state = _first(run)
-    for _ in range(ITERATIONS):
+    for _ in range(_ITERATIONS):
         new = _iterate(run, state)
         end, why = end_of(run, new)
         if end < 2:
@@ -194,7 +194,7 @@ def solve(run: Drive) -> SolverState:
         if np.max(np.abs(changes)) < TOLERANCE:
             return state
     raise ModelError(
-        f"the simulation did not converge in {ITERATIONS} iterations",
+        f"the simulation did not converge in {_ITERATIONS} iterations",
         where=run.brakes.model.vehicle.name,
         do="check the parameters of the effects and the clock of the log",
     )

@@ -23,7 +23,7 @@ _POSSIBLE = (0.05, 1.0)
 _GRADES = 0.26
 """Departure of the pads' ratio from the file's (logarithm) past which, with its interval, the file
 is not that of the car: pads of two grades differ by 30 %."""
-LOADED = 0.25
+_LOADED = 0.25
 """Change of the brakes past which no load and no sensor that works is the cause (logarithm): all
 seats and the boot are a quarter of a car's mass. Pads that are soaked lose half."""
 
@@ -104,5 +104,5 @@ def of_changes(level: tuple[float, float], apart: tuple[float, float]) -> Iterat
     over that of the rear ones: what eta and slip cannot tell from tyres, a load or a motor.
     """
     yield Measured("pads_changed_apart", *apart, math.expm1)
-    if abs(level[0]) < LOADED:
+    if abs(level[0]) < _LOADED:
         yield Measured("level_changed", *level, math.expm1)

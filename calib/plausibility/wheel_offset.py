@@ -33,7 +33,7 @@ _SURE, _EXPLAINED = 3.0, 1.5
 """ln of the odds from which an offset is named, and the most that it leaves of v, over noise."""
 
 
-class Offset(NamedTuple):
+class _Offset(NamedTuple):
     """An offset of wheel speeds with its sigma [rad/s], ln of its odds, and the radius [m]."""
 
     value: float
@@ -42,7 +42,7 @@ class Offset(NamedTuple):
     radius: float
 
 
-def offsets_of(run: Run) -> dict[str, Offset]:
+def offsets_of(run: Run) -> dict[str, _Offset]:
     """Offsets of the wheel speeds that explain v, by axle; by "" one that both may have."""
     car = run.vehicle
     radii = (car.front.rolling_radius, car.rear.rolling_radius) if car else (None, None)
@@ -55,7 +55,7 @@ def offsets_of(run: Run) -> dict[str, Offset]:
     return {"": [*every.values()][int(np.argmax(log_odds))]}
 
 
-def _offset(run: Run, axle: str, known: float | None) -> Offset | None:
+def _offset(run: Run, axle: str, known: float | None) -> _Offset | None:
     """The offset that the wheels of an axle would have, with a radius that is ``known`` or not [m].
 
     None where a log is too short to tell, or the offset leaves too much of it, as of locked wheels.
@@ -81,7 +81,7 @@ def _offset(run: Run, axle: str, known: float | None) -> Offset | None:
     if _LASTING * float(rest @ rest) > _EXPLAINED * v.size:
         return None
     odds = log + _RARER - float(np.logaddexp.reduce(others))
-    return Offset(float(x[1]), float(error[1]), odds, float(R * (1.0 + x[0])))
+    return _Offset(float(x[1]), float(error[1]), odds, float(R * (1.0 + x[0])))
 
 
 def _means(run: Run, axle: str) -> tuple[Array, Array, Array]:

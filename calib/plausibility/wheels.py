@@ -117,7 +117,7 @@ def slip(e: Evidence) -> Iterator[Measured]:
     run, b = e.run, e.run.blocks
     biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
     end = np.inf if run.alone else 0.8 * biased
-    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > bitten(b)))
+    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > _bitten(b)))
     yield Measured("eta_falls", -rise if run.alone == "r" else rise, error, words=_sides(run.alone))
 
 
@@ -138,7 +138,7 @@ def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
     return braked - free, float(np.sqrt(0.5 * np.pi * variance))
 
 
-def bitten(b: Blocks) -> float:
+def _bitten(b: Blocks) -> float:
     """Time after which the brakes are applied and settled [s]; infinite if they never are."""
     braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
     return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf

@@ -25,10 +25,10 @@ _SIGNATURE = re.compile(
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
-SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}
+_SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}
 """What each try of a password takes, as minisign has it: 1 GiB, a few seconds."""
 
-_MOST_WORK = 8 * SENSITIVE["opslimit"]
+_MOST_WORK = 8 * _SENSITIVE["opslimit"]
 """About half a minute: a file that asks for more was not made by minisign."""
 
 
@@ -112,7 +112,7 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
     key, made = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
     if password:
         with _refused(KeyFileError, secret):
-            key.encrypt(password, **SENSITIVE)
+            key.encrypt(password, **_SENSITIVE)
     _write_new(secret, bytes(key) + b"\n", 0o600)
     try:
         _write_new(public, made.file, 0o644)

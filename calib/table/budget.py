@@ -20,7 +20,7 @@ from calib.table.table import Calibration, Table
 Parts = dict[str, float]
 """Standard deviation of ln of a pad friction [1] by its cause: the squares add up to the whole."""
 
-Variances = Mapping[str, float]
+_Variances = Mapping[str, float]
 """The squares, of ln of pad level or ratio too."""
 
 OWN = ("noise", "zeros")
@@ -71,17 +71,17 @@ def ramp_pads(table: Table) -> tuple[str, str]:
     return front, rear
 
 
-def own(variances: Variances) -> float:
+def own(variances: _Variances) -> float:
     """Variance by what another run of the same car would draw anew."""
     return sum(variances.get(part, 0.0) for part in OWN)
 
 
-def shared(variances: Variances) -> dict[str, float]:
+def shared(variances: _Variances) -> dict[str, float]:
     """The parts that another run of the same car, or of another car of the line, has alike."""
     return {part: x for part, x in variances.items() if part not in OWN}
 
 
-def deviations(variances: Variances) -> Parts:
+def deviations(variances: _Variances) -> Parts:
     """Standard deviation of each part; one of zero is left out."""
     return {part: math.sqrt(x) for part, x in variances.items() if x > 0.0}
 
@@ -157,7 +157,7 @@ def _sigma(parts: Parts) -> float:
 
 
 def axle_parts(
-    vehicle: Vehicle, log_ratio: float, level: Variances, ratio: Variances
+    vehicle: Vehicle, log_ratio: float, level: _Variances, ratio: _Variances
 ) -> tuple[Parts, Parts]:
     """Parts of front and rear pads by those of their ``level`` and their ``ratio``.
 

@@ -127,9 +127,9 @@ class TyreCurve:
     own: Array
 
 
-CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
+_CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
 
-COLUMNS: dict[str, Any] = {**CURVES, **MAPS, "draws": Draws.of}
+COLUMNS: dict[str, Any] = {**_CURVES, **MAPS, "draws": Draws.of}
 """What makes the parts of a table that are columns and no part of its record."""
 
 

@@ -63,7 +63,7 @@ def test_sign_json(tables, secret, store):
 def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, store):
     path = tmp_path / "locked.key"
     cheap = {"opslimit": 2**15, "memlimit": 2**24}
-    monkeypatch.setattr("calib.store.minisign.SENSITIVE", cheap)
+    monkeypatch.setattr("calib.store.minisign._SENSITIVE", cheap)
     generate(path, tmp_path / "locked.pub", "Bremse 1")
     for typed, code in ((b"Bremse 2\n", 3), (b"", 2), (b"Bremse 1\n", 0)):
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(typed), encoding="utf-8"))

@@ -80,7 +80,7 @@ def test_an_axle_lifts_when_its_load_has_left_and_not_before():
 
 
 def test_refuses_what_has_not_converged(monkeypatch):
-    monkeypatch.setattr("calib.model.solver.ITERATIONS", 2)
+    monkeypatch.setattr("calib.model.solver._ITERATIONS", 2)
     with pytest.raises(ModelError, match="did not converge in 2 iterations"):
         solve(run_with(DRAG))
 

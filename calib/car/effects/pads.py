@@ -27,7 +27,7 @@ _STRAIGHT = 1e-10
 """Bend [1/Pa] below which the curve is a straight line to the last digits."""
 
 
-def faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factors 1 - k max(T - T_0, 0) [1] on both axles.
 
     T is that of the disc [degC]: as logged, else of an assumed disc that is at
@@ -104,7 +104,7 @@ def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     return {"fl": 1.0 + a * left * turned, "fr": 1.0 + a * right * turned}
 
 
-FADE = effect("pad_thermal_fade", friction=faded)
+FADE = effect("pad_thermal_fade", friction=_faded)
 EFFECTS = (
     FADE,
     effect("pad_speed_dependence", friction=_by_speed),

@@ -32,7 +32,7 @@ _AHEAD = 3
 
 
 @dataclass(frozen=True)
-class Batch:
+class _Batch:
     """A batch, so far: ``counts`` of rows by status, of ``total`` logs.
 
     ``fresh`` of them were computed in this run, in ``elapsed`` [s]; the others before.
@@ -67,9 +67,9 @@ def run_batch(
     arguments: Sequence[str],
     out: Path,
     executor: Executor,
-    report: Callable[[Batch], None] = lambda batch: None,
+    report: Callable[[_Batch], None] = lambda batch: None,
     fresh: bool = False,
-) -> Batch:
+) -> _Batch:
     """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
 
     Continues an earlier run with the same settings; ``fresh`` starts again. A log that fails gets a
@@ -97,7 +97,7 @@ class Sweep:
         journal: BatchJournal,
         executor: Executor,
         total: int,
-        report: Callable[[Batch], None] = lambda batch: None,
+        report: Callable[[_Batch], None] = lambda batch: None,
         tell: Callable[[Row], None] = lambda row: None,
     ):
         self.packed, self.journal, self.executor = pickle.dumps(job), journal, executor
@@ -107,10 +107,10 @@ class Sweep:
         self.fresh = 0
         self.start = time.monotonic()
 
-    def batch(self) -> Batch:
+    def batch(self) -> _Batch:
         """The batch so far."""
         elapsed = time.monotonic() - self.start
-        return Batch(self.journal.folder / NAME, self.total, self.counts, self.fresh, elapsed)
+        return _Batch(self.journal.folder / NAME, self.total, self.counts, self.fresh, elapsed)
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
         """Compute all ``logs``, each as (name of its row, path)."""

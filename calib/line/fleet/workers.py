@@ -14,7 +14,7 @@ from calib.line.fleet.work import WorkItem, run_items
 
 Rows = list[Row | None]
 
-PRELOADED = (
+_PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
     *(
         "scipy.special",
@@ -26,7 +26,7 @@ PRELOADED = (
 )
 """What the library imports late; the server from which workers are forked imports it once."""
 
-PATIENCE = "10s"
+_PATIENCE = "10s"
 """Longest wait for an answer of the scheduler [s]."""
 
 
@@ -35,7 +35,7 @@ class Pool:
 
     def __init__(self, count: int):
         self.workers = count
-        self._pool = workers(count, *PRELOADED)
+        self._pool = workers(count, *_PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         """Compute the rows of some logs, see `calib.line.fleet.work.run_items`."""
@@ -44,7 +44,7 @@ class Pool:
     def renew(self) -> None:
         """End the workers and start others. Unfinished logs are lost."""
         self._pool.shutdown(wait=True, cancel_futures=True)
-        self._pool = workers(self.workers, *PRELOADED)
+        self._pool = workers(self.workers, *_PRELOADED)
 
     def close(self) -> None:
         """End the workers, also during a log; it has no row and the next run repeats it."""
@@ -71,8 +71,8 @@ class Cluster:
         self._client: Any = None
         try:
             _knock(address)
-            self._client = Client(address, timeout=PATIENCE, set_as_default=False)
-            self._client.wait_for_workers(1, timeout=PATIENCE)
+            self._client = Client(address, timeout=_PATIENCE, set_as_default=False)
+            self._client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, ValueError) as cause:
             self.close()
             raise BatchError(
@@ -132,7 +132,7 @@ def _knock(address: str) -> None:
     scheme, place = parse_address(address)
     if scheme in ("tcp", "tls"):
         where = parse_host_port(place, 8786)
-        socket.create_connection(where, timeout=parse_timedelta(PATIENCE)).close()
+        socket.create_connection(where, timeout=parse_timedelta(_PATIENCE)).close()
 
 
 def _pass_on(rows: Future[Rows], given: Any) -> None:

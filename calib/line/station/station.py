@@ -64,7 +64,7 @@ class Identity:
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
-NOBODY = Identity()
+_NOBODY = Identity()
 
 
 def identifier(text: str) -> str:
@@ -230,7 +230,7 @@ def judged_car(
     coasts: Sequence[Log],
     stops: Sequence[Log],
     limits: Sequence[Limit],
-    identity: Identity = NOBODY,
+    identity: Identity = _NOBODY,
     *,
     mass: float | None = None,
     golden: Stored | None = None,

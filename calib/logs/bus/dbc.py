@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Key = tuple[int, bool]
 """Identifier, and whether it is extended (29 bits)."""
-Described: TypeAlias = "Message | Flawed"
+_Described: TypeAlias = "Message | Flawed"
 
 _FORMATS = ("dbc", "arxml", "kcd", "sym")
 """A file with another ending is read as a DBC."""
@@ -96,10 +96,10 @@ class Flawed:
 class Dbc:
     """Messages by identifier, of each bus; "" is every bus. ``notes`` name their files."""
 
-    buses: "dict[str, dict[Key, Described]]"
+    buses: "dict[str, dict[Key, _Described]]"
     notes: tuple[str, ...] = ()
 
-    def find(self, bus: str, key: Key) -> "Described | None":
+    def find(self, bus: str, key: Key) -> "_Described | None":
         """The message that describes frames of an identifier on a bus, or None."""
         return self.buses.get(bus, {}).get(key) or self.buses.get("", {}).get(key)
 
@@ -111,7 +111,7 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
     """
     cantools: Any = need("cantools", extra, where)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
-    notes, buses = list[str](), dict[str, dict[Key, Described]]()
+    notes, buses = list[str](), dict[str, dict[Key, _Described]]()
     for bus, files in databases.items():
         own = buses.setdefault(bus, {})
         of_bus = f"bus {bus}: " if bus else ""
@@ -133,7 +133,7 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
     return Dbc(buses, tuple(notes))
 
 
-def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]]":
+def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str]]":
     kind = path.suffix[1:].lower()
     kind = kind if kind in _FORMATS else "dbc"
     name = kind.upper()
@@ -191,12 +191,12 @@ class _Part:
         return 0x7FF < self.number < 1 << 29
 
 
-def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[Described], list[str]]":
+def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described], list[str]]":
     """The messages of a DBC, and notes on what is wrong in it. Raises ValueError for too many."""
     common, parts = _parts(text)
     if len(parts) > _MOST:
         raise ValueError(f"it has {len(parts)} messages, at most {_MOST} are read")
-    found: dict[Key, Described] = {}
+    found: dict[Key, _Described] = {}
     for part in parts:
         message = _read(cantools, part, common, where)
         key = (message.frame_id, message.is_extended_frame)
@@ -222,7 +222,7 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[Described],
     return messages, notes
 
 
-def _read(cantools: Any, part: _Part, common: str, where: str) -> "Described":
+def _read(cantools: Any, part: _Part, common: str, where: str) -> "_Described":
     text = part.text
     if part.unmarked:
         begin = rf'^(\s*[A-Z_]+_\s+(?:"\w+"\s+\w+_\s+)?){part.number}\b'

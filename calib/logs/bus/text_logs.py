@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import can
 
 
-class Counted:
+class _Counted:
     """The lines of a text log; those that match ``frame`` are counted as they are read."""
 
     reader: ClassVar[str]
@@ -88,7 +88,7 @@ class Counted:
             raise damaged(self.path, f"{what} frames", "an end of line")
 
 
-def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
+def _opened(path: Path, dbc: Databases, kind: type[_Counted]) -> Recording:
     can = need("can", "can", str(path))
     known = require_dbc(dbc, "can", str(path))
     with path.open(encoding="utf-8", errors="replace") as file:
@@ -99,7 +99,7 @@ def _opened(path: Path, dbc: Databases, kind: type[Counted]) -> Recording:
     return recording(found, known, () if has_end else (note,), str(path))
 
 
-class _CandumpLines(Counted):
+class _CandumpLines(_Counted):
     reader = "CanutilsLogReader"
     frame = re.compile(r"\s*\(\d+\.\d+\)\s")
 
@@ -116,7 +116,7 @@ _BEGIN = re.compile(r"begin\s+triggerblock", re.IGNORECASE)
 _END = re.compile(r"end\s+triggerblock", re.IGNORECASE)
 
 
-class _AscLines(Counted):
+class _AscLines(_Counted):
     """python-can skips a line after a header without internal events: one is inserted."""
 
     reader = "ASCReader"
@@ -183,7 +183,7 @@ writes none after the last line."""
 _NUMBER = re.compile(r"\s*(\d+)\)?\s")
 
 
-class _TrcLines(Counted):
+class _TrcLines(_Counted):
     """The number of each message must follow that of the one before."""
 
     reader = "TRCReader"

@@ -71,7 +71,7 @@ class Dialect:
         return [[cell.strip() for cell in row] for row in rows]
 
 
-def is_number(cell: str, decimal: str = ".") -> bool:
+def _is_number(cell: str, decimal: str = ".") -> bool:
     """Whether a cell holds a number with this decimal mark."""
     return _NUMBER[decimal].fullmatch(cell) is not None
 
@@ -90,7 +90,7 @@ def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> li
 
 
 def dialect_of(
-    layouts: "Sequence[Layout]", data: bytes, text_format: TextFormat, where: str
+    layouts: "Sequence[_Layout]", data: bytes, text_format: TextFormat, where: str
 ) -> Dialect:
     """The dialect of a table. Raises LogError, with the candidates, for none or several of them."""
     separators = [one.separator for one in layouts if one.separator]
@@ -123,13 +123,13 @@ def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:
 
 
 def _any_number(cell: str) -> bool:
-    return is_number(cell, ".") or is_number(cell, ",")
+    return _is_number(cell, ".") or _is_number(cell, ",")
 
 
 def _decimal(separator: str, data: bytes, start: int, where: str) -> str:
     rows = Dialect(separator, ".").cells(sample_of(data, start))
     cells = [cell for row in rows for cell in row]
-    found = {mark: [c for c in cells if mark in c and is_number(c, mark)] for mark in ".,"}
+    found = {mark: [c for c in cells if mark in c and _is_number(c, mark)] for mark in ".,"}
     marks = [mark for mark, numbers in found.items() if numbers]
     if not marks:
         # Only whole numbers in the sample. Another mark later in the file is an error when read.
@@ -154,7 +154,7 @@ _RUN = 3
 
 
 @dataclass(frozen=True)
-class Layout:
+class _Layout:
     """Lines of the header: ``names``, ``units`` and ``more``, and where the first sample begins."""
 
     names: bytes
@@ -166,7 +166,7 @@ class Layout:
     numbers: int = 0
 
 
-def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[Layout]:
+def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[_Layout]:
     """The layouts of a table from ``begin`` on: one, if its separator is clear.
 
     The best finds the most columns of numbers, the others have its header. One without a separator
@@ -175,7 +175,7 @@ def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[Layout]
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
     found = [x for s in text_format.separators if (x := _found(lines, starts, sample, s))]
-    best = max(found, key=lambda x: x.numbers, default=Layout(lines[0], starts[1]))
+    best = max(found, key=lambda x: x.numbers, default=_Layout(lines[0], starts[1]))
     return [best, *(x for x in found if x is not best and x.start == best.start)]
 
 
@@ -201,7 +201,7 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
 
 def _found(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
-) -> Layout | None:
+) -> _Layout | None:
     """The layout with a separator; None without a header over two columns of numbers."""
     dialect = Dialect(separator, ".")
     rows = dialect.cells(sample)
@@ -223,7 +223,7 @@ def _found(
     def line(index: int) -> bytes:
         return lines[index] + separator.encode() * (width - len(table[index]))
 
-    return Layout(
+    return _Layout(
         line(names),
         starts[first],
         b"" if units is None else line(units),

@@ -100,7 +100,7 @@ def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, address, worke
 
 def test_the_command_says_that_nobody_answers(tmp_path, fleet):
     code = (
-        "import sys; from calib.line.fleet import workers; workers.PATIENCE = '1s'; "
+        "import sys; from calib.line.fleet import workers; workers._PATIENCE = '1s'; "
         "from cli.main import main; main()"
     )
     words = ["batch", "check", str(fleet), "--out", str(tmp_path / "out")]
