@@ -84,8 +84,8 @@ class Assigned:
 
     def origin(self) -> Origin:
         """Source, unit, factor and offset; exact, since every conversion is linear."""
-        zero, one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
-        return Origin(self.channel, self.source, self.unit, one - zero, zero)
+        at_zero, at_one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
+        return Origin(self.channel, self.source, self.unit, at_one - at_zero, at_zero)
 
 
 def assign(
@@ -102,17 +102,17 @@ def assign(
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
     map_path = channel_map.where if channel_map else None
-    taken = [_mapped(name, entry, columns, map_path, where) for name, entry in mapped.items()]
-    sources = {item.index for item in taken}
+    assigned = [_mapped(name, entry, columns, map_path, where) for name, entry in mapped.items()]
+    sources = {item.index for item in assigned}
     for index, column in enumerate(columns):
         name = column.name
         if index in sources or name in (*mapped, *ignore) or _is_spare(column, require):
             continue
-        known = CHANNELS.get(name)
-        si = known.si if known else _truth_si(column) if name.startswith(TRUTH) else None
-        taken += [_assigned(name, index, column, Mapping(name), si, where)] if si else []
+        quantity = CHANNELS.get(name)
+        si = quantity.si if quantity else _truth_si(column) if name.startswith(TRUTH) else None
+        assigned += [_assigned(name, index, column, Mapping(name), si, where)] if si else []
     by_channel: dict[str, list[int]] = {}
-    for item in taken:
+    for item in assigned:
         by_channel.setdefault(item.channel, []).append(item.index)
     for channel, several in by_channel.items():
         if len(several) > 1:
@@ -122,23 +122,23 @@ def assign(
                 expected="one column of that name",
                 do=_by_address(several, columns),
             )
-    indices = {item.index for item in taken}
+    indices = {item.index for item in assigned}
     ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
     _refuse_missing([name for name in require if name not in by_channel], ignored, where)
-    return taken, ignored
+    return assigned, ignored
 
 
 def _is_spare(column: Column, require: tuple[str, ...] = ()) -> bool:
     """Whether a column is an optional channel without a unit, or with one that is not known."""
-    known = CHANNELS.get(column.name)
-    if known is None or known.required or column.name in require:
+    quantity = CHANNELS.get(column.name)
+    if quantity is None or quantity.required or column.name in require:
         return False
-    return not column.unit or not is_unit(column.unit, known.si)
+    return not column.unit or not is_unit(column.unit, quantity.si)
 
 
-def without_unit(columns: tuple[Column, ...], taken: list[Assigned]) -> tuple[str, ...]:
+def without_unit(columns: tuple[Column, ...], assigned: list[Assigned]) -> tuple[str, ...]:
     """A note on each optional channel that was left out because it has no known unit."""
-    used = {item.channel for item in taken}
+    used = {item.channel for item in assigned}
     return tuple(
         f"{column.name} has {f'the unknown unit {column.unit!r}' if column.unit else 'no unit'} "
         "and was left out: name its unit in the header or in a channel map"
@@ -150,8 +150,8 @@ def without_unit(columns: tuple[Column, ...], taken: list[Assigned]) -> tuple[st
 def _mapped(
     name: str, entry: Mapping, columns: tuple[Column, ...], map_path: str | None, where: str
 ) -> Assigned:
-    found = called(entry.source.strip(), columns)
-    if not found:
+    indices = called(entry.source.strip(), columns)
+    if not indices:
         names = [column.name for column in columns]
         raise ChannelMapError(
             f"{where} has no column {entry.source!r} for {name}",
@@ -159,15 +159,15 @@ def _mapped(
             expected=f"one of {quoted(names)}",
             do=_suggestion(entry.source, names),
         )
-    if len(found) > 1:
+    if len(indices) > 1:
         raise LogError(
-            f"{len(found)} columns are called {entry.source!r}",
+            f"{len(indices)} columns are called {entry.source!r}",
             where=f"{where}: {name}",
             expected="one",
-            do=_by_address(found, columns),
+            do=_by_address(indices, columns),
         )
-    column = columns[found[0]]
-    return _assigned(name, found[0], column, entry, CHANNELS[name].si, where)
+    column = columns[indices[0]]
+    return _assigned(name, indices[0], column, entry, CHANNELS[name].si, where)
 
 
 def _assigned(
@@ -200,11 +200,11 @@ def _truth_si(column: Column) -> str | None:
         return None
 
 
-def _by_address(found: list[int], columns: tuple[Column, ...]) -> str:
-    names = [address_of(columns[i], columns) for i in found]
-    one = ", ".join(map(repr, names))
+def _by_address(indices: list[int], columns: tuple[Column, ...]) -> str:
+    names = [address_of(columns[i], columns) for i in indices]
+    choices = ", ".join(map(repr, names))
     different = len(set(names)) == len(names)
-    return f"name one of them in a channel map: {one}" if different else "rename one of them"
+    return f"name one of them in a channel map: {choices}" if different else "rename one of them"
 
 
 def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) -> None:
@@ -225,5 +225,5 @@ def _suggestion(word: str, names: list[str], channel: str = "") -> str:
     close = nearest(word.lower(), by_lower)
     if close is None:
         return ""
-    meant = f"is {by_lower[close]!r} meant"
-    return f"{meant} to be {channel}?" if channel else f"{meant}?"
+    question = f"is {by_lower[close]!r} meant"
+    return f"{question} to be {channel}?" if channel else f"{question}?"

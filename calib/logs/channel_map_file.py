@@ -90,8 +90,8 @@ def _encoding(name: str) -> str:
     except (LookupError, ValueError, TypeError):
         whole = False
     if not whole:
-        known = 'an encoding such as "utf-8" or "latin-1"'
-        raise wrong(f"unknown encoding of text {shown(name)}", known)
+        expected = 'an encoding such as "utf-8" or "latin-1"'
+        raise wrong(f"unknown encoding of text {shown(name)}", expected)
     return name
 
 

@@ -147,13 +147,13 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
     usual, mean = float(np.median(steps)), float(np.mean(steps))
     low, high = (1.0 / rate for rate in reversed(_RATES))
     written = usual / _UNITS.get(spelling(unit), 1.0)
-    meant = [other for other, size in _UNITS.items() if low <= written * size <= high]
-    if meant and not 0.2 * low <= usual <= 5.0 * high:
+    likely = [other for other, size in _UNITS.items() if low <= written * size <= high]
+    if likely and not 0.2 * low <= usual <= 5.0 * high:
         raise LogError(
             f"the unit of the time is {unit}: the step would be {usual:.3g} s",
             where=f"{where}: time",
             expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
-            do=f"is it in {meant[0]}? correct the header, or give the unit in a channel map",
+            do=f"is it in {likely[0]}? correct the header, or give the unit in a channel map",
         )
     # milliseconds with four digits count a tenth of each second, and jump
     jumps = np.flatnonzero(steps > 10.0 * usual)

@@ -6,6 +6,7 @@ The channels of a table share one clock; those of a recording, such as bus frame
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from calib.base.arrays import Array
 from calib.base.bounded import POINTER
 from calib.base.errors import LogError, printable
 from calib.logs.bus.blf import open_blf
-from calib.logs.bus.text_logs import open_asc, open_candump, open_trc
+from calib.logs.bus.text_logs import TEXT_LOGS, open_text_log
 from calib.logs.channel_map import Assigned, Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
@@ -77,8 +78,8 @@ TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
 
 def ending_of(path: Path) -> str:
     """The ending that gives the format, in lower case: ``.csv.gz`` for ``run.csv.gz``."""
-    both = "".join(path.suffixes[-2:]).lower()
-    return both if path.suffix.lower() == ".gz" else path.suffix.lower()
+    double = "".join(path.suffixes[-2:]).lower()
+    return double if path.suffix.lower() == ".gz" else path.suffix.lower()
 
 
 def stem_of(path: Path) -> str:
@@ -95,19 +96,17 @@ def stem_of(path: Path) -> str:
 RECORDINGS: dict[str, Callable[[Path, Databases], Recording]] = {
     **dict.fromkeys(MDF, open_mdf),
     ".blf": open_blf,
-    ".asc": open_asc,
-    ".log": open_candump,
-    ".trc": open_trc,
+    **{ending: partial(open_text_log, ending=ending) for ending in TEXT_LOGS},
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 
 
 def as_table(
-    opened: Recording, where: str, taken: Mapping[int, Assigned] | None = None
+    opened: Recording, where: str, assigned: Mapping[int, Assigned] | None = None
 ) -> ColumnSource:
     """All channels of a recording on one clock, like a table.
 
-    The clock is that of the columns that are ``taken`` as channels, by index, or of all; then
+    The clock is that of the columns that are ``assigned`` as channels, by index, or of all; then
     counts are held. Reading a column that the recording refuses raises its LogError.
     """
     refused, wanted = dict[int, LogError](), dict[int, ChannelTrace]()
@@ -119,14 +118,17 @@ def as_table(
         column, values = opened.columns[i], trace.values[np.isfinite(trace.values)]
         # no car has the values between counts, as of a gear or a flag
         counts = not column.unit and bool(np.all(values == np.round(values)))
-        state = trace.state or (taken is not None and counts)
+        state = trace.state or (assigned is not None and counts)
         other = replace(trace, name=column.full_name, state=state)
-        wanted[i] = taken[i].named(trace) if taken and i in taken else other
-    clocked = [i for i in wanted if taken and i in taken] or list(wanted)
-    found = on_one_clock([wanted[i] for i in clocked], where)
+        wanted[i] = assigned[i].named(trace) if assigned and i in assigned else other
+    clocked = [i for i in wanted if assigned and i in assigned] or list(wanted)
+    resampled = on_one_clock([wanted[i] for i in clocked], where)
     others = [i for i in wanted if i not in clocked]
-    more = at_times([wanted[i] for i in others], found.time, where)
-    arrays = {0: found.time, **dict(zip((*clocked, *others), (*found.values, *more), strict=True))}
+    more = at_times([wanted[i] for i in others], resampled.time, where)
+    arrays = {
+        0: resampled.time,
+        **dict(zip((*clocked, *others), (*resampled.values, *more), strict=True)),
+    }
 
     def read(indices: Sequence[int]) -> list[Array]:
         for index in indices:
@@ -134,6 +136,6 @@ def as_table(
                 raise refused[index]
         return [arrays[index] for index in indices]
 
-    rates = {i: found.rates[w.name] for i, w in wanted.items() if w.name in found.rates}
-    told = (f"{', '.join(wanted[i].name for i in others)}: on that clock too",) if others else ()
-    return ColumnSource(opened.columns, read, opened.notes + found.notes + told, rates)
+    rates = {i: resampled.rates[w.name] for i, w in wanted.items() if w.name in resampled.rates}
+    note = (f"{', '.join(wanted[i].name for i in others)}: on that clock too",) if others else ()
+    return ColumnSource(opened.columns, read, opened.notes + resampled.notes + note, rates)

@@ -58,20 +58,20 @@ class Filled:
     left_open: tuple[ChannelHole, ...] = ()
 
 
-def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
-    """Values of a channel at other times ``at`` [s], (m,), in straight lines between its samples.
+def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
+    """Values of a channel at other ``times`` [s], (m,), on straight lines between its samples.
 
-    ``t`` [s] and ``x``, both (n,), ascend and have no NaN. NaN before the first sample, after the
-    last, and in a gap that stays open. A bridge shows nothing that begins and ends within its gap.
+    ``t`` [s] ascends, ``x`` (n,) has no NaN. The result is NaN before the first sample, after the
+    last, and in a gap that stays open. A bridge hides what begins and ends within its gap.
     """
-    values: Array = np.interp(at, t, x)
-    values[(at < t[0]) | (at > t[-1])] = np.nan
+    values: Array = np.interp(times, t, x)
+    values[(times < t[0]) | (times > t[-1])] = np.nan
     if t.size < 2:
         return Filled(values)
     step, steps, allowed = step_of(t), np.diff(t), _SMOOTH * float(np.ptp(x))
     bridged, left_open = [], []
     for i in np.flatnonzero(steps > GAP * step):
-        inside = slice(np.searchsorted(at, t[i], side="right"), np.searchsorted(at, t[i + 1]))
+        inside = slice(np.searchsorted(times, t[i], side="right"), np.searchsorted(times, t[i + 1]))
         if inside.start == inside.stop:
             continue  # no value is wanted there
         gap = ChannelHole(channel, float(t[i]), float(steps[i]))
@@ -204,13 +204,13 @@ def complete_channels(
 
     Raises LogError for an empty one in ``require``, and for missing values in what every log has.
     """
-    kept, notes = {}, []
+    complete, notes = {}, []
     if np.isinf(channels["time"]).any():
         check_increasing(channels["time"], where)
     for name, values in channels.items():
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size == 0:
-            kept[name] = values
+            complete[name] = values
         elif np.isnan(values).all():
             if name in require:
                 raise LogError(
@@ -236,4 +236,4 @@ def complete_channels(
                 f"{name} has no value in {bad.size} of {values.size} rows, "
                 f"first in row {bad[0] + 1}, and was left out"
             )
-    return kept, tuple(notes)
+    return complete, tuple(notes)

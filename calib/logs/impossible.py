@@ -90,30 +90,30 @@ def without_impossible(
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
         return values, (), ()
-    found = {
+    masks = {
         name: _impossible(time, values[name], possible)
         for name, possible in _POSSIBLE.items()
         if name in values
     }
-    wheels = [found[name] for name in (f"omega_{w}" for w in WHEELS) if name in found]
+    wheels = [masks[name] for name in (f"omega_{w}" for w in WHEELS) if name in masks]
     if len(wheels) == len(WHEELS):  # a row of zeros is one of all its channels
-        for name, mask in found.items():
+        for name, mask in masks.items():
             mask |= np.logical_and.reduce(wheels) & (values[name] == 0.0)
     marked = []
-    for name, mask in found.items():
+    for name, mask in masks.items():
         if mask.any():
             first, count = int(np.argmax(mask)), int(np.count_nonzero(mask))
             marked.append(Marked(name, count, float(time[first]), float(values[name][first])))
             values[name] = np.where(mask, np.nan, values[name])
-    filled, _, bridged = fill_rows({one.channel: values[one.channel] for one in marked}, time)
+    filled, _, bridged = fill_rows({group.channel: values[group.channel] for group in marked}, time)
     within = (time > time[0] + ENDS) & (time < time[-1] - ENDS)  # ends may lack some
-    for one in marked:
-        many = np.count_nonzero(found[one.channel] & within) > max(_FEW * time.size, 1.0)
-        if many and CHANNELS[one.channel].required:
+    for group in marked:
+        many = np.count_nonzero(masks[group.channel] & within) > max(_FEW * time.size, 1.0)
+        if many and CHANNELS[group.channel].required:
             raise LogError(
-                f"{one}, beside values that are far away: {one.count} of {time.size} samples are "
-                "such that no car drives them",
-                where=f"{where}: {one.channel}",
+                f"{group}, beside values that are far away: no car drives {group.count} of the "
+                f"{time.size} samples",
+                where=f"{where}: {group.channel}",
                 expected="values that a car can have one after the other",
                 do="decode the error value of the signal as no value, or cut the log there",
             )
@@ -124,12 +124,12 @@ def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
     mask = np.isfinite(x) & (np.abs(x) > possible.end)
     if np.count_nonzero(mask) > _FEW * x.size:  # the unit: `calib.run` says so
         return np.zeros(x.size, np.bool_)
-    known = np.flatnonzero(np.isfinite(x) & ~mask)
-    steps = np.diff(time[known])
-    if known.size > 2:
+    present = np.flatnonzero(np.isfinite(x) & ~mask)
+    steps = np.diff(time[present])
+    if present.size > 2:
         least = min(possible.nonzero, possible.up * float(np.min(steps)) + _LEAST)
-        if np.max(np.abs(np.diff(x[known]))) > least:
-            mask[known] = _apart(time[known], x[known], possible)
+        if np.max(np.abs(np.diff(x[present]))) > least:
+            mask[present] = _apart(time[present], x[present], possible)
     return mask
 
 

@@ -12,7 +12,13 @@ import numpy as np
 from calib.base.bounded import RECORDING
 from calib.base.errors import LogError
 from calib.logs.bus.dbc import Dbc, Key
-from calib.logs.bus.recording import Frames, decode, described, require_dbc, require_known
+from calib.logs.bus.recording import (
+    Frames,
+    decode,
+    described_signals,
+    require_dbc,
+    require_described,
+)
 from calib.logs.channel_map import Databases
 from calib.logs.mdf_check import check_mdf
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged, need
@@ -62,18 +68,18 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     ]
     columns, places, more_notes = _channels(mdf, buses)
     notes += more_notes
-    known = require_dbc(dbc, "mdf", where) if buses and (any(dbc.values()) or not columns) else None
-    frames = _frames(mdf, buses, known, where) if known else []
-    if known and not columns:
-        require_known(frames, (), known, where)
-    if buses and not known:
+    needs_dbc = buses and (any(dbc.values()) or not columns)
+    database = require_dbc(dbc, "mdf", where) if needs_dbc else Dbc({})
+    frames = _frames(mdf, buses, database, where) if needs_dbc else []
+    if needs_dbc and not columns:
+        require_described(frames, (), database, where)
+    if buses and not needs_dbc:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
-    database = known or Dbc({})
-    more, signals = described(frames, database)
+    more, signals = described_signals(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
-        own = [places[i - 1] for i in indices if i <= len(places)]
-        measured = dict(zip(own, _traces(mdf, own, where), strict=True))
+        chosen = [places[i - 1] for i in indices if i <= len(places)]
+        measured = dict(zip(chosen, _traces(mdf, chosen, where), strict=True))
         return [
             measured[places[i - 1]] if i <= len(places) else decode(*signals[i - 1 - len(places)])
             for i in indices
@@ -83,8 +89,9 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Raise LogError for a channel outside its record, where asammdf reads without looking, for
-    records that fill the memory, and if it found fewer of an unfinished file than were counted.
+    """Raise LogError for a channel outside its record, which asammdf reads without a check.
+
+    So for records that fill the memory, and for an unfinished file with fewer than ``counts``.
     """
     for group in mdf.groups:
         record = group.channel_group
@@ -92,16 +99,16 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
             raise _too_few("records", record.cycles_nr, counted, where)
         size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
         if record.cycles_nr * size > RECORDING.most:
-            what = f"its records at byte {record.address} unpack to"
-            raise LogError(RECORDING.excess(what), where=where)
+            unpacked = f"its records at byte {record.address} unpack to"
+            raise LogError(RECORDING.excess(unpacked), where=where)
         for channel in group.channels:
             if str(mdf.version) < "4":
                 byte, bit = getattr(channel, "additional_byte_offset", 0), channel.start_offset
             else:
                 byte, bit = channel.byte_offset, channel.bit_offset
             if 8 * byte + bit + channel.bit_count > 8 * size:
-                what = f"the channel at byte {channel.address} lies outside its records"
-                raise damaged(where, what, f"bits within {size} bytes")
+                flaw = f"the channel at byte {channel.address} lies outside its records"
+                raise damaged(where, flaw, f"bits within {size} bytes")
 
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
@@ -145,11 +152,11 @@ def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace
     return result
 
 
-def _select(mdf: Any, places: Sequence[_Place], numbers: bool, where: str) -> list[Any]:
+def _select(mdf: Any, places: Sequence[_Place], names_as_numbers: bool, where: str) -> list[Any]:
     wanted = [(None, *place) for place in places]
     try:
         signals: list[Any] = mdf.select(
-            wanted, copy_master=False, ignore_value2text_conversions=numbers
+            wanted, copy_master=False, ignore_value2text_conversions=names_as_numbers
         )
     except Exception as cause:  # as above
         raise _unreadable(cause, where) from cause
@@ -157,7 +164,7 @@ def _select(mdf: Any, places: Sequence[_Place], numbers: bool, where: str) -> li
 
 
 def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarray, bool]:
-    """Numbers, NaN where invalid or replaced by a name, and whether the channel is a state."""
+    """Values, NaN where invalid or named, and whether the channel is a state."""
     conversion = mdf.groups[place[0]].channels[place[1]].conversion
     kinds = _VALUE_TO_TEXT[str(mdf.version)[0].replace("2", "3")]
     state = bool(conversion) and conversion.conversion_type in kinds
@@ -167,25 +174,22 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
         if named_values.dtype.kind in "iuf":  # names for some values only, such as "not available"
             samples, state = named_values, False
     if samples.dtype.kind not in "biuf" or samples.ndim != 1:
-        raise LogError(
-            f"holds {samples.dtype}, shape {samples.shape[1:]}",
-            where=where,
-            expected="a numeric channel",
-        )
+        flaw = f"holds {samples.dtype}, shape {samples.shape[1:]}"
+        raise LogError(flaw, where=where, expected="a numeric channel")
     values = samples.astype(np.float64)
     if signal.invalidation_bits is not None:
         values[np.asarray(signal.invalidation_bits, bool)] = np.nan
     return values, state
 
 
-def _frames(mdf: Any, groups: list[int], known: Dbc, where: str) -> list[Frames]:
-    found = []
+def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Frames]:
+    by_group = []
     for number in groups:
         names = {c.name for c in mdf.groups[number].channels}
         if f"{_FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
-            found += _frames_of_group(mdf, number, names, known, where)
+            by_group += _frames_of_group(mdf, number, names, database, where)
     parts: dict[tuple[str, Key], list[Frames]] = {}
-    for item in found:
+    for item in by_group:
         parts.setdefault((item.bus, item.key), []).append(item)
     return [_joined(items) if len(items) > 1 else items[0] for items in parts.values()]
 
@@ -201,7 +205,7 @@ def _joined(items: list[Frames]) -> Frames:
 
 
 def _frames_of_group(
-    mdf: Any, number: int, names: set[str], known: Dbc, where: str
+    mdf: Any, number: int, names: set[str], database: Dbc, where: str
 ) -> list[Frames]:
     try:
         identifier = mdf.get(f"{_FRAME}.ID", group=number)
@@ -220,43 +224,31 @@ def _frames_of_group(
         raise _too_few("frames", min(len(data), ids.size), cycles, where)
     fields = [field for field in (ids, extended, bus, length) if field is not None]
     if data.ndim != 2 or any(f.ndim != 1 or f.dtype.kind not in "biuf" for f in fields):
-        raise damaged(
-            where,
-            "the fields of its frames are not numbers",
-            "identifier, bus, length and bytes of each frame",
-        )
+        expected = "identifier, bus, length and bytes of each frame"
+        raise damaged(where, "the fields of its frames are not numbers", expected)
     ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
     extended = ids > 0x7FF if extended is None else extended.astype(bool)
     bus = np.zeros(ids.size, int) if bus is None else bus
     length = np.full(ids.size, data.shape[1]) if length is None else length
     if length.max(initial=0) > data.shape[1]:
-        raise damaged(
-            where,
-            f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}",
-            "frames within their records",
-        )
+        flaw = f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}"
+        raise damaged(where, flaw, "frames within their records")
     codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | ids & 0x1FFFFFFF
     result = []
     for code in np.unique(codes).tolist():
         name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
-        if known.find(name, key):
-            at = np.flatnonzero(codes == code)
-            part = np.ascontiguousarray(data[at, : int(length[at].max())], np.uint8)
-            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint16)))
+        if database.find(name, key):
+            rows = np.flatnonzero(codes == code)
+            part = np.ascontiguousarray(data[rows, : int(length[rows].max())], np.uint8)
+            result.append(Frames(name, key, time[rows], part, length[rows].astype(np.uint16)))
     return result
 
 
-def _too_few(what: str, there: int, counted: int, where: str) -> LogError:
-    return damaged(
-        where,
-        f"{there} of {counted} {what} can be read: {counted - there} are missing",
-        "all that the group counts",
-    )
+def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:
+    flaw = f"{readable} of {counted} {unit} can be read: {counted - readable} are missing"
+    return damaged(where, flaw, "all that the group counts")
 
 
-def _unreadable(cause: Exception, where: str, what: str = "file") -> LogError:
-    return damaged(
-        where,
-        f"asammdf cannot read the {what}: {str(cause) or type(cause).__name__}",
-        "a complete and undamaged MDF file",
-    )
+def _unreadable(cause: Exception, where: str, part: str = "file") -> LogError:
+    flaw = f"asammdf cannot read the {part}: {str(cause) or type(cause).__name__}"
+    return damaged(where, flaw, "a complete and undamaged MDF file")

@@ -1,4 +1,4 @@
-"""Check an MDF file before asammdf reads it, which follows rings of links and fills the memory.
+"""Check an MDF file before asammdf reads it, which would follow rings and fill the memory.
 
 MDF 4:
 ##XX  4 bytes unused  length  number of links  links  content
@@ -12,6 +12,7 @@ Source: ASAM MDF 4.1, sections on the identification block and on unfinalised fi
 
 import mmap
 import struct
+from bisect import bisect
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -41,7 +42,7 @@ _VARIABLE = 1
 
 @dataclass(frozen=True)
 class _Checked:
-    """Of an unfinished file that may be read a note, and the records by group; else empty."""
+    """A note and the number of records by group of an unfinished file; empty for a finished one."""
 
     note: str = ""
     counts: dict[int, int] = field(default_factory=dict)
@@ -56,18 +57,18 @@ class _Block(NamedTuple):
 
 @dataclass
 class _Group:
-    """A channel group: bytes of a record, which may vary, and records stated and found."""
+    """A channel group: bytes of a record, which may vary, and records promised and counted."""
 
     place: int
     number: int
-    stated: int
+    promised: int
     size: int
     variable: bool
     count: int = 0
 
 
 def check_mdf(path: Path) -> _Checked:
-    """Compare a file with its links, and count the records of an unfinished one.
+    """Follow all links of a file, and count the records of an unfinished one.
 
     Raises LogError for a file that is not MDF, cut off, damaged, or cannot be finished.
     """
@@ -76,8 +77,8 @@ def check_mdf(path: Path) -> _Checked:
         begin, version = head[:8].rstrip(b" \0"), head[8:12].strip(b" \0")
         flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
         if begin == b"UnFinMF":
-            known = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
-            if not known or len(head) < _HEAD or not b"4.10" <= version < b"5":
+            may_be_finished = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
+            if not may_be_finished or len(head) < _HEAD or not b"4.10" <= version < b"5":
                 expected = (
                     "a finished file, or one that lacks only counts and the length of its data"
                 )
@@ -94,11 +95,11 @@ def check_mdf(path: Path) -> _Checked:
                 if not version.startswith(b"4"):
                     _refuse_rings(data, "<" if head[24:26] == b"\0\0" else ">", path)
                     return _Checked()
-                starts = _check_blocks(data, path)
-                return _counted(data, flags, sorted(starts), path) if flags else _Checked()
+                starts = sorted(_check_blocks(data, path) | {len(data)})
+                return _counted(data, flags, starts, path) if flags else _Checked()
             except (struct.error, IndexError, ValueError, OverflowError) as cause:
-                what = f"a block is shorter than its kind, or links go round: {cause}"
-                raise damaged(path, what) from cause
+                flaw = f"a block is shorter than its kind, or links go round: {cause}"
+                raise damaged(path, flaw) from cause
 
 
 def _block_at(data: mmap.mmap, place: int) -> _Block:
@@ -118,12 +119,12 @@ def _chain(data: mmap.mmap, place: int, kind: bytes) -> Iterator[tuple[int, _Blo
 
 def _refuse_rings(data: mmap.mmap, order: str, path: Path) -> None:
     """Raise ValueError for two links of MDF 3 to one block, LogError for one past the end."""
-    seen, todo = set[int](), [_HEAD]
+    visited, todo = set[int](), [_HEAD]
     while todo:
         place = todo.pop()
-        if place in seen:
+        if place in visited:
             raise ValueError(f"a second link to byte {place}")
-        seen.add(place)
+        visited.add(place)
         if place + 4 > len(data):
             raise _short(path, len(data), place + 4)
         links = _LINKS_3.get(data[place : place + 2], 0)
@@ -132,13 +133,13 @@ def _refuse_rings(data: mmap.mmap, order: str, path: Path) -> None:
 
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
     """First bytes of all blocks of MDF 4. Raises LogError if one goes past the end of the file."""
-    seen, owned, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
+    visited, owned, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
     unpacked = 0
     while todo:
         place = todo.pop()
-        if place in seen or place == 0:
+        if place in visited or place == 0:
             continue
-        seen.add(place)
+        visited.add(place)
         end = max(end, place + _BLOCK.size)
         if place + _BLOCK.size > size:
             continue
@@ -149,9 +150,9 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
         if kind == b"##DZ" and end <= size:
             unpacked += _UNPACKED.unpack_from(data, place + _BLOCK.size)[0]
         if links and place + _BLOCK.size + 8 * links <= size:
-            found = struct.unpack_from(f"<{links}Q", data, place + _BLOCK.size)
-            todo += found
-            for link in found[:2] if kind in _TREE else ():
+            targets = struct.unpack_from(f"<{links}Q", data, place + _BLOCK.size)
+            todo += targets
+            for link in targets[:2] if kind in _TREE else ():
                 if data[link : link + 4] in _TREE:
                     if link in owned:
                         raise ValueError(f"a second link to byte {link}")
@@ -160,7 +161,7 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
         raise _short(path, size, end)
     if unpacked > RECORDING.most:
         raise LogError(RECORDING.excess("its data unpacks to"), where=path)
-    return seen
+    return visited
 
 
 def _data_groups(data: mmap.mmap) -> Iterator[tuple[int, int, list[_Group]]]:
@@ -174,35 +175,35 @@ def _data_groups(data: mmap.mmap) -> Iterator[tuple[int, int, list[_Group]]]:
 
 
 def _counted(data: mmap.mmap, flags: int, starts: list[int], path: Path) -> _Checked:
-    """Count the records of an unfinished file.
+    """Count the records of an unfinished file; ``starts`` are its blocks and its end, rising.
 
     asammdf counts them, too, but stops without a word where a record has an unknown identifier.
     """
     counts: dict[int, int] = {}
-    records = left = 0
+    records = leftover = 0
     for place, id_size, groups in _data_groups(data):
         if not place:
             continue
         block = _block_at(data, place)
-        kind = block.kind.decode(errors="replace")
-        _require(kind == "##DT", path, f"data in {kind}")
-        known = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
-        _require(known, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
-        following = (start for start in starts if start > place)
-        end = next(following, len(data)) if flags & _LAST_LENGTH else place + block.length
+        block_kind = block.kind.decode(errors="replace")
+        _require(block_kind == "##DT", path, f"data in {block_kind}")
+        readable = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
+        _require(readable, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
+        next_start = starts[bisect(starts, place)]
+        end = next_start if flags & _LAST_LENGTH else place + block.length
         last = _count(data, groups, (place + _START, end), id_size, path)
-        left += end - last if any(data[last:end]) else 0
+        leftover += end - last if any(data[last:end]) else 0
         for group in groups:
-            if group.count < group.stated:
-                missing = f"{group.stated - group.count} are missing"
-                what = f"{group.count} of {group.stated} records are there: {missing}"
-                raise damaged(path, what, "all that the group counts")
+            if group.count < group.promised:
+                missing = f"{group.promised - group.count} are missing"
+                flaw = f"{group.count} of {group.promised} records are there: {missing}"
+                raise damaged(path, flaw, "all that the group counts")
             if not group.variable:
-                counts[group.place] = group.count if flags & _COUNTS else group.stated
+                counts[group.place] = group.count if flags & _COUNTS else group.promised
                 records += group.count
-    part = f"; {left} bytes of a last record that is not whole were left out" if left else ""
+    torn = f"; {leftover} bytes of a last record that is not whole were left out" * bool(leftover)
     note = (
-        f"the recorder did not finish the file: its {records} records were counted here{part}; "
+        f"the recorder did not finish the file: its {records} records were counted here{torn}; "
         "nothing in the file shows whether more are missing at its end"
     )
     return _Checked(note, counts)
@@ -224,8 +225,8 @@ def _count(
         if group is None:
             if not any(data[place:end]):  # the recorder reserved space
                 break
-            what = f"damaged near byte {place}: no group has records with the identifier {number}"
-            raise damaged(path, what, "records of the groups of the file")
+            flaw = f"damaged near byte {place}: no group has records with the identifier {number}"
+            raise damaged(path, flaw, "records of the groups of the file")
         start, width = place + id_size, group.size
         if group.variable:
             width, start = int.from_bytes(data[start : start + 4], "little"), start + 4
@@ -237,11 +238,9 @@ def _count(
 
 
 def _short(path: Path, size: int, end: int) -> LogError:
-    what = (
-        f"cut off: the file has {size} bytes, its blocks need {end}; at least {end - size} "
-        f"are missing ({100 * (1 - size / end):.0f} % of the file)"
-    )
-    return damaged(path, what, "a complete file")
+    missing = f"{end - size} are missing ({100 * (1 - size / end):.0f} % of the file)"
+    flaw = f"cut off: the file has {size} bytes, its blocks need {end}; at least {missing}"
+    return damaged(path, flaw, "a complete file")
 
 
 def _not_finished(path: Path, why: str, expected: str) -> LogError:
@@ -253,7 +252,7 @@ def _not_finished(path: Path, why: str, expected: str) -> LogError:
     )
 
 
-def _require(known: bool, path: Path, why: str) -> None:
-    if not known:
+def _require(condition: bool, path: Path, why: str) -> None:
+    if not condition:
         expected = "one data block for each group"
         raise _not_finished(path, f"and it cannot be finished here: {why}", expected)

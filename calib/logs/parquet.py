@@ -100,8 +100,8 @@ def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Arra
 
     width = pa.int32() if column.type.bit_width == 32 else pa.int64()
     counts = column.cast(width).cast(pa.int64())
-    known = counts.drop_null()
-    first = known[0].as_py() if len(known) else 0
+    counts_present = counts.drop_null()
+    first = counts_present[0].as_py() if len(counts_present) else 0
     nulls = counts.is_null().to_numpy()
     time = (counts.fill_null(first).to_numpy() - first) * unit
     time[nulls] = np.nan

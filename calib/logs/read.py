@@ -3,9 +3,9 @@
 import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -14,13 +14,13 @@ from calib.base.bounded import LOG, RECORDING, FileKind, open_bounded, read_boun
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
-from calib.logs.channel_map import TRUTH, Assigned, ChannelMap, assign, without_unit
+from calib.logs.channel_map import MAP_IT, TRUTH, Assigned, ChannelMap, assign, without_unit
 from calib.logs.clock import check_clock, is_ascending, on_line
 from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
-from calib.logs.gaps import complete_channels, fill_rows, without_open_ends
+from calib.logs.gaps import ChannelHole, complete_channels, fill_rows, without_open_ends
 from calib.logs.impossible import refuse_absurd, without_impossible
 from calib.logs.log import Log
-from calib.logs.resample import Resampled, of_several_clocks, on_one_clock, traces_of
+from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
 from calib.logs.source import ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
 
@@ -34,8 +34,8 @@ _WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 
 @dataclass(frozen=True)
-class _Opened:
-    """An opened log, a context: its path, its columns, and the SHA-256 of its bytes."""
+class _OpenLog:
+    """An opened log, to be closed by ``with``: path, columns, and SHA-256 of its bytes."""
 
     path: Path
     source: ColumnSource | Recording
@@ -48,11 +48,11 @@ class _Opened:
         if isinstance(self.source, Recording):
             self.source.close()
 
-    def table(self, taken: Mapping[int, Assigned] | None = None) -> ColumnSource:
+    def table(self, assigned: Mapping[int, Assigned] | None = None) -> ColumnSource:
         """All columns on one clock, as `as_table`."""
         if isinstance(self.source, ColumnSource):
             return self.source
-        return as_table(self.source, str(self.path), taken)
+        return as_table(self.source, str(self.path), assigned)
 
 
 def open_log(
@@ -61,11 +61,12 @@ def open_log(
     *,
     data: bytes | None = None,
     file: Path | None = None,
-) -> _Opened:
-    """Open a log without assigning its columns to channels; of a map text format and DBC are used.
+) -> _OpenLog:
+    """Open a log without assigning its columns to channels.
 
-    ``path`` names it. ``data`` are its bytes, if known; ``file`` is where they are, if not at
-    ``path``. Raises LogError for a file that is not a log, or not complete.
+    ``path`` names it; ``data`` are its bytes, if they were read already; ``file`` holds them, if
+    not ``path``. Of ``channel_map`` only the text format and the DBC are used. Raises LogError for
+    a file that is not a log, or not complete.
     """
     path = Path(path)
     ending = ending_of(path)
@@ -74,15 +75,17 @@ def open_log(
         refuse_other_kind(data[:64], ending, path)
         text_format = channel_map.text if channel_map else LOOKED
         source = TABLES[ending](data, str(path), text_format)
-        return _Opened(path, source, hashlib.sha256(data).hexdigest())
-    place = Path(file or path)
-    head, digest = _seen(place, path) if data is None else (data, hashlib.sha256(data).hexdigest())
-    refuse_other_kind(head[:64], ending, path)
+        return _OpenLog(path, source, hashlib.sha256(data).hexdigest())
+    head, digest = _head_and_digest(Path(file or path), path, data)
+    refuse_other_kind(head, ending, path)
     databases = channel_map.databases if channel_map else {}
-    return _Opened(path, RECORDINGS[ending](place, databases), digest)
+    return _OpenLog(path, RECORDINGS[ending](Path(file or path), databases), digest)
 
 
-def _seen(file: Path, where: Path) -> tuple[bytes, str]:
+def _head_and_digest(file: Path, where: Path, data: bytes | None) -> tuple[bytes, str]:
+    """First 64 bytes and SHA-256 of a file, whose bytes are ``data`` if they were read already."""
+    if data is not None:
+        return data[:64], hashlib.sha256(data).hexdigest()
     with _as_log(file, where) as kind, open_bounded(file, kind) as stream:
         head = stream.read(64)
         stream.seek(0)
@@ -116,99 +119,104 @@ def read_log(
 
 
 def read_opened(
-    opened: _Opened, channel_map: ChannelMap | None = None, *, require: tuple[str, ...] = REQUIRED
+    opened: _OpenLog, channel_map: ChannelMap | None = None, *, require: tuple[str, ...] = REQUIRED
 ) -> Log:
     """Read one run from a log that was opened. Else like `read_log`."""
-    needed, source = tuple(dict.fromkeys(("time", *require))), opened.source
-    begun = Log(stem_of(opened.path), str(opened.path), opened.digest, {}, notes=source.notes)
-    taken, ignored = assign(source.columns, channel_map, needed, begun.source)
-    begun = replace(begun, ignored=ignored)
+    source, where = opened.source, str(opened.path)
+    needed = tuple(dict.fromkeys(("time", *require)))
+    assigned, ignored = assign(source.columns, channel_map, needed, where)
     if isinstance(source, ColumnSource):
-        log = _rows(begun, source, taken)
+        sampled = _sampled_rows(source, assigned, where)
     else:
-        log = _recorded(begun, source, taken, channel_map)
-    return _checked(log, taken, needed)
-
-
-def _rows(log: Log, source: ColumnSource, taken: list[Assigned]) -> Log:
-    written = source.read([item.index for item in taken])
-    values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
-    time, log = values.pop("time"), _with_notes(log, without_unit(source.columns, taken))
-    if of_several_clocks(time, values):
-        by_name = {item.channel: item for item in taken}
-        traces = [by_name[trace.name].named(trace) for trace in traces_of(time, values)]
-        found = on_one_clock(traces, log.source)
-        note = "the rows are those of several clocks: each channel was put on one clock"
-        channels = {"time": found.time, **dict(zip(values, found.values, strict=True))}
-        return _resampled(_with_notes(log, (note,)), found, channels)
-    rounded: tuple[str, ...] = ()
-    if is_ascending(time):
-        time, rounded = on_line(time)
-    measured = {name: x for name, x in values.items() if name in CHANNELS}
-    filled, notes, bridged = fill_rows(measured, time)
-    log = _with_notes(log, (*rounded, *notes))
-    return replace(log, channels={"time": time} | values | filled, bridged=tuple(bridged))
-
-
-def _with_notes(log: Log, notes: tuple[str, ...]) -> Log:
-    return replace(log, notes=(*log.notes, *notes))
-
-
-def _resampled(log: Log, found: Resampled, channels: dict[str, Array]) -> Log:
-    return replace(
-        log,
-        channels=channels,
-        notes=(*log.notes, *found.notes),
-        bridged=found.bridged,
-        interpolated=found.interpolated,
-    )
-
-
-def _recorded(
-    log: Log, source: Recording, taken: list[Assigned], channel_map: ChannelMap | None
-) -> Log:
-    clock = recorded_clock(taken, channel_map)
-    others = [item for item in taken if item is not clock]
-    if not others:
-        have = quoted(log.ignored) or "no channels"
-        raise LogError(
-            f"no channel of the log is known; it has {have}",
-            where=log.source,
-            expected=f"channels named {', '.join(REQUIRED[1:])}",
-            do="; ".join([*log.notes, "name foreign channels in a channel map (--map)"]),
-        )
-    traces = source.read([item.index for item in others])
-    found = on_one_clock([i.named(t) for i, t in zip(others, traces, strict=True)], log.source)
-    written = zip((clock, *others), (found.time, *found.values), strict=True)
-    log = _with_notes(log, without_unit(source.columns, taken))
-    return _resampled(log, found, {item.channel: item.to_si(w) for item, w in written})
-
-
-def _checked(log: Log, taken: list[Assigned], needed: tuple[str, ...]) -> Log:
-    refuse_absurd(log.channels, log.source)
-    possible, marked, more = without_impossible(log.channels, log.source)
-    possible, moved = _in_time(possible, taken, log.source)
-    cut, cut_notes = without_open_ends(possible)
-    values, notes = complete_channels(cut, needed, log.source)
-    unit = next(item.unit for item in taken if item.channel == "time")
-    check_clock(values["time"], log.source, unit)
-    return replace(
-        log,
+        clock = recorded_clock(assigned, channel_map)
+        others = [item for item in assigned if item is not clock]
+        if not others:
+            raise _no_channel(ignored, source.notes, where)
+        sampled = _sampled_recording(source, clock, others, where)
+    refuse_absurd(sampled.channels, where)
+    possible, marked, bridged = without_impossible(sampled.channels, where)
+    undelayed, delay_notes = _without_delays(possible, assigned, where)
+    trimmed, trim_notes = without_open_ends(undelayed)
+    values, gap_notes = complete_channels(trimmed, needed, where)
+    unit = next(item.unit for item in assigned if item.channel == "time")
+    check_clock(values["time"], where, unit)
+    return Log(
+        stem_of(opened.path),
+        where,
+        opened.digest,
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
-        notes=log.notes + moved + cut_notes + notes,
-        origins=tuple(item.origin() for item in taken if item.channel in values),
-        bridged=tuple(gap for gap in (*log.bridged, *more) if gap.channel in values),
+        ignored=ignored,
+        notes=(
+            *source.notes,
+            *without_unit(source.columns, assigned),
+            *sampled.notes,
+            *delay_notes,
+            *trim_notes,
+            *gap_notes,
+        ),
+        origins=tuple(item.origin() for item in assigned if item.channel in values),
+        bridged=tuple(gap for gap in (*sampled.bridged, *bridged) if gap.channel in values),
         marked=marked,
+        interpolated=sampled.interpolated,
     )
 
 
-def _in_time(
-    channels: dict[str, Array], taken: list[Assigned], where: str
+class _Sampled(NamedTuple):
+    """Channels in SI on one clock, (n,) each, NaN for no value, and what was done for that."""
+
+    channels: dict[str, Array]
+    notes: tuple[str, ...]
+    bridged: tuple[ChannelHole, ...]
+    interpolated: tuple[str, ...] = ()
+
+
+def _sampled_rows(source: ColumnSource, assigned: list[Assigned], where: str) -> _Sampled:
+    """The rows of a table, on its clock or, where they are those of several, on one of these."""
+    written = source.read([item.index for item in assigned])
+    values = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
+    time = values.pop("time")
+    if of_several_clocks(time, values):
+        by_name = {item.channel: item for item in assigned}
+        traces = [by_name[trace.name].named(trace) for trace in traces_of(time, values)]
+        resampled = on_one_clock(traces, where)
+        channels = {"time": resampled.time, **dict(zip(values, resampled.values, strict=True))}
+        note = "the rows are those of several clocks: each channel was put on one clock"
+        return _Sampled(
+            channels, (note, *resampled.notes), resampled.bridged, resampled.interpolated
+        )
+    time, rounded = on_line(time) if is_ascending(time) else (time, ())
+    measured = {name: x for name, x in values.items() if name in CHANNELS}
+    filled, notes, bridged = fill_rows(measured, time)
+    return _Sampled({"time": time} | values | filled, (*rounded, *notes), tuple(bridged))
+
+
+def _sampled_recording(
+    source: Recording, clock: Assigned, others: list[Assigned], where: str
+) -> _Sampled:
+    """The channels of a recording on one of its clocks."""
+    traces = source.read([item.index for item in others])
+    resampled = on_one_clock([i.named(t) for i, t in zip(others, traces, strict=True)], where)
+    written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
+    channels = {item.channel: item.to_si(w) for item, w in written}
+    return _Sampled(channels, resampled.notes, resampled.bridged, resampled.interpolated)
+
+
+def _no_channel(ignored: tuple[str, ...], notes: tuple[str, ...], where: str) -> LogError:
+    return LogError(
+        f"no channel of the log is known; it has {quoted(ignored) or 'no channels'}",
+        where=where,
+        expected=f"channels named {', '.join(REQUIRED[1:])}",
+        do="; ".join([*notes, MAP_IT]),
+    )
+
+
+def _without_delays(
+    channels: dict[str, Array], assigned: list[Assigned], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The channels without the delays of the map, in the rows that all have, and notes."""
+    """The channels moved by the delays of the map, in the rows that all have, and notes."""
     time = channels["time"]
-    late = {item.channel: item.mapping.delay for item in taken if item.mapping.delay}
+    late = {item.channel: item.mapping.delay for item in assigned if item.mapping.delay}
     if not late or not is_ascending(time):
         return channels, ()
     moved = {name: np.interp(time + delay, time, channels[name]) for name, delay in late.items()}
@@ -217,20 +225,20 @@ def _in_time(
         for name, delay in late.items()
     ]
     shifts = [0.0, *late.values()]
-    kept = (time + min(shifts) >= time[0]) & (time + max(shifts) <= time[-1])
-    if not kept.any():
+    inside = (time + min(shifts) >= time[0]) & (time + max(shifts) <= time[-1])
+    if not inside.any():
         raise LogError(
             f"no time has all channels: {', '.join(moves)}",
             where=where,
             expected=f"delays within the {np.ptp(time):.3g} s of the log",
             do="correct the delay in the channel map",
         )
-    return {name: x[kept] for name, x in (channels | moved).items()}, tuple(moves)
+    return {name: x[inside] for name, x in (channels | moved).items()}, tuple(moves)
 
 
-def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Assigned:
-    """The time of a recording, which is its first column. Raises ChannelMapError if mapped."""
-    clock = next(item for item in taken if item.channel == "time")
+def recorded_clock(assigned: list[Assigned], channel_map: ChannelMap | None) -> Assigned:
+    """The clock of a recording, its first column. Raises ChannelMapError for another one."""
+    clock = next(item for item in assigned if item.channel == "time")
     if clock.index != 0:
         raise ChannelMapError(
             f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own",
@@ -241,14 +249,14 @@ def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Ass
 
 
 def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
-    """The bytes of a log; ``where`` names it. Raises LogError for no file of a known format."""
+    """The bytes of a log, which errors name ``where``. Raises LogError for an unknown format."""
     with _as_log(path, path if where is None else where, any_format) as kind:
         return read_bounded(path, kind)
 
 
 @contextmanager
 def _as_log(path: Path, where: object, any_format: bool = False) -> Iterator[FileKind]:
-    """The kind of file of a log; what the system says of one that cannot be read is a LogError."""
+    """The bound of a log's size; errors of the system within the context become LogError."""
     ending = ending_of(path)
     try:
         if ending not in FORMATS and not any_format and path.is_file():

@@ -52,9 +52,9 @@ def of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
     """
     if time.size < 3 or not is_ascending(time) or _even(time):
         return False
-    own = {name: x for name, x in columns.items() if name in CHANNELS and CHANNELS[name].required}
-    known = [np.isfinite(x) for x in (own or columns).values()]
-    return any(3 <= np.count_nonzero(k) < k.size and _even(time[k]) for k in known)
+    required = [x for name, x in columns.items() if name in CHANNELS and CHANNELS[name].required]
+    masks = [np.isfinite(x) for x in (required or columns.values())]
+    return any(3 <= np.count_nonzero(k) < k.size and _even(time[k]) for k in masks)
 
 
 def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
@@ -62,9 +62,9 @@ def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
     clocks: dict[bytes, str] = {}
     traces = []
     for name, x in columns.items():
-        known = ~np.isnan(x)
-        clock = clocks.setdefault(known.tobytes(), f"rows of {name}")
-        traces.append(ChannelTrace(clock, time[known], x[known], name=name))
+        present = ~np.isnan(x)
+        clock = clocks.setdefault(present.tobytes(), f"rows of {name}")
+        traces.append(ChannelTrace(clock, time[present], x[present], name=name))
     return traces
 
 
@@ -188,16 +188,16 @@ def at_times(wanted: Sequence[ChannelTrace], time: Array, where: str) -> list[Ar
     return [_on(w, time).values for w in _clean(wanted, where)[0]]
 
 
-def _on(w: ChannelTrace, at: Array) -> Filled:
+def _on(w: ChannelTrace, times: Array) -> Filled:
     t, x = w.time, w.values
     if t.size < 2:
-        return Filled(np.full(at.size, np.nan))
+        return Filled(np.full(times.size, np.nan))
     if not w.state:
-        return fill(w.name, t, x, at)
-    before = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
-    held: Array = x[before].astype(np.float64)
-    held[(at < t[0]) | (at > t[-1])] = np.nan
-    return Filled(held)
+        return fill(w.name, t, x, times)
+    rows = np.clip(np.searchsorted(t, times, side="right") - 1, 0, t.size - 1)
+    values: Array = x[rows].astype(np.float64)
+    values[(times < t[0]) | (times > t[-1])] = np.nan
+    return Filled(values)
 
 
 def _same(w: ChannelTrace, master: ChannelTrace) -> bool:

@@ -39,8 +39,8 @@ def called(address: str, columns: Sequence[Column]) -> list[int]:
 
 def address_of(column: Column, columns: Sequence[Column]) -> str:
     """The first address that only this one of the columns has; its name if there is none."""
-    own = (one for one in column.addresses if len(called(one, columns)) == 1)
-    return next(own, column.name)
+    unique = (one for one in column.addresses if len(called(one, columns)) == 1)
+    return next(unique, column.name)
 
 
 @dataclass(frozen=True)
@@ -66,13 +66,13 @@ def each_of(
     """What ``read`` gives for each index, or its error."""
     with suppress(LogError):
         return [*read(indices)]
-    found: list[T | LogError] = []
+    results: list[T | LogError] = []
     for index in indices:
         try:
-            found += read([index])
+            results += read([index])
         except LogError as error:
-            found.append(error)
-    return found
+            results.append(error)
+    return results
 
 
 CLOCK = Column("time", "s")
@@ -107,9 +107,9 @@ class Recording:
     close: Callable[[], None] = lambda: None
 
 
-def damaged(where: object, what: str, expected: str = "an undamaged file") -> LogError:
+def damaged(where: object, flaw: str, expected: str = "an undamaged file") -> LogError:
     """The error for a file that is not whole."""
-    return LogError(what, where=where, expected=expected, do="copy the log again")
+    return LogError(flaw, where=where, expected=expected, do="copy the log again")
 
 
 def need(module: str, extra: str, where: str) -> ModuleType:

@@ -74,14 +74,14 @@ def read_whole(
     """
     with open_log(path, channel_map, data=data) as opened:
         assigned, _ = assign(opened.source.columns, channel_map, (), str(path))
-        taken = {item.index: item for item in assigned}
+        by_index = {item.index: item for item in assigned}
         if isinstance(opened.source, Recording):
             recorded_clock(assigned, channel_map)
-        source = opened.table(taken)
+        source = opened.table(by_index)
     # under its own name an ignored column would be a channel
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
-    names = {item.channel for item in taken.values()}
+    names = {item.channel for item in by_index.values()}
     for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
         if isinstance(values, LogError) or column.name in ignore:
             why = values.what if isinstance(values, LogError) else "the map ignores it"
@@ -91,7 +91,7 @@ def read_whole(
         while name in names:  # with its group or a number where another one has that name
             name = column.full_name if number == 1 else f"{column.full_name}#{number}"
             number += 1
-        if (item := taken.get(index)) is not None:
+        if (item := by_index.get(index)) is not None:
             name, unit, values = item.channel, item.unit, item.mapping.written(values)
         names.add(name)
         columns.append(WholeColumn(name, unit, values, source.rates.get(index)))
@@ -158,10 +158,10 @@ def inventory(log: WholeLog) -> tuple[Inventory, ...]:
     for column in log.columns:
         if column.name == TIME:
             continue
-        known = np.isfinite(column.values)
-        at, values = time[known], column.values[known]
-        steps = np.diff(at)
-        usual = step_of(at) if steps.size else 0.0
+        present = np.isfinite(column.values)
+        times, values = time[present], column.values[present]
+        steps = np.diff(times)
+        usual = step_of(times) if steps.size else 0.0
         result.append(
             Inventory(
                 column.name,
@@ -170,7 +170,9 @@ def inventory(log: WholeLog) -> tuple[Inventory, ...]:
                 float(values.max()) if values.size else None,
                 int(values.size),
                 column.rate or (1.0 / usual if steps.size else None),
-                tuple((float(at[i]), float(steps[i])) for i in np.flatnonzero(steps > GAP * usual)),
+                tuple(
+                    (float(times[i]), float(steps[i])) for i in np.flatnonzero(steps > GAP * usual)
+                ),
             )
         )
     return tuple(result)

@@ -5,9 +5,9 @@ message, each with its own statements, so that a flaw in one of them costs only 
 
 BO_ 256 WHL: 8 ESP           one message and its signals
  SG_ WhlFL : 0|16@1+ ...
-VAL_ 256 WhlFL 65535 "SNA";  what else is stated of them: `_STATED`, and their `_LONG_NAMES`
+VAL_ 256 WhlFL 65535 "SNA";  statements that change what is decoded, and long names
 
-Comments and other statements do not change what is decoded, and are not read.
+Comments and all other statements are not read.
 """
 
 import codecs
@@ -63,7 +63,7 @@ _COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
 
 @dataclass(frozen=True)
 class FlawedSignal:
-    """A signal of a message that cannot be read."""
+    """Name, unit and a length [bit] of a signal whose message cannot be read."""
 
     name: str
     unit: str
@@ -72,7 +72,7 @@ class FlawedSignal:
 
 @dataclass(frozen=True)
 class Flawed:
-    """A message that cannot be read, and ``why``; its names as those of a message of cantools."""
+    """A message that cannot be read, and ``why``; its fields have the names of cantools."""
 
     name: str
     frame_id: int
@@ -82,7 +82,7 @@ class Flawed:
     where: str
 
     def error(self, signal: str) -> LogError:
-        """The error for a channel that comes from one of its signals."""
+        """The error for a channel whose source is the given signal of the message."""
         return LogError(
             f"{signal} is a signal of message {self.name}, which cannot be read: {self.why}",
             where=self.where,
@@ -94,39 +94,39 @@ class Flawed:
 
 @dataclass(frozen=True)
 class Dbc:
-    """Messages by identifier, of each bus; "" is every bus. ``notes`` name their files."""
+    """Messages by bus and identifier; the bus "" is every bus. ``notes`` name the files."""
 
     buses: "dict[str, dict[Key, _Described]]"
     notes: tuple[str, ...] = ()
 
     def find(self, bus: str, key: Key) -> "_Described | None":
-        """The message that describes frames of an identifier on a bus, or None."""
+        """The message that describes the frames of an identifier on a bus, or None."""
         return self.buses.get(bus, {}).get(key) or self.buses.get("", {}).get(key)
 
 
 def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
-    """Read the files of a channel map; ``extra`` of the package installs cantools.
+    """Read the databases of a channel map; ``extra`` is the option of pip that installs cantools.
 
-    Raises ChannelMapError for a file that is not valid, and an identifier twice on a bus.
+    Raises ChannelMapError for a file that is not valid, and for an identifier twice on a bus.
     """
     cantools: Any = need("cantools", extra, where)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
     notes, buses = list[str](), dict[str, dict[Key, _Described]]()
     for bus, files in databases.items():
-        own = buses.setdefault(bus, {})
+        by_key = buses.setdefault(bus, {})
         of_bus = f"bus {bus}: " if bus else ""
         for path in files:
             content, messages, flaws = _load(cantools, path)
             for message in messages:
                 key = (message.frame_id, message.is_extended_frame)
-                if key in own:
+                if key in by_key:
                     raise ChannelMapError(
-                        f"{message.name} has the identifier {key[0]:#x} of {own[key].name}",
+                        f"{message.name} has the identifier {key[0]:#x} of {by_key[key].name}",
                         where=path,
                         expected="one description of each frame",
                         do=f'name the DBC of each bus, as in dbc = {{1 = "{path.name}"}}',
                     )
-                own[key] = message
+                by_key[key] = message
             digest = hashlib.sha256(content).hexdigest()
             notes.append(f"{of_bus}frames decoded by {path.name} (SHA-256 {digest[:16]})")
             notes += [f"{of_bus}{path.name}: {flaw}" for flaw in flaws]
@@ -134,6 +134,7 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
 
 
 def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str]]":
+    """Bytes and messages of a database, and notes on its flaws."""
     kind = path.suffix[1:].lower()
     kind = kind if kind in _FORMATS else "dbc"
     name = kind.upper()
@@ -152,21 +153,21 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
         if kind == "dbc":
             messages, flaws = _by_message(cantools, text, str(path))
         else:
-            found = cantools.database.load_string(text, database_format=kind, strict=True)
-            messages, flaws = found.messages, []
+            database = cantools.database.load_string(text, database_format=kind, strict=True)
+            messages, flaws = database.messages, []
     except Exception as cause:  # cantools raises many kinds, some of its parser's
         raise ChannelMapError(
             f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
         ) from cause
     if all(isinstance(message, Flawed) for message in messages):
         why = [f", as {m.name}: {m.why}" for m in messages[:1] if isinstance(m, Flawed)]
-        what = f"not a valid {name}: no message that can be read{''.join(why)}"
-        raise ChannelMapError(what, where=path, expected="the messages of a bus")
+        flaw = f"not a valid {name}: no message that can be read{''.join(why)}"
+        raise ChannelMapError(flaw, where=path, expected="the messages of a bus")
     return content, messages, flaws
 
 
 def _text(content: bytes) -> str:
-    """In UTF-8, UTF-16, or Windows-1252, which with a sign past ASCII is hardly ever UTF-8, too."""
+    """Decode UTF-16, UTF-8 or, where it is neither, Windows-1252."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     try:
@@ -176,8 +177,8 @@ def _text(content: bytes) -> str:
 
 
 @dataclass
-class _Part:
-    """A message: its statements, the number of its first line, and its name."""
+class _MessageText:
+    """The statements of one message as text, its first line, identifier, name, and signals."""
 
     line: int
     number: int
@@ -187,7 +188,7 @@ class _Part:
 
     @property
     def unmarked(self) -> bool:
-        """Whether the identifier has more than 11 bits and at most 29, and is not marked so."""
+        """Whether the identifier has more than 11 bits but lacks the mark of 29 bits."""
         return 0x7FF < self.number < 1 << 29
 
 
@@ -196,17 +197,17 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
     common, parts = _parts(text)
     if len(parts) > _MOST:
         raise ValueError(f"it has {len(parts)} messages, at most {_MOST} are read")
-    found: dict[Key, _Described] = {}
+    by_key: dict[Key, _Described] = {}
     for part in parts:
         message = _read(cantools, part, common, where)
         key = (message.frame_id, message.is_extended_frame)
-        if (first := found.get(key)) is not None:
+        if (first := by_key.get(key)) is not None:
             signals = (*first.signals, *message.signals)
             name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
             every = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in signals)
             message = Flawed(name, *key, why, every, where)
-        found[key] = message
-    messages = list(found.values())
+        by_key[key] = message
+    messages = list(by_key.values())
     wrong = {
         "message(s) that cannot be read": [
             f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)
@@ -216,22 +217,23 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
         ],
     }
     notes = []
-    for what, names in wrong.items():
+    for flaw, names in wrong.items():
         more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-        notes += [f"{len(names)} {what}: {', '.join(names[:_SHOWN])}{more}"] if names else []
+        notes += [f"{len(names)} {flaw}: {', '.join(names[:_SHOWN])}{more}"] if names else []
     return messages, notes
 
 
-def _read(cantools: Any, part: _Part, common: str, where: str) -> "_Described":
+def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Described":
+    """One message by cantools; a `Flawed` one if that fails."""
     text = part.text
     if part.unmarked:
         begin = rf'^(\s*[A-Z_]+_\s+(?:"\w+"\s+\w+_\s+)?){part.number}\b'
         text = re.sub(begin, rf"\g<1>{part.number | _LONG}", text, flags=re.MULTILINE)
     try:
-        found = cantools.database.load_string(text + common, "dbc", strict=True).messages
-        if len(found) == 1:
-            return found[0]  # type: ignore[no-any-return]
-        why = "it is not one message"
+        messages = cantools.database.load_string(text + common, "dbc", strict=True).messages
+        if len(messages) == 1:
+            return messages[0]  # type: ignore[no-any-return]
+        why = f"it holds {len(messages)} messages"
     except Exception as cause:  # cantools raises many kinds, some of its parser's
         why = str(cause) or type(cause).__name__
         why = re.sub(r'^DBC: "(.*?)\.?"$', r"\1", why, flags=re.DOTALL)
@@ -241,11 +243,11 @@ def _read(cantools: Any, part: _Part, common: str, where: str) -> "_Described":
     return Flawed(part.name, part.number & ~_LONG, part.number > 0x7FF, why, signals, where)
 
 
-def _parts(text: str) -> tuple[str, list[_Part]]:
-    """The statements on all messages, and the messages."""
-    parts: list[_Part] = []
+def _parts(text: str) -> tuple[str, list[_MessageText]]:
+    """The statements that hold for all messages, and each message with its own."""
+    parts: list[_MessageText] = []
     later: dict[int, str] = defaultdict(str)
-    common, before = "", ""
+    common, previous = "", ""
     text = _COMMENT.sub(lambda c: "\n" * c[0].count("\n"), text)
     begins = [found.end() for found in _BEGIN.finditer(text)]
     line, last = 1, 0
@@ -254,15 +256,15 @@ def _parts(text: str) -> tuple[str, list[_Part]]:
         line += text.count("\n", last, begin)
         last = begin
         if message := _MESSAGE.match(statement):
-            parts.append(_Part(line, int(message[1]), message[2], statement, {}))
-        elif (signal := _SIGNAL.match(statement)) and before in ("BO_", "SG_") and parts:
+            parts.append(_MessageText(line, int(message[1]), message[2], statement, {}))
+        elif (signal := _SIGNAL.match(statement)) and previous in ("BO_", "SG_") and parts:
             parts[-1].text += statement
             parts[-1].signals[signal[1]] = signal[2] or ""
-        elif stated := _OF_MESSAGE.match(statement):
-            later[int(stated[1] or stated[2])] += statement
+        elif statement_of := _OF_MESSAGE.match(statement):
+            later[int(statement_of[1] or statement_of[2])] += statement
         elif _COMMON.match(statement):
             common += statement
-        before = statement.split(maxsplit=1)[0]
+        previous = statement.split(maxsplit=1)[0]
     for part in parts:
         part.text += later[part.number]
     return common, [part for part in parts if part.name != _NO_MESSAGE]

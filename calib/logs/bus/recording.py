@@ -28,13 +28,12 @@ if TYPE_CHECKING:
     from cantools.database.can import Message, Signal
 
 
-Place: TypeAlias = "tuple[Frames, Message | Flawed, Signal | FlawedSignal]"
+_Source: TypeAlias = "tuple[Frames, Message | Flawed, Signal | FlawedSignal]"
 
 _INVALID = re.compile(
     r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
 )
 """Names of raw values that mark an invalid measurement."""
-
 
 _LONGEST = 64
 """Bits of the longest signal that is a number; longer ones are text or raw bytes."""
@@ -57,47 +56,50 @@ class Frames:
 
 
 @dataclass
-class Gathered:
-    """Frames while a file is read: those that the DBC knows, and the times of all [s]."""
+class Capture:
+    """What python-can reads of a file: the times of all frames [s], and the number of error frames.
 
-    dbc: Dbc
+    ``frames`` are the rows and the bytes of those that the DBC describes, by bus and identifier;
+    None for those that it does not describe.
+    """
+
     times: "array[float]" = field(default_factory=lambda: array("d"))
     errors: int = 0
-    known: dict[tuple[str, Key], bool] = field(default_factory=dict)
-    _rows: "dict[tuple[str, Key], array[int]]" = field(default_factory=dict)
-    _data: dict[tuple[str, Key], list[bytes]] = field(default_factory=dict)
+    frames: "dict[tuple[str, Key], tuple[array[int], list[bytes]] | None]" = field(
+        default_factory=dict
+    )
 
-    def take(self, messages: "Iterable[can.Message]") -> None:
-        """Read all messages. Error and remote frames are counted but have no data."""
-        for number, message in enumerate(messages, start=len(self.times)):
-            self.times.append(message.timestamp)
+
+def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture:
+    """All frames of a file; error and remote frames are counted but have no data.
+
+    Raises LogError if python-can cannot read it, or if it has no frames.
+    """
+    capture = Capture()
+    try:
+        for row, message in enumerate(messages):
+            capture.times.append(message.timestamp)
             if message.is_error_frame:
-                self.errors += 1
+                capture.errors += 1
                 continue
             origin = (str(message.channel), (message.arbitration_id, message.is_extended_id))
-            if origin not in self.known:
-                self.known[origin] = self.dbc.find(*origin) is not None
-                self._rows[origin], self._data[origin] = array("L"), []
-            if self.known[origin] and not message.is_remote_frame:
-                self._rows[origin].append(number)
-                self._data[origin].append(bytes(message.data))
-
-    @property
-    def buses(self) -> list[str]:
-        """All buses of the log."""
-        return sorted({bus for bus, _ in self.known})
-
-    def result(self, time: Array) -> list[Frames]:
-        """Frames by bus and identifier; ``time`` [s] replaces `times`, shape (n,)."""
-        return [
-            frames_of(*origin, time[rows], self._data[origin])
-            for origin in sorted(self._rows)
-            if (rows := np.asarray(self._rows[origin], np.int64)).size
-        ]
+            if origin not in capture.frames:
+                capture.frames[origin] = (array("L"), []) if dbc.find(*origin) else None
+            if (described := capture.frames[origin]) and not message.is_remote_frame:
+                described[0].append(row)
+                described[1].append(bytes(message.data))
+    except LogError:
+        raise
+    except Exception as cause:  # a damaged file makes python-can raise almost anything
+        flaw = f"not readable after frame {len(capture.times)}"
+        raise damaged(where, flaw, "a whole and undamaged log") from cause
+    if not capture.times:
+        raise LogError("the log has no frames", where=where, expected="a log of bus frames")
+    return capture
 
 
 def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
-    """Make `Frames` from a list of bytes, one for each frame."""
+    """Make `Frames` from the bytes of each frame."""
     length = np.fromiter(map(len, data), np.uint16, len(data))
     width = int(length.max(initial=0))
     padded = b"".join(d.ljust(width, b"\0") for d in data)
@@ -116,38 +118,27 @@ def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
     return read_databases(databases, extra, where)
 
 
-def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathered:
-    """All frames of a file. Raises LogError if python-can cannot read it."""
-    found = Gathered(dbc)
-    try:
-        found.take(messages)
-    except LogError:
-        raise
-    except Exception as cause:  # a damaged file makes python-can raise almost anything
-        what = f"not readable after frame {len(found.times)}"
-        raise damaged(where, what, "a whole and undamaged log") from cause
-    if not found.times:
-        raise LogError("the log has no frames", where=where, expected="a log of bus frames")
-    return found
-
-
-def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
-    """Signals of gathered frames, named as in the DBC; time counts from the first frame."""
-    time = np.asarray(found.times)
+def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
+    """Signals of captured frames, named as in the DBC; time counts from the first frame."""
+    time = np.asarray(capture.times)
     check_running(time, where)
     begin = float(time.min())
-    frames = found.result(time - begin)
-    require_known(frames, found.buses, dbc, where)
+    frames = [
+        frames_of(*origin, time[np.asarray(described[0], np.int64)] - begin, described[1])
+        for origin, described in sorted(capture.frames.items())
+        if described and described[0]
+    ]
+    buses = sorted({bus for bus, _ in capture.frames})
+    require_described(frames, buses, dbc, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
-    empty = sorted(set(dbc.buses) - {"", *found.buses})
-    if empty:
+    if silent := sorted(set(dbc.buses) - {"", *buses}):
         more.append(
-            f"no frames on bus {', '.join(empty)}, which the map names; "
-            f"the log has bus {', '.join(found.buses)}"
+            f"no frames on bus {', '.join(silent)}, which the map names; "
+            f"the log has bus {', '.join(buses)}"
         )
-    if found.errors:
-        more.append(f"{found.errors} error frames were ignored")
-    columns, signals = described(frames, dbc)
+    if capture.errors:
+        more.append(f"{capture.errors} error frames were ignored")
+    columns, signals = described_signals(frames, dbc)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         return [decode(*signals[i - 1]) for i in indices]
@@ -155,25 +146,28 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
     return Recording((CLOCK, *columns), read, (*dbc.notes, *notes, *more))
 
 
-def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
-    """Raise LogError if none of ``frames`` is described; ``buses`` are those of the log."""
+def require_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
+    """Raise LogError if the DBC describes none of the frames; ``buses`` are those of the log."""
     if not any(dbc.find(item.bus, item.key) for item in frames):
         names = f" (its buses are {', '.join(buses)})" if buses and set(dbc.buses) - {""} else ""
-        known = [m.name for messages in dbc.buses.values() for m in messages.values()]
+        names_in_dbc = [m.name for messages in dbc.buses.values() for m in messages.values()]
         raise LogError(
             f"no frame of the log{names} is in the DBC",
             where=where,
-            expected="one of " + ", ".join(known[:10]),
+            expected="one of " + ", ".join(names_in_dbc[:10]),
             do="is it the DBC of this bus?",
         )
 
 
-def described(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["Place"]]:
-    """Column and place of every signal that is a number; several buses are named in the column."""
-    found = [(item, message) for item in frames if (message := dbc.find(item.bus, item.key))]
-    buses = Counter(message.name for _, message in found)
+def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["_Source"]]:
+    """Column and source of every signal that is a number.
+
+    The name of the column has its bus where a message of that name comes on several.
+    """
+    matches = [(item, message) for item in frames if (message := dbc.find(item.bus, item.key))]
+    buses = Counter(message.name for _, message in matches)
     columns, signals = [], []
-    for item, message in found:
+    for item, message in matches:
         prefix = f"{item.bus}." if buses[message.name] > 1 else ""
         for signal in message.signals:
             if signal.length > _LONGEST:
@@ -187,9 +181,9 @@ def described(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["Place
 def decode(
     frames: Frames, message: "Message | Flawed", signal: "Signal | FlawedSignal"
 ) -> ChannelTrace:
-    """One signal from all frames that have it; a state if every value has a name.
+    """The samples of one signal; a state if every value has a name, NaN where the name is invalid.
 
-    Raw values that are named as invalid are NaN. Raises LogError if the DBC has a flaw there.
+    Raises LogError if the message is flawed in the DBC.
     """
     if isinstance(message, Flawed):
         raise message.error(signal.name)
@@ -216,17 +210,17 @@ def decode(
 def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np.bool_]:
     """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
     little = signal.byte_order == "little_endian"
-    here: NDArray[np.bool_] = frames.length > _last_byte(signal.start, signal.length, little)
+    present: NDArray[np.bool_] = frames.length > _last_byte(signal.start, signal.length, little)
     if not signal.multiplexer_ids or signal.multiplexer_signal is None:
-        return here
+        return present
     selector = message.get_signal_by_name(signal.multiplexer_signal)
-    here &= _present(frames, message, selector)
-    if not here.any():
-        return here
+    present &= _present(frames, message, selector)
+    if not present.any():
+        return present
     ends = selector.byte_order == "little_endian"
     codes = _raw(frames.data, selector.start, selector.length, ends)
-    here &= np.isin(codes, np.asarray(signal.multiplexer_ids, np.uint64))
-    return here
+    present &= np.isin(codes, np.asarray(signal.multiplexer_ids, np.uint64))
+    return present
 
 
 def _raw(data: NDArray[np.uint8], start: int, length: int, little: bool) -> NDArray[np.uint64]:

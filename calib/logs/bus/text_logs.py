@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, ClassVar, TextIO
 
 from calib.base.errors import LogError
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.recording import Gathered, gathered, recording, require_dbc
+from calib.logs.bus.recording import Capture, captured, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged, need
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import can
 
 
-class _Counted:
+class _Lines:
     """The lines of a text log; those that match ``frame`` are counted as they are read."""
 
     reader: ClassVar[str]
@@ -52,61 +52,47 @@ class _Counted:
         """Whether the last line is not cut off."""
         return line.endswith("\n")
 
-    def stated(self, message: "can.Message") -> int:
-        """Bytes of data that the line of a frame states."""
+    def data_length(self, message: "can.Message") -> int:
+        """Bytes of data that a frame has by its length code; 0 where it is not written."""
         return 0
 
-    def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
+    def captured(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Capture:
         """The frames that python-can reads. Raises LogError if it does not read all."""
         try:
-            found = gathered(self._whole(messages), dbc, str(self.path))
+            capture = captured(self._whole(messages), dbc, str(self.path))
         except LogError:
             if self.frames:
                 self._require_line_end()
             raise
         self._require_line_end()
-        self.require_end(found)
-        if len(found.times) != self.frames:
-            read = f"{len(found.times)} of {self.frames} lines that look like frames can be read"
+        self.require_end(capture)
+        if len(capture.times) != self.frames:
+            read = f"{len(capture.times)} of {self.frames} lines that look like frames can be read"
             raise damaged(self.path, f"{read}: others are missing or damaged", "all of them")
-        return found
+        return capture
 
-    def require_end(self, found: Gathered) -> None:
+    def require_end(self, capture: Capture) -> None:
         """Raise LogError if the format has an end and the file has none."""
 
     def _whole(self, messages: "Iterable[can.Message]") -> "Iterator[can.Message]":
         for message in messages:
-            if not message.is_remote_frame and len(message.data) < self.stated(message):
-                has = f"{len(message.data)} of {self.stated(message)} bytes"
-                raise damaged(self.path, f"a frame at {message.timestamp:.6f} s has {has}")
+            if not message.is_remote_frame and len(message.data) < self.data_length(message):
+                length = f"{len(message.data)} of {self.data_length(message)} bytes"
+                raise damaged(self.path, f"a frame at {message.timestamp:.6f} s has {length}")
             yield message
 
     def _require_line_end(self) -> None:
         if self.last and not self.is_whole(self.last):
             whole = self.frames - bool(self.frame.match(self.last))
-            what = f"cut off within the last line, {self.last.strip()[:60]!r}, after {whole} whole"
-            raise damaged(self.path, f"{what} frames", "an end of line")
+            cut = f"cut off within the last line, {self.last.strip()[:60]!r}, after {whole} whole"
+            raise damaged(self.path, f"{cut} frames", "an end of line")
 
 
-def _opened(path: Path, dbc: Databases, kind: type[_Counted]) -> Recording:
-    can = need("can", "can", str(path))
-    known = require_dbc(dbc, "can", str(path))
-    with path.open(encoding="utf-8", errors="replace") as file:
-        lines = kind(file, path)
-        found = lines.gathered(getattr(can, kind.reader)(lines), known)
-    has_end = isinstance(lines, _AscLines) and lines.begun
-    note = "the log has no footer: one that was cut at the end of a line looks like a complete one"
-    return recording(found, known, () if has_end else (note,), str(path))
+class _CandumpLines(_Lines):
+    """Lines without a count and without an end."""
 
-
-class _CandumpLines(_Counted):
     reader = "CanutilsLogReader"
     frame = re.compile(r"\s*\(\d+\.\d+\)\s")
-
-
-def open_candump(path: Path, dbc: Databases) -> Recording:
-    """Open a log of candump. Raises LogError as `open_asc`; the format has no count and no end."""
-    return _opened(path, dbc, _CandumpLines)
 
 
 _HEADER = re.compile(r"\s*(date|base|//)", re.IGNORECASE)
@@ -116,8 +102,8 @@ _BEGIN = re.compile(r"begin\s+triggerblock", re.IGNORECASE)
 _END = re.compile(r"end\s+triggerblock", re.IGNORECASE)
 
 
-class _AscLines(_Counted):
-    """python-can skips a line after a header without internal events: one is inserted."""
+class _AscLines(_Lines):
+    """Lines with one inserted after a header where python-can would skip a frame."""
 
     reader = "ASCReader"
     frame = re.compile(
@@ -129,11 +115,11 @@ class _AscLines(_Counted):
     def __init__(self, file: TextIO, path: Path):
         super().__init__(file, path)
         self.begun = self.ended = self._headed = False
-        self._kept: str | None = None
+        self._delayed: str | None = None
 
     def __next__(self) -> str:
-        if self._kept is not None:
-            line, self._kept = self._kept, None
+        if self._delayed is not None:
+            line, self._delayed = self._delayed, None
             return line
         line = super().__next__()
         if not self._headed:
@@ -148,29 +134,21 @@ class _AscLines(_Counted):
                 return line
             self._headed = True
             if not _EVENTS.match(line):
-                self._kept = line
+                self._delayed = line
         if line[:1].isalpha():
             self.begun |= bool(_BEGIN.match(line))
             self.ended = bool(_END.match(line)) or (self.ended and not _BEGIN.match(line))
-        return line if self._kept is None else "no internal events logged\n"
+        return line if self._delayed is None else "no internal events logged\n"
 
-    def stated(self, message: "can.Message") -> int:
+    def data_length(self, message: "can.Message") -> int:
         # In classic CAN the codes 9 to F stand for 8 bytes (ISO 11898-1).
         return int(message.dlc if message.is_fd else min(message.dlc, 8))
 
-    def require_end(self, found: Gathered) -> None:
+    def require_end(self, capture: Capture) -> None:
         if self.begun and not self.ended:
-            what = f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s"
-            raise damaged(self.path, f"{what}, but no 'End TriggerBlock'", "a block with its end")
-
-
-def open_asc(path: Path, dbc: Databases) -> Recording:
-    """Open an ASC file.
-
-    Raises LogError for a block without its end, a line or frame that is cut off or cannot be read,
-    and relative timestamps; without a DBC, and if it describes no frame.
-    """
-    return _opened(path, dbc, _AscLines)
+            frames = f"{len(capture.times)} frames up to {capture.times[-1]:.3f} s"
+            flaw = f"the end is missing: {frames}, but no 'End TriggerBlock'"
+            raise damaged(self.path, flaw, "a block with its end")
 
 
 _VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
@@ -183,8 +161,8 @@ writes none after the last line."""
 _NUMBER = re.compile(r"\s*(\d+)\)?\s")
 
 
-class _TrcLines(_Counted):
-    """The number of each message must follow that of the one before."""
+class _TrcLines(_Lines):
+    """Lines of one of `_VERSIONS`; the number of each message must follow the one before."""
 
     reader = "TRCReader"
     frame = re.compile(
@@ -213,11 +191,11 @@ class _TrcLines(_Counted):
         if columns := _COLUMNS.match(line):
             self._numbered = columns[1].startswith("N,")
         if not comment and self._numbered:
-            found = _NUMBER.match(line)
-            number = int(found[1]) if found else 0
-            if found is None or (self._number and number != self._number + 1):
-                what = f"after message {self._number} comes {line.strip()[:60]!r}"
-                raise damaged(self.path, what, f"message {self._number + 1}")
+            match = _NUMBER.match(line)
+            number = int(match[1]) if match else 0
+            if match is None or (self._number and number != self._number + 1):
+                jump = f"after message {self._number} comes {line.strip()[:60]!r}"
+                raise damaged(self.path, jump, f"message {self._number + 1}")
             self._number = number
         return line
 
@@ -228,13 +206,31 @@ class _TrcLines(_Counted):
         remote = "RR" in words and len(last) == 1 and last.isdigit()
         return remote or bool(_LAST.fullmatch(last))
 
-    def stated(self, message: "can.Message") -> int:
+    def data_length(self, message: "can.Message") -> int:
         if not message.is_fd:
             return int(min(message.dlc, 8))
         return int(need("can", "can", str(self.path)).util.dlc2len(message.dlc))
 
 
-def open_trc(path: Path, dbc: Databases) -> Recording:
-    """Open a TRC file of one of `_VERSIONS`. Raises as `open_asc`, and for a lost message."""
+_READERS = {".asc": _AscLines, ".log": _CandumpLines, ".trc": _TrcLines}
+
+TEXT_LOGS = tuple(_READERS)
+"""File name endings of the text logs of a bus."""
+
+
+def open_text_log(path: Path, dbc: Databases, ending: str) -> Recording:
+    """Open a log of one of `TEXT_LOGS`.
+
+    Raises LogError for a line or frame that is cut off or cannot be read, an ASC block without its
+    end, relative timestamps, a lost message of TRC; without a DBC, and if it describes no frame.
+    """
+    can = need("can", "can", str(path))
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
-    return _opened(path, dbc, _TrcLines)
+    database = require_dbc(dbc, "can", str(path))
+    kind = _READERS[ending]
+    with path.open(encoding="utf-8", errors="replace") as file:
+        lines = kind(file, path)
+        capture = lines.captured(getattr(can, kind.reader)(lines), database)
+    has_end = isinstance(lines, _AscLines) and lines.begun
+    note = "the log has no footer: one that was cut at the end of a line looks like a complete one"
+    return recording(capture, database, () if has_end else (note,), str(path))

@@ -49,24 +49,24 @@ def column_from_cell(cell: str) -> Column:
     Column(name='Druck_HZ', unit='bar', full='Druck_HZ_bar')
     """
     cell = cell.strip()
-    found = _split(cell, "[", "]")
-    if found is None and "|" in cell:
+    parts = _split(cell, "[", "]")
+    if parts is None and "|" in cell:
         name, unit, *_ = cell.split("|", 2)
-        found = name.strip('" '), unit.strip('" ')
-    if found is None and (rounded := _split(cell, "(", ")")) and rounded[0]:
+        parts = name.strip('" '), unit.strip('" ')
+    if parts is None and (rounded := _split(cell, "(", ")")) and rounded[0]:
         ours = rounded[0] in CHANNELS or rounded[0].startswith("true_")
-        found = rounded if ours or is_unit(rounded[1]) else None
-    found = found or _ending(cell)
-    if found is None:
+        parts = rounded if ours or is_unit(rounded[1]) else None
+    parts = parts or _ending(cell)
+    if parts is None:
         return Column(cell, None)
-    name, unit = found
+    name, unit = parts
     return Column(name, unit.strip(), "" if cell == f"{name} [{unit}]" else cell)
 
 
 def _split(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
     # An expression would take cubic time for a cell of many blanks.
-    name, found, unit = cell.rpartition(opening)
-    if not found or not unit.endswith(closing) or closing in unit[:-1]:
+    name, bracket, unit = cell.rpartition(opening)
+    if not bracket or not unit.endswith(closing) or closing in unit[:-1]:
         return None
     return name.strip(), unit[:-1]
 
@@ -139,10 +139,10 @@ _COUNTED = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE
 
 def _counted(cell: str) -> float | None:
     """Seconds of a number with a unit of time, or None."""
-    found = _COUNTED.fullmatch(cell)
-    if found is None or not is_unit(found[2], "s"):
+    match = _COUNTED.fullmatch(cell)
+    if match is None or not is_unit(match[2], "s"):
         return None
-    return to_si(float(found[1].replace(",", ".")), found[2], "s")
+    return to_si(float(match[1].replace(",", ".")), match[2], "s")
 
 
 def is_clock(cell: str) -> bool:
@@ -157,8 +157,8 @@ def is_clock(cell: str) -> bool:
     """
     if _counted(cell) is not None:
         return True
-    found = _TIME.fullmatch(cell)
-    return found is not None and (found["h"] is not None or not found["s"].isdigit())
+    match = _TIME.fullmatch(cell)
+    return match is not None and (match["h"] is not None or not match["s"].isdigit())
 
 
 def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str) -> Array:
@@ -176,19 +176,19 @@ def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str)
         if (counted := _counted(text)) is not None:
             values[row] = counted
             continue
-        found = _TIME.fullmatch(text)
-        if found is None:
+        match = _TIME.fullmatch(text)
+        if match is None:
             raise LogError(
                 f"row {row + 1}: {text[:60]!r} is not a time of day",
                 where=where,
                 expected="the form of the other rows, such as 14:03:07.120",
             )
-        period = DAY if found["h"] else period
-        whole, _, part = found["s"].replace(",", ".").replace(":", ".").partition(".")
-        hours = int(found["h"] or 0)
-        if found["half"]:
-            hours = hours % 12 + 12 * (found["half"] in "Pp")
-        seconds = 3600.0 * hours + 60.0 * int(found["m"]) + float(f"{whole}.{part or 0}")
+        period = DAY if match["h"] else period
+        whole, _, part = match["s"].replace(",", ".").replace(":", ".").partition(".")
+        hours = int(match["h"] or 0)
+        if match["half"]:
+            hours = hours % 12 + 12 * (match["half"] in "Pp")
+        seconds = 3600.0 * hours + 60.0 * int(match["m"]) + float(f"{whole}.{part or 0}")
         values[row] = round(seconds, 9)
     return from_first(over_midnight(values, period), where)
 
@@ -199,17 +199,17 @@ def over_midnight(time: Array, period: float = DAY) -> Array:
     >>> over_midnight(np.array([86399.5, 0.5]))
     array([86399.5, 86400.5])
     """
-    known = time[~np.isnan(time)]
-    restarts = np.cumsum(np.diff(known, prepend=known[:1]) < -period / 2)
+    present = time[~np.isnan(time)]
+    restarts = np.cumsum(np.diff(present, prepend=present[:1]) < -period / 2)
     result = time.copy()
-    result[~np.isnan(time)] = known + period * restarts
+    result[~np.isnan(time)] = present + period * restarts
     return result
 
 
 def from_first(time: Array, where: str) -> Array:
     """``time`` [s], (n,), counted from its first value. Raises LogError for a clock too coarse."""
-    known = time[~np.isnan(time)]
-    same = int(np.count_nonzero(np.diff(known) == 0.0))
+    present = time[~np.isnan(time)]
+    same = int(np.count_nonzero(np.diff(present) == 0.0))
     if same > _REPEATED * time.size:
         raise LogError(
             f"the clock is too coarse: {same} of {time.size} rows have the time of the row before",
@@ -217,4 +217,4 @@ def from_first(time: Array, where: str) -> Array:
             expected="a time of its own for each row",
             do="export the time with parts of a second, or as seconds from the start of the log",
         )
-    return np.round(time - known[0], 9) if known.size else time
+    return np.round(time - present[0], 9) if present.size else time

@@ -59,16 +59,16 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
     begin = 0
-    told = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)  # spreadsheets
-    if told:
-        begin, separator = told.end(), text_format.separator or told[1].decode()
+    declared = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)  # spreadsheets
+    if declared:
+        begin, separator = declared.end(), text_format.separator or declared[1].decode()
         text_format = replace(text_format, separator=separator)
     layouts = layouts_of(data, begin, text_format)
     layout, start = layouts[0], layouts[0].start
-    rest = data[start : start + 65536].strip() or data[start:].strip()
-    line = rest.decode("latin-1")
+    body = data[start : start + 65536].strip() or data[start:].strip()
+    line = body.decode("latin-1")
     units_of = (is_unit_row(Dialect(s, ".").cells([line])[0]) for s in text_format.separators)
-    if not rest or (b"\n" not in rest and any(units_of)):
+    if not body or (b"\n" not in body and any(units_of)):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     names, note = head_text(b"\n".join((layout.names, layout.units, layout.more)), where)
     dialect = dialect_of(layouts, data, text_format, where)
@@ -76,8 +76,11 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     columns = [column_from_cell(cell) for cell in cells]
     for row in (units, more):
         if row and len(row) != len(cells):
-            what = f"{len(cells)} names, and {len(row)} cells in the header row below"
-            raise LogError(what, where=where, expected="a cell, which may be empty, for each name")
+            raise LogError(
+                f"{len(cells)} names, and {len(row)} cells in the header row below",
+                where=where,
+                expected="a cell, which may be empty, for each name",
+            )
     words = {column.name.lower() for column in columns}
     if words & _FRAME_ID and words & _FRAME_LENGTH:
         raise LogError(
@@ -128,29 +131,29 @@ class TextRows:
         text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
         text = text or data[start:].rstrip(b"\r\n")[-tail:]  # many blank lines at the end
         lines = [line.decode(errors="replace") for line in text.splitlines()[-20:]]
-        *before, last = self.dialect.cells(lines)
-        before = [row for row in before if row]
-        wrong = [len(row) for row in before if len(row) != width]
-        if 2 * len(wrong) > len(before):  # not cut off: text of another kind
-            what = f"{len(wrong)} of the {len(before)} rows before the last one have"
+        *earlier, last = self.dialect.cells(lines)
+        earlier = [row for row in earlier if row]
+        wrong = [len(row) for row in earlier if len(row) != width]
+        if 2 * len(wrong) > len(earlier):  # not cut off: text of another kind
+            flaw = f"{len(wrong)} of the {len(earlier)} rows before the last one have"
             raise LogError(
-                f"{what} {min(wrong)} to {max(wrong)} cells",
+                f"{flaw} {min(wrong)} to {max(wrong)} cells",
                 where=self.where,
                 expected=f"a table: {width} cells in each row, as the header has",
             )
         ended = data.endswith((b"\n", b"\r"))
         short = len(last) < width or lines[-1].count('"') % 2 == 1
-        if short or (not ended and self._shorter(last[-1], [row[-1] for row in before])):
-            what = f"the last line is cut off: {lines[-1][:60]!r}"
-            raise damaged(self.where, what, f"{width} whole cells")
+        if short or (not ended and self._shorter(last[-1], [row[-1] for row in earlier])):
+            flaw = f"the last line is cut off: {lines[-1][:60]!r}"
+            raise damaged(self.where, flaw, f"{width} whole cells")
         return None if ended else "no end of line after the last row, which looks complete"
 
-    def _shorter(self, cell: str, before: list[str]) -> bool:
+    def _shorter(self, cell: str, earlier: list[str]) -> bool:
         """By decimals if all others have as many, else by length: not every cut is detected."""
-        decimals = [len(c.partition(self.dialect.decimal)[2]) for c in (cell, *before)]
+        decimals = [len(c.partition(self.dialect.decimal)[2]) for c in (cell, *earlier)]
         if len(set(decimals[1:])) == 1:
             return decimals[0] < decimals[1]
-        return bool(before) and len(cell) < min(map(len, before))
+        return bool(earlier) and len(cell) < min(map(len, earlier))
 
     def read(self, indices: Sequence[int]) -> list[Array]:
         """Some columns as numbers, clocks as seconds. Raises LogError with a bad row."""
@@ -198,5 +201,5 @@ class TextRows:
                 expected=f"{row[2]}, as the header has",
                 do="look at the row; was the log written by two programs at once?",
             )
-        what = f"not readable as CSV: {cause[:200]}"
-        return LogError(what, where=self.where, expected="separated text")
+        flaw = f"not readable as CSV: {cause[:200]}"
+        return LogError(flaw, where=self.where, expected="separated text")

@@ -79,9 +79,10 @@ def _is_number(cell: str, decimal: str = ".") -> bool:
 def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
     """Complete lines from ``start``, the middle and the end of a file, some twice if short."""
 
-    def complete(at: int) -> list[bytes]:
-        end = len(data) if at + width >= len(data) else data.rfind(b"\n", at, at + width) + 1
-        return data[at:end].splitlines()
+    def complete(begin: int) -> list[bytes]:
+        end = begin + width
+        end = len(data) if end >= len(data) else data.rfind(b"\n", begin, end) + 1
+        return data[begin:end].splitlines()
 
     head = complete(start)[:count]
     middle = complete((start + len(data)) // 2)[1 : count + 1]
@@ -129,16 +130,16 @@ def _any_number(cell: str) -> bool:
 def _decimal(separator: str, data: bytes, start: int, where: str) -> str:
     rows = Dialect(separator, ".").cells(sample_of(data, start))
     cells = [cell for row in rows for cell in row]
-    found = {mark: [c for c in cells if mark in c and _is_number(c, mark)] for mark in ".,"}
-    marks = [mark for mark, numbers in found.items() if numbers]
+    numbers = {mark: [c for c in cells if mark in c and _is_number(c, mark)] for mark in ".,"}
+    marks = [mark for mark in numbers if numbers[mark]]
     if not marks:
         # Only whole numbers in the sample. Another mark later in the file is an error when read.
         comma = data.find(b",", start) >= 0 and data.find(b".", start) < 0
         return "," if separator != "," and comma else "."
-    clear = [m for m in marks if not all(_THOUSANDS.fullmatch(c) for c in found[m])]
+    clear = [m for m in marks if not all(_THOUSANDS.fullmatch(c) for c in numbers[m])]
     if len(marks) == 1 and (clear or separator == ","):
         return marks[0]
-    examples = ", ".join(repr(Counter(found[m]).most_common(1)[0][0]) for m in marks)
+    examples = ", ".join(repr(Counter(numbers[m]).most_common(1)[0][0]) for m in marks)
     raise LogError(
         f"the decimal mark is ambiguous: {examples}",
         where=where,
@@ -174,9 +175,9 @@ def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[_Layout
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
-    found = [x for s in text_format.separators if (x := _found(lines, starts, sample, s))]
-    best = max(found, key=lambda x: x.numbers, default=_Layout(lines[0], starts[1]))
-    return [best, *(x for x in found if x is not best and x.start == best.start)]
+    layouts = [x for s in text_format.separators if (x := _layout(lines, starts, sample, s))]
+    best = max(layouts, key=lambda x: x.numbers, default=_Layout(lines[0], starts[1]))
+    return [best, *(x for x in layouts if x is not best and x.start == best.start)]
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
@@ -199,7 +200,7 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
     return lines, starts
 
 
-def _found(
+def _layout(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
 ) -> _Layout | None:
     """The layout with a separator; None without a header over two columns of numbers."""

@@ -17,15 +17,15 @@ def gunzip(data: bytes, where: str) -> bytes:
     """The content of a gzip file. Raises LogError for one that is damaged or too large."""
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
-            found = file.read(LOG.most + 1)
+            content = file.read(LOG.most + 1)
     except EOFError as cause:
-        what = "the gzip file is cut off: it ends within the data"
-        raise damaged(where, what, "length and check sum at the end") from cause
+        flaw = "the gzip file is cut off: it ends within the data"
+        raise damaged(where, flaw, "length and check sum at the end") from cause
     except (OSError, zlib.error) as cause:
         raise damaged(where, f"the gzip file is damaged: {cause}") from cause
-    if len(found) > LOG.most:
+    if len(content) > LOG.most:
         raise too_large(where)
-    return found
+    return content
 
 
 def too_large(where: str) -> LogError:

@@ -99,8 +99,9 @@ def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...
         if name.lower() == "time":
             columns.append(Column("time", "s", word))
             continue
-        if unit is None and (own := _own_unit(name)):  # ``velocity kmh``, not ``Brake [bar]``
-            plain = Column(name.rpartition(" ")[0], own)
+        # ``velocity kmh``, not ``Brake [bar]``
+        if unit is None and (named := _unit_in_name(name)):
+            plain = Column(name.rpartition(" ")[0], named)
         else:
             plain = column_from_cell(name)
         full = word if word != plain.name else ""
@@ -116,32 +117,32 @@ def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], lis
     Lines belong to all names that are not standard, to those without a unit, or to the last ones:
     the first of these that contradicts no unit of a name.
     """
-    own = [
+    channels = [
         i
         for i, name in enumerate(header)
         if not any(name.lower() == s or name.lower().startswith(f"{s} ") for s in _STANDARD)
     ]
-    bare = [i for i in own if _own_unit(header[i]) is None]
+    bare = [i for i in channels if _unit_in_name(header[i]) is None]
     filled = len(lines)
     while filled and not lines[filled - 1]:
         filled -= 1  # a blank line ends the section, or belongs to a channel without a unit
-    fits = f"[channel units] has {filled} lines for {len(own)} channels: "
+    fits = f"[channel units] has {filled} lines for {len(channels)} channels: "
     choices: list[tuple[list[int], list[str]]]
-    choices = [(own, [])] if filled <= len(own) <= len(lines) else []
+    choices = [(channels, [])] if filled <= len(channels) <= len(lines) else []
     choices += [(bare, [])] if filled == len(bare) else []
-    if 0 < filled < len(own):
-        names = ", ".join(header[i] for i in own[-filled:])
-        choices += [(own[-filled:], [f"{fits}they were taken for the last, {names}"])]
+    if 0 < filled < len(channels):
+        names = ", ".join(header[i] for i in channels[-filled:])
+        choices += [(channels[-filled:], [f"{fits}they were taken for the last, {names}"])]
     for places, notes in choices:
-        given = zip(places, lines, strict=False)
-        found = {i: unit for i, unit in given if unit.lower() not in ("", "(null)")}
-        stated = {i: _own_unit(header[i]) or unit for i, unit in found.items()}
-        if all(spelling(stated[i]) == spelling(unit) for i, unit in found.items()):
-            return found, notes
+        pairs = zip(places, lines, strict=False)
+        unit_of = {i: unit for i, unit in pairs if unit.lower() not in ("", "(null)")}
+        named = {i: _unit_in_name(header[i]) or unit for i, unit in unit_of.items()}
+        if all(spelling(named[i]) == spelling(unit) for i, unit in unit_of.items()):
+            return unit_of, notes
     return {}, [f"{fits}no unit was used"] if filled else []
 
 
-def _own_unit(name: str) -> str | None:
+def _unit_in_name(name: str) -> str | None:
     stem, _, last = name.rpartition(" ")
     return last if stem and is_unit(last) else None
 
@@ -153,8 +154,8 @@ def _seconds(written: Array, where: str) -> Array:
     array([86399.5, 86400.5])
     """
     # Rounded to the file's resolution: 120000.05 and its binary neighbours differ by 1e-11.
-    hours, rest = np.divmod(written, 10000.0)
-    minutes, seconds = np.divmod(rest, 100.0)
+    hours, minutes_seconds = np.divmod(written, 10000.0)
+    minutes, seconds = np.divmod(minutes_seconds, 100.0)
     wrong = np.flatnonzero(~((hours < 24) & (minutes < 60) & (seconds < 60)))
     if wrong.size:
         raise LogError(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.logs.bus.text_logs import open_candump
+from calib.logs.bus.text_logs import open_text_log
 from calib.logs.read import read_log
 from tests.support.databases import DBC, KCD
 from tests.support.recordings import MAP, write_bus, write_dbc
@@ -28,7 +28,7 @@ def folder(tmp_path):
 def opened(folder, buses):
     """The names and values of the log with files by bus, and its notes."""
     files = {bus: tuple(folder / name for name in names) for bus, names in buses.items()}
-    found = open_candump(folder / "run.log", files)
+    found = open_text_log(folder / "run.log", files, ".log")
     names = [column.full for column in found.columns[1:]]
     traces = found.read(range(1, 1 + len(names)))
     return {name: trace.values for name, trace in zip(names, traces, strict=True)}, found.notes

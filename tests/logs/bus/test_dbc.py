@@ -9,7 +9,7 @@ import pytest
 
 from calib.base.errors import ChannelMapError, LogError
 from calib.logs.bus.dbc import read_databases
-from calib.logs.bus.recording import decode, described, frames_of
+from calib.logs.bus.recording import decode, described_signals, frames_of
 from tests.support.databases import SAMPLES
 from tests.support.recordings import DBC
 
@@ -131,7 +131,7 @@ def test_a_flaw_costs_its_message(tmp_path, flaw):
     dbc = known(tmp_path, MUX + flaw)
     assert decoded(dbc, "Speed", [bytes([0, 0, 0, 0, 254, 0, 0, 0])]).values[0] == 127.0
     assert len(dbc.notes) == 2
-    columns, places = described([frames_of("0", (9, False), np.zeros(1), [bytes(2)])], dbc)
+    columns, places = described_signals([frames_of("0", (9, False), np.zeros(1), [bytes(2)])], dbc)
     assert columns
     with pytest.raises(LogError, match=r"4WD|OTHER"):
         decode(*places[0])

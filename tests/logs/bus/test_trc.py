@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.bus.text_logs import open_trc
+from calib.logs.bus.text_logs import open_text_log
 from calib.logs.read import read_log
 from tests.support.recordings import messages, write_bus
 from tests.support.refusals import refusal
@@ -27,7 +27,7 @@ def texts():
 def opened(folder, text, name="run.trc"):
     path = folder / name
     path.write_text(text)
-    return open_trc(path, {"": (folder / "chassis.dbc",)})
+    return open_text_log(path, {"": (folder / "chassis.dbc",)}, ".trc")
 
 
 def refused(folder, text):
