@@ -27,7 +27,7 @@ from calib.estimation.known import known_resistance
 from calib.estimation.metrics import counted_samples, share
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
-from calib.fitting.maps import scenarios, seen
+from calib.fitting.maps import predict_stops, scenarios
 from calib.fitting.mistakes import causes_of, measured
 from calib.model.ramp import prepare
 from calib.plausibility.evidence import Evidence
@@ -159,7 +159,7 @@ def _shown(table: Table) -> Array:
     """Eta - 1 that stops with a table's car would show at `_Z` [1], (n, k)."""
     car = table.vehicle
     stops = scenarios(car, ensemble_of(car, table.draws), _COUNT)
-    return seen(car, stops, _Z).shift
+    return predict_stops(car, stops, _Z).shift
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:

@@ -201,7 +201,7 @@ class Axis(Object):
         m = self.misfit
         return (
             f"{len(self.values)} of {self.rows} rows; interpolation error at most {m.worst:.6g} "
-            f"(at {m.at:.8g}), rms {m.rms:.6g}"
+            f"(at {m.worst_at:.8g}), rms {m.rms:.6g}"
         )
 
 

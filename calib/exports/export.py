@@ -89,7 +89,11 @@ class Exported:
                 {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
                 | {"curves": curves}
                 | ({"maps": maps} if maps else {})
-                | {"worst": axis.misfit.worst, "worst_at": axis.misfit.at, "rms": axis.misfit.rms}
+                | {
+                    "worst": axis.misfit.worst,
+                    "worst_at": axis.misfit.worst_at,
+                    "rms": axis.misfit.rms,
+                }
             )
         return {
             **data.facts(),

@@ -1,6 +1,7 @@
-"""Draws of what a car may be: tyres, pads, loads, radii; and what they make of forces.
+"""Draws of a car's unknowns (tyres, pads, loads, radii), and eta and slip that each predicts.
 
-Quasi-static loads, rising branch of the tyre: not true while the body pitches or a wheel locks.
+Valid for quasi-static loads on the rising branch of the tyre: not while the body pitches, and not
+where a wheel locks.
 """
 
 from dataclasses import dataclass, fields
@@ -17,26 +18,27 @@ from calib.table.maps import Draws
 from calib.table.table import Calibration
 
 DEPART_AT = np.linspace(0.05, 0.95, 10)
-"""Decelerations at which the departure of a tyre from its form is kept [1]."""
+"""Decelerations of the columns of ``depart_eta`` and ``depart_slip`` [1]."""
 
-KEPT = 400
-"""Draws that a table keeps: a standard deviation is then known to 4 %."""
+TABLE_DRAWS = 400
+"""Draws that a table stores: they give a standard deviation to 4 %."""
 
-_LEAST_LOAD = 1e-3  # of an axle over the weight [1]: below it the axle lifts
-_STICKS = 0.3  # slip below which a tyre is not seen to slide [1]
+_LEAST_LOAD = 1e-3  # load of an axle over the weight, below which the axle lifts [1]
+_STICKS = 0.3  # slip below which a tyre does not slide [1]
 
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Draws of a car, equally likely, (n,) [1] where nothing else is said.
+    """Draws of a car, equally likely. Shapes (n,), all [1], where nothing else is said.
 
-    ``forms`` weights of `calib.car.tyre` (n, 5); ``load_exponent`` by which the compliance
-    grows with the load, ``peak_load_exponent`` by which the ``peak`` at half the weight falls;
-    ``log_pad_ratio`` front over rear, ``cg_to_front_axle``, ``cg_height``, all over those of the
-    vehicle file; ``compliance_f``, ``compliance_r`` slip per normalised force at small slip and
-    half the weight; ``radius_load`` share by which a rolling radius falls when the load of its axle
-    doubles; ``v_late`` by which v comes after the wheel speeds [s]; ``depart_eta``, ``depart_slip``
-    relative, by which eta - 1 and the mean slip depart from all that at `DEPART_AT`, (n, 10).
+    ``forms`` weights of the tyre forms of `calib.car.tyre`, (n, 5). ``load_exponent`` by which the
+    compliance grows with the load; ``peak_load_exponent`` by which the ``peak`` at half the weight
+    falls with it. ``log_pad_ratio`` ln of front over rear pads, ``cg_to_front_axle`` and
+    ``cg_height``, each over its value in the vehicle file. ``compliance_f``, ``compliance_r`` slip
+    per normalised force at small slip and half the weight. ``radius_load`` share by which a rolling
+    radius falls when the load of its axle doubles. ``v_late`` delay of v after the wheel speeds
+    [s]. ``depart_eta``, ``depart_slip`` relative discrepancy of eta - 1 and of the mean slip from
+    all that, at `DEPART_AT`, (n, 10).
     """
 
     forms: Array
@@ -68,35 +70,36 @@ class Ensemble:
         """Compliances and fall of the radii, (n, 3)."""
         return np.stack([self.compliance_f, self.compliance_r, self.radius_load], axis=1)
 
-    def take(self, which: Index | Mask | slice) -> "Ensemble":
-        """These draws alone."""
-        return Ensemble(*(getattr(self, f.name)[which] for f in fields(Ensemble)))
+    def take(self, rows: Index | Mask | slice) -> "Ensemble":
+        """The draws of some ``rows``."""
+        return Ensemble(*(getattr(self, f.name)[rows] for f in fields(Ensemble)))
 
 
 _LENGTHS = ("cg_to_front_axle", "cg_height")
-"""Columns in m in the draws of a table, and over the vehicle file's here."""
+"""Columns that `Draws` has in m, and an `Ensemble` over their value in the vehicle file."""
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
-    """What a table keeps: `KEPT` draws, with the level of the pads that the sum of forces gives."""
-    kept, scale = e.take(np.linspace(0, e.size - 1, KEPT).astype(np.int64)), pads.pad_scale
-    x = np.random.default_rng(42).standard_normal(KEPT)
-    columns = vars(kept) | {name: getattr(kept, name) * getattr(car, name) for name in _LENGTHS}
+    """`TABLE_DRAWS` draws for a table, with a level of the pads as the sum of forces gives it."""
+    some, scale = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64)), pads.pad_scale
+    x = np.random.default_rng(42).standard_normal(TABLE_DRAWS)
+    columns = vars(some) | {name: getattr(some, name) * getattr(car, name) for name in _LENGTHS}
     level = np.log(scale.value) + scale.sigma / scale.value * x
-    return Draws(**columns, log_pad_level=level, weight=np.full(KEPT, car.weight))
+    return Draws(**columns, log_pad_level=level, weight=np.full(TABLE_DRAWS, car.weight))
 
 
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
-    """The ensemble of which a table of ``car`` kept these draws."""
+    """The ensemble of the draws that a table of ``car`` stores."""
     columns = vars(draws) | {name: getattr(draws, name) / getattr(car, name) for name in _LENGTHS}
     return Ensemble(**{one.name: columns[one.name] for one in fields(Ensemble)})
 
 
 class _UnitSlips(NamedTuple):
-    """What draws make of forces: of the axles (2, n, k), all [1].
+    """Slips and loads of the axles by draw, (2, n, k) [1].
 
-    ``slip`` per compliance; ``load`` over the weight, ``grown`` by what share of that at rest,
-    which moves the radii; ``rolls`` (n, k) where both axles are below their peaks and on the road.
+    ``slip`` over the compliance; ``load`` over the weight; ``grown`` change of the load over that
+    at rest, which moves the radii; ``rolls`` (n, k) where both axles are on the road and below the
+    peaks of their tyres.
     """
 
     slip: Array
@@ -108,10 +111,10 @@ class _UnitSlips(NamedTuple):
 def unit_slips(
     car: Vehicle, e: Ensemble, z: Array, forces: Array, peak: Array | float = 1.0
 ) -> _UnitSlips:
-    """Slips per compliance of every draw at decelerations ``z`` (n, k) [1], (6), (7), (15), (16).
+    """Slips over compliance at decelerations ``z`` (n, k) [1], by (6), (7), (15), (16).
 
-    ``forces`` of the tyres of front and rear axle over the weight (2, n, k); ``peak`` of the road
-    over that of the ramp (n,).
+    ``forces`` of the front and the rear tyres over the weight, (2, n, k); ``peak`` of the road over
+    that of the ramp, (n,).
     """
     L = car.wheelbase
     l_f = (e.cg_to_front_axle * car.cg_to_front_axle)[:, None]
@@ -130,21 +133,21 @@ def unit_slips(
     )
 
 
-def turned(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
-    """Slips of the tyres of the axles (2, n, k) [1], and those that their wheel speeds show.
+def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
+    """Slips of the tyres (2, n, k) [1], and the apparent slips by the wheel speeds.
 
-    ``softer`` compliances over the ramp's, (2, n, 1). A wheel whose radius fell turns faster.
+    A wheel whose radius fell turns faster. ``softer`` compliances over the ramp's, (2, n, 1).
     """
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
     return slips, 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
 
 
-class Shown(NamedTuple):
-    """What wheels show of a braking that demands the decelerations ``z`` (k,), (n, k) [1].
+class SlipPrediction(NamedTuple):
+    """Predicted eta and slips of a braking at decelerations ``z`` (k,), by draw, (n, k) [1].
 
-    ``shift`` eta - 1 by (22) and the mean ``slip`` by load, over the lead-in, both with the
-    departures of the draws; of the tyres of the axles (2, n, k) ``forces`` over the loads that the
-    vehicle file gives, and ``slips``; ``rolls`` as of `_UnitSlips`, where no tyre is seen to slide.
+    ``shift`` eta - 1 by (22) and ``slip``, the mean of the axles by load, both zeroed on the
+    lead-in and with their discrepancy. Of the tyres, (2, n, k): ``forces`` over the loads of the
+    vehicle file, and ``slips``. ``rolls`` as of `_UnitSlips`, where no tyre slides.
     """
 
     z: Array
@@ -156,11 +159,11 @@ class Shown(NamedTuple):
 
     @property
     def eta(self) -> Array:
-        """Median of the draws, (k,)."""
+        """Median of eta over the draws, (k,) [1]."""
         return np.asarray(1.0 + np.median(self.shift, axis=0))
 
 
-def shown(
+def predict_slips(
     car: Vehicle,
     e: Ensemble,
     log_ratio: Array,
@@ -169,19 +172,19 @@ def shown(
     *,
     peak: Array | float = 1.0,
     softer: Array | float = 1.0,
-) -> Shown:
-    """What the draws show where the ``brake`` force of both axles over the weight alone slows the
-    car, and it seems to slow by ``z`` (k,) [1], at which departures are read.
+) -> SlipPrediction:
+    """Predict eta and slips where the brakes alone slow the car.
 
-    ``brake`` and ``log_ratio``, as of `front_share`, (n, k) or what broadcasts to it; ``peak`` as
-    of `unit_slips`; ``softer`` compliances of the axles over the ramp's, (2, n, 1).
+    ``brake`` force of both axles over the weight and ``log_ratio`` of the pads, as of
+    `front_share`, each (n, k) or broadcast to it; ``z`` (k,) measured deceleration, at which the
+    discrepancies are read; all [1]. ``peak`` as of `unit_slips`, ``softer`` as of `wheel_slips`.
     """
     slowed = brake / (1.0 + sum(turning_shares(car)))
     tyres = np.stack(braked_tyres(car, front_share(car, log_ratio), brake, slowed))
     unit = unit_slips(car, e, slowed, tyres, peak)
-    slips, turning = turned(e, unit, softer)
+    slips, turning = wheel_slips(e, unit, softer)
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
-    return Shown(
+    return SlipPrediction(
         z=z,
         shift=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
         slip=np.sum(unit.load * turning, axis=0) * (1.0 + e.depart_slip @ between),
@@ -192,7 +195,7 @@ def shown(
 
 
 def spread_evenly(count: int, dimension: int) -> Array:
-    """Points (count, dimension) in the open unit cube, more evenly than random ones.
+    """Points (count, dimension) in the open unit cube: a low-discrepancy sequence.
 
     Additive recurrence with the powers of the root of x^(d+1) = x + 1 (Roberts 2018).
     """

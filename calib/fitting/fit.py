@@ -19,13 +19,13 @@ from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle, mass_used, weighed
-from calib.fitting.curves import difference_curves, readable_up_to, ridge, tyre_curve
+from calib.fitting.curves import difference_curves, ramp_path, readable_up_to, tyre_curve
 from calib.fitting.ensemble import draws_of
-from calib.fitting.known import known_before
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.mistakes import Cause, causes_of, certain, measured, other_than_pads
-from calib.fitting.pads import calibration_of, level_of, ratio_by_levels, stated_pad_ratio
+from calib.fitting.pads import calibration_of, level_of, pad_ratio_prior, ratio_by_levels
 from calib.fitting.posterior import parts_of
+from calib.fitting.prior import informative_priors
 from calib.fitting.quality import MOVE_ETA, explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
 from calib.model.ramp import SETTINGS, RampRun, nominal_forces, prepare, sort_runs
@@ -63,21 +63,23 @@ def fit(
         brakes alone by its wheel pressures tell tyres and pads of the axles apart.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the
         vehicle as it is: what was weighed once need not be the load of the next run.
-    bench : brake forces of the same pads on a roller brake tester. Their ratio is then known before
-        the ramps, as it is to some degree by a `pad_friction_tolerance` of the vehicle.
+    bench : brake forces of the same pads on a roller brake tester: a prior of the pads' ratio, in
+        the place of that by a `pad_friction_tolerance` of the vehicle.
     tyre : file of the tyres of both axles, or those of the front and of the rear axle.
     fleet : tables of other cars of this model by name@version, see
         `calib.store.fleet.released_cars`.
 
-    What ``tyre`` and ``fleet`` say is half of the prior; a warning says where the ramps contradict
-    it, and the answer is then that of ramps alone.
+    Half of the prior comes from ``tyre`` and ``fleet``. Where the ramps contradict them, a warning
+    says so, and the table rests on the ramps alone.
 
-    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead;
-    BenchError for forces on rollers that are on no line; TyreError for a file of another tyre;
-    VehicleError for a file that the logs contradict, and for a pad friction that no pad has;
-    ModelError when an effect cannot be taken out of a
-    log; NotFiniteError, with the name of the quantity, rather than a table that holds a number
-    which is not finite.
+    Raises
+    ------
+    LogError : no log is a ramp that can be used; says why, and what to drive instead.
+    BenchError : the forces on rollers lie on no line.
+    TyreError : the file is of another tyre.
+    VehicleError : the logs contradict the file, or no pad has such a friction.
+    ModelError : an effect cannot be taken out of a log.
+    NotFiniteError : a number of the table is not finite; names the quantity.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -90,25 +92,30 @@ def fit(
     0.4 is what the simulation had [1].
     """
     driven, used = weighed(vehicle, mass), mass_used(vehicle, mass)
-    said, told = stated_pad_ratio(driven, bench), known_before(driven, tyre, fleet or {})
+    pad_prior, priors = (
+        pad_ratio_prior(driven, bench),
+        informative_priors(driven, tyre, fleet or {}),
+    )
     ramps, coasts = sort_runs([Run(log, driven) for log in logs])
     car = ramps[0].car
-    runs, known = _ready(car, ramps, coasts)
-    warnings = tuple(warnings_of(vehicle, ramps, coasts, known))
+    runs, resistance = _ready(car, ramps, coasts)
+    warnings = tuple(warnings_of(vehicle, ramps, coasts, resistance))
     where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
-    before = ratio_by_levels(car, runs, known, said)
-    both = [run for run in runs if run.only is None]
-    causes = causes_of(car, both)
-    mistakes = _mistakes(causes, both, refused)
+    ratio_by_level = ratio_by_levels(car, runs, resistance, pad_prior)
+    full_ramps = [run for run in runs if run.only is None]
+    causes = causes_of(car, full_ramps)
+    mistakes = _mistakes(causes, full_ramps, refused)
     moves_eta = [one for one in warnings if one.code in MOVE_ETA]
-    ensemble, figures = explained(car, runs, before, told, refused, [*mistakes, *moves_eta])
-    held = list(zip(told, ensemble.held.tolist(), strict=True))
-    # curves over eta and the level of both axles' pads are of ramps on which both brake
+    ensemble, figures = explained(
+        car, runs, ratio_by_level, priors, refused, [*mistakes, *moves_eta]
+    )
+    support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
+    # curves over eta, and the level of both axles' pads, come from ramps on which both axles brake
     some = ensemble.thinned(4)
-    z_max = max(float(np.max(run.blocks.z[run.use])) for run in both)
-    of = ridge(car, some, np.linspace(0.0, z_max, 201))
-    z_end = readable_up_to(of)
+    z_max = max(float(np.max(run.blocks.z[run.use])) for run in full_ramps)
+    path = ramp_path(car, some, np.linspace(0.0, z_max, 201))
+    z_end = readable_up_to(path)
     if z_end <= 0.0:
         raise refused(
             "eta does not rise under braking: the rear axle brakes as hard for its load, or harder",
@@ -116,39 +123,40 @@ def fit(
             f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
         )
-    asked = np.stack([ensemble.log_pad_ratio, ensemble.log_stiffness])
-    sigmas = np.sqrt(np.diag(np.cov(asked, bias=True))).tolist()
-    ratio, stiffness = map(Value, np.mean(asked, axis=1).tolist(), sigmas)
-    scale, level = level_of(car, both, known, ratio.value)
-    parts = {part: of.tolist() for part, of in parts_of(asked, ensemble.pulls).items()}
+    log_values = np.stack([ensemble.log_pad_ratio, ensemble.log_stiffness])
+    sigmas = np.sqrt(np.diag(np.cov(log_values, bias=True))).tolist()
+    ratio, stiffness = map(Value, np.mean(log_values, axis=1).tolist(), sigmas)
+    scale, level = level_of(car, full_ramps, resistance, ratio.value)
+    parts = {name: x.tolist() for name, x in parts_of(log_values, ensemble.pulls).items()}
     variances = {
         "level": level,
-        "ratio": {part: of[0] for part, of in parts.items()},
-        "stiffness": {part: of[1] for part, of in parts.items()},
+        "ratio": {name: x[0] for name, x in parts.items()},
+        "stiffness": {name: x[1] for name, x in parts.items()},
     }
     pads, budget = calibration_of(car, scale, ratio, stiffness, variances)
     contradict = any(one.code in ("a_x_scale", "a_x_against_v") for one in warnings)
     require_possible_pads(
         car, pads, warnings, _CONTRADICT if contradict else other_than_pads(causes)
     )
-    difference, paper = difference_curves(car, some, both, z_end)
-    pad_map, level_map = maps(car, ensemble, pressure_odds(both))
+    difference, paper = difference_curves(car, some, full_ramps, z_end)
+    pad_map, level_map = maps(car, ensemble, pressure_odds(full_ramps))
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
         difference=difference,
         paper=paper,
-        tyre=tyre_curve(some, of, both),
+        tyre=tyre_curve(some, path, full_ramps),
         calibration=pads,
-        effects=known.effects.only(*RESISTANCE),
+        effects=resistance.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
-        quality=metrics(car, runs, of, min((ratio.sigma / before.sigma) ** 2, 1.0)) | figures,
-        remarks=tuple(remarks(driven, used, runs, held)),
+        quality=metrics(car, runs, path, min((ratio.sigma / ratio_by_level.sigma) ** 2, 1.0))
+        | figures,
+        remarks=tuple(remarks(driven, used, runs, support)),
         provenance=_provenance({"ramp": ramps, "coast": coasts}, bench, tyre, fleet or {}),
         warnings=(
-            *judged(vehicle.name, [Measured(one.code, p) for one, p in held], FIT),
+            *judged(vehicle.name, [Measured(one.code, p) for one, p in support], FIT),
             *mistakes,
-            *judged(car.name, of_calibration(car, pads, said), FIT),
+            *judged(car.name, of_calibration(car, pads, pad_prior), FIT),
             *warnings,
         ),
         budget=budget,
@@ -163,29 +171,29 @@ def fit(
 def _mistakes(
     causes: Sequence[Cause], runs: Sequence[RampRun], refused: Callable[..., LogError]
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings of the mistakes that ramps name; raises LogError for one that is believed."""
-    found, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
-    if certain(causes) and (why := judged(logs, found, FIT, (REFUSE,))):
+    """Warnings of mistakes that explain the ramps; raises LogError where one is certain."""
+    mistakes, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
+    if certain(causes) and (why := judged(logs, mistakes, FIT, (REFUSE,))):
         raise refused(
             "; or ".join(one.text for one in why),
             expected="forces that the pressure and the logged torques make",
         )
-    return judged(logs, found, FIT)
+    return judged(logs, mistakes, FIT)
 
 
 def _ready(
     car: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run]
 ) -> tuple[list[RampRun], Resistance]:
-    """The ramps ready to fit, accelerometers put right, and the resistance by all runs.
+    """The ramps ready to fit, with corrected accelerometers, and the resistance by all runs.
 
-    Accelerometers are judged before the resistance is known: by usual values with their spread.
+    Accelerometers are judged first, with the usual resistance and its spread.
     """
     usual = identify_resistance(car, ())
     judged_by = [(run, run.accelerometer(usual)) for run in (*ramps, *coasts)]
     felt = ((run.felt(sensor), run.noise.z) for run, sensor in judged_by)
-    known = identify_resistance(car, felt)
-    ready = (prepare(run, known.effects, sensor) for run, sensor in judged_by[: len(ramps)])
-    return [_without_disturbances(car, run) for run in ready], known
+    resistance = identify_resistance(car, felt)
+    ready = (prepare(run, resistance.effects, sensor) for run, sensor in judged_by[: len(ramps)])
+    return [_without_disturbances(car, run) for run in ready], resistance
 
 
 def _provenance(
@@ -194,7 +202,7 @@ def _provenance(
     tyres: Sequence[TyreFile],
     fleet: Mapping[str, Table],
 ) -> Provenance:
-    """The logs, by role and as read, the tables, settings and program that a table rests on."""
+    """Logs by role, tables, settings and program that a table was made from."""
     logs_read = ((run.log, role) for role in roles for run in roles[role])
     return Provenance(
         logs=(
@@ -214,13 +222,13 @@ def _provenance(
 
 
 def _without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
-    """The ramp without blocks in which a bump or a gear shift acts; ``left_out`` says which.
+    """The ramp without the blocks of a bump or a gear shift, which ``left_out`` marks.
 
         eta             ~ 1, N, N^2, N^3, dN/dt, t     over the braked blocks, N nominal force
         demanded force  ~ 1, N, N t, dN/dt
 
-    Both follow the pressure smoothly. What stands out and comes back, at pressures that the ramp
-    goes beyond, would bend the tyre's curve; what lasts to the end stays in.
+    Both follow the pressure smoothly. A deviation that comes and goes, below the pressures that the
+    ramp reaches, would bend the tyre's curve. One that lasts to the end stays in.
     """
     left_out = np.zeros_like(run.use)
     if np.count_nonzero(run.braked) >= SETTINGS.fewest_blocks:
@@ -228,30 +236,36 @@ def _without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
         of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, nominal)
         time, eta, force, N = (x[run.braked] for x in of_run)
         N = N / np.max(N)
-        t, rate, one = (time - np.mean(time)) / np.ptp(time), np.gradient(N, time), np.ones_like(N)
+        t, rate, constant = (
+            (time - np.mean(time)) / np.ptp(time),
+            np.gradient(N, time),
+            np.ones_like(N),
+        )
         spread = np.subtract(*np.quantile(eta, [0.95, 0.05]))
-        wild = _off([one, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
-        wild |= _off([one, N, N * t, rate], force, SETTINGS.disturbance_of_force * np.max(force))
+        wild = _off([constant, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
+        wild |= _off(
+            [constant, N, N * t, rate], force, SETTINGS.disturbance_of_force * np.max(force)
+        )
         left_out[run.braked] = _passing(wild, N)
     return replace(run, use=run.use & ~left_out, left_out=left_out)
 
 
 def _off(terms: list[Array], y: Array, least: float) -> Mask:
-    """Where ``y`` (n,) is far off its smooth course: by ``least``, and by its usual scatter."""
+    """Where ``y`` (n,) is off its smooth course by more than ``least`` and its usual scatter."""
     from scipy.optimize import least_squares
 
     A = np.column_stack(terms)
     start = np.linalg.lstsq(A, y, rcond=None)[0]
     smooth = least_squares(lambda x: A @ x - y, start, loss="cauchy", f_scale=least / 3.0)
-    rest = np.abs(A @ smooth.x - y)
-    scatter = np.median(rest) / QUARTILE
-    return np.asarray(rest > max(least, SETTINGS.disturbance_gate * scatter))
+    residual = np.abs(A @ smooth.x - y)
+    scatter = np.median(residual) / QUARTILE
+    return np.asarray(residual > max(least, SETTINGS.disturbance_gate * scatter))
 
 
 def _passing(wild: Mask, N: Array) -> Mask:
-    """Of the ``wild`` blocks (n,) the groups that end, with what rings on; none if they are many.
+    """Groups of ``wild`` blocks (n,) that end, with their neighbours; none where they are many.
 
-    A group ends where the run is calm before it, after it, and at more force than it had.
+    A group ends if the run is calm before it, after it, and at more force than it had.
     """
     near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
     left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5

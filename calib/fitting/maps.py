@@ -1,11 +1,11 @@
-r"""The maps of a table: what the pads' ratio is, given what an ECU sees.
+r"""The maps of a table: the pads' ratio, given what an ECU measures.
 
-A scenario is a stop as `calib.car.beliefs` has them, drawn onto an ensemble, and says what the
-sensors would see at a deceleration. In a cell of the map those count that would see about the cell,
-by the noise that a reading has at least and by what a tyre departs from its form; their ratio of
-the pads gives median and bounds of the cell.
-All that the ramps left open, and all that a stop may bring, is inside: a posterior with two peaks,
-a softer road or weak rear pads, has bounds that hold both.
+A scenario is one stop: a draw of the car, and a draw of road, load and sensors from `beliefs.csv`.
+It predicts eta - 1 and slip at each deceleration. A cell of the map has the quantiles of the pads'
+ratio over the scenarios, each weighed by how likely it is to show eta and slip of this cell.
+
+So the bounds hold what the ramps left open and what a stop may bring. Where two answers are
+possible, a softer road or weak rear pads, they hold both.
 """
 
 from collections.abc import Sequence
@@ -18,37 +18,36 @@ from calib.base.arrays import Array, Index, Mask
 from calib.base.names import AXLES
 from calib.car.beliefs import STOP, Mixture
 from calib.car.vehicle import WEIGHED, Vehicle
-from calib.fitting.ensemble import Ensemble, Shown, shown, spread_evenly
+from calib.fitting.ensemble import Ensemble, SlipPrediction, predict_slips, spread_evenly
 from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap
 
 # --- stops ---------------------------------------------------------------------------------------
 #
-# Each quantity of a stop has random numbers of its own, by its name: they hang neither on the order
-# of the rows of `beliefs.csv` nor on how many there are. Only the road decides two things, its peak
-# and its stiffness.
+# Each quantity of a stop has random numbers of its own, by its name, so that another row in
+# `beliefs.csv` changes no other quantity. Peak and stiffness of the road share theirs.
 
 _SCENARIOS = 16384
 _EVEN = (
     *("log_pad_ratio case", "log_pad_ratio", "road", "log_peak", "log_stiffness", "log_tyre_f"),
     *("log_tyre_r", "log_mass case", "log_mass", "a_x_scale", "a_x_offset"),
 )
-"""What is spread evenly together: each name has its dimension, and a table rests on its place."""
+"""Quantities that share one even sequence, a dimension each; their order is part of a table."""
 _ROADS = [dict(zip(of.cases, of.share, strict=True)) for of in (STOP.log_peak, STOP.log_stiffness)]
 if _ROADS[0] != _ROADS[1]:
-    raise ValueError(f"peak and stiffness are of the same roads, as often: {_ROADS}")
+    raise ValueError(f"peak and stiffness need the same roads with the same shares: {_ROADS}")
 
 
 @dataclass(frozen=True)
 class _Scenarios:
-    """Stops, equally likely, (n,): the car ``of`` each, and what the stop brings.
+    """Stops, equally likely, (n,) [1]: the car of each, and how it differs from the ramp.
 
-    ``change`` of ln of the pads' ratio since the ramp; ``peak`` of the road over that of the ramp;
-    ``stiff`` ln of the tyres' stiffness of the axles over that of the ramp, (2, n); ``scale`` of
-    a_x and pitch, ``offset`` of a_x since the lead-in; ``mass`` ln of the mass over the file's.
+    ``change`` of ln of the pads' ratio; ``peak`` of the road over the ramp's; ``stiff`` ln of the
+    tyres' stiffness over the ramp's, by axle (2, n); ``scale`` error of a_x, with pitch; ``offset``
+    of a_x since the lead-in [g]; ``mass`` ln of the mass over the file's.
     """
 
-    of: Ensemble
+    cars: Ensemble
     change: Array
     peak: Array
     stiff: Array
@@ -59,17 +58,17 @@ class _Scenarios:
     @property
     def log_pad_ratio(self) -> Array:
         """ln of the pads' ratio in the stop, over that of the vehicle file."""
-        return self.of.log_pad_ratio + self.change
+        return self.cars.log_pad_ratio + self.change
 
     def level(self, z: float) -> Array:
-        """ln of the brake force over that which ``z`` and the mass of the file give [1]."""
+        """ln of the true brake force over the one by ``z`` and the mass of the file, (n,) [1]."""
         return np.asarray(np.log(np.maximum(1.0 - self.offset / z, 0.05)) + self.mass)
 
 
 def scenarios(car: Vehicle, e: Ensemble, count: int = _SCENARIOS) -> _Scenarios:
-    """``count`` stops of the cars of an ensemble, by a fixed sequence.
+    """Draw ``count`` stops of the cars of an ensemble, by a fixed sequence.
 
-    Where the file says that the car is weighed, nobody has left a load unstated.
+    A car that was weighed, by its file, carries no unknown load.
     """
     from scipy.special import ndtri
 
@@ -79,41 +78,43 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = _SCENARIOS) -> _Scenarios:
         return even[name] if name in even else _in_any_order(count, name)
 
     def drawn(name: str, case: str = "", axle: str = "") -> Array:
-        of: Mixture = getattr(STOP, name)
-        return of.drawn(uniform(case or f"{name}{axle} case"), ndtri(uniform(name + axle)))
+        mixture: Mixture = getattr(STOP, name)
+        return mixture.drawn(uniform(case or f"{name}{axle} case"), ndtri(uniform(name + axle)))
 
-    of = e.take(np.arange(count) % e.size)
+    cars = e.take(np.arange(count) % e.size)
     log_peak, stiff = (drawn(name, "road") for name in ("log_peak", "log_stiffness"))
     other = STOP.log_peak.is_case("other road", uniform("road"))  # it has a peak of its own
-    log_peak -= other * np.log(of.peak)
-    stiff += 0.25 * other * (log_peak + np.log(of.peak / 0.9))
-    stated = STOP.log_mass.is_case("as stated", uniform("log_mass case"))
+    log_peak -= other * np.log(cars.peak)
+    stiff += 0.25 * other * (log_peak + np.log(cars.peak / 0.9))
+    as_stated = STOP.log_mass.is_case("as stated", uniform("log_mass case"))
     mass = car.mass_tolerance * ndtri(uniform("log_mass"))
     return _Scenarios(
-        of=of,
+        cars=cars,
         change=drawn("log_pad_ratio"),
         peak=np.exp(log_peak),
         stiff=stiff + np.stack([drawn("log_tyre", axle=f"_{axle}") for axle in AXLES]),
         scale=drawn("a_x_scale"),
         offset=drawn("a_x_offset"),
-        mass=np.where(stated | (car.mass_tolerance <= WEIGHED), mass, drawn("log_mass")),
+        mass=np.where(as_stated | (car.mass_tolerance <= WEIGHED), mass, drawn("log_mass")),
     )
 
 
 def _in_any_order(count: int, name: str) -> Array:
-    """Uniform numbers (count,) of a ``name``: the middles of as many steps, in its own order."""
+    """Midpoints of ``count`` equal steps of (0, 1), in an order that ``name`` seeds."""
     order = np.random.default_rng(crc32(name.encode())).permutation(count)
     return np.asarray((order + 0.5) / count)
 
 
-def seen(car: Vehicle, s: _Scenarios, z: Array, odds: Array | float = 0.0) -> Shown:
-    """What is seen where the zeroed deceleration demands the brake force ``z`` (k,) [1].
+def predict_stops(
+    car: Vehicle, s: _Scenarios, z: Array, odds: Array | float = 0.0
+) -> SlipPrediction:
+    """Eta and slips of the stops at zeroed decelerations ``z`` (k,) [1], see `predict_slips`.
 
-    ``z`` over the weight; ``odds`` (k,) ln of the front pressure over the rear one.
+    ``odds`` (k,) ln of the front pressure over the rear one.
     """
-    return shown(
+    return predict_slips(
         car,
-        s.of,
+        s.cars,
         s.log_pad_ratio[:, None] + odds,
         (z - s.offset[:, None]) * (1.0 - s.scale[:, None]),
         z,
@@ -127,14 +128,14 @@ _SHIFTS = 21  # values of (eta - 1)/z, from the least to the greatest that the s
 _SLIP = np.array([-2.25, -0.75, 0.75, 2.25])  # sigmas of ln(slip/z); 2 is near a peak
 _QUANTILES = (0.025, 0.5, 0.975)
 _DENSE = 0.004  # (eta - 1)/z up to which its values stand evenly, beyond in equal ratios [1]
-_SEEN = (0.005, 0.995)  # quantiles of what the scenarios show between which the axis reaches
+_SEEN = (0.005, 0.995)  # quantiles of the scenarios at which the axis of (eta - 1)/z ends
 _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
-_FORM = 0.01  # of eta - 1, relative: what a tyre departs by is in the ensemble
-_PER_Z = 6e-4  # of eta - 1 per deceleration [1]: what half a cell of the map is wide
-_NEAR = 0.4  # standard deviation about a place along the slip, in those of the slip
-_EMPTY = 0.1  # scenarios that any cell has of the prior: one that nobody sees has nothing else
-_GROUPS = 256  # of scenarios alike in what is asked, in which the weights are added up
-_CHUNKS = 32  # parts of the scenarios whose weights fit into the cache of a processor
+_FORM = 0.01  # relative error of eta - 1: the discrepancy of the tyre is in the ensemble [1]
+_PER_Z = 6e-4  # error of eta - 1 per deceleration [1]: half the width of a cell
+_NEAR = 0.4  # width of the kernel along the slip, in standard deviations of ln(slip/z)
+_EMPTY = 0.1  # scenarios of the prior in every cell: one that no stop reaches has only these
+_GROUPS = 256  # groups of scenarios with similar ratios, in which weights are summed
+_CHUNKS = 32  # parts of the scenarios, so that their weights fit into a processor's cache
 
 
 def _quantiles(x: Array, order: Index, weights: Array) -> Array:
@@ -152,9 +153,9 @@ def _quantiles(x: Array, order: Index, weights: Array) -> Array:
 
 
 def pressure_odds(runs: list[RampRun]) -> Array:
-    """ln of the front pressure over the rear one [1] at `_Z` (k,), as on ramps of both axles.
+    """ln of the front pressure over the rear one [1] at `_Z` (k,), on ramps of both axles.
 
-    0 where one pressure rules; a known valve, or logged pressures of the wheels, make them differ.
+    0 unless a known valve or logged wheel pressures make them differ.
     """
     x = np.hstack(
         [np.stack([run.blocks.z, run.blocks.p_f, run.blocks.p_r])[:, run.braked] for run in runs]
@@ -166,26 +167,28 @@ def pressure_odds(runs: list[RampRun]) -> Array:
 
 
 def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, LevelMap]:
-    """The maps of an ensemble: of the pads' ratio, and of what is known before eta is read.
+    """The map of the pads' ratio given eta and slip, and that of level and ratio without them.
 
-    ``odds`` as of `pressure_odds`: the ratio of the maps is that of the brake forces, and holds
-    them.
+    ``odds`` as of `pressure_odds`: they are part of the ratio of the maps, which is that of the
+    brake forces.
     """
     s = scenarios(car, e)
-    at = seen(car, s, _Z, odds)
-    each = list(zip(_Z, at.shift.T, at.slip.T, at.rolls.T, strict=True))
+    predicted = predict_stops(car, s, _Z, odds)
+    each = list(zip(_Z, predicted.shift.T, predicted.slip.T, predicted.rolls.T, strict=True))
     ends = [np.quantile(np.arcsinh(x[rolls] / z / _DENSE), _SEEN) for z, x, _, rolls in each]
     axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), _SHIFTS))
     orders = [np.argsort(x) for x in (s.log_pad_ratio, s.change)]
-    found = []
-    for one, more in zip(each, np.broadcast_to(odds, _Z.shape), strict=True):
-        cells, own = _cells(*one, axis, np.stack([s.log_pad_ratio + more, s.change]), orders)
-        found.append((cells, own | _bounded("level", np.quantile(s.level(one[0]), _QUANTILES))))
-    pads, before = (
+    columns = []
+    for slices, more in zip(each, np.broadcast_to(odds, _Z.shape), strict=True):
+        targets = np.stack([s.log_pad_ratio + more, s.change])
+        cells, marginal = _cells(*slices, axis, targets, orders)
+        level = np.quantile(s.level(slices[0]), _QUANTILES)
+        columns.append((cells, marginal | _bounded("level", level)))
+    pads, unread = (
         {name: np.array([row[name] for row in rows]) for name in rows[0]}
-        for rows in zip(*found, strict=True)
+        for rows in zip(*columns, strict=True)
     )
-    return PadMap.of((_Z, axis, _SLIP), **pads), LevelMap.of((_Z,), **before)
+    return PadMap.from_grids((_Z, axis, _SLIP), **pads), LevelMap.from_grids((_Z,), **unread)
 
 
 def _cells(
@@ -194,13 +197,13 @@ def _cells(
     slip: Array,
     rolls: Mask,
     axis: Array,
-    asked: Array,
+    targets: Array,
     orders: Sequence[Index],
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Columns of the maps at ``z``, of cells over the ``axis`` and `_SLIP` and without a reading.
+    """Columns of the pad map at ``z``, over ``axis`` and `_SLIP`, and of the level map there.
 
-    ``shift``, ``slip``, ``rolls`` as of `Shown`, and ``asked`` ratio and change of the pads (2, n)
-    with the ``orders`` in which they rise, of the scenarios.
+    Of the scenarios: ``shift``, ``slip``, ``rolls`` (n,) as of `SlipPrediction`; ``targets`` ratio
+    and change of the pads (2, n), and the ``orders`` in which they rise.
     """
     some = rolls[:, None].astype(float)
     least = _EMPTY / rolls.size * some
@@ -218,31 +221,31 @@ def _cells(
     for start in range(0, log_slip.size, size):
         rows = slice(start, start + size)
         for place, sigmas in enumerate(_SLIP / _NEAR, 1):
-            both = _gauss(apart[rows] / _NEAR - sigmas)
-            both *= near[rows]
-            np.add(both, more[rows], out=weights[rows, place :: _SLIP.size])
+            weight = _gauss(apart[rows] / _NEAR - sigmas)
+            weight *= near[rows]
+            np.add(weight, more[rows], out=weights[rows, place :: _SLIP.size])
     flat = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
     cells = {name: np.repeat(x[:, None], _SLIP.size, axis=1) for name, x in flat.items()}
-    # over the width of a cell the pads are linear in the slip: taken out, it blurs nothing
-    middle, joint = (of[1:] for of in _moments(weights, np.vstack([log_slip, asked])))
+    # the ratio is linear in ln(slip) within a cell: remove that slope, so that no width is added
+    middle, joint = (of[1:] for of in _moments(weights, np.vstack([log_slip, targets])))
     off = (mean[:, None] + sigma[:, None] * _SLIP).ravel() - middle[:, 0]
-    before: dict[str, Array] = {}
-    for k, (name, x) in enumerate(zip(("ratio", "change"), asked, strict=True), 1):
-        whole, *found = _quantiles(x, orders[k - 1], weights)
-        slope, spread = joint[:, 0, k] / joint[:, 0, 0], np.array(found)
-        left = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
-        within = spread[:, 1:2] + left * (spread - spread[:, 1:2]) + (slope * off)[:, None]
+    marginal: dict[str, Array] = {}
+    for k, (name, x) in enumerate(zip(("ratio", "change"), targets, strict=True), 1):
+        whole, *others = _quantiles(x, orders[k - 1], weights)
+        slope, spread = joint[:, 0, k] / joint[:, 0, 0], np.array(others)
+        narrowed = np.sqrt(1.0 - slope * joint[:, 0, k] / joint[:, k, k])[:, None]
+        within = spread[:, 1:2] + narrowed * (spread - spread[:, 1:2]) + (slope * off)[:, None]
         cells |= _bounded(name, within.reshape(axis.size, _SLIP.size, 3))
-        before |= _bounded(name, whole)
-    width, most = (of["ratio_upper"] - of["ratio_lower"] for of in (cells, before))
-    return cells | {"prior": np.minimum(width / most, 1.0)}, before
+        marginal |= _bounded(name, whole)
+    width, most = (of["ratio_upper"] - of["ratio_lower"] for of in (cells, marginal))
+    return cells | {"prior": np.minimum(width / most, 1.0)}, marginal
 
 
-_LEAST = -60.0  # logarithm of a weight that nobody sees; products of smaller ones are slow
+_LEAST = -60.0  # ln of a weight that changes nothing; denormal products would be slow
 
 
 def _gauss(x: Array) -> Array:
-    """``exp(-x^2/2)``, in the place of ``x``: the arrays are large."""
+    """``exp(-x^2/2)``, written into ``x``: the arrays are large."""
     x *= x
     x *= -0.5
     return np.exp(np.maximum(x, _LEAST, out=x), out=x)

@@ -1,10 +1,10 @@
-"""The pads of the ramps: what is known of their ratio, their level, and what both rest on.
+"""Level and ratio of the pads on the ramps, with their uncertainty by part.
 
-A normal ramp shows the level of both axles' pads together, one with the front axle only that of the
-front pads. So a ramp with one axle tells the pads' ratio; normal ramps among themselves tell
-nothing of it, for their levels move with it alike.
+A ramp with both axles gives the common level of their pads; one with the front axle only gives that
+of the front pads. Their difference gives the pads' ratio. Ramps with both axles say nothing about
+the ratio here, since it moves all of their levels alike.
 
-The force counts from the lead-in: neither the zero of a_x nor a resistance that stays moves it.
+The force counts from the lead-in, so neither the zero of a_x nor a constant resistance moves it.
 """
 
 import math
@@ -22,92 +22,92 @@ from calib.run.resistance import Resistance
 from calib.table.budget import axle_parts
 from calib.table.table import Calibration, TableBudget, Value
 
-UNSAID = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
-"""ln of the pads' ratio over that of the file where the user said nothing."""
+DEFAULT_PRIOR = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
+"""ln of the pads' ratio over that of the file, where the user says nothing of it."""
 
-_LEAST = 1e-3  # level that no pads have; what comes out below it counts as this [1]
+_LEAST = 1e-3  # lower limit of a level, below that of any pads [1]
 
 
-def stated_pad_ratio(vehicle: Vehicle, bench: RollerBench | None) -> Value:
-    """ln of (mu_f/mu_r) over its value in the vehicle file [1], by rollers or tolerances.
+def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
+    """Prior of ln of (mu_f/mu_r) over its value in the vehicle file [1].
 
-    Rollers measured the very pads: where they are given, the tolerances of the file, which speak of
-    the grade, say no more. `UNSAID` without either. Raises BenchError and ModelError as
+    By the roller bench, which measured these very pads; else by the tolerances of the file, which
+    are of the grade; else `DEFAULT_PRIOR`. Raises BenchError and ModelError as
     `RollerBench.log_pad_ratio`.
     """
     if bench is not None:
         return bench.log_pad_ratio(vehicle)
-    said = [axle.pad_friction_tolerance for axle in (vehicle.front, vehicle.rear)]
-    if said == [None, None]:
-        return UNSAID
-    unsaid = UNSAID.sigma / math.sqrt(2.0)  # of one axle, where he speaks of the other only
-    return Value(0.0, math.hypot(*(unsaid if one is None else one for one in said)))
+    tolerances = [axle.pad_friction_tolerance for axle in (vehicle.front, vehicle.rear)]
+    if tolerances == [None, None]:
+        return DEFAULT_PRIOR
+    default = DEFAULT_PRIOR.sigma / math.sqrt(2.0)  # for an axle without a tolerance
+    return Value(0.0, math.hypot(*(default if x is None else x for x in tolerances)))
 
 
 def levels_of(
-    vehicle: Vehicle, runs: list[RampRun], known: Resistance, log_ratio: float
+    vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[Array, Array]:
-    """Level of the pads of each run over those of the file [1], at a ratio of the pads, (runs,).
+    """Level of the pads of each run over those of the file, (runs,) [1], at a given pads' ratio.
 
-    And its relative sigmas from noise, resistance and accelerometer [1], (runs, 3). The level is
-    sum(z y)/sum(z^2) of what the brakes demand y: an error e(z) moves it by sum(z e)/sum(z^2). The
-    accelerometer errs by its scale, which only v tells; usual ones read too much on bodies that
-    pitch. The noise of the lead-in is in a resistance that was found there, and counts beside one
-    that is given.
+    And its relative standard deviations by noise, resistance and accelerometer, (runs, 3) [1]. The
+    level is sum(z y)/sum(z^2) with the demanded force y, so an error e(z) moves it by
+    sum(z e)/sum(z^2). The scale of the accelerometer is known from v alone; without v it has its
+    prior, as pitch makes it read too much. The noise of the lead-in is part of a resistance that
+    was identified there, and counts separately where the file gives the resistance.
     """
     levels, sigmas = [], []
     for run in runs:
         b, sensor, z = run.blocks, run.accelerometer, run.blocks.z[run.braked]
         square = z @ z
         noise = run.noise.z / np.sqrt(b.length * square)
-        if known.known:
+        if resistance.known:
             rolled = b.length * max(run.rolling.size, 1)
             noise = np.hypot(noise, z.sum() / square * run.noise.z / np.sqrt(rolled))
-        resistance = known.sigma_z(vehicle, b.speed[run.braked]) @ z / square
+        resistance_sigma = resistance.sigma_z(vehicle, b.speed[run.braked]) @ z / square
         too_much, scale, *_ = LOG.a_x_scale
         if run.slip is not None:
             too_much, scale = 0.0, 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
         level = (1.0 - too_much) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
         levels.append(max(level, _LEAST))
-        sigmas.append([noise, resistance, scale])
+        sigmas.append([noise, resistance_sigma, scale])
     return np.array(levels), np.array(sigmas)
 
 
 def ratio_by_levels(
-    vehicle: Vehicle, runs: list[RampRun], known: Resistance, before: Value
+    vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, prior: Value
 ) -> Value:
-    """ln of the pads' ratio [1] from what was known ``before`` and the levels of the runs.
+    """ln of the pads' ratio [1] from its ``prior`` and the levels of the runs.
 
-    ln of a level falls with the ratio by the front axle's share of the force, less a half. Levels
-    differ by how pads repeat and by how well a run knows its own; ``before`` itself without a ramp
-    of one axle. Errors that the runs share (resistance, accelerometer) count as if they were
-    independent: rather too wide.
+    ln of a level falls with the ratio by the front axle's share of the force, less a half. Its
+    variance is that of the repeatability of pads and that of the run. Errors which the runs share
+    (resistance, accelerometer) count as independent, which makes the result rather too wide.
+    Without a ramp of one axle it is the ``prior``.
     """
     if all(run.only is None for run in runs):
-        return before
-    share = {"f": 1.0, "r": 0.0, None: front_share(vehicle, before.value)}
-    levels, sigmas = levels_of(vehicle, runs, known, before.value)
+        return prior
+    share = {"f": 1.0, "r": 0.0, None: front_share(vehicle, prior.value)}
+    levels, sigmas = levels_of(vehicle, runs, resistance, prior.value)
     weight = 1.0 / (LOG.pads_repeat.sigma**2 + np.sum(sigmas**2, axis=1))
     shares = np.array([share[run.only] for run in runs])
-    # the common level is not known beforehand: their weighted mean
+    # the common level has no prior: it is the weighted mean
     off, apart = (x - np.average(x, weights=weight) for x in (np.log(levels), shares))
-    precision = before.sigma**-2.0 + weight @ apart**2
-    return Value(before.value + float(weight * apart @ off / precision), float(precision**-0.5))
+    precision = prior.sigma**-2.0 + weight @ apart**2
+    return Value(prior.value + float(weight * apart @ off / precision), float(precision**-0.5))
 
 
 def level_of(
-    vehicle: Vehicle, runs: list[RampRun], known: Resistance, log_ratio: float
+    vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[float, dict[str, float]]:
     """Common factor on the pads of ramps with both axles [1], and the variance of its ln by part.
 
-    Mass, accelerometer and resistance are common to all ``runs``, so more runs do not shrink them;
-    what the runs differ by counts as noise.
+    Mass, accelerometer and resistance are common to all ``runs``, so more runs do not reduce them.
+    The scatter between runs counts as noise.
     """
-    levels, sigmas = levels_of(vehicle, runs, known, log_ratio)
-    noise, resistance, accelerometer = np.mean(sigmas, axis=0) ** 2
+    levels, sigmas = levels_of(vehicle, runs, resistance, log_ratio)
+    noise, by_resistance, accelerometer = np.mean(sigmas, axis=0) ** 2
     return float(np.mean(levels)), {
         "mass": vehicle.mass_tolerance**2,
-        "resistance": float(resistance),
+        "resistance": float(by_resistance),
         "accelerometer": float(accelerometer),
         "noise": float(noise + np.var(np.log(levels)) / len(runs)),
     }
@@ -120,13 +120,13 @@ def calibration_of(
     stiffness: Value,
     parts: Mapping[str, dict[str, float]],
 ) -> tuple[Calibration, TableBudget]:
-    """The pads and tyres, each with its sigma, and what they rest on, see `calib.table.budget`.
+    """Pads and tyres with their standard deviations, and their budget, see `calib.table.budget`.
 
-    ``scale`` common factor of both axles' pads [1]; ``ratio`` ln of theirs; ``stiffness`` ln of
-    the slip stiffness; ``parts`` variances of level, ratio and stiffness as of `TableBudget`.
+    ``scale`` common factor of both axles' pads [1]; ``ratio`` ln of the pads' ratio; ``stiffness``
+    ln of the slip stiffness; ``parts`` variances of level, ratio and stiffness as of `TableBudget`.
 
-    The sum of forces fixes the mean of both axles weighed by their share. The scale, which is
-    their geometric mean, moves against it with the ratio by half the difference of the shares.
+    The sum of forces fixes the mean of the axles, weighed by their share of the force. The scale is
+    their geometric mean, so the ratio moves it by half the difference of the shares.
     """
     relative, share = np.sqrt(sum(parts["level"].values())), front_share(vehicle, ratio.value)
     half, stiff = np.exp(0.5 * ratio.value), math.exp(stiffness.value)

@@ -1,7 +1,7 @@
-"""How well the ramps are explained, and what a user must know of that.
+"""How well a fit explains its ramps: residuals, metrics, remarks and warnings.
 
-Residuals are what an ensemble leaves of eta and slip of a ramp, block by block, over their noise. A
-ramp that no draw carries, or that all leave far more of than the sensors err by, makes no table.
+Residuals are those of eta and slip of a ramp, block by block, over their errors. No table is made
+where no draw carries the forces of a ramp, or where the residuals are far above the errors.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -16,10 +16,10 @@ from calib.car.balance import front_biased_up_to
 from calib.car.figures import plausible
 from calib.car.vehicle import MassUsed, Vehicle
 from calib.fitting.curves import find_peak
-from calib.fitting.ensemble import Ensemble, Shown
-from calib.fitting.known import Known
-from calib.fitting.mistakes import LATE
+from calib.fitting.ensemble import Ensemble, SlipPrediction
+from calib.fitting.hypotheses import LATE
 from calib.fitting.posterior import Posterior, posterior
+from calib.fitting.prior import Prior
 from calib.fitting.regression import Regression
 from calib.model.ramp import SETTINGS, RampRun
 from calib.plausibility.evidence import Evidence
@@ -30,43 +30,45 @@ from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
 from calib.table.table import Value
 
-_SOME = 64  # draws whose median is taken: it is known far better than a block
+_SOME = 64  # draws whose median residual is taken: it is far sharper than a block
 
 MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
-"""What is likely where no tyre explains eta, and what no table comes of."""
+"""Codes of mistakes that move eta: no table is made where no tyre explains eta beside them."""
 
 _MOST = 3.0
-"""Root mean square of the residuals of eta past which a ramp is not explained: foreign tyres leave
-0.5 to 1.4, a wheel speed that is held for 0.1 s, and moves the ratio of the pads by a sixth, 5."""
+"""Root mean square of the residuals of eta above which a ramp is not explained [1].
+
+Tyres of other forms leave 0.5 to 1.4. A wheel speed that repeats its value for 0.1 s, which moves
+the pads' ratio by a sixth, leaves 5."""
 
 
 def explained(
     car: Vehicle,
     runs: list[RampRun],
     ratio: Value,
-    known: Sequence[Known],
+    priors: Sequence[Prior],
     refused: Callable[..., LogError],
     named: Sequence[PlausibilityWarning],
 ) -> tuple[Posterior, dict[str, float]]:
-    """The ensemble of the ramps, ``ratio`` known of the pads before, and figures of what it leaves.
+    """The posterior of the ramps, and figures of its residuals.
 
-    What ``refused`` makes of the reason is raised where nothing explains them; a misfit is
-    excused where its cause is ``named``, and is nothing that moves eta.
+    ``ratio`` prior of ln of the pads' ratio. Raises ``refused`` where nothing explains the ramps. A
+    misfit is no reason to refuse where a warning in ``named`` gives another cause than `MOVE_ETA`.
     """
     try:
-        found = posterior(car, runs, ratio, known=known)
+        ensemble = posterior(car, runs, ratio, priors=priors)
     except ValueError as error:
         raise refused(
             "no tyre carries the forces of the ramps",
             expected="no wheel near its limit, and mass, axle loads and radii of this car",
             do="end the ramp before ABS works or a wheel locks; look at it with `brake-cal check`",
         ) from error
-    left = _left(car, found, runs)
-    worst = max(_rms(eta) for eta, _ in left)
+    by_ramp = _ramp_residuals(car, ensemble, runs)
+    worst = max(_rms(eta) for eta, _ in by_ramp)
     if worst > _MOST and any(run.slip is not None for run in runs):
         alone = [replace(run, slip=None) for run in runs]
-        others = _left(car, posterior(car, alone, ratio, known=known), alone)
-        if max(_rms(eta) for eta, _ in others) < _MOST:
+        without_v = _ramp_residuals(car, posterior(car, alone, ratio, priors=priors), alone)
+        if max(_rms(eta) for eta, _ in without_v) < _MOST:
             raise refused(
                 f"v contradicts the wheel speeds: no tyre explains both, eta is left {worst:.1f} "
                 "times what they err by, and without v it is explained",
@@ -81,36 +83,40 @@ def explained(
             do="; or ".join([*likely, "a wheel speed that is late, or coarse"])
             + ": look at the log with `brake-cal check`",
         )
-    eta, slip = (np.concatenate(x) for x in zip(*left, strict=True))
+    eta, slip = (np.concatenate(x) for x in zip(*by_ramp, strict=True))
     figures = {
         "residual_eta_rms_sigma": _rms(eta),
         "residual_slip_rms_sigma": _rms(slip),
         "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
     }
-    return found, figures
+    return ensemble, figures
 
 
-def _left(car: Vehicle, e: Ensemble, runs: Sequence[RampRun]) -> list[tuple[Array, Array]]:
-    """What is left of eta and slip of each ramp on which both axles brake."""
+def _ramp_residuals(
+    car: Vehicle, e: Ensemble, runs: Sequence[RampRun]
+) -> list[tuple[Array, Array]]:
+    """Residuals of eta and slip on each ramp with both axles."""
     return [residuals(car, e, run) for run in runs if run.only is None]
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Of eta and of slip, over their sigma, at the braked blocks (k,); no slip without v.
+    """Residuals of eta and of slip over their errors, at the braked blocks (k,); no slip without v.
 
-    A noisy z counts, as the forces of a block are those of its z: on a rough road by five times the
-    noise of quiet wheels.
+    The noise of z is part of the error, as the forces of a block are those of its z. On a rough
+    road it is five times that of the wheels.
     """
-    of = Regression(car, [run], most=None)
-    (ramp,) = of.ramps
-    z, seen = ramp.z[1:], run.noise.z / np.sqrt(run.blocks.length)
-    forces = np.repeat(np.abs(ramp.rows @ z) / (z @ z) * seen, z.size)
-    errors = of.errors["noise"], of.errors["tyres"], forces[:, None]
+    regression = Regression(car, [run], most=None)
+    (ramp,) = regression.ramps
+    z, z_noise = ramp.z[1:], run.noise.z / np.sqrt(run.blocks.length)
+    forces = np.repeat(np.abs(ramp.rows @ z) / (z @ z) * z_noise, z.size)
+    errors = regression.errors["noise"], regression.errors["tyres"], forces[:, None]
     sigma = np.linalg.norm(np.hstack(errors), axis=1)
-    lasting = np.hstack([of.errors["zeros"], of.errors["accelerometer"]])
-    left = of.left(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
-    left -= left @ of.white.T @ of.white @ lasting @ lasting.T  # as far as the run tells them
-    eta, slip = np.split(np.median(left, axis=0) / sigma, 2)
+    lasting = np.hstack([regression.errors["zeros"], regression.errors["accelerometer"]])
+    residual = regression.residuals(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
+    residual -= (
+        residual @ regression.white.T @ regression.white @ lasting @ lasting.T
+    )  # as far as the run determines them
+    eta, slip = np.split(np.median(residual, axis=0) / sigma, 2)
     return eta, slip[:0] if run.slip is None else slip
 
 
@@ -118,15 +124,17 @@ def _rms(x: Array) -> float:
     return float(np.linalg.norm(x) / np.sqrt(max(x.size, 1)))
 
 
-def metrics(vehicle: Vehicle, runs: list[RampRun], of: Shown, nominal: float) -> dict[str, float]:
-    """Quality metrics of the fit, each a plain number, beside those of what is left of the ramps.
+def metrics(
+    vehicle: Vehicle, runs: list[RampRun], path: SlipPrediction, nominal: float
+) -> dict[str, float]:
+    """Quality metrics of a fit beside those of its residuals, each a plain number.
 
-    ``of`` draws of the ``runs`` up to the highest z; ``nominal`` weight of what was known of the
-    pads' ratio before them in what is known now [1].
+    ``path`` predicted for the ``runs`` up to the highest z; ``nominal`` share of the prior in the
+    pads' ratio [1].
     """
-    z_peak, eta_peak, real = find_peak(of)
+    z_peak, eta_peak, real = find_peak(path)
     return {
-        "deceleration_max": float(of.z[-1]),
+        "deceleration_max": float(path.z[-1]),
         "front_biased_up_to": min(front_biased_up_to(vehicle), 9.99),
         "eta_peak": eta_peak,
         "eta_peak_deceleration": z_peak,
@@ -137,11 +145,15 @@ def metrics(vehicle: Vehicle, runs: list[RampRun], of: Shown, nominal: float) ->
 
 
 def remarks(
-    vehicle: Vehicle, mass: MassUsed, runs: list[RampRun], held: Sequence[tuple[Known, float]]
+    vehicle: Vehicle,
+    mass: MassUsed,
+    runs: list[RampRun],
+    prior_support: Sequence[tuple[Prior, float]],
 ) -> Iterator[str]:
-    """What was decided that neither the numbers of the table nor its warnings say, in words.
+    """Decisions of the fit that neither numbers nor warnings of the table tell, in words.
 
-    ``vehicle`` and ``mass`` as in the logs; ``held`` how likely each thing known before holds.
+    ``vehicle`` and ``mass`` as in the logs; ``prior_support`` informative priors with the
+    probability that each holds.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -154,26 +166,27 @@ def remarks(
         for first, after in [] if run.left_out is None else runs_of(run.left_out):
             start, end = b.end[first] - b.length, b.end[after - 1]
             yield f"{run.name}: left out from {start:.2f} to {end:.2f} s: a bump, another force"
-    for one, p in held:
-        yield f"what {one.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
+    for prior, p in prior_support:
+        yield f"what {prior.name} says holds for this car with {100.0 * p:.0f} %, by its ramps"
 
 
 def warnings_of(
-    filed: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], known: Resistance
+    filed: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], identified: Resistance
 ) -> Iterator[PlausibilityWarning]:
-    """Warnings which need no fit: it says itself what it thinks of the pads.
+    """Warnings of vehicle and logs, before the fit; those of the pads come from it.
 
-    ``filed`` the vehicle as its file has it; ``known`` the resistance that was identified, doubted
-    where the file does not give it. A ramp is compared with that of the coasts alone, and with
-    their course, where there are any.
+    ``filed`` the vehicle as its file has it; ``identified`` the resistance of all logs, judged
+    where the file does not give one. Where there are coasts, a ramp is judged by their resistance.
     """
     yield from (w for w in plausible(filed) if not w.code.startswith("pad_friction"))
     car = ramps[0].car
     if ROLLING[0] not in car.effects:
-        yield from judged(car.name, [Measured("rolling_resistance", known.mean[1])])
-    rolling = identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts)) if coasts else known
+        yield from judged(car.name, [Measured("rolling_resistance", identified.mean[1])])
+    rolling = (
+        identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts)) if coasts else identified
+    )
     straight = {FIT: coasts, COAST: ()}
-    runs = [(run, FIT, rolling) for run in ramps] + [(run, COAST, known) for run in coasts]
+    runs = [(run, FIT, rolling) for run in ramps] + [(run, COAST, identified) for run in coasts]
     for run, purpose, resistance in runs:
-        sensor, response = run.accelerometer(resistance), run.response(known.effects)
+        sensor, response = run.accelerometer(resistance), run.response(identified.effects)
         yield from warnings_on(Evidence(run, sensor, response, straight[purpose]), purpose)

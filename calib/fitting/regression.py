@@ -1,11 +1,11 @@
-r"""What the ramps show of a draw: eta and slip, linear in compliances and fall of the radii.
+r"""The likelihood of a draw: eta and slip of the ramps, by linear regression.
 
     rows = H (c_f, c_r, fall) + error        H by the forces over the loads, the form of the tyres
 
-All else that moves them is an error of a known size: noise of the sensors, zeros and clock of the
-run, scale of a_x, and a correlated error of the form (Brynjarsdottir and O'Hagan 2014,
-doi:10.1088/0266-5611/30/11/114007): no tyre is a mean of published ones, and it departs alike over
-a range of forces.
+The unknowns are the compliances of the axles and the fall of the radii with load. The error has a
+known covariance: noise of the sensors, zeros and clock of the run, scale of a_x, and a correlated
+discrepancy of the form, as no tyre is a mean of published ones (Brynjarsdottir and O'Hagan 2014,
+doi:10.1088/0266-5611/30/11/114007).
 """
 
 import copy
@@ -21,12 +21,12 @@ from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, Ensemble, unit_slips
 from calib.model.ramp import RampRun
 
-_GROUPS = 14  # points of a ramp: a tyre departs alike from its form over two of them
-_GRADE = 0.001  # walk of bias and slope [1/sqrt(s)]
-_CLOCK = 0.01  # sigma of the time by which v is late against the wheels [s]
-_WALKED = 5e-5  # sigma of what the zero of eta walked since the lead-in [1]
-_FINEST = 5e-4  # eta - 1 or slip below which an error of the form is no smaller [1]
-_ROUGH = 0.02  # share of the variance of that error that is not alike from point to point
+_GROUPS = 14  # groups of blocks of a ramp: the discrepancy of a tyre is alike over two of them
+_GRADE = 0.001  # random walk of bias and slope [1/sqrt(s)]
+_CLOCK = 0.01  # standard deviation of the delay of v after the wheels [s]
+_WALKED = 5e-5  # standard deviation of the drift of eta's zero since the lead-in [1]
+_FINEST = 5e-4  # eta - 1 or slip below which the discrepancy no longer shrinks [1]
+_ROUGH = 0.02  # uncorrelated share of the variance of the discrepancy
 
 _KINDS = ("eta", "slip")  # of rows, in their order
 _ERROR = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}
@@ -35,10 +35,11 @@ _ERROR = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}
 def _carried_on(
     car: Vehicle, run: RampRun, eta_zero: float, mean: Callable[[Array], Array], length: Array
 ) -> tuple[Array, dict[str, Array]]:
-    """Slip (k,) by a speed that a_x carries on from the lead-in, and its errors by cause.
+    """Slip (k,) against the speed that a_x gives from the lead-in on, and its errors by cause.
 
-    v = v_0 - g int (1 - e) (z - o) dt, and the wheels turn at v (1 - slip): as v goes to zero the
-    slip's part vanishes and that of the scale e does not. ``mean`` of groups of a ``length`` [s].
+    v = v_0 - g int (1 - e) (z - o) dt with scale e and offset o; the wheels turn at v (1 - slip).
+    Toward standstill the part of the slip vanishes and that of e does not. ``mean`` averages over
+    groups of blocks, of a ``length`` each [s].
     """
     b, noise, lead, R = run.blocks, run.noise, run.rolling, car.front.rolling_radius
     rear = 1.0 - run.load_f / car.weight
@@ -62,21 +63,21 @@ def _carried_on(
 
 
 class _Ramp:
-    """One ramp: means of its lead-in, which all else is zeroed on, and of k groups of blocks.
+    """One ramp: means over its lead-in, which is the zero, and over k groups of blocks.
 
-    Over the lead-in and the groups (1 + k,): ``brake`` brake force of both axles over the weight;
-    ``moments`` other ones of the axles (2, 1 + k); ``log_odds`` of the axles' pressures; ``only``
-    the axle that brakes alone. ``rows`` eta - 1 and slip of the groups, (2, k); without v the slip
-    is what the wheels lose against the speed that a_x carries on. ``errors`` what those of one
-    standard deviation make of either, (k, m), by cause.
+    Of lead-in and groups, (1 + k,) [1]: ``brake`` brake force of both axles over the weight;
+    ``moments`` other torques of the axles as forces over the weight, (2, 1 + k); ``log_odds`` ln of
+    front over rear pressure. ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip of the
+    groups, (2, k); without v the slip is that against the speed by a_x. ``errors`` of either by
+    cause, (k, m): the columns are errors of one standard deviation.
     """
 
     def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
         b, noise = run.blocks, run.noise
-        at, lead = np.flatnonzero(run.braked), run.rolling
-        if not (at.size and lead.size):
+        braked, lead = np.flatnonzero(run.braked), run.rolling
+        if not (braked.size and lead.size):
             raise ValueError("no blocks of a braking, or none of rolling before it")
-        groups = [lead, *np.array_split(at, min(most or at.size, at.size))]
+        groups = [lead, *np.array_split(braked, min(most or braked.size, braked.size))]
         sizes = np.array([g.size for g in groups])
         places, first = np.concatenate(groups), np.cumsum(sizes) - sizes
         time = sizes * b.length
@@ -109,48 +110,48 @@ class _Ramp:
 
 
 class Regression:
-    """The rows of all ramps: eta, then slip of each, in ``most`` groups of blocks.
+    """The regression on all ramps: rows of eta, then of slip, of each ramp.
 
-    None for ``most`` makes each block a row. ``errors`` (k, m) by part of a budget: what each error
-    of one standard deviation makes of the rows.
+    ``most`` groups of blocks of a ramp, None for a row of each block. ``errors`` (k, m) by part of
+    a budget: the columns are errors of one standard deviation.
     """
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
         self.car, self.most, self.ramps = car, most, [_Ramp(car, run, most) for run in runs]
         self.errors = {
-            "noise": self._of("noise"),
+            "noise": self._errors_of("noise"),
             "tyres": np.asarray(np.linalg.cholesky(self._form())),
-            "zeros": np.hstack([self._of("zeros"), self._of("clock")]),
-            "accelerometer": self._of("accelerometer"),
+            "zeros": np.hstack([self._errors_of("zeros"), self._errors_of("clock")]),
+            "accelerometer": self._errors_of("accelerometer"),
         }
         covariance = sum(error @ error.T for error in self.errors.values())
         self.white = np.linalg.inv(np.linalg.cholesky(np.asarray(covariance)))
 
     def with_forces_of(self, runs: Sequence[RampRun]) -> "Regression":
-        """The regression of the same ramps with other forces and pressures; errors are kept."""
+        """The same regression with forces and pressures of ``runs``; the errors stay."""
         other = copy.copy(self)
         other.ramps = [_Ramp(self.car, run, self.most) for run in runs]
         return other
 
-    def _of(self, cause: str) -> Array:
+    def _errors_of(self, cause: str) -> Array:
         from scipy.linalg import block_diag
 
         each = [(of, np.zeros((r.z.size - 1, 0))) for r in self.ramps for of in r.errors]
         return np.asarray(block_diag(*(of.get(cause, none) for of, none in each)))
 
     def _form(self) -> Array:
-        """Covariance of the error of the form, over the deceleration."""
+        """Covariance of the discrepancy of the tyre form, which is correlated over z."""
         each = [(r, of, x) for r in self.ramps for of, x in zip(_KINDS, r.rows, strict=True)]
         kind = np.concatenate([np.full(x.size, f"{of} {r.only}") for r, of, x in each])
         off = [_ERROR[of] * np.maximum(np.abs(x), _FINEST) for _, of, x in each]
         size = np.concatenate(off)
         self.places = np.concatenate([r.z[1:] for r, _, _ in each])
-        self.departs = {of: size * (kind == f"{of} None") for of in _KINDS}
+        self.discrepancy_sizes = {of: size * (kind == f"{of} None") for of in _KINDS}
         near = _near(self.places, self.places) * (kind[:, None] == kind)
         return np.asarray(size[:, None] * size * (near + _ROUGH * np.eye(size.size)))
 
     def rows(self, e: Ensemble) -> tuple[Array, Mask]:
-        """Design and data (4, n, k); whether forces are below the peaks (n,)."""
+        """Design matrix and data, (4, n, k); whether all tyres are below their peaks, (n,)."""
         rows, rolls = [], np.ones(e.size, dtype=bool)
         for r in self.ramps:
             share = front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
@@ -166,9 +167,9 @@ class Regression:
         return np.concatenate(rows, axis=-1), rolls
 
     def solve(self, e: Ensemble, centre: Array, root: Array) -> tuple[Array, Array, Array]:
-        """Log evidence (n,), and mean (n, 3) and precision (n, 3, 3) of what the ramps leave.
+        """Log evidence (n,), and posterior mean (n, 3) and precision (n, 3, 3) of x.
 
-        Of the standard normal numbers x of linear parameters ``centre`` (n, 3) + ``root`` x.
+        The linear parameters are ``centre`` (n, 3) + ``root`` x, with x standard normal before.
         """
         rows, rolls = self.rows(e)
         *H, y = rows @ self.white.T
@@ -179,29 +180,29 @@ class Regression:
         mean = np.linalg.solve(A, g[..., None])[..., 0]
         square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
         log = -0.5 * (square + np.log(np.linalg.det(A)))
-        found = centre + np.einsum("nij,nj->ni", root, mean)
-        return np.where(rolls & np.all(found[:, :2] > 0.0, axis=1), log, -np.inf), mean, A
+        linear = centre + np.einsum("nij,nj->ni", root, mean)
+        return np.where(rolls & np.all(linear[:, :2] > 0.0, axis=1), log, -np.inf), mean, A
 
-    def left(self, e: Ensemble) -> Array:
-        """What the draws leave of the rows (n, k)."""
+    def residuals(self, e: Ensemble) -> Array:
+        """Residuals of the rows, by draw, (n, k) [1]."""
         *H, y = self.rows(e)[0]
         return np.asarray(y - np.einsum("ink,ni->nk", H, e.linear))
 
-    def beside(self, left: Array, rng: np.random.Generator) -> dict[str, Array]:
-        """What else an `Ensemble` has, by name, from what its draws leave.
+    def discrepancies(self, residual: Array, rng: np.random.Generator) -> dict[str, Array]:
+        """Delay of v and discrepancies of the tyre form, by name of `Ensemble`, from residuals.
 
-        ``v_late`` a draw of the mean of the runs that have v, 0 without any; ``depart_eta`` and
-        ``depart_slip`` means of the correlated error of the form.
+        ``v_late`` a draw of the mean of the runs with v, 0 without any; ``depart_eta`` and
+        ``depart_slip`` posterior means of the discrepancy. ``residual`` whitened, (n, k).
         """
-        clock, near = self.white @ self._of("clock"), _near(self.places, DEPART_AT)
+        clock, near = self.white @ self._errors_of("clock"), _near(self.places, DEPART_AT)
         root = np.linalg.cholesky(np.eye(clock.shape[1]) - clock.T @ clock)
-        late = left @ clock + rng.standard_normal((len(left), clock.shape[1])) @ root.T
+        late = residual @ clock + rng.standard_normal((len(residual), clock.shape[1])) @ root.T
         return {"v_late": _CLOCK * np.sum(late, axis=1) / max(clock.shape[1], 1)} | {
-            f"depart_{of}": _ERROR[of] * (left @ self.white * size) @ near
-            for of, size in self.departs.items()
+            f"depart_{of}": _ERROR[of] * (residual @ self.white * size) @ near
+            for of, size in self.discrepancy_sizes.items()
         }
 
 
 def _near(x: Array, y: Array) -> Array:
-    """How alike a tyre departs from its form at two decelerations, (n, k)."""
+    """Correlation of a tyre's discrepancy at decelerations ``x`` (n,) and ``y`` (k,)."""
     return np.asarray(np.exp(-0.5 * ((x[:, None] - y) / CAR.form_length.mean) ** 2))

@@ -16,7 +16,7 @@ from calib.car.balance import front_share, turning_shares
 from calib.car.braking import BITE
 from calib.car.forces import paper_curves, speed_ratio
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, ensemble_of, shown, turned, unit_slips
+from calib.fitting.ensemble import Ensemble, ensemble_of, predict_slips, unit_slips, wheel_slips
 from calib.logs.log import Log
 from calib.model.ramp import SETTINGS, RampRun, nominal_forces, normalised_forces, prepare
 from calib.run.resistance import identify as identify_resistance
@@ -80,7 +80,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     # the same brake forces on the car of the table, which has no resistance
     z_free = np.where(brake > 0.0, share / (1.0 + sum(turning_shares(car))), np.nan)
-    of = shown(car, e, ratio, share, z_free)
+    of = predict_slips(car, e, ratio, share, z_free)
     D = np.where(brake > 0.0, np.median(np.subtract(*of.forces), axis=0), np.nan)
     f1, f2 = paper_curves(car, z_free, D)
     seen = _seen(run, np.median(turning, axis=1), float(np.mean(e.v_late)))
@@ -115,7 +115,7 @@ def _slips(
     share = front_share(car, log_ratio)
     moments = np.stack([run.moment_f, run.moment_r])[:, None] / car.weight
     forces = np.stack([share, 1.0 - share]) * brake + moments
-    return turned(e, unit_slips(car, e, run.quasi_static(car), forces))
+    return wheel_slips(e, unit_slips(car, e, run.quasi_static(car), forces))
 
 
 def _seen(run: RampRun, turning: Array, late: float) -> Array | None:

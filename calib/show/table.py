@@ -28,8 +28,9 @@ from calib.show.style import (
 )
 from calib.table.budget import ramp_pads
 from calib.table.compare import diff
+from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
 from calib.table.maps import PadMap, Reader
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+from calib.table.table import Table
 
 _Ramps = tuple[MeasuredRamp, ...]
 

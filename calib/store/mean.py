@@ -26,17 +26,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.random_effects import RandomEffects, quantile95, random_effects
 from calib.car.effects.combined import as_driven
 from calib.car.model import default_model
 from calib.fitting.curves import paper_of
-from calib.fitting.ensemble import KEPT, ensemble_of
+from calib.fitting.ensemble import TABLE_DRAWS, ensemble_of
 from calib.fitting.maps import maps
 from calib.fitting.pads import calibration_of
-from calib.table.budget import PadLevels, own, pad_levels, pad_scale, shared
+from calib.table.budget import PadLevels, pad_levels, pad_scale, per_run, shared
+from calib.table.curves import DifferenceCurve, TyreCurve
 from calib.table.maps import Draws, LevelMap, PadMap
-from calib.table.table import Array, DifferenceCurve, Table, TyreCurve, Value
+from calib.table.table import Table, Value
 
 _CARS = "cars"
 """Part of a budget that is the difference between cars."""
@@ -138,7 +140,7 @@ def _scatter(tables: Sequence[Table], weights: Array) -> RandomEffects:
         [*pad_levels(t.vehicle, t.calibration), math.log(t.calibration.slip_stiffness.value)]
         for t in tables
     ]
-    of_run = [[own(getattr(t.budget, name)) for name in _LOGS] for t in tables]
+    of_run = [[per_run(getattr(t.budget, name)) for name in _LOGS] for t in tables]
     return random_effects(np.array(values), np.array(of_run), weights)
 
 
@@ -166,7 +168,7 @@ def mean_maps(tables: Sequence[Table], weights: Array) -> tuple[PadMap, LevelMap
     vehicle = tables[0].vehicle
     car = as_driven(vehicle, default_model(vehicle).effects)
     drawn = one_more(tables, weights)
-    kept = np.linspace(0, _SIZE - 1, KEPT).astype(np.int64)
+    kept = np.linspace(0, _SIZE - 1, TABLE_DRAWS).astype(np.int64)
     part = Draws(**{name: x[kept] for name, x in vars(drawn).items()})
     return *maps(car, ensemble_of(car, drawn)), part
 

@@ -13,6 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.errors import RevisionError
 from calib.base.names import PROGRAM
 from calib.base.random_effects import RandomEffects, random_effects
@@ -21,7 +22,7 @@ from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
 from calib.store.mean import inflated, mean_curves, mean_maps, mean_pads
 from calib.store.version import Stored
 from calib.table.compare import changes
-from calib.table.table import Array, FleetScatter, Provenance, Scatter, Table, TableReference
+from calib.table.table import FleetScatter, Provenance, Scatter, Table, TableReference
 
 _LEAST = ("deceleration_max", "eta_peak_is_real")
 """Metrics of a fit of which the mean table has the least of its cars."""

@@ -5,10 +5,11 @@ from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import ConfigDict, Field
 
+from calib.base.arrays import Array
 from calib.base.record import FileSchema, Section, section
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.vehicle import Vehicle
-from calib.table.table import COLUMNS, Array, Table, Value
+from calib.table.table import COLUMNS, Table, Value
 
 
 def _keys(of: type) -> dict[str, tuple[Any, Any]]:

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.digest import content_digest
 from calib.base.errors import DamagedTable, StoreError
@@ -29,7 +30,7 @@ from calib.store.folders import RECORD
 from calib.store.journal import CRLF, JOURNAL
 from calib.store.state import OUTSIDE, UNJUDGED, VersionState
 from calib.table.maps import UNITS
-from calib.table.table import COLUMNS, Array, Table
+from calib.table.table import COLUMNS, Table
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,10 @@
-"""Which rows of a table to keep so that linear interpolation between them is most exact.
+"""The rows of a table to keep, so that linear interpolation between them errs least.
 
-Breakpoints are rows of the table: they keep their count, their band and (18). The table is linear
-between its rows, so that the largest gap is at a dropped row and is computed exactly. The placement
-is the global optimum, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc.
-64, 1969): the smallest maximum error, and among equal ones the smallest sum of squares. The time
-grows with the cube of the rows: meant for some hundred.
+Breakpoints are rows of the table, with their count, their band and (18). The table is linear
+between its rows, so the largest error is at a dropped row, and is exact. Dynamic programming over
+the rows finds the global optimum (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969): the least
+maximum error, and among equal ones the least sum of squares. The time grows with the cube of the
+rows: meant for some hundred.
 """
 
 from collections.abc import Iterator
@@ -21,17 +21,17 @@ FEWEST = 2
 
 @dataclass(frozen=True)
 class Misfit:
-    """Largest error ``worst`` between breakpoints, ``at`` its place, and the largest ``rms``."""
+    """Largest error ``worst`` between breakpoints, where it is, and the largest ``rms``."""
 
     worst: float
-    at: float
+    worst_at: float
     rms: float
 
 
 def place(x: Array, curves: Array, points: int) -> Index:
-    """Rows of ``x`` (n,) to keep, both ends among them, for ``curves`` (k, n) in one unit.
+    """Rows of ``x`` (n,) to keep, with both ends, for ``curves`` (k, n) in one unit.
 
-    ``points`` of 2 or more, or fewer where more increase the error.
+    ``points`` of them, at least 2; fewer where more would increase the error.
     """
     n = len(x)
     if points >= n:
@@ -39,17 +39,17 @@ def place(x: Array, curves: Array, points: int) -> Index:
     worst, square = _segments(x, curves)
     reach = _least(worst, points, np.maximum)[0][:, n - 1]
     least = reach[FEWEST:].min()
-    # Of equal errors the largest number of points; it is ``points`` for all usual curves.
+    # of equal errors take the most points: for usual curves that is ``points``
     count = int(np.flatnonzero(reach == least)[-1])
     _, back = _least(np.where(worst <= least, square, np.inf), count, np.add)
     return _path(back, count, n)
 
 
 def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
-    """Rows of ``x`` (n,) as in `place`, with the least weighted sum of squared errors.
+    """Rows of ``x`` (n,) as in `place`, by the least weighted sum of squared errors.
 
-    For ``curves`` (k, n) that are slices of a map, with the ``weights`` (k, n) of its cells: its
-    corners, which few draws reach, must not take them all.
+    For ``curves`` (k, n) that are slices of a map, with ``weights`` (k, n) of its cells: corners
+    that few draws reach must not take all breakpoints.
     """
     n = len(x)
     if points >= n:
@@ -61,15 +61,15 @@ def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Inde
     return _path(back, FEWEST + int(np.argmin(reach[FEWEST:, n - 1])), n)
 
 
-def misfit(x: Array, curves: Array, at: Array, values: Array) -> Misfit:
-    """Error of ``values`` (k, m) read linearly between ``at`` (m,), against ``curves`` (k, n) on x.
+def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
+    """Error of ``values`` (k, m) at ``points`` (m,) against ``curves`` (k, n) over ``x`` (n,).
 
-    Exact: both are linear between the points of either. Beyond its ends each is clamped.
+    Exact, as both are linear between the points of either. Each is held beyond its ends.
     """
-    every = np.union1d(x, at)
+    every = np.union1d(x, points)
     gaps = np.array(
         [
-            np.interp(every, at, v) - np.interp(every, x, y)
+            np.interp(every, points, v) - np.interp(every, x, y)
             for v, y in zip(values, curves, strict=True)
         ]
     )

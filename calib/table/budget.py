@@ -1,7 +1,7 @@
-"""What an interval is made of: how well a pad friction is known, split by what is not known.
+"""The uncertainty of a pad friction by part, and what reduces it.
 
-The page `validation` of the manual says what each part holds. Not counted: the centre of gravity,
-areas and radii of the brakes, which are taken as the vehicle file has them.
+The page `validation` of the manual says what each part holds. Areas and radii of the brakes are
+taken from the vehicle file, and their errors are not counted.
 """
 
 import math
@@ -18,44 +18,47 @@ from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, Table
 
 Parts = dict[str, float]
-"""Standard deviation of ln of a pad friction [1] by its cause: the squares add up to the whole."""
+"""Standard deviation of ln of a pad friction [1] by part: the squares add up to the whole."""
 
 _Variances = Mapping[str, float]
-"""The squares, of ln of pad level or ratio too."""
+"""Variance of ln of a pad friction, of the pads' level or of their ratio [1], by part."""
 
-OWN = ("noise", "zeros")
-"""Parts that another run of the same car draws anew.
+PER_RUN = ("noise", "zeros")
+"""Parts that differ from run to run of the same car.
 
-All others are in every car of a line: mass, geometry, road, kind of sensor, method. What of those
-is not alike (a driver's weight, one car's accelerometer) is seen as spread between cars.
+The others are common to the cars of a line: mass, geometry, road, kind of sensor, method. Where
+they differ (a driver's weight, one car's accelerometer), the spread between cars counts them.
 """
 
 RAMP, STOP = "ramp", "stop"
-"""Whose budget it is: of a fit, or of a stop, whose ``tyres`` are what the ramp left open."""
+"""Kinds of a budget: of a fit, or of a stop. In a stop ``tyres`` is what the ramp left open."""
 
 
 @dataclass(frozen=True)
 class _Advice:
-    """What to ``do``, and the share of each part that it leaves in a budget ``of`` one kind [1]."""
+    """What to ``do``, and the share of each part that then remains in a ``budget`` of one kind [1].
+
+    An empty kind stands for both.
+    """
 
     do: str
-    of: str
+    budget: str
     leaves: Mapping[str, float]
 
-    def left(self, parts: Parts) -> float:
-        """Standard deviation of what is left of a budget [1]; a mass that was stated stays."""
+    def remaining(self, parts: Parts) -> float:
+        """Standard deviation of a budget after it [1]; a mass that is already stated stays."""
         weighed = parts.get("mass", 0.0) < _NOT_STATED
         shares = {p: s for p, s in self.leaves.items() if not (p == "mass" and weighed)}
         return math.hypot(*(x * shares.get(part, 1.0) for part, x in parts.items()))
 
 
 _NOT_STATED = 0.99 * Vehicle.mass_tolerance
-"""A mass that is known better was weighed, or its tolerance is stated [1]."""
+"""Standard deviation of a mass, below which it was weighed or has a tolerance in the file [1]."""
 
 
 def _read(row: dict[str, str]) -> _Advice:
-    cells = {part: cell for part, cell in row.items() if part not in ("do", "of")}
-    return _Advice(row["do"], row["of"], {part: float(x) for part, x in cells.items() if x})
+    cells = {part: cell for part, cell in row.items() if part not in ("do", "budget")}
+    return _Advice(row["do"], row["budget"], {part: float(x) for part, x in cells.items() if x})
 
 
 _ADVICE = tuple(map(_read, rows("budget.csv", "calib.table")))
@@ -71,18 +74,18 @@ def ramp_pads(table: Table) -> tuple[str, str]:
     return front, rear
 
 
-def own(variances: _Variances) -> float:
-    """Variance by what another run of the same car would draw anew."""
-    return sum(variances.get(part, 0.0) for part in OWN)
+def per_run(variances: _Variances) -> float:
+    """Variance of the parts that differ from run to run."""
+    return sum(variances.get(part, 0.0) for part in PER_RUN)
 
 
 def shared(variances: _Variances) -> dict[str, float]:
-    """The parts that another run of the same car, or of another car of the line, has alike."""
-    return {part: x for part, x in variances.items() if part not in OWN}
+    """The parts that are common to all runs and to the cars of a line."""
+    return {part: x for part, x in variances.items() if part not in PER_RUN}
 
 
 def deviations(variances: _Variances) -> Parts:
-    """Standard deviation of each part; one of zero is left out."""
+    """Standard deviation of each part that is not zero."""
     return {part: math.sqrt(x) for part, x in variances.items() if x > 0.0}
 
 
@@ -92,64 +95,66 @@ def largest(parts: Parts) -> str:
 
 
 def words(parts: Parts) -> str:
-    """The three largest parts.
+    r"""The three largest parts, as 95 % intervals.
 
     >>> words({"tyres": 0.01, "mass": 0.03, "load_geometry": 0.002})
-    'one sigma of mass 3.0 %, tyres 1.0 %, load geometry 0.2 %'
+    'mass ±5.9\xa0%, tyres ±2.0\xa0%, load geometry ±0.4\xa0%'
     """
-    ordered = sorted(parts.items(), key=lambda one: -one[1])[:3]
-    told = (f"{part.replace('_', ' ')} {100.0 * x:.1f} %" for part, x in ordered)
-    return "one sigma of " + ", ".join(told)
+    ordered = sorted(parts.items(), key=lambda part: -part[1])[:3]
+    widths = (f"{part.replace('_', ' ')} ±{100.0 * Z95 * x:.1f}{NBSP}%" for part, x in ordered)
+    return ", ".join(widths)
 
 
 def limiting(axles: Sequence[Parts]) -> str:
-    r"""The largest part of each axle, as a 95 % interval has it.
+    r"""The largest part of each axle, as a 95 % interval.
 
     >>> limiting([{"tyres": 0.01, "mass": 0.03}, {"unlike_pads": 0.04}])
     'mass (±6\xa0% front), unlike pads (±8\xa0% rear)'
     """
-    told: dict[str, list[str]] = {}
+    by_part: dict[str, list[str]] = {}
     for axle, parts in zip(AXLE_NAMES.values(), axles, strict=True):
         most = largest(parts)
         width = f"±{100.0 * Z95 * parts[most]:.0f}{NBSP}%"
-        told.setdefault(most.replace("_", " "), []).append(f"{width} {axle}")
-    return ", ".join(f"{part} ({', '.join(of)})" for part, of in told.items())
+        by_part.setdefault(most.replace("_", " "), []).append(f"{width} {axle}")
+    return ", ".join(f"{part} ({', '.join(of)})" for part, of in by_part.items())
 
 
-def advice_lines(axles: Iterable[Parts], of: str = RAMP) -> list[str]:
+def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
     """What narrows the 95 % intervals, and by how much, the most useful first; [] if nothing does.
 
-    ``axles`` budgets of front and rear pads in turn; of several the widest counts. How far the
-    shares of `budget.csv` hold on the reference car is in `tests/fitting/test_advice.py`.
+    ``axles`` budgets of front and rear pads in turn; the widest of each counts. The shares of
+    `budget.csv` are tested on the reference car in `tests/fitting/test_advice.py`.
 
     >>> advice_lines([{"mass": 0.005, "noise": 0.02}, {"mass": 0.005, "noise": 0.04}])
     ['brake twice as long: front ±4 % -> ±3 %, rear ±8 % -> ±6 %']
     """
-    given = list(axles)
-    widest = [max(side, key=_sigma) for side in (given[::2], given[1::2]) if side]
-    found = []
-    for one in _useful(of):
-        left = [one.left(parts) for parts in widest]
+    budgets = list(axles)
+    widest = [max(side, key=_sigma) for side in (budgets[::2], budgets[1::2]) if side]
+    lines = []
+    for advice in _useful(kind):
+        reduced = [advice.remaining(parts) for parts in widest]
         widths = [
             (axle, *(f"±{100.0 * Z95 * x:.0f} %" for x in (_sigma(parts), after)))
-            for axle, parts, after in zip(AXLE_NAMES.values(), widest, left, strict=False)
+            for axle, parts, after in zip(AXLE_NAMES.values(), widest, reduced, strict=False)
         ]
         if gains := [f"{axle} {a} -> {b}" for axle, a, b in widths if a != b]:
-            found.append((math.prod(left), f"{one.do}: {', '.join(gains)}"))
-    return [line for _, line in sorted(found)]
+            lines.append((math.prod(reduced), f"{advice.do}: {', '.join(gains)}"))
+    return [line for _, line in sorted(lines)]
 
 
-def summary(front: Parts, rear: Parts, of: str = RAMP) -> dict[str, object]:
-    """Both axles for a JSON file: their parts, the largest of each, and what shrinks it."""
+def summary(front: Parts, rear: Parts, kind: str = RAMP) -> dict[str, object]:
+    """Both axles for a JSON file: their parts, the largest of each, and what reduces it."""
     axles = {"front": front, "rear": rear}
     most = {axle: largest(parts) for axle, parts in axles.items()}
-    shrinks = {p: min(_useful(of), key=lambda one: one.leaves.get(p, 2.0)) for p in most.values()}
-    told = {axle: {"part": p, "do": shrinks[p].do} for axle, p in most.items()}
-    return {**axles, "largest": told}
+    shrinks = {
+        p: min(_useful(kind), key=lambda advice: advice.leaves.get(p, 2.0)) for p in most.values()
+    }
+    advice = {axle: {"part": p, "do": shrinks[p].do} for axle, p in most.items()}
+    return {**axles, "largest": advice}
 
 
-def _useful(of: str) -> list[_Advice]:
-    return [one for one in _ADVICE if one.of in ("", of)]
+def _useful(kind: str) -> list[_Advice]:
+    return [advice for advice in _ADVICE if advice.budget in ("", kind)]
 
 
 def _sigma(parts: Parts) -> float:
@@ -159,10 +164,10 @@ def _sigma(parts: Parts) -> float:
 def axle_parts(
     vehicle: Vehicle, log_ratio: float, level: _Variances, ratio: _Variances
 ) -> tuple[Parts, Parts]:
-    """Parts of front and rear pads by those of their ``level`` and their ``ratio``.
+    """Parts of front and rear pads, from those of their ``level`` and their ``ratio``.
 
-    The ratio of the pads, ``log_ratio`` as of `front_share`, moves each axle by the other one's
-    share of the brake force.
+    The pads' ratio (``log_ratio`` as of `front_share`) moves each axle by the other one's share of
+    the brake force.
     """
     share = front_share(vehicle, log_ratio)
     front, rear = (
@@ -173,10 +178,9 @@ def axle_parts(
 
 
 class PadLevels(NamedTuple):
-    """Logarithms [1], against the pads of the vehicle file.
+    """Logarithms [1] over the pads of the vehicle file.
 
-    ``level`` of the brake force of both axles per pressure, which the sum of forces fixes;
-    ``ratio`` of the pads, front over rear.
+    ``level`` of the brake force of both axles per pressure; ``ratio`` of the pads, front over rear.
     """
 
     level: float
@@ -184,7 +188,7 @@ class PadLevels(NamedTuple):
 
 
 def grade(vehicle: Vehicle) -> float:
-    """Standard deviation of ln of the pads' level over that of the file, by their grade [1]."""
+    """Standard deviation of ln of the pads' level over the file's, by their grade [1]."""
     return vehicle.front.pad_friction_tolerance or CAR.log_pad_ratio.sigma / math.sqrt(2.0)
 
 

@@ -1,8 +1,8 @@
-"""The differences of two tables, and whether they are one fit, computed on two kinds of computer.
+"""The differences of two tables, and whether both are the same fit.
 
-Sums of floating-point numbers are rounded in another order on another processor, so the numbers of
-one fit differ from the seventh digit on. Two tables are the same where they were made by one
-program from the same logs, vehicle and settings, and no number differs by more than `TOLERANCE`.
+Processors round sums in another order, so the numbers of one fit differ from the seventh digit on.
+Two tables are the same fit where program, logs, vehicle and settings are equal, and no number
+differs by more than `TOLERANCE`.
 """
 
 import hashlib
@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
 from calib.table.maps import MAPS, Map, PadMap, columns
-from calib.table.table import Array, Table, Value
+from calib.table.table import Table, Value
 
 TOLERANCE = 1e-5
 """Largest difference of two numbers over the largest of their list or column [1].
@@ -30,12 +31,12 @@ _VALUE = {"value", "sigma"}
 """Keys of a fitted value in a record."""
 
 _RESULTS = ("calibration", "effects", "noise", "quality")
-"""Sections of the record that hold numbers of the fit; its words follow from them."""
+"""Sections of the record that hold numbers of the fit."""
 
-_SURE = 0.95  # share of the stops on which the verdict on a map rests [1]
+_SURE = 0.95  # share of the stops that decides the verdict on a map [1]
 
 _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
-"""Verdicts on two tables; the second where nothing differs by more than the 95 % bands of both."""
+"""Verdicts on two tables; the second where no difference exceeds the 95 % bands of both."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,8 @@ class _CurveGap:
 
     The axis is eta or slip; that of a map is z, over the part that both have of its other axes.
     ``largest`` the b - a of largest magnitude, ``at`` its place; ``rms`` over the axis, or over the
-    cells of a map;
-    ``in_bands`` largest magnitude over the combined 95 % half-width, infinite without a band.
+    cells of a map; ``in_bands`` largest magnitude over the combined 95 % half-width, infinite
+    without a band.
     """
 
     curve: str
@@ -78,11 +79,10 @@ class _ValueGap:
 
 @dataclass(frozen=True)
 class Difference:
-    """``curves`` with a common axis, the names of those ``apart``; ``values`` of pads and draws.
+    """Differences of two tables.
 
-    Apart are curves and maps without a common axis.
-
-    ``changes`` by section of the record: vehicle, quality, provenance and so on, if not equal.
+    ``curves`` and maps with a common axis, names of those without one in ``apart``; ``values`` of
+    pads and draws; ``changes`` of the record by section: vehicle, quality, provenance and so on.
     """
 
     curves: tuple[_CurveGap, ...]
@@ -146,22 +146,22 @@ def _common(a: Map, b: Map) -> list[Array]:
     axes = []
     for x, y in zip(a.axes.values(), b.axes.values(), strict=True):
         start, end = max(x[0], y[0]), min(x[-1], y[-1])
-        both = np.union1d(x, y)
-        axes.append(both[(both >= start) & (both <= end)])
+        values = np.union1d(x, y)
+        axes.append(values[(values >= start) & (values <= end)])
     return axes if all(axis.size for axis in axes) else []
 
 
 def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
-    """Both are linear along each axis between their cells, so the largest gap is at one of them.
+    """Gap of one column of two maps on the same cells; they are linear in between.
 
-    ``in_bands`` is what 95 % of the stops do not exceed, as bands of 95 % promise no more: a cell
-    counts by the share of the stops that are seen there, and one that no stop shows is all prior.
+    ``in_bands`` is the value that 95 % of the stops do not exceed, as 95 % bands promise no more. A
+    cell counts by the share of the stops in it.
     """
     gap = getattr(b, column) - getattr(a, column)
     ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
     band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
     worst = int(np.argmax(np.abs(gap)))
-    # how many of the stops are seen at each cell; alike where the map does not say
+    # share of the stops in each cell; equal where the map has none
     shares = (m.share if isinstance(m, PadMap) else np.ones_like(m.z) for m in (a, b))
     return _CurveGap(
         curve=name,
@@ -175,7 +175,7 @@ def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
 
 
 def _usual(x: Array, weights: Array) -> float:
-    """What 95 % of the ``weights`` (n,) do not exceed of ``x`` (n,)."""
+    """Quantile `_SURE` of ``x`` (n,) with ``weights`` (n,)."""
     order = np.argsort(x)
     below = np.cumsum(weights[order])
     return float(x[order][np.searchsorted(below, _SURE * below[-1])]) if below[-1] > 0.0 else 0.0
@@ -236,13 +236,13 @@ def _gap(
 def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:
     """The keys of two records that differ, by section."""
     first, second = _flat(_record(a)), _flat(_record(b))
-    found: dict[str, tuple[_RecordChange, ...]] = {}
+    changed: dict[str, tuple[_RecordChange, ...]] = {}
     for key in sorted({*first, *second}):
         if first.get(key) != second.get(key):
-            section, _, rest = key.partition(".")
-            one = _RecordChange(rest or section, first.get(key), second.get(key))
-            found[section] = (*found.get(section, ()), one)
-    return found
+            section, _, subkey = key.partition(".")
+            change = _RecordChange(subkey or section, first.get(key), second.get(key))
+            changed[section] = (*changed.get(section, ()), change)
+    return changed
 
 
 def _record(table: Table) -> dict[str, Any]:
@@ -271,15 +271,15 @@ def _flat(value: object, path: str = "") -> dict[str, str]:
 
 
 def inputs(record: dict[str, Any]) -> str:
-    """SHA-256 over everything in a record that was given to the fit, and over the program.
+    """SHA-256 over the inputs of the fit in a record, and over the program.
 
-    The numbers of a log's fingerprint follow from the log.
+    Fingerprints follow from the logs, so their numbers do not count.
     """
     origin = record["provenance"]
     logs = [{**log, "fingerprint": "fingerprint" in log} for log in origin["logs"]]
-    given = {name: record.get(name) for name in ("name", "vehicle")}
-    given["provenance"] = {**origin, "logs": logs}
-    return hashlib.sha256(canonical_json(given)).hexdigest()
+    inputs_of_fit = {name: record.get(name) for name in ("name", "vehicle")}
+    inputs_of_fit["provenance"] = {**origin, "logs": logs}
+    return hashlib.sha256(canonical_json(inputs_of_fit)).hexdigest()
 
 
 def same(a: Table, b: Table) -> bool:

@@ -1,8 +1,8 @@
 """A table as an ECU reads it: on fewer breakpoints, in integers or in single precision.
 
-`calib.exports` writes these numbers, and `as_exported` gives them as a table, so that what is
-proved is what is handed out. The axes of a map are rounded first and its cells are those that the
-whole map has there, so that a coarse axis costs no error of its own.
+`calib.exports` writes these numbers, and `as_exported` returns them as a table, so that validation
+judges what is exported. The axes of a map are rounded first, and its cells are read from the whole
+map there: rounding an axis adds no error.
 """
 
 import math
@@ -14,8 +14,9 @@ import numpy as np
 from calib.base.arrays import Array, Index
 from calib.base.errors import ExchangeError
 from calib.table.breakpoints import FEWEST, Misfit, place, place_weighted
+from calib.table.curves import DifferenceCurve, PaperCurves, TyreCurve
 from calib.table.maps import MAPS, Map
-from calib.table.table import DifferenceCurve, PaperCurves, Table, TyreCurve
+from calib.table.table import Table
 
 BITS = (8, 16, 32)
 """Widths of the signed integer types of C [bit]."""
@@ -28,7 +29,7 @@ FINEST = 52
 class Fixed:
     """Integers ``raw`` (n,) of ``bits``: value = origin + raw * 2^-shift, the finest that fits.
 
-    ``error`` the largest rounding error, as the values: 2^-(shift + 1) at most.
+    ``error`` largest rounding error, in the unit of the values: at most 2^-(shift + 1).
     """
 
     raw: Index
@@ -72,34 +73,36 @@ def _finest(largest: float, most: int) -> int:
 
 def fixed_axis(label: str, values: Array, bits: int, origin: float) -> Fixed:
     """Axis as integers that still increase strictly. Raises ExchangeError when they do not."""
-    found = to_fixed(values, bits, origin)
-    if np.any(np.diff(found.raw) <= 0):
+    fixed = to_fixed(values, bits, origin)
+    if np.any(np.diff(fixed.raw) <= 0):
         raise ExchangeError(
             f"in {bits} bits some breakpoints become equal",
             where=label,
             expected="an axis that increases strictly",
             do="take fewer points or more bits",
         )
-    return found
+    return fixed
 
 
 _Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
 
 
 LEAST_BITS = 16
-"""Least bits of the axes of a map, and of the scalars of a table with maps: (eta - 1)/z is dense
-near 0 and reaches far, and 8 bits would be 0.8 % off in the mass, and so in every pad."""
+"""Least bits of the axes of a map and of the scalars of a table.
+
+(eta - 1)/z needs small steps near 0 and a wide range. 8 bits would make mass and pads 0.8 % wrong.
+"""
 
 
 _UNREAD = ("share", "prior")
-"""Columns that say how much a map knows, and give no answer."""
+"""Columns that the estimator does not read."""
 
 _NARROWEST = 1e-3
-"""Least width of bounds in the weights of the breakpoints [1]."""
+"""Lower limit of the width of bounds in the weights of breakpoints [1]."""
 
 
 class Written(NamedTuple):
-    """Numbers (n,), in double or rounded to single precision, and their integers if there are."""
+    """Numbers (n,) in double or single precision, and their integers in fixed point."""
 
     values: Array
     fixed: Fixed | None = None
@@ -131,21 +134,21 @@ class Precision:
     def __str__(self) -> str:
         points = "all rows" if self.points is None else f"{self.points} breakpoints"
         width = "single" if self.single else "double"
-        told = f"{points}, {self.bits} bits" if self.bits else f"{points}, {width} precision"
-        return f"C code, {told}" if self.code else told
+        precision = f"{points}, {self.bits} bits" if self.bits else f"{points}, {width} precision"
+        return f"C code, {precision}" if self.code else precision
 
     @property
     def wide(self) -> "Precision":
-        """The same with `LEAST_BITS` or more: for the few numbers on which all others count."""
+        """The same with at least `LEAST_BITS`: for axes and scalars."""
         return replace(self, bits=max(self.bits, LEAST_BITS)) if self.bits else self
 
     @property
     def floating(self) -> int:
-        """Bits of the floating point that an ECU computes with: it reads integers in single."""
+        """Bits of the floating point in the ECU, which reads integers into single precision."""
         return 32 if self.single or self.bits else 64
 
     def computed(self, values: Array) -> Array:
-        """Numbers as that floating point holds them."""
+        """Numbers rounded to that floating point."""
         return values.astype(np.float32).astype(np.float64) if self.floating == 32 else values
 
     def numbers(self, values: Array) -> Written:
@@ -158,7 +161,7 @@ class Precision:
         """An axis, counted from ``origin``. Raises ExchangeError if it no longer increases."""
         if self.bits is not None:
             fixed = fixed_axis(name, values, self.bits, origin)
-            # code searches an axis in the floating point that it computes with
+            # C code searches an axis in floating point
             return Written(self.computed(fixed.values)) if self.code else Written(values, fixed)
         written = self.numbers(values)
         if np.any(np.diff(written.values) <= 0.0):
@@ -190,7 +193,7 @@ class Precision:
 class WrittenMap:
     """A map as it is written: ``axes`` and ``columns`` by name; ``misfit`` of each axis.
 
-    The misfit is that of the breakpoints alone, over the cells of the whole map.
+    The misfit is that of the reduced map at the cells of the whole one.
     """
 
     axes: dict[str, Written]
@@ -198,53 +201,54 @@ class WrittenMap:
     misfit: dict[str, Misfit]
 
 
-def written_map(held: Map, how: Precision, label: str) -> WrittenMap:
-    """A map on at most ``how.points`` values of each axis; ``label`` names it in an error."""
-    kept = {name: x[_rows(held, i, how.points)] for i, (name, x) in enumerate(held.axes.items())}
-    axes = {name: how.wide.axis(f"{label}, {name}", x) for name, x in kept.items()}
-    at = held.on([axis.read for axis in axes.values()])
-    columns = {name: how.numbers(getattr(at, name)) for name in held.names}
-    return WrittenMap(axes, columns, _misfit(held, at))
+def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
+    """A map with at most ``how.points`` values on each axis; ``label`` names it in an error."""
+    values = {
+        name: x[_rows(whole, i, how.points)] for i, (name, x) in enumerate(whole.axes.items())
+    }
+    axes = {name: how.wide.axis(f"{label}, {name}", x) for name, x in values.items()}
+    reduced = whole.on([axis.read for axis in axes.values()])
+    columns = {name: how.numbers(getattr(reduced, name)) for name in whole.names}
+    return WrittenMap(axes, columns, _misfit(whole, reduced))
 
 
-def _rows(held: Map, i: int, points: int | None) -> Index:
-    """Values of axis ``i`` to keep, by all slices along it of every column that is read.
+def _rows(whole: Map, i: int, points: int | None) -> Index:
+    """Values of axis ``i`` to keep, for the slices of all columns that are read.
 
-    An error counts as often as stops show the cell, and over the width of the bounds there: where
-    they are wide the map says little.
+    An error is weighed by the share of stops in the cell, and over the width of the bounds there.
     """
-    x = [*held.axes.values()][i]
+    x = [*whole.axes.values()][i]
     if points is None:
         return np.arange(x.size)
-    names = [name for name in held.names if name not in _UNREAD]
-    lower, upper = (held.grid(held.bounded[0] + end) for end in ("_lower", "_upper"))
-    shown = held.grid("share") if "share" in held.names else 1.0
+    names = [name for name in whole.names if name not in _UNREAD]
+    lower, upper = (whole.grid(whole.bounded[0] + end) for end in ("_lower", "_upper"))
+    shown = whole.grid("share") if "share" in whole.names else 1.0
     narrow = shown / np.maximum(upper - lower, _NARROWEST) ** 2
     slices, weights = (
         np.concatenate([np.moveaxis(grid, i, -1).reshape(-1, x.size) for grid in grids])
-        for grids in ([held.grid(name) for name in names], [narrow] * len(names))
+        for grids in ([whole.grid(name) for name in names], [narrow] * len(names))
     )
     return place_weighted(x, slices, weights, max(points, FEWEST))
 
 
-def _misfit(held: Map, reduced: Map) -> dict[str, Misfit]:
-    """Errors of a reduced map at the cells of the whole one, the same for each axis but its place.
+def _misfit(whole: Map, reduced: Map) -> dict[str, Misfit]:
+    """Errors of a reduced map at the cells of the whole one, with their place on each axis.
 
     Both are linear along each axis between these cells, so the largest error is at one of them.
     """
-    again = reduced.on([*held.axes.values()])
-    bounded = [name + end for name in held.bounded for end in ("_lower", "", "_upper")]
-    gaps = np.array([getattr(again, name) - getattr(held, name) for name in bounded])
-    row = int(np.argmax(np.abs(gaps))) % held.z.size
+    again = reduced.on([*whole.axes.values()])
+    bounded = [name + end for name in whole.bounded for end in ("_lower", "", "_upper")]
+    gaps = np.array([getattr(again, name) - getattr(whole, name) for name in bounded])
+    row = int(np.argmax(np.abs(gaps))) % whole.z.size
     worst, rms = float(np.abs(gaps).max()), float(np.sqrt(np.mean(gaps**2, axis=1).max()))
-    return {name: Misfit(worst, float(getattr(held, name)[row]), rms) for name in held.AXES}
+    return {name: Misfit(worst, float(getattr(whole, name)[row]), rms) for name in whole.AXES}
 
 
 def as_exported(table: Table, how: Precision) -> Table:
     """The curves and maps of a table as an ECU reads them in an export of this precision.
 
-    Bands, counts and flags of the curves are those of the rows that are kept. Mass, lengths and
-    pads are not rounded here: of a table with maps they have 16 bits or more, 0.003 % at most.
+    Curves have the bands, counts and flags of the rows that remain. Mass, lengths and pads are not
+    rounded here: an export has them with 16 bits or more, so within 0.003 %.
     Raises ExchangeError as `Precision`.
     """
     p, d, g = table.paper, table.difference, table.tyre
@@ -252,10 +256,10 @@ def as_exported(table: Table, how: Precision) -> Table:
     of_tyre = how.rows("slip", g.slip, g.force[None])
     maps = {}
     for name in MAPS:
-        held = getattr(table, name)
-        made = written_map(held, how, name)
-        columns = {key: one.read for key, one in made.columns.items()}
-        maps[name] = held.of([axis.read for axis in made.axes.values()], **columns)
+        whole = getattr(table, name)
+        written = written_map(whole, how, name)
+        columns = {key: column.read for key, column in written.columns.items()}
+        maps[name] = whole.from_grids([axis.read for axis in written.axes.values()], **columns)
     return replace(
         table,
         paper=_curve(p, rows, how, "eta", 1.0, "f1", "f2"),
@@ -266,9 +270,9 @@ def as_exported(table: Table, how: Precision) -> Table:
 
 
 def _curve(
-    held: _Curve, rows: Index, how: Precision, axis: str, origin: float, *names: str
+    curve: _Curve, rows: Index, how: Precision, axis: str, origin: float, *names: str
 ) -> _Curve:
-    """The kept rows of a curve, its axis and the columns ``names`` as they are read."""
-    columns = {name: column[rows] for name, column in vars(held).items()}
+    """Some ``rows`` of a curve, with its axis and the columns ``names`` as an ECU reads them."""
+    columns = {name: column[rows] for name, column in vars(curve).items()}
     read = {name: how.numbers(columns[name]).read for name in names}
-    return type(held)(**{**columns, **read, axis: how.axis(axis, columns[axis], origin).read})
+    return type(curve)(**{**columns, **read, axis: how.axis(axis, columns[axis], origin).read})

@@ -1,18 +1,19 @@
 """Conditions that every table must satisfy.
 
-Each check takes a table and yields its violations in words; `violations` runs them all. They use
-the table alone: only hold-outs can show whether the fit is good.
+Each check yields its violations in words; `violations` runs them all. They concern the table alone:
+only hold-outs show whether a fit is good.
 """
 
 from collections.abc import Iterator
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.digest import canonical_json
 from calib.base.errors import not_finite
 from calib.car.forces import axle_loads
 from calib.table.maps import MAPS, Map, columns
-from calib.table.table import COLUMNS, Array, Table
+from calib.table.table import COLUMNS, Table
 
 _TOLERANCE = 1e-9
 """Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
@@ -38,8 +39,8 @@ def _maps(table: Table) -> Iterator[tuple[str, Map]]:
 
 
 def _shapes(table: Table) -> Iterator[str]:
-    for curve, held in _columns(table):
-        shapes = {column.shape for column in held.values()}
+    for curve, part in _columns(table):
+        shapes = {column.shape for column in part.values()}
         if len(shapes) != 1 or len(shapes.copy().pop()) != 1:
             yield f"{curve}: columns of different shapes {sorted(shapes)}"
         elif shapes.pop()[0] < 2:

@@ -1,7 +1,7 @@
-"""The maps of a table: what an ECU sees, and what the pads then are, with 95 % bounds.
+"""The maps of a table: the pads, given what an ECU measures, with 95 % bounds.
 
-They average over all that the ramp left open and over all that a stop may bring. Columns are flat,
-row-major over the axes, so that a map is a plain table in every file format.
+The bounds hold what the ramp left open and what a stop may bring. Columns are flat, row-major over
+the axes, so that a map is a plain table in every file format.
 """
 
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ from calib.base.arrays import Array
 
 @dataclass(frozen=True)
 class Map:
-    """Columns (n,) over every combination of the `AXES`, each once, ``z`` (n,) the slowest.
+    """Columns (n,) over every combination of the `AXES`, with ``z`` (n,) the slowest.
 
-    Between its cells a map is linear along each axis; beyond its ends the nearest end holds.
+    A map is linear along each axis between its cells, and held beyond its ends.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z",)
@@ -25,7 +25,7 @@ class Map:
     z: Array
 
     @classmethod
-    def of(cls, axes: Sequence[Array], **grids: Array) -> Self:
+    def from_grids(cls, axes: Sequence[Array], **grids: Array) -> Self:
         """The map of ``grids`` by column, each of the shape of ``axes`` in the order of `AXES`."""
         flat = [x.ravel() for x in np.meshgrid(*axes, indexing="ij")]
         columns = {name: np.ravel(grid) for name, grid in grids.items()}
@@ -63,13 +63,13 @@ class Map:
         return column.reshape(self.shape)
 
     def on(self, axes: Sequence[Array]) -> Self:
-        """The map as it is read at every combination of other axes, in the order of `AXES`."""
+        """The map, interpolated to other axes in the order of `AXES`."""
         read = Reader(self, self.names)(*np.meshgrid(*axes, indexing="ij"))
-        return self.of(axes, **dict(zip(self.names, read, strict=True)))
+        return self.from_grids(axes, **dict(zip(self.names, read, strict=True)))
 
 
 class Reader:
-    """Columns of a map, read between its cells, linear along each axis, held at its ends."""
+    """Reader of columns of a map: linear along each axis, held beyond its ends."""
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
         from scipy.interpolate import RegularGridInterpolator
@@ -85,25 +85,24 @@ class Reader:
         end = np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1)
         return points[end] - points[end - 1]
 
-    def __call__(self, *at: Array) -> Array:
-        """All columns, in their shape (c, ...), at points, one array (...) for each axis."""
-        held = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(at, self.axes, strict=True)]
-        read = np.moveaxis(self._read(np.stack(held, axis=-1)), -1, 0)
+    def __call__(self, *points: Array) -> Array:
+        """Return the columns at ``points``, one array (...) for each axis; shape (c, ...)."""
+        clipped = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(points, self.axes, strict=True)]
+        read = np.moveaxis(self._read(np.stack(clipped, axis=-1)), -1, 0)
         return np.asarray(read.reshape(*self._shape, *read.shape[1:]))
 
 
 @dataclass(frozen=True)
 class PadMap(Map):
-    """ln of the pads' ratio over what is seen. Shapes (n,), all [1].
+    """ln of the pads' ratio, given z, eta and slip. Shapes (n,), all [1].
 
-    Axes: ``z`` brake force that the zeroed deceleration demands, over the weight; ``shift``
-    (eta - 1)/z; ``slip`` how far ln(slip/z) is from its mean in this place, in standard
-    deviations. ``log_slip`` is that mean, ``log_slip_sigma`` that deviation, and ``share`` that of
-    the stops with this z which show such a shift: the same along ``slip``.
+    Axes: ``z`` brake force over the weight, by the zeroed deceleration; ``shift`` (eta - 1)/z;
+    ``slip`` ln(slip/z) less its mean ``log_slip`` at this z and shift, over its standard deviation
+    ``log_slip_sigma``. ``share`` of the stops with this z that have such a shift.
 
-    The ratio is front over rear, over that of the vehicle file. ``ratio`` and ``change``, the ln of
-    the ratio over that of the ramp, are medians, with 95 % bounds. ``prior`` is the share of the
-    answer that no reading gave: width of the bounds over the width without this reading.
+    ``ratio`` ln of front over rear pads, over that of the vehicle file; ``change`` the same over
+    that of the ramp: medians with 95 % bounds. ``prior`` width of the bounds of the ratio over
+    their width without eta and slip: 1 where these tell nothing.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
@@ -124,9 +123,9 @@ class PadMap(Map):
 
 @dataclass(frozen=True)
 class LevelMap(Map):
-    """What is known before eta is read, over z, all [1], medians with 95 % bounds.
+    """Level and ratio of the pads given z alone: medians with 95 % bounds, all [1].
 
-    ``level`` ln of the true brake force over that which the zeroed deceleration z demands;
+    ``level`` ln of the true brake force over that by the zeroed deceleration z;
     ``ratio`` and ``change`` as in `PadMap`.
     """
 
@@ -147,7 +146,7 @@ _BLOCKS = {"forms": 5, "depart_eta": 10, "depart_slip": 10}
 
 @dataclass(frozen=True)
 class Draws:
-    """Draws of all that the ramp left open, one a row, equally likely. Shapes (n,) or (n, k).
+    """Draws from the posterior of a fit, equally likely, one a row. Shapes (n,) or (n, k).
 
     ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
     ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
@@ -175,11 +174,11 @@ class Draws:
     depart_slip: Array
 
     @classmethod
-    def of(cls, **columns: Array) -> Self:
+    def from_columns(cls, **columns: Array) -> Self:
         """The draws of `columns`. Raises KeyError or TypeError where one is missing or unknown."""
         for name, count in _BLOCKS.items():
-            own = [columns.pop(f"{name}_{i}") for i in range(1, count + 1)]
-            columns[name] = np.stack(own, axis=1)
+            parts = [columns.pop(f"{name}_{i}") for i in range(1, count + 1)]
+            columns[name] = np.stack(parts, axis=1)
         return cls(**columns)
 
 

@@ -1,7 +1,7 @@
-"""The look-up table as a value: three curves and the maps, their origin and their uncertainty.
+"""The look-up table as a value: curves and maps, with their origin and their uncertainty.
 
-`Table.content` gives it as one JSON-able record and named float columns. The digest is over that
-canonical content, so it does not depend on how a file format packs it.
+`Table.content` returns it as a JSON-able record and named float columns. The digest is over that
+content, so no file format changes it.
 
     record  {schema, name, vehicle, calibration, budget, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
@@ -12,9 +12,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from calib.base.arrays import Array
 from calib.base.digest import content_digest
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
@@ -23,114 +21,19 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.run.same_run import Fingerprint, same_as
+from calib.table.curves import DifferenceCurve, PaperCurves, TyreCurve
 from calib.table.maps import MAPS, Draws, LevelMap, PadMap, columns
-
-Array = NDArray[np.float64]
 
 _OPTIONAL = {
     *("own_effects", "empirical", "notes", "fingerprint", "warnings", "spread"),
     *("identity", "parents", "pad_friction_tolerance"),
 }
-"""Keys that a record does not have where there is nothing to say."""
-
-MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
-"""Flags of a cell: with enough blocks, between such cells, beyond them."""
-
-
-@dataclass(frozen=True)
-class DifferenceCurve:
-    """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
-
-    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` as above; ``own``
-    share of the variance that another run of the same car would draw anew, 0 in a mean of cars.
-    """
-
-    eta: Array
-    D: Array
-    lower: Array
-    upper: Array
-    count: Array
-    flag: Array
-    own: Array
-
-    @property
-    def peak(self) -> tuple[float, float]:
-        """(eta, D) [1] where the magnitude of D is largest."""
-        i = int(np.argmax(np.abs(self.D)))
-        return float(self.eta[i]), float(self.D[i])
-
-    @property
-    def band_width(self) -> float | None:
-        """Half width of the band over D where D is largest [1]; None where D is 0."""
-        i = int(np.argmax(np.abs(self.D)))
-        half = 0.5 * float(self.upper[i] - self.lower[i])
-        return half / abs(float(self.D[i])) if self.D[i] else None
-
-
-@dataclass(frozen=True)
-class PaperCurves:
-    """f1, f2 of (11), (12) and Fig. 6 over eta, where they are single-valued. Shapes (n,), all [1].
-
-    ``z`` deceleration of the ramp at that eta; the rest as in `DifferenceCurve`. (18) holds in
-    every row.
-    """
-
-    eta: Array
-    z: Array
-    f1: Array
-    f1_lower: Array
-    f1_upper: Array
-    f2: Array
-    f2_lower: Array
-    f2_upper: Array
-    count: Array
-    flag: Array
-
-    @property
-    def known(self) -> NDArray[np.bool_]:
-        """Rows that rest on measurements, (n,); eta of 1, the first, is one."""
-        return np.asarray((self.flag != EXTRAPOLATED) | (np.arange(self.flag.size) == 0))
-
-    @property
-    def decelerations(self) -> tuple[float, float]:
-        """Least and greatest z [1] of all rows, extrapolated ones too."""
-        return _ends(self.z)
-
-    @property
-    def usable(self) -> tuple[float, float]:
-        """Least and greatest z [1] of the known rows: the range in which the table is usable."""
-        return _ends(self.z[self.known])
-
-    @property
-    def usable_eta(self) -> tuple[float, float]:
-        """Least and greatest eta [1] of the known rows."""
-        return _ends(self.eta[self.known])
-
-
-def _ends(x: Array) -> tuple[float, float]:
-    return float(np.min(x)), float(np.max(x))
-
-
-@dataclass(frozen=True)
-class TyreCurve:
-    """g(slip) common to both axles, at the static mean wheel load. Shapes (n,), all [1].
-
-    The columns are those of `DifferenceCurve`.
-    """
-
-    slip: Array
-    force: Array
-    lower: Array
-    upper: Array
-    count: Array
-    flag: Array
-    own: Array
-
+"""Keys that a record lacks where their value is empty."""
 
 _CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
 
-COLUMNS: dict[str, Any] = {**_CURVES, **MAPS, "draws": Draws.of}
-"""What makes the parts of a table that are columns and no part of its record."""
+COLUMNS: dict[str, Any] = {**_CURVES, **MAPS, "draws": Draws.from_columns}
+"""Constructors of the parts of a table that are columns, by name."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +81,7 @@ class LogReference:
     fingerprint: Fingerprint | None = None
 
     def is_run_of(self, log: Log) -> bool:
-        """Whether ``log`` holds this run, also if it was cut, thinned, rounded or resampled."""
+        """Whether ``log`` is this run, even if it was cut, thinned, rounded or resampled."""
         return log.digest == self.digest or (
             self.fingerprint is not None and same_as(self.fingerprint, log)
         )
@@ -194,8 +97,10 @@ class TableReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a table comes from: ``identity`` of the car, ``parents`` that it was merged from, or
-    cars that its prior rests on, see `Table.fleet`.
+    """Where a table comes from.
+
+    ``identity`` of the car; ``parents`` tables that it was merged from, or the cars of its prior,
+    see `Table.fleet`.
     """
 
     logs: tuple[LogReference, ...]
@@ -205,13 +110,13 @@ class Provenance:
     parents: tuple[TableReference, ...] = ()
 
     def parent_of(self, log: Log) -> LogReference | None:
-        """The log of the fit that ``log`` is, or is a copy of; None for another run."""
-        return next((one for one in self.logs if one.is_run_of(log)), None)
+        """The log of the fit of which ``log`` is the run or a copy; None for another run."""
+        return next((parent for parent in self.logs if parent.is_run_of(log)), None)
 
 
 @dataclass(frozen=True)
 class TableBudget:
-    """What the pads and the tyres of a table rest on, by part, see `calib.table.budget`.
+    """Uncertainty of pads and tyres by part, see `calib.table.budget`.
 
     ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]; ``level``,
     ``ratio``, ``stiffness`` variances of those of pad level, pads' ratio and slip stiffness.
@@ -233,7 +138,7 @@ class TableBudget:
 class Scatter:
     """``between`` standard deviation between cars; ``of_mean`` standard error of their mean.
 
-    ``of_mean`` holds what differs from car to car and from run to run, not what all of them share.
+    ``of_mean`` counts what differs between cars and between runs, not errors common to all of them.
     """
 
     between: float
@@ -266,9 +171,9 @@ class Table:
 
     ``effects`` holds drag and rolling resistance with their sigma; other known effects are in the
     vehicle; ``noise`` long-run noise density of each sensor [unit * s^0.5]; ``quality`` metrics of
-    the fit; ``budget`` what the pads rest on; ``spread`` how the cars of a mean table differ.
-    ``map`` says what the pads are given what is seen, ``level_map`` what is known before, ``draws``
-    are a part of the ensemble that both are made of.
+    the fit; ``budget`` uncertainty of the pads by part; ``spread`` between the cars of a mean.
+    ``map`` has the pads' ratio given eta and slip, ``level_map`` level and ratio without them;
+    ``draws`` are some of the posterior, from which both are made.
     """
 
     name: str
@@ -308,8 +213,8 @@ class Table:
         record["vehicle"]["effects"] = effects["parameters"]
         if self.vehicle.motor_odds == Vehicle.motor_odds:
             del record["vehicle"]["motor_odds"]
-        own = self.vehicle.effects.defined_in
-        record["own_effects"] = {name: asdict(one) for name, one in own.items()}
+        described = self.vehicle.effects.defined_in.items()
+        record["own_effects"] = {name: asdict(effect) for name, effect in described}
         terms = effects["terms"]
         record["empirical"] = terms[0] if len(terms) == 1 else terms
         record["effects"] = {
@@ -322,14 +227,14 @@ class Table:
 
     @property
     def not_sensed(self) -> dict[str, str]:
-        """What an ECU cannot take out, with what it would have to know; see `not_sensed`."""
+        """Effects that an ECU cannot take out, with the signal that it lacks; see `not_sensed`."""
         apart = {"wheel_pressures": "the pressures of the wheels, which are not p_mc"}
-        needed = any(one.code in apart for one in self.warnings)
+        needed = any(warning.code in apart for warning in self.warnings)
         return not_sensed(self.vehicle.effects) | (apart if needed else {})
 
     @property
     def fleet(self) -> tuple[TableReference, ...]:
-        """The cars of its model that the prior of a fit rests on."""
+        """The cars of its model on which the prior of the fit rests."""
         return self.provenance.parents if self.spread is None else ()
 
     @property
@@ -348,7 +253,7 @@ class Table:
 
 
 def _written(value: Any) -> Any:
-    """A value without the optional keys that say nothing."""
+    """A value without optional keys that are empty."""
     if isinstance(value, dict):
         return {k: _written(v) for k, v in value.items() if v or k not in _OPTIONAL}
     return [_written(v) for v in value] if isinstance(value, list | tuple) else value

@@ -1,10 +1,7 @@
-"""Which entries of a vehicle file no log of a car can show to be wrong, and what would.
+"""Entries of a vehicle file that logs cannot show to be wrong, and what would show it.
 
-    wrong entry --> level and ratio of the pads --> within what pads of one grade have: nobody sees
-
-A ramp gives the brake force over the pressure, and by eta how the axles share it. An entry that is
-wrong moves what is called pad friction, and a warning comes only where no pads of the file's grade
-are like that.
+A wrong entry moves level and ratio of the pads. A warning comes only where no pads of the file's
+grade have such a friction, so a smaller error goes unseen.
 """
 
 import math
@@ -23,8 +20,8 @@ from calib.table.table import Table
 
 NOTHING = "nothing in these logs"
 _MOST = {"a_x": 0.08, "rolling_radius": 0.08}
-"""Mistake that the wheels show, as of `a_x_by_wheels` [1]; past half no car is like its file."""
-_RADIUS = 0.01  # how well a file knows the rolling radii: wear and inflation [1]
+"""Error that the wheels show, as of `a_x_by_wheels` [1]. For other entries it is a half."""
+_RADIUS = 0.01  # standard deviation of the rolling radii of a file: wear and inflation [1]
 _SHOWN_BY = {
     "mass": "weigh the car with driver and load (--mass)",
     "p_mc": "a gauge at a caliper, or wheel pressures",
@@ -37,12 +34,12 @@ _BRAKE = "a roller brake tester (--bench), or the drawing of the brake"
 
 
 class Unseen(NamedTuple):
-    """An ``entry`` of the vehicle file, or a channel, that may be wrong without being seen.
+    """An ``entry`` of the vehicle file, or a channel, whose error may go unseen.
 
-    ``doubt`` one sigma of what is known of it before, that the intervals count [1]; None where it
-    is taken as it is. ``front``, ``rear`` change of the pads for one of the entry, relative [1];
-    ``share_front``, ``share_rear`` of the variance of the pads that is this doubt [1]; ``up_to``
-    mistake that goes without a warning [1]; ``shown_by`` what would show it.
+    ``doubt`` its standard deviation in the intervals [1], None where they do not count it.
+    ``front``, ``rear`` relative change of the pads per relative error of the entry [1];
+    ``share_front``, ``share_rear`` of the variance of the pads by this doubt [1]; ``up_to`` largest
+    error without a warning [1]; ``shown_by`` what would show it.
     """
 
     entry: str
@@ -57,54 +54,55 @@ class Unseen(NamedTuple):
 
 
 def unseen(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
-    """What logs of a table's car do not show, the largest part of the interval first.
+    """Entries whose errors the logs of a table's car do not show, the largest doubt first.
 
-    ``v`` whether they have a reference speed; ``mass`` sigma of that of the car, relative [1].
+    ``v`` whether the logs have a reference speed; ``mass`` relative standard deviation of that of
+    the car [1].
     """
-    known = table.vehicle.mass_tolerance if mass is None else mass
-    told = [_unseen(table, *one) for one in _entries(table, v, known)]
-    told += _pads_of_file(table)
-    return sorted(told, key=lambda one: (-one.share_front - one.share_rear, one.up_to))
+    mass_sigma = table.vehicle.mass_tolerance if mass is None else mass
+    entries = [_unseen(table, *one) for one in _entries(table, v, mass_sigma)]
+    entries += _pads_of_file(table)
+    return sorted(entries, key=lambda one: (-one.share_front - one.share_rear, one.up_to))
 
 
-def unseen_line(found: list[Unseen]) -> str:
-    """The same in a line: each entry with the mistake that goes without a warning."""
-    return f"{NOTHING}: " + ", ".join(f"{x.entry} ±{100.0 * x.up_to:.0f} %" for x in found)
+def unseen_line(entries: list[Unseen]) -> str:
+    """The entries in one line, each with the largest error without a warning."""
+    return f"{NOTHING}: " + ", ".join(f"{x.entry} ±{100.0 * x.up_to:.0f} %" for x in entries)
 
 
 def _entries(
     table: Table, v: bool, mass: float
 ) -> Iterator[tuple[str, float | None, float, float]]:
-    """Entry, its doubt, and by how much it moves ln of the level and of the ratio of the pads.
+    """Entry, its doubt, and the change of ln of level and ratio of the pads per its relative error.
 
-    The ratio is partly that of the file: what eta says counts by the rest.
+    Part of the ratio comes from the file; eta gives the rest, which a wrong entry moves.
     """
-    share, read = _share(table), 1.0 - table.quality.get("pad_ratio_nominal_weight", 0.0)
+    share, by_eta = _share(table), 1.0 - table.quality.get("pad_ratio_nominal_weight", 0.0)
     yield "mass", mass, 1.0, 0.0
     yield "p_mc", None, -1.0, 0.0
     if not v:
         yield "a_x", LOG.a_x_scale.sigma, 1.0, 0.0
         yield "rolling_radius", _RADIUS, 1.0, 0.0
     for name in ("piston_area", "effective_radius"):
-        yield f"front.{name}", None, -share, -read
-        yield f"rear.{name}", None, share - 1.0, read
+        yield f"front.{name}", None, -share, -by_eta
+        yield f"rear.{name}", None, share - 1.0, by_eta
     height, ahead = _by_loads(table)
-    yield "cg_height", CAR.cg_height.sigma, 0.0, read * height
-    yield "cg_to_front_axle", CAR.cg_to_front_axle.sigma, 0.0, read * ahead
+    yield "cg_height", CAR.cg_height.sigma, 0.0, by_eta * height
+    yield "cg_to_front_axle", CAR.cg_to_front_axle.sigma, 0.0, by_eta * ahead
 
 
 def _pads_of_file(table: Table) -> Iterator[Unseen]:
-    """The friction that the file gives the pads: the weight it has in their ratio moves them.
+    """The pad frictions of the file: each moves the pads by its weight in their ratio.
 
-    They depart from a wrong one as from a wrong area, by what eta says.
+    A wrong one shows up like a wrong area of the brake.
     """
     share, weight = _share(table), table.quality.get("pad_ratio_nominal_weight", 0.0)
     for name, sign in (("front", 1.0), ("rear", -1.0)):
         area = _unseen(
             table, "", None, -share if sign > 0.0 else share - 1.0, sign * (weight - 1.0)
         )
-        of = _unseen(table, f"{name}.pad_friction", grade(table.vehicle), 0.0, sign * weight)
-        yield of._replace(up_to=area.up_to)
+        pads = _unseen(table, f"{name}.pad_friction", grade(table.vehicle), 0.0, sign * weight)
+        yield pads._replace(up_to=area.up_to)
 
 
 def _share(table: Table) -> float:

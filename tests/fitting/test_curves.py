@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.names import G
-from calib.fitting.curves import find_peak, readable_up_to, ridge
-from calib.fitting.ensemble import Ensemble, Shown
+from calib.fitting.curves import find_peak, ramp_path, readable_up_to
+from calib.fitting.ensemble import Ensemble, SlipPrediction
 from calib.fitting.fit import fit
+from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
 from calib.table.invariants import violations
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (
     CAR,
@@ -143,10 +143,10 @@ def test_peak_is_found_where_the_plant_has_it(clean, tables, name):
 
 
 def turning(z, peak):
-    """A ridge whose draws have eta as a parabola with these peaks (n,) [1]."""
+    """A path whose draws have eta as a parabola with these peaks (n,) [1]."""
     eta = 1.0 + 0.005 * (1.0 - (z / peak[:, None] - 1.0) ** 2)
     both = np.stack([eta, eta])
-    return Shown(z, eta - 1.0, eta - 1.0, both, both, eta > 0.0)
+    return SlipPrediction(z, eta - 1.0, eta - 1.0, both, both, eta > 0.0)
 
 
 def test_a_fall_that_some_draws_do_not_have_is_no_peak():
@@ -184,7 +184,7 @@ def test_forces_along_the_ridge_balance(z, compliance, log_ratio, tau, r):
         depart_eta=none,
         depart_slip=none,
     )
-    p = ridge(CAR, e, at)
+    p = ramp_path(CAR, e, at)
     F_f, F_r = p.forces[:, 0, 0]
     share = CAR.mass * G / (L_F + L_R)
     loads = share * (L_R + z * H), share * (L_F - z * H)

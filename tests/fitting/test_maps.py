@@ -8,7 +8,7 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 
 from calib.fitting import maps as module
-from calib.fitting.ensemble import Shown
+from calib.fitting.ensemble import SlipPrediction
 from calib.fitting.maps import maps
 from calib.fitting.posterior import posterior
 from calib.table.table import Value
@@ -41,7 +41,7 @@ class Toy:
     def seen(self, z):
         shift = z * (self.shift[:, None] + np.where(z > 0.5, self.jump, 0.0))
         slip = z * np.exp(self.log_slip[:, None])
-        return Shown(z, shift, slip, forces=slip, slips=slip, rolls=slip > 0.0)
+        return SlipPrediction(z, shift, slip, forces=slip, slips=slip, rolls=slip > 0.0)
 
     def level(self, z):
         return np.full(self.change.size, 0.01)
@@ -50,7 +50,7 @@ class Toy:
 def made(monkeypatch, follows, jump=0.0):
     toy = Toy(follows, jump)
     monkeypatch.setattr(module, "scenarios", lambda car, e: toy)
-    monkeypatch.setattr(module, "seen", lambda car, s, z, odds: s.seen(z))
+    monkeypatch.setattr(module, "predict_stops", lambda car, s, z, odds: s.seen(z))
     return maps(CAR, None)
 
 
@@ -168,7 +168,7 @@ def shares(true, found, of, keep):
 def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
     """The reading has no noise here; a map has at least its own, so bounds are a little wide."""
     _, pad_map, _ = table
-    at = Shown(*(x[..., 0] for x in module.seen(CAR, fresh, np.array([z]))))
+    at = SlipPrediction(*(x[..., 0] for x in module.predict_stops(CAR, fresh, np.array([z]))))
     true = fresh.log_pad_ratio if of == "ratio" else fresh.change
     where, shift = np.full(true.size, z), at.shift / z
     if sees:

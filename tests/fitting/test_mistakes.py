@@ -118,10 +118,10 @@ def test_nothing_is_named_where_nothing_explains_the_ramp():
 
 
 def test_what_no_draw_explains_is_no_reason_to_end(monkeypatch):
-    of = mistakes._Evidence._of
+    of = mistakes._Evidence._size_evidence
     monkeypatch.setattr(
         mistakes._Evidence,
-        "_of",
+        "_size_evidence",
         lambda e, h, size: (-np.inf, np.nan) if not h.code else of(e, h, size),
     )
     found = causes(noisy(ramp(REAL), 6))

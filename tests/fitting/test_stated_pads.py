@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.fitting.fit import fit
-from calib.fitting.pads import UNSAID, stated_pad_ratio
+from calib.fitting.pads import DEFAULT_PRIOR, pad_ratio_prior
 from calib.model.roller_bench import AxleOnRollers, RollerBench
 from calib.table.table import Value
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_ratio, without
@@ -39,15 +39,15 @@ def tolerant(front, rear):
 
 
 def test_tolerances_of_the_axles_are_independent_and_an_unsaid_one_is_that_of_a_grade():
-    assert stated_pad_ratio(CAR, None) == UNSAID
-    assert stated_pad_ratio(tolerant(0.03, 0.04), None) == Value(0.0, pytest.approx(0.05))
-    one = stated_pad_ratio(tolerant(None, 0.01), None)
+    assert pad_ratio_prior(CAR, None) == DEFAULT_PRIOR
+    assert pad_ratio_prior(tolerant(0.03, 0.04), None) == Value(0.0, pytest.approx(0.05))
+    one = pad_ratio_prior(tolerant(None, 0.01), None)
     assert one == Value(0.0, pytest.approx(math.hypot(0.05, 0.01), rel=0.01))
 
 
 def test_rollers_outrank_the_file():
     bench = rollers(0.0)
-    assert stated_pad_ratio(tolerant(0.03, 0.03), bench) == bench.log_pad_ratio(CAR)
+    assert pad_ratio_prior(tolerant(0.03, 0.03), bench) == bench.log_pad_ratio(CAR)
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from calib.car.beliefs import STOP, Stop, beliefs_of
 from calib.car.vehicle import WEIGHED
 from calib.fitting import maps as stops
 from calib.fitting.ensemble import DEPART_AT
-from calib.fitting.maps import scenarios, seen
+from calib.fitting.maps import predict_stops, scenarios
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 
@@ -156,7 +156,7 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
     front, rear = (
         (1.0 - s) * math.exp(0.002 * g) for s, g in ((slip_f, grown_f), (slip_r, grown_r))
     )
-    at = seen(CAR, still(), np.array([z]))
+    at = predict_stops(CAR, still(), np.array([z]))
     assert at.shift == pytest.approx(rear / front - 1.0, rel=1e-4)
     assert at.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
     assert still().level(z) == pytest.approx(0.0)
@@ -168,9 +168,14 @@ def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
     usual = still()
     along = replace(
         usual,
-        of=replace(usual.of, depart_eta=0.1 * DEPART_AT[None], depart_slip=-0.2 * DEPART_AT[None]),
+        cars=replace(
+            usual.cars, depart_eta=0.1 * DEPART_AT[None], depart_slip=-0.2 * DEPART_AT[None]
+        ),
     )
     for z in (0.1, 0.33, 0.6):
-        plain, at = seen(CAR, usual, np.array([z])), seen(CAR, along, np.array([z]))
+        plain, at = (
+            predict_stops(CAR, usual, np.array([z])),
+            predict_stops(CAR, along, np.array([z])),
+        )
         assert at.shift / plain.shift == pytest.approx(1.0 + 0.1 * z)
         assert at.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)

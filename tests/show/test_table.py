@@ -5,7 +5,7 @@ import pytest
 
 from calib.show import table as figures
 from calib.show.ramp import measure
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
+from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
 from tests.support.plot_lines import labels, line, panel
 from tests.support.reference_car import IDEAL, one_axle
 from tests.support.tables import made_table

@@ -8,7 +8,7 @@ from scipy.stats import t
 
 from calib.base.intervals import Z95
 from calib.store.mean import one_more
-from calib.table.budget import own
+from calib.table.budget import per_run
 from tests.support.cars_of_a_line import car_table
 
 
@@ -28,7 +28,7 @@ def test_the_own_error_of_a_logarithm_is_its_scatter_from_run_to_run(runs, name,
     of_ratio = [t.calibration.pad_log_ratio.value for t in runs]
     of_tyres = [np.log(t.calibration.slip_stiffness.value) for t in runs]
     seen = scatter(of_ratio if name == "ratio" else of_tyres)
-    of_run = np.sqrt(np.mean([own(getattr(t.budget, name)) for t in runs]))
+    of_run = np.sqrt(np.mean([per_run(getattr(t.budget, name)) for t in runs]))
     assert 0.65 * seen < of_run < most * seen
     if name == "ratio":
         assert np.mean([t.calibration.pad_log_ratio.sigma for t in runs]) > 4.0 * seen
@@ -36,7 +36,7 @@ def test_the_own_error_of_a_logarithm_is_its_scatter_from_run_to_run(runs, name,
 
 def test_the_own_error_of_the_pad_level_is_its_scatter(runs):
     level = scatter([np.log(t.calibration.pad_scale.value) for t in runs])
-    assert np.sqrt(own(runs[0].budget.level)) == pytest.approx(level, rel=0.4)
+    assert np.sqrt(per_run(runs[0].budget.level)) == pytest.approx(level, rel=0.4)
 
 
 def test_the_own_error_of_D_is_about_its_scatter(runs):

@@ -17,21 +17,16 @@ from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle, Vehicle
 from calib.store.record_file import Record, table_of
 from calib.store.version import Stored
-from calib.table.maps import Draws, LevelMap, PadMap
-from calib.table.table import (
+from calib.table.curves import (
     EXTRAPOLATED,
     INTERPOLATED,
     MEASURED,
-    Calibration,
     DifferenceCurve,
-    LogReference,
     PaperCurves,
-    Provenance,
-    Table,
-    TableBudget,
     TyreCurve,
-    Value,
 )
+from calib.table.maps import Draws, LevelMap, PadMap
+from calib.table.table import Calibration, LogReference, Provenance, Table, TableBudget, Value
 
 C = 27.0
 """Slip stiffness [1]."""
@@ -146,7 +141,7 @@ def made_map(z=Z, shift=SHIFT, slip=SLIP):
     axes = [np.array(z), np.array(shift), np.array(slip)]
     x, y, s = np.meshgrid(*axes, indexing="ij")
     seen = {"log_slip": x - 3.0 - y, "log_slip_sigma": 0.2 + x, "share": np.full_like(x, 0.2)}
-    return PadMap.of(axes, **_bounded(A + B_Z * x + B_SHIFT * y + B_SLIP * s), **seen)
+    return PadMap.from_grids(axes, **_bounded(A + B_Z * x + B_SHIFT * y + B_SLIP * s), **seen)
 
 
 def made_draws(n=40):

@@ -38,7 +38,10 @@ def test_the_error_reported_is_the_error_there_is(case, points):
     worst, rms = by_grid(x, y, kept)
     assert found.worst == pytest.approx(worst, abs=1e-12)
     assert found.rms == pytest.approx(rms, abs=1e-9)
-    there = [abs(np.interp(found.at, x[kept], r[kept]) - np.interp(found.at, x, r)) for r in y]
+    there = [
+        abs(np.interp(found.worst_at, x[kept], r[kept]) - np.interp(found.worst_at, x, r))
+        for r in y
+    ]
     assert max(there) == pytest.approx(found.worst, abs=1e-12)
 
 

@@ -10,7 +10,7 @@ from calib.base.plain import rows
 from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, summary
 from tests.support.tables import VEHICLE
 
-PARTS = [x for x in rows("budget.csv", "calib.table")[0] if x not in ("do", "of")]
+PARTS = [x for x in rows("budget.csv", "calib.table")[0] if x not in ("do", "budget")]
 VARIANCES = st.dictionaries(st.sampled_from(PARTS), st.floats(0.0, 1e-2), max_size=len(PARTS))
 
 
@@ -29,7 +29,9 @@ def test_every_part_has_an_advice_of_its_own(of, lacks):
     told = rows("budget.csv", "calib.table")
     for part in set(PARTS) - {*lacks}:
         do = summary({part: 0.04}, {part: 0.04}, of)["largest"]["front"]["do"]
-        assert any(row["do"] == do and row["of"] in ("", of) and row[part] for row in told), part
+        assert any(row["do"] == do and row["budget"] in ("", of) and row[part] for row in told), (
+            part
+        )
 
 
 def test_a_mass_that_was_stated_needs_no_scale():

@@ -25,13 +25,13 @@ def curved():
     ends = {"_lower": ratio - half, "": ratio, "_upper": ratio + 1.3 * half}
     columns = {f"{name}{end}": x for name in ("ratio", "change") for end, x in ends.items()}
     seen = {"log_slip": -3.0 - z + 9.0 * shift, "log_slip_sigma": 0.1 + 0.5 * z}
-    return PadMap.of(axes, **columns, **seen, share=np.ones_like(z), prior=half)
+    return PadMap.from_grids(axes, **columns, **seen, share=np.ones_like(z), prior=half)
 
 
 def test_breakpoints_are_those_where_the_map_bends():
     """Linear between two values of z and three of shift: those are kept, and nothing is lost."""
     values = np.outer([1.0, 0.2, 0.5], [0.3, -0.2, 0.4, 0.5])[..., None]
-    bent = PadMap.of(
+    bent = PadMap.from_grids(
         [np.array([0.1, 0.4, 0.8]), np.array([-0.004, 0.003, 0.008, 0.02]), np.zeros(1)],
         **dict.fromkeys(made_map().names, values) | {"share": np.ones_like(values)},
     )
@@ -51,7 +51,7 @@ def test_breakpoints_stand_where_stops_are():
     grids = {name: np.tile(values, (2, 1))[..., None] for name in made_map().names}
     grids |= {"ratio_lower": grids["ratio"] - 0.1, "ratio_upper": grids["ratio"] + 0.1}
     grids["share"] = np.tile(usual, (2, 1))[..., None]
-    whole = PadMap.of([z, shift, np.zeros(1)], **grids)
+    whole = PadMap.from_grids([z, shift, np.zeros(1)], **grids)
     made = written_map(whole, Precision(points=9), "map")
     read = np.interp(shift, made.axes["shift"].values, made.columns["ratio"].values[:9])
     assert np.max(np.abs(read - values)[usual > 0.1]) < 0.06

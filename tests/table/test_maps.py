@@ -42,7 +42,7 @@ def test_it_is_read_linearly_along_each_axis_and_clamped():
     axes = [np.sort(rng.random(n)) for n in (4, 5, 3)]
     values = rng.normal(size=(4, 5, 3))
     names = [one.name for one in fields(PadMap)][3:]
-    made = PadMap.of(axes, **dict.fromkeys(names, values))
+    made = PadMap.from_grids(axes, **dict.fromkeys(names, values))
     at = [np.linspace(-0.2, 1.2, 9), np.linspace(-0.1, 1.1, 7), np.linspace(0.0, 1.0, 5)]
     points = np.meshgrid(*(np.clip(x, a[0], a[-1]) for x, a in zip(at, axes, strict=True)),
                          indexing="ij")  # fmt: skip

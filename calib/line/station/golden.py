@@ -22,7 +22,7 @@ from calib.base.intervals import Z95
 from calib.base.random_effects import as_sigma
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import own, pad_levels
+from calib.table.budget import pad_levels, per_run
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5
@@ -94,9 +94,9 @@ def _sigma_of_pads(table: Table, golden: Table, spread: FleetScatter) -> dict[st
     )
     rests = table.budget
     parts = {
-        "level": (ours.level - theirs.level, spread.pad_level, own(rests.level)),
-        "ratio": (ours.ratio - theirs.ratio, spread.pad_ratio, own(rests.ratio)),
-        "stiffness": (math.log(stiff / usual), spread.stiffness, own(rests.stiffness)),
+        "level": (ours.level - theirs.level, spread.pad_level, per_run(rests.level)),
+        "ratio": (ours.ratio - theirs.ratio, spread.pad_ratio, per_run(rests.ratio)),
+        "stiffness": (math.log(stiff / usual), spread.stiffness, per_run(rests.stiffness)),
     }
     return {f"golden_sigma_{k}": _sigma(*part, spread.freedom) for k, part in parts.items()}
 

@@ -20,7 +20,8 @@ from calib.logs.log import Log
 from calib.run.driving_record import DrivingRecord
 from calib.run.filters import block_mean
 from calib.run.run import Run
-from calib.table.table import MEASURED, Table, TyreCurve
+from calib.table.curves import MEASURED, TyreCurve
+from calib.table.table import Table
 
 METRICS: dict[str, str] = meanings("car")
 """Every metric of the car, with its meaning."""

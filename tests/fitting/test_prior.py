@@ -10,18 +10,18 @@ from scipy.stats import norm
 
 from calib.base.warning import Measured, judged
 from calib.car.tyre_file import read_tyre
-from calib.fitting import known as module
+from calib.fitting import prior as module
 from calib.fitting.ensemble import draws_of
-from calib.fitting.known import Known, known_before, log_more
-from calib.fitting.pads import UNSAID
+from calib.fitting.pads import DEFAULT_PRIOR
 from calib.fitting.posterior import posterior
+from calib.fitting.prior import Prior, informative_priors, log_importance
 from calib.table.table import Calibration, Value
 from tests.support.plant import magic
 from tests.support.reference_car import CAR, IDEAL, noisy, prepared, ramp, with_ratio, without
 from tests.support.tyre_files import written
 
 RATIO, STIFFNESS, SIZE = 1.08, 25.0, 14
-FIELD = Known("all cars", "tyre_file", np.zeros(SIZE), np.eye(SIZE))
+FIELD = Prior("all cars", "tyre_file", np.zeros(SIZE), np.eye(SIZE))
 SHARP = np.eye(SIZE)
 SHARP[8, 8] = 0.2**2  # of the pads' ratio
 
@@ -37,7 +37,7 @@ def run():
 
 @pytest.fixture(scope="module")
 def alone(run):
-    return posterior(CAR, [run], UNSAID)
+    return posterior(CAR, [run], DEFAULT_PRIOR)
 
 
 @pytest.fixture(scope="module")
@@ -65,10 +65,10 @@ def told(known, held):
 
 def test_to_know_the_field_is_to_know_nothing(run, alone):
     """Even odds stay even, and the answer is that of the ramp."""
-    e = posterior(CAR, [run], UNSAID, known=(FIELD,))
-    assert e.held == pytest.approx(0.5, abs=0.06)
-    both = posterior(CAR, [run], UNSAID, known=(FIELD, FIELD))
-    assert both.held == pytest.approx(0.5, abs=0.08)
+    e = posterior(CAR, [run], DEFAULT_PRIOR, priors=(FIELD,))
+    assert e.prior_support == pytest.approx(0.5, abs=0.06)
+    both = posterior(CAR, [run], DEFAULT_PRIOR, priors=(FIELD, FIELD))
+    assert both.prior_support == pytest.approx(0.5, abs=0.08)
     for name in ("log_pad_ratio", "compliance_f", "load_exponent", "radius_load"):
         found, before = getattr(e, name), getattr(alone, name)
         assert np.mean(found) == pytest.approx(np.mean(before), abs=0.15 * np.std(before))
@@ -80,7 +80,7 @@ def test_a_stated_ratio_takes_the_place_of_the_prior_of_the_field(stated):
     """The density of the field, pads of a grade and a tenth 4.3 times as far, cancels."""
     r = np.linspace(-1.5, 1.5, 30_001)
     field = 0.9 * norm.pdf(r, 0.0, 0.07) + 0.1 * norm.pdf(r, 0.0, 4.3 * 0.07)
-    found = np.log(field) + log_more(stated, r) - norm.logpdf(r, stated.value, stated.sigma)
+    found = np.log(field) + log_importance(stated, r) - norm.logpdf(r, stated.value, stated.sigma)
     assert np.ptp(found) < 1e-9
 
 
@@ -88,16 +88,16 @@ def test_a_stated_ratio_multiplies_what_is_known(run):
     """By normal densities 0.83 of what says the same, with a fifth of the sigma of the field."""
     for mean, low, high in ((0.6, 0.75, 0.9), (-3.0, 0.0, 0.01)):
         known = replace(
-            FIELD, mean=np.eye(SIZE)[module.OF["log_pad_ratio"][0]] * mean, covariance=SHARP
+            FIELD, mean=np.eye(SIZE)[module.PLACES["log_pad_ratio"][0]] * mean, covariance=SHARP
         )
-        e = posterior(CAR, [run], Value(0.04, 0.01), known=(known,))
+        e = posterior(CAR, [run], Value(0.04, 0.01), priors=(known,))
         assert np.mean(e.log_pad_ratio) == pytest.approx(0.04, abs=0.004)
-        assert low < e.held[0] < high
+        assert low < e.prior_support[0] < high
 
 
 def test_the_right_tyre_file_narrows(run, alone, tyre):
-    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, [tyre()], {}))
-    assert e.held[0] > 0.6
+    e = posterior(CAR, [run], DEFAULT_PRIOR, priors=informative_priors(CAR, [tyre()], {}))
+    assert e.prior_support[0] > 0.6
     assert np.std(np.log(e.compliance_f)) < 0.9 * np.std(np.log(alone.compliance_f))
     for found, true in (
         (e.log_pad_ratio, math.log(RATIO)),
@@ -105,20 +105,20 @@ def test_the_right_tyre_file_narrows(run, alone, tyre):
         (e.compliance_r, 1.0 / STIFFNESS),
     ):
         assert inside(found, true)
-    assert not told(known_before(CAR, [tyre()], {}), e.held)
+    assert not told(informative_priors(CAR, [tyre()], {}), e.prior_support)
 
 
 @pytest.mark.parametrize("factor", [0.8, 1.25])
 def test_a_tyre_file_a_fifth_off_leaves_the_truth_inside(run, tyre, factor):
-    e = posterior(CAR, [run], UNSAID, known=known_before(CAR, [tyre(factor)], {}))
+    e = posterior(CAR, [run], DEFAULT_PRIOR, priors=informative_priors(CAR, [tyre(factor)], {}))
     assert inside(e.log_pad_ratio, math.log(RATIO))
     assert inside(e.compliance_f, 1.0 / STIFFNESS, 0.99)
 
 
 def test_a_tyre_file_that_the_ramp_contradicts_is_told_and_not_followed(run, alone, tyre):
-    known = known_before(CAR, [tyre(2.2)], {})
-    e = posterior(CAR, [run], UNSAID, known=known)
-    (said,) = told(known, e.held)
+    known = informative_priors(CAR, [tyre(2.2)], {})
+    e = posterior(CAR, [run], DEFAULT_PRIOR, priors=known)
+    (said,) = told(known, e.prior_support)
     assert (said.code, said.log) == ("tyre_file", "car")
     assert said.measured < said.expected[0] < 0.5
     assert np.mean(e.compliance_f) == pytest.approx(
@@ -135,7 +135,7 @@ def fleet():
 
     def car(seed, ratio):
         log = without(noisy(ramp(plant(ratio=ratio)), seed), "v")
-        drawn = draws_of(CAR, posterior(CAR, [prepared(log)], UNSAID), pads)
+        drawn = draws_of(CAR, posterior(CAR, [prepared(log)], DEFAULT_PRIOR), pads)
         return SimpleNamespace(draws=drawn, map=0, level_map=0)
 
     ratios = (0.93, 1.0, 1.07, 0.97, 1.04)
@@ -143,9 +143,11 @@ def fleet():
 
 
 def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
-    (one,) = known_before(CAR, (), dict(list(fleet.items())[:1]))
-    (five,) = known_before(CAR, (), fleet)
-    (many,) = known_before(CAR, (), {f"{i}{id_}": t for i in range(40) for id_, t in fleet.items()})
+    (one,) = informative_priors(CAR, (), dict(list(fleet.items())[:1]))
+    (five,) = informative_priors(CAR, (), fleet)
+    (many,) = informative_priors(
+        CAR, (), {f"{i}{id_}": t for i in range(40) for id_, t in fleet.items()}
+    )
     for of in (one, five, many):
         variance = np.diag(of.covariance)
         assert np.all(variance > module._CARS_APART)
@@ -156,9 +158,9 @@ def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
 
 def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
     other = prepared(noisy(ramp(plant(0.62 * STIFFNESS)), 3))
-    known, before = known_before(CAR, (), fleet), posterior(CAR, [other], UNSAID)
-    e = posterior(CAR, [other], UNSAID, known=known)
-    (said,) = told(known, e.held)
+    known, before = informative_priors(CAR, (), fleet), posterior(CAR, [other], DEFAULT_PRIOR)
+    e = posterior(CAR, [other], DEFAULT_PRIOR, priors=known)
+    (said,) = told(known, e.prior_support)
     assert said.code == "fleet_prior"
     assert np.mean(e.compliance_f) == pytest.approx(np.mean(before.compliance_f), rel=0.03)
     assert inside(e.log_pad_ratio, math.log(RATIO))

@@ -1,0 +1,161 @@
+"""Mistakes as hypotheses: what each does to a ramp, how likely it is before, and its sizes.
+
+A mistake is undone in a run: a force that the log lacks joins the known ones, late wheel speeds are
+put in time, a valve limits the rear pressure. Pads that differ from the vehicle file are hypotheses
+too, with nothing to undo.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.names import AXLES, G
+from calib.car.effects.hydraulics import limited
+from calib.car.forces import mean_slip
+from calib.car.vehicle import Axle, Vehicle
+from calib.model.ramp import RampRun
+
+USUAL_PADS = 0.1
+"""Standard deviation of ln of the friction of an axle's pads over the file's."""
+
+_OTHER_PADS = 0.5  # the same where the pads are not those of the file
+
+_FACTORS = (-2.0, -1.0, 0.0, 0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, *map(float, range(6, 13)), 14.0)
+"""Factors on a logged torque: another sign, one motor of two or three, the shaft of a gear."""
+_TORQUES = (150.0, 250.0, 400.0, 600.0, 900.0, 1300.0)  # of a motor, at the wheels of an axle [N m]
+_FULL = (4e5, 10e5, 20e5)  # pressures at which a motor gives all of it [Pa]
+_HANDS_OVER = (1.0, 4.0)  # speeds between which a motor hands over to the brakes [m/s]
+_KNEES, _SLOPES = (10e5, 15e5, 20e5, 25e5, 30e5), (0.2, 0.45)  # of a valve [Pa], [1]
+_DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # of the wheel speeds of an axle [s]
+_DRAGS = (1e5, 2e5, 3e5, 4.5e5, 7e5)  # residual pressures in one brake [Pa]
+_LEAST_DRIVE = 20.0  # logged torque of a braking car, below which it is noise [N m]
+
+# sizes that are tried first
+_FIRST_FACTORS, _FIRST_MOTORS = ((-1.0,), (2.0,), (9.0,)), ((250.0, 8e5), (700.0, 12e5))
+_FIRST_DELAYS, _FIRST_DRAGS = ((0.03,), (0.07,)), ((2e5,), (4.5e5,))
+_FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
+
+SCALE, MOTOR, VALVE = "drive_torque_scale", "motor_not_logged", "rear_pressure_limited"
+LATE, DRAG = "wheels_late", "brake_drags"
+"""Codes of `rules.csv`."""
+
+Size = tuple[float, ...]
+"""Parameters of a mistake: (factor,), (torque, pressure), (delay,), (pressure,), (knee, slope)."""
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A mistake by its ``code`` in `rules.csv`; "" where nothing is wrong but perhaps the pads.
+
+    ``odds`` before the ramp [1]; ``sizes`` all equally likely, of which the ``first`` are tried
+    first; ``undo`` returns a run without the mistake; ``pads`` standard deviation of ln of the
+    friction of front and rear pads over the file's [1].
+    """
+
+    code: str
+    odds: float
+    sizes: tuple[Size, ...] = ((),)
+    first: tuple[Size, ...] = ((),)
+    undo: Callable[[RampRun, Size], RampRun] | None = None
+    pads: tuple[float, float] = (USUAL_PADS, USUAL_PADS)
+    axle: str = ""
+
+
+def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
+    """Return all mistakes that these ramps may have, and pads unlike those of the file."""
+    other, usual = _OTHER_PADS, USUAL_PADS
+    for pads in ((other, usual), (usual, other), (other, other)):
+        yield Hypothesis("", 0.1, pads=pads)
+    for axle, brake in zip(AXLES, (car.front, car.rear), strict=True):
+        yield from _of_axle(car, runs, axle, brake)
+    apart = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
+    if not apart and "rear_proportioning" not in car.effects:
+        knees = tuple((knee, slope) for knee in _KNEES for slope in _SLOPES)
+        yield Hypothesis(VALVE, 0.1, knees, _FIRST_KNEES, _limited, axle="r")
+
+
+def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> Iterator[Hypothesis]:
+    """Late wheel speeds, a dragging brake, and a motor, logged wrongly or not at all."""
+    radius = brake.rolling_radius
+    delays, drags = (tuple((x,) for x in sizes) for sizes in (_DELAYS, _DRAGS))
+    yield Hypothesis(LATE, 0.01, delays, _FIRST_DELAYS, _in_time(car, axle), axle=axle)
+    undo = _with_force(axle, _dragging(brake))
+    yield Hypothesis(DRAG, 0.004, drags, _FIRST_DRAGS, undo, axle=axle)
+    logged = [np.abs(getattr(run.blocks, f"drive_{axle}")[run.braked]) for run in runs]
+    if max(float(np.max(x, initial=0.0)) for x in logged) > _LEAST_DRIVE:
+        factors = tuple((factor,) for factor in _FACTORS)
+        undo = _with_force(axle, _scaled(axle, radius))
+        yield Hypothesis(SCALE, 0.1, factors, _FIRST_FACTORS, undo, axle=axle)
+    if car.motor_odds > 0.0:
+        torques = tuple((torque, full) for torque in _TORQUES for full in _FULL)
+        undo = _with_force(axle, _motor(radius))
+        yield Hypothesis(MOTOR, car.motor_odds, torques, _FIRST_MOTORS, undo, axle=axle)
+
+
+_Force = Callable[[RampRun, Size], Array]
+"""Force [N] at the road (k,) by which a mistake slows the wheels of an axle."""
+
+
+def _with_force(axle: str, force: _Force) -> Callable[[RampRun, Size], RampRun]:
+    """Return what adds a ``force`` on the wheels of an axle to the known ones of a run."""
+
+    def undo(run: RampRun, size: Size) -> RampRun:
+        extra, name = force(run, size), f"moment_{axle}"
+        more = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
+        return replace(run, **more)
+
+    return undo
+
+
+def _scaled(axle: str, radius: float) -> _Force:
+    """Force by which a logged torque is wrong, where it needs a factor."""
+
+    def force(run: RampRun, size: Size) -> Array:
+        drive: Array = getattr(run.blocks, f"drive_{axle}")
+        return np.asarray((1.0 - size[0]) * drive * run.braked / radius)
+
+    return force
+
+
+def _motor(radius: float) -> _Force:
+    """Force of a motor that brakes with the pedal up to a torque, and hands over at low speed."""
+
+    def force(run: RampRun, size: Size) -> Array:
+        b, (torque, full), (low, high) = run.blocks, size, _HANDS_OVER
+        share = np.clip(np.maximum(b.p_f, b.p_r) / full, 0.0, 1.0)
+        share *= np.clip((b.speed - low) / (high - low), 0.0, 1.0)
+        return np.asarray(torque / radius * share * run.braked)
+
+    return force
+
+
+def _dragging(brake: Axle) -> _Force:
+    """Force of one wheel's brake with a residual pressure, until the pedal gives more."""
+    gain = brake.torque_gain * brake.pad_friction / brake.rolling_radius
+
+    def force(run: RampRun, size: Size) -> Array:
+        pressure = np.maximum(run.blocks.p_f, run.blocks.p_r)
+        return np.asarray(gain * np.maximum(size[0] - pressure, 0.0))
+
+    return force
+
+
+def _in_time(car: Vehicle, axle: str) -> Callable[[RampRun, Size], RampRun]:
+    """Return what puts late wheel speeds of an axle in time: they are those of a faster car."""
+    radius = (car.front if axle == "f" else car.rear).rolling_radius
+
+    def undo(run: RampRun, size: Size) -> RampRun:
+        b, name = run.blocks, f"omega_{axle}"
+        omega = getattr(b, name) - size[0] * G * b.z / radius
+        b = replace(b, **{name: omega})
+        slip = None if b.v is None else mean_slip(car, run.load_f, b.omega_f, b.omega_r, b.v)
+        return replace(run, blocks=b, slip=slip)
+
+    return undo
+
+
+def _limited(run: RampRun, size: Size) -> RampRun:
+    """The run with the rear pressure behind a valve."""
+    return replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, *size)))

@@ -1,0 +1,209 @@
+r"""The prior of a car before its ramps: the default prior, and informative ones of the user.
+
+    standard normal x --a prior--> coordinates, standard normal in the default prior --> a car
+
+A tyre file, or the released cars of the model, give an informative prior: a normal distribution of
+the coordinates. Half of the draws keep the default prior, so that a car which contradicts what the
+user says is still explained.
+
+    draws of each car --less the default prior--> likelihood of its ramps --> mean of the model
+
+Cars of a model scatter normally about one mean: a hierarchical model (Gelman et al., Bayesian Data
+Analysis, ch. 5).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from calib.base.arrays import Array, Index
+from calib.car.beliefs import CAR, Belief
+from calib.car.tyre import FORMS, inverse_forms
+from calib.car.tyre_file import TyreFile
+from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import DEPART_AT, Ensemble, ensemble_of, spread_evenly
+from calib.table.table import Table, Value
+
+_LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
+_NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_LOGS[1:])
+NAMES = (*["form"] * len(FORMS), *_NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
+"""Coordinates in their order: tyre forms, other nonlinear ones, and the linear ones."""
+
+PLACES = {name: [i for i, one in enumerate(NAMES) if one == name] for name in NAMES}
+"""Indices of the coordinates of each name."""
+
+DRAWN = len(FORMS) + len(_NONLINEAR)
+"""Number of coordinates that are drawn; the others enter linearly and are integrated out."""
+
+COMPLIANCE, _SIGMA, *_ = CAR.compliance
+_LESS = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE
+_LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
+_TO_LINEAR = np.array(
+    [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
+)
+"""Compliances and fall of the radii are _LINEAR + _TO_LINEAR @ (the last three coordinates)."""
+
+_BELIEFS: list[Belief] = [getattr(CAR, name) for name in NAMES]
+CENTRE, WIDTH = np.array([one[:2] for one in _BELIEFS[len(FORMS) : DRAWN]]).T
+_SPARSE = 0.6  # Dirichlet concentration of the forms: two or three make up most of a tyre
+_OTHER, _APART = 0.1, 4.3  # share of cars with other pads or a fault, and their wider scatter
+_CARS_APART = np.array([one.model for one in _BELIEFS])
+_OF_FILE = np.array([one.tyre_file / one.sigma for one in _BELIEFS])
+_UNINFORMED = 0.5  # posterior over prior variance, above which ramps are taken to say nothing
+_COUNT = 200  # effective sample size of the draws of a table
+
+
+@dataclass(frozen=True)
+class Prior:
+    """A normal prior of the coordinates, (k,) and (k, k); ``code`` of the warning against it."""
+
+    name: str
+    code: str
+    mean: Array
+    covariance: Array
+
+
+_DEFAULT = Prior("the field", "", np.zeros(len(NAMES)), np.eye(len(NAMES)))
+
+
+def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array]:
+    """Cars of standard normal ``x`` (n, DRAWN + 1), and what the linear parameters are given them.
+
+    Those are compliances and ``radius_load``: normal, with centre (n, 3) and root (n, 3, 3) of
+    their covariance. In the cars they are 1.
+    """
+    y, centre, root = (np.empty((len(x), *shape)) for shape in ((DRAWN,), (3,), (3, 3)))
+    for i, prior in enumerate((_DEFAULT, *priors)):
+        rows, factor = prior_index(x, priors) == i, np.linalg.cholesky(prior.covariance)
+        moved = prior.mean + x[rows, :DRAWN] @ factor[:, :DRAWN].T
+        y[rows], centre[rows] = moved[:, :DRAWN], _LINEAR + moved[:, DRAWN:] @ _TO_LINEAR.T
+        linear = _TO_LINEAR @ factor[DRAWN:, DRAWN:]
+        root[rows] = np.linalg.inv(np.linalg.cholesky(np.linalg.inv(linear @ linear.T))).T
+    return _cars(y), centre, root
+
+
+def prior_index(x: Array, priors: Sequence[Prior]) -> Index:
+    """Which prior each draw (n,) has: 0 the default one, then the ``priors`` in their order."""
+    from scipy.special import ndtr
+
+    shares = np.linspace(0.5, 1.0, len(priors) + 1)[:-1]
+    return np.asarray(np.searchsorted(shares, ndtr(x[:, -1])), dtype=np.int64)
+
+
+def log_importance(user_prior: Value, log_ratio: Array) -> Array:
+    """ln of the density of pads' ratios (n,) by the ``user_prior`` over that by the default one."""
+    r = log_ratio / CAR.log_pad_ratio.sigma
+    default = (1.0 - _OTHER) * np.exp(-0.5 * r**2)
+    default += _OTHER / _APART * np.exp(-0.5 * (r / _APART) ** 2)
+    return np.asarray(
+        -0.5 * ((log_ratio - user_prior.value) / user_prior.sigma) ** 2 - np.log(default)
+    )
+
+
+@cache
+def _tails() -> tuple[Array, Array]:
+    """Standard normal numbers, and scaled ratios of the pads at the same quantiles."""
+    from scipy.special import ndtr, ndtri
+
+    r = np.linspace(-9.0, 9.0, 2001)
+    below = (1.0 - _OTHER) * ndtr(r) + _OTHER * ndtr(r / _APART)
+    return ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)), r
+
+
+@cache
+def _amounts() -> tuple[Array, Array]:
+    """Standard normal numbers, and ln of Gamma distributed ones at the same quantiles."""
+    from scipy.special import gammaincinv, ndtr
+
+    x = np.linspace(-7.0, 7.0, 2001)
+    return x, np.log(gammaincinv(_SPARSE, ndtr(x)))
+
+
+def _cars(y: Array) -> Ensemble:
+    """Cars of coordinates (n, DRAWN), with linear parameters of 1."""
+    columns = y[:, len(FORMS) :].copy()
+    ratio = _NONLINEAR.index("log_pad_ratio")
+    columns[:, ratio] = np.interp(columns[:, ratio], *_tails())
+    values = dict(zip(_NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
+    values |= {name: np.exp(values[name]) for name in _LOGS}
+    values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
+    values |= dict.fromkeys(("depart_eta", "depart_slip"), np.zeros((len(y), DEPART_AT.size)))
+    return Ensemble(forms=_weights_of(y[:, : len(FORMS)]), v_late=np.zeros(len(y)), **values)
+
+
+def _coordinates(e: Ensemble) -> Array:
+    """Coordinates (n, k) of draws; of the many that give the same forms, one at random."""
+    rng = np.random.default_rng(44)
+    # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
+    amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
+    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
+    values = vars(e) | {name: np.log(getattr(e, name)) for name in _LOGS}
+    nonlinear = (np.stack([values[name] for name in _NONLINEAR], axis=1) - CENTRE) / WIDTH
+    return np.hstack([forms, nonlinear, np.linalg.solve(_TO_LINEAR, (e.linear - _LINEAR).T).T])
+
+
+def _weights_of(x: Array) -> Array:
+    """Weights of the forms (n, 5) from their standard normal coordinates (n, 5)."""
+    amount = np.exp(np.interp(x, *_amounts()))
+    return np.asarray(amount / amount.sum(axis=1, keepdims=True))
+
+
+def informative_priors(
+    car: Vehicle, tyres: Sequence[TyreFile], fleet: Mapping[str, Table]
+) -> tuple[Prior, ...]:
+    """The priors by tyre files and by cars of the model. Raises TyreError."""
+    of_cars = (_of_fleet(car, fleet),) if fleet else ()
+    return (_of_tyres(car, tyres), *of_cars) if tyres else of_cars
+
+
+def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
+    """The prior by one tyre file for both axles, or by one for the front and one for the rear."""
+    use, rows, slips = np.linspace(0.1, 0.9, 20), [], []
+    mean, sigma = np.zeros(_OF_FILE.size), _OF_FILE.copy()
+    for tyre, axle in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
+        loads = 0.5 * axle * np.array([0.8, 1.0, 1.25])
+        log_values = np.log([tyre.at(load) for load in loads])
+        falling, (stiffness, peak) = np.polyfit(np.log(4.0 * loads / car.weight), log_values, 1)
+        fall = tyre.radius_load(loads[1])
+        if fall is None:
+            fall, sigma[PLACES["radius_load"]] = CAR.radius_load.mean, 1.0
+        rows.append([*-falling, peak, np.exp(-stiffness), fall])
+        slips.append(np.interp(use, *tyre.curve(loads[1])))
+    *nonlinear, compliance, fall = np.mean(rows, axis=0)
+    for name, x in zip(("load_exponent", "peak_load_exponent", "peak"), nonlinear, strict=True):
+        mean[PLACES[name]] = (x - getattr(CAR, name).mean) / getattr(CAR, name).sigma
+    mean[DRAWN:] = np.linalg.solve(_TO_LINEAR, [rows[0][3], rows[1][3], fall] - _LINEAR)
+    sigma[PLACES["compliance"] + PLACES["log_tyre_ratio"]] *= compliance / COMPLIANCE
+    covariance, form = np.diag(sigma**2), PLACES["form"]
+    mean[form], covariance[np.ix_(form, form)] = _form(use, np.mean(slips, axis=0))
+    return Prior(" and ".join(t.name for t in tyres), "tyre_file", mean, covariance)
+
+
+def _form(use: Array, slip: Array) -> tuple[Array, Array]:
+    """Mean (5,) and covariance (5, 5) of coordinates whose form fits ``slip`` over ``use`` (k,)."""
+    from scipy.special import ndtri
+
+    x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
+    off = np.mean((_weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
+    weight = np.exp(-0.5 * (off - off.min()) / (CAR.form.tyre_file / CAR.form.sigma) ** 2)
+    return np.average(x, axis=0, weights=weight), np.cov(x.T, aweights=weight, ddof=0)
+
+
+def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Prior:
+    """The prior of one more car of the model of these tables, by name@version."""
+    identity = np.eye(_CARS_APART.size)
+    precision, pull = np.diag(1.0 / (1.0 - _CARS_APART)), np.zeros(_CARS_APART.size)
+    for table in fleet.values():
+        x = _coordinates(ensemble_of(car, table.draws))
+        v, Q = np.linalg.eigh(np.cov(x.T) + 1e-6 * identity)
+        shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # mean of an inverse Wishart
+        Q, sharp = Q[:, v < _UNINFORMED], shrink / v[v < _UNINFORMED]
+        information, pull_car = Q @ np.diag(sharp - 1.0) @ Q.T, Q @ (sharp * (Q.T @ x.mean(axis=0)))
+        through = np.linalg.inv(
+            identity + information * _CARS_APART
+        )  # of the mean, less its own scatter
+        precision, pull = precision + through @ information, pull + through @ pull_car
+    of_mean: Array = np.linalg.inv(0.5 * (precision + precision.T)).astype(np.float64)
+    return Prior("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_CARS_APART))

@@ -1,0 +1,100 @@
+"""The curves of a table: D(eta), f1(eta) and f2(eta), g(slip), with 95 % bands."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.base.arrays import Array, Mask
+
+MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
+"""Flags of a row: with enough blocks, between such rows, beyond them."""
+
+
+@dataclass(frozen=True)
+class DifferenceCurve:
+    """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
+
+    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` as above; ``own``
+    share of the variance that another run of the same car would not repeat, 0 in a mean of cars.
+    """
+
+    eta: Array
+    D: Array
+    lower: Array
+    upper: Array
+    count: Array
+    flag: Array
+    own: Array
+
+    @property
+    def peak(self) -> tuple[float, float]:
+        """(eta, D) [1] where the magnitude of D is largest."""
+        i = int(np.argmax(np.abs(self.D)))
+        return float(self.eta[i]), float(self.D[i])
+
+    @property
+    def band_width(self) -> float | None:
+        """Half width of the band over D where D is largest [1]; None where D is 0."""
+        i = int(np.argmax(np.abs(self.D)))
+        half = 0.5 * float(self.upper[i] - self.lower[i])
+        return half / abs(float(self.D[i])) if self.D[i] else None
+
+
+@dataclass(frozen=True)
+class PaperCurves:
+    """f1, f2 of (11), (12) and Fig. 6 over eta, where they are single-valued. Shapes (n,), all [1].
+
+    ``z`` deceleration of the ramp at that eta; the rest as in `DifferenceCurve`. (18) holds in
+    every row.
+    """
+
+    eta: Array
+    z: Array
+    f1: Array
+    f1_lower: Array
+    f1_upper: Array
+    f2: Array
+    f2_lower: Array
+    f2_upper: Array
+    count: Array
+    flag: Array
+
+    @property
+    def measured_rows(self) -> Mask:
+        """Rows that are not extrapolated, (n,); the first, with eta = 1, is always one."""
+        return np.asarray((self.flag != EXTRAPOLATED) | (np.arange(self.flag.size) == 0))
+
+    @property
+    def decelerations(self) -> tuple[float, float]:
+        """Least and greatest z [1] of all rows, with the extrapolated ones."""
+        return _ends(self.z)
+
+    @property
+    def usable(self) -> tuple[float, float]:
+        """Least and greatest z [1] of the measured rows: the table is usable between them."""
+        return _ends(self.z[self.measured_rows])
+
+    @property
+    def usable_eta(self) -> tuple[float, float]:
+        """Least and greatest eta [1] of the measured rows."""
+        return _ends(self.eta[self.measured_rows])
+
+
+def _ends(x: Array) -> tuple[float, float]:
+    return float(np.min(x)), float(np.max(x))
+
+
+@dataclass(frozen=True)
+class TyreCurve:
+    """g(slip) common to both axles, at the static mean wheel load. Shapes (n,), all [1].
+
+    The columns are those of `DifferenceCurve`.
+    """
+
+    slip: Array
+    force: Array
+    lower: Array
+    upper: Array
+    count: Array
+    flag: Array
+    own: Array
