@@ -109,6 +109,21 @@ def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
         console.print(part, soft_wrap=piped or isinstance(part, str))
 
 
+def show_page(text: str) -> None:
+    """Show the Markdown of a page: in a pager at the width of a terminal, else as it is."""
+    if not sys.stdout.isatty():
+        emit(text.rstrip("\n"))
+        return
+    from rich.markdown import Markdown
+
+    from calib.help.page import for_terminal
+
+    os.environ.setdefault("LESS", "FRX")  # colours and links, and no pager for one screen
+    console = _console(sys.stdout)
+    with console.pager(styles=True, links=True):
+        console.print(Markdown(for_terminal(text)))
+
+
 def emit_line(text: str) -> None:
     """Print a line on stdout at once."""
     print(printable(text), flush=True)  # noqa: T201

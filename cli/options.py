@@ -246,7 +246,7 @@ _MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the ve
 Mass = Annotated["float | None", option(_MASS, "MASS", typed=str | None, make=_mass)]
 _READ_EFFECTS = "calib.car.effects.effect_file:read_own_effects"
 EFFECT = (
-    "Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The file is "
+    "Add an effect of your own (`brake-cal manual own_effects`); may be repeated. The file is "
     "executed as Python: give only files that you trust."
 )
 OwnEffects = Annotated[

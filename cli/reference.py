@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
-from cli.console import emit, emit_json, say
+from cli.console import emit, emit_json, say, show_page
 from cli.options import OwnEffects, argument, option, require_known
 
 if TYPE_CHECKING:
@@ -109,16 +109,25 @@ def _written(value: object) -> str:
 @command("brake-cal manual", "brake-cal manual ramp")
 def manual(
     page: str | None = argument("One page; else a list.", "PAGE", known="calib.help.page:contents"),
+    *,
+    json: bool = option("Print one JSON document on stdout.", None, "--json"),
 ) -> Answer:
-    """Show the pages of the manual, or one of them."""
+    """Show the pages of the manual, or one of them.
+
+    On a terminal a page is shown by the pager that PAGER names; a pipe gets its Markdown.
+    """
     from calib.help.page import contents
     from calib.show.facts import Facts, Table
 
     pages = contents()
-    if page is not None:
-        text = pages[page].text
-        return Answer({"page": pages[page], "text": text}, text.rstrip("\n"))
-    say("brake-cal manual PAGE shows one")
-    rows = [(one.name, f"{one.title}: {one.about}") for one in pages.values()]
-    about = Table(("page", "what it is about"), rows)
-    return Answer({"pages": list(pages.values())}, Facts(tables=[about]))
+    if page is not None and json:
+        emit_json({"schema": 1, "page": pages[page], "text": pages[page].text})
+    elif page is not None:
+        show_page(pages[page].text)
+    elif json:
+        emit_json({"schema": 1, "pages": list(pages.values())})
+    else:
+        say("brake-cal manual PAGE shows one")
+        rows = [(one.name, f"{one.title}: {one.about}") for one in pages.values()]
+        emit(Facts(tables=[Table(("page", "what it is about"), rows)]))
+    return Answer({})

@@ -80,7 +80,7 @@ class Constants:
     q_slip: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
     q_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
     slowest: float = 0.3  # speed of the rims that counts, at least [m/s]
-    steering: float = math.radians(5.0)  # of the driver's wheel; acts on eta as much as the signal
+    steering: float = math.radians(5.0)  # of the driver's wheel [rad]; as large as the signal
     lateral: float = 3.0  # acceleration by the speeds of the wheels past which eta is another
     # [m/s^2]; radii 0.5 % apart, left to right, look like as much at 30 m/s
     lock: float = 0.15  # departure of a wheel from the others that only ABS or a lock shows [1]

@@ -1,14 +1,42 @@
-"""The pages of the manual and their order, which `index.md` has."""
+"""The pages of the manual and their order, which `index.md` has, and a page on a terminal.
+
+page.md --links, equations--> plain Markdown --rich--> lines of the terminal's width
+"""
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+
+from calib.help.samples import sample_logs
 
 FOLDER = Path(__file__).parents[1] / "manual"
 
 _ROW = re.compile(r"## (?P<group>.+)|- \[(?P<title>.+)\]\((?P<name>\w+)\.md\): (?P<about>.+)")
 _COMMENT = re.compile(r"^<!--.*?-->\n\n?", re.DOTALL | re.MULTILINE)
+
+_PIECE = re.compile(
+    r"^(?P<code>```.*?^```)$|^\$\$\n(?P<equation>.*?)\n\$\$$|\$(?P<symbol>[^$\n]+)\$"
+    r"|!\[(?P<caption>[^]]*)\]\(\S*?sample_logs/(?P<picture>\S+)\)"
+    r"|\[(?P<words>[^]]*)\]\((?P<page>\w+)\.md\S*?\)|\[(?P<here>[^]]*)\]\(#\S*\)",
+    re.DOTALL | re.MULTILINE,
+)
+"""What a terminal shows in another way, and code, in which nothing is changed."""
+_OF_LATEX = (
+    (r"\\mathrm\{(\w+)\}", r"\1"),
+    (r"([_^])\{(\w+)\}", r"\1\2"),
+    (r"([_^])\{([^{}]*)\}", r"\1(\2)"),
+    (r"\\(dot|hat) *(\\[A-Za-z]+|\w)", r"\2\\\1"),
+    (r"\\tag\{([^{}]*)\}", r"      (\1)"),
+    (r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
+    (r"(?<![\w)])\(([\w\\]+)\)(?=/)|(?<=/)\(([\w\\]+)\)", r"\1\2"),
+)
+"""Patterns of an equation, from the inside outwards, and what they become."""
+_SIGNS = {
+    "dot": "\u0307", "hat": "\u0302", "leq": "≤", "approx": "≈", "to": "→",
+    "quad": "   ", "left": "", "right": "", "lambda": "λ",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -39,3 +67,47 @@ def contents() -> dict[str, _Page]:
             if row["name"]:
                 pages[row["name"]] = _Page(row["name"], row["title"], row["about"], group)
     return pages
+
+
+def for_terminal(text: str) -> str:
+    """Markdown of a page with links to pages as commands, pictures as files, equations in letters.
+
+    >>> for_terminal("$F_{zf}$ of [a ramp](ramp.md#the-drive)")
+    'F_zf of a ramp (`brake-cal manual ramp`)'
+    """
+    return _PIECE.sub(_shown, text)
+
+
+def _shown(piece: re.Match[str]) -> str:
+    if piece["equation"]:
+        return "".join(f"\n    {_plain(line)}" for line in piece["equation"].splitlines()) + "\n"
+    if piece["symbol"]:
+        return _plain(piece["symbol"])
+    if piece["picture"]:
+        return f"Picture: {piece['caption']}, `{sample_logs() / piece['picture']}`"
+    if piece["page"]:
+        return f"{piece['words']} (`brake-cal manual {piece['page']}`)"
+    return piece["here"] or piece[0]
+
+
+def _plain(latex: str) -> str:
+    r"""An equation in letters and signs.
+
+    >>> _plain(r"\eta = \frac{1 - \lambda_r}{1 - \lambda_f} \tag{22}")
+    'η = (1 - λ_r)/(1 - λ_f)       (22)'
+    """
+    for pattern, plain in _OF_LATEX:
+        latex = re.sub(pattern, plain, latex)
+    return re.sub(r"\\([A-Za-z]+)", _letter, latex)
+
+
+def _letter(command: re.Match[str]) -> str:
+    """The sign or the Greek letter of a command; the name of a function."""
+    name = command[1]
+    if name in _SIGNS:
+        return _SIGNS[name]
+    size = "CAPITAL" if name[0].isupper() else "SMALL"
+    try:
+        return unicodedata.lookup(f"GREEK {size} LETTER {name}")
+    except KeyError:
+        return name

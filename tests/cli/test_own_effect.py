@@ -1,4 +1,4 @@
-"""`--effect`: what the page `vehicle_file` of the manual says, done as it is printed there."""
+"""`--effect`: what the page `own_effects` of the manual says, done as it is printed there."""
 
 import json
 import re
@@ -12,7 +12,7 @@ from tests.cli.conftest import parsed
 from tests.support.own_effects import EXAMPLE
 
 MANUAL = Path(__file__).parents[2] / "calib" / "manual"
-PAGE = (MANUAL / "vehicle_file.md").read_text().partition("## An effect of your own")[2]
+PAGE = (MANUAL / "own_effects.md").read_text()
 SEDAN = Path("sample_logs/sedan")
 VEHICLE = ("--vehicle", SEDAN / "vehicle.toml")
 FLAP = Path("sample_logs/own_effect/air_brake_flap.py")

@@ -1,16 +1,23 @@
 """The pages: contents, links, and that commands, columns, limits, codes and effects are theirs."""
 
 import re
+from dataclasses import fields
+from io import StringIO
 from pathlib import Path
 
 import pytest
 import typer.main
+from rich.cells import cell_len
+from rich.console import Console
+from rich.markdown import Markdown
 
 from calib.base.warning import UNITS
 from calib.car.effects.catalogue import CATALOGUE
 from calib.estimation.estimator import COLUMNS
 from calib.estimation.limits import DEFAULTS
-from calib.help.page import FOLDER, contents
+from calib.estimation.online import ANSWERS, CHANNELS
+from calib.help.page import FOLDER, contents, for_terminal
+from calib.table.maps import LevelMap, PadMap
 from cli.main import app
 from tests.support.gallery import PAGE, PICTURES
 from tests.support.manual import PAGES
@@ -49,6 +56,16 @@ def test_links_lead_to_files_and_headings_that_are_there(page):
         assert file.is_file(), target
         if at:
             assert at in {anchor(title) for title in titles(file)}, target
+
+
+@pytest.mark.parametrize("width", [30, 80, 120])
+def test_a_page_on_a_terminal_is_as_wide_and_has_no_link_or_equation_of_markdown(width):
+    console = Console(width=width, file=StringIO(), force_terminal=False)
+    for page in contents().values():
+        console.print(Markdown(for_terminal(page.text)))
+    lines = console.file.getvalue().splitlines()
+    assert max(map(cell_len, lines)) <= width
+    assert not [line for line in lines if re.search(r"\]\(|\$\$|\\(frac|tag|mathrm|\w*eta)", line)]
 
 
 REFERENCE = (FOLDER / "reference.md").read_text()
@@ -119,3 +136,15 @@ def test_the_pictures_are_those_of_the_page_and_small():
     text, made = PAGE.read_text(encoding="utf-8"), sorted(PICTURES.iterdir())
     assert [one.stem for one in made] == sorted(n for n in CATALOGUE if f"/{n}.png" in text)
     assert sum(one.stat().st_size for one in made) < 400e3
+
+
+GLOSSARY = (FOLDER / "glossary.md").read_text()
+END = re.compile(r"^ecu_|_(lower|upper)$|_([fr][lr]?|sum)(_(lower|upper))?$")
+"""What stands before or behind a name for another axle, wheel or bound, or for the ECU."""
+
+
+def test_columns_of_results_of_maps_and_of_the_ecu_are_in_the_glossary():
+    maps = {one.name for kind in (PadMap, LevelMap) for one in fields(kind)}
+    told = {re.sub(END, "", name) for name in re.findall(r"`(\w+)`", GLOSSARY)}
+    known = {re.sub(END, "", name) for name in {*COLUMNS, *CHANNELS, *ANSWERS, *maps}}
+    assert known - told == set()

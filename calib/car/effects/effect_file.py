@@ -1,6 +1,6 @@
 """Read an effect of the user's own: a Python file with ``EFFECT``, as the catalogue has them.
 
-The file is executed, with all that this process may do. See `brake-cal manual vehicle_file`. A hook
+The file is executed, with all that this process may do. See `brake-cal manual own_effects`. A hook
 that raises, or whose result has another form or is not finite, raises one ModelError that names
 file and line: when it is loaded, on a made run, and wherever else it goes wrong.
 """
@@ -99,7 +99,7 @@ def _read(path: Path) -> OwnEffect:
             f"EFFECT is {effect!r}",
             where=path,
             expected="EFFECT = Effect(card=Card(...), ...) at the top level",
-            do="see `brake-cal manual vehicle_file`",
+            do="see `brake-cal manual own_effects`",
         )
     validated(effect.card, _CardSection, path, ModelError)
     return OwnEffect(path.name, sha256(source).hexdigest(), effect=checked(effect, str(path)))
