@@ -52,7 +52,7 @@ def log(
 
     name, at, version = table.partition("@")
     journal = store.journal(name)
-    known = [str(number) for number in journal.of(name)]
+    known = [str(number) for number in journal.versions(name)]
     if at and version not in known:
         raise misuse(f"no version {version!r} of {name!r}; there is {', '.join(known)}", "TABLE")
     entries = [

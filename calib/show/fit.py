@@ -15,7 +15,7 @@ from calib.show.ramp import measure
 from calib.show.sheet import Sheet
 from calib.show.store import shown
 from calib.show.table import sheet
-from calib.store.figures import answer
+from calib.store.figures import usability
 from calib.store.version import Stored
 from calib.table.budget import summary as budget_summary
 from calib.table.unseen import Unseen, unseen, unseen_line
@@ -75,7 +75,7 @@ def document(found: Fitted) -> dict[str, object]:
         "path": stored.path,
         "state": stored.state.word,
         "new": not stored.existed,
-        "answer": answer(stored),
+        "answer": usability(stored),
         "calibration": table.calibration,
         "budget": budget_summary(*table.budget.axles),
         "unseen": [one._asdict() for one in _unseen(found)],

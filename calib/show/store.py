@@ -6,8 +6,13 @@ from typing import TYPE_CHECKING, Any
 from calib.base.plain import counted, plain
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.judged import budget_rows, ramp_rows
-from calib.store.figures import Row as Listed
-from calib.store.figures import answer, effect_figures, mean_figures, verdict
+from calib.store.figures import (
+    ListedVersion,
+    effect_figures,
+    mean_figures,
+    usability,
+    verdict,
+)
 from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
@@ -23,14 +28,14 @@ _ROWS = 12
 """Rows of f1 and f2 that are printed; all of them are in the JSON."""
 
 
-def listed(rows: Sequence[Listed]) -> Facts:
+def listed(rows: Sequence[ListedVersion]) -> Facts:
     """Versions of tables, told apart; those that cannot be used last, with the reason."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
     return Facts(tables=[Table(heads, list(map(_listed, rows)))], notes=flaws)
 
 
-def _listed(row: Listed) -> Sequence[str]:
+def _listed(row: ListedVersion) -> Sequence[str]:
     known = (row["id"], row["state"], row["date"][:10])
     if row["flaw"]:
         return *known, *[""] * 6
@@ -48,7 +53,7 @@ def _listed(row: Listed) -> Sequence[str]:
 
 def shown(stored: Stored) -> Facts:
     """Whether a table may be used, how good it is, and what it is made of."""
-    table, said = stored.table, answer(stored)
+    table, said = stored.table, usability(stored)
     budgets = table.budget.axles
     advice = advice_lines(budgets)
     logs = ", ".join(log.name for log in table.provenance.logs)
@@ -102,7 +107,7 @@ def shown_document(stored: Stored) -> dict[str, Any]:
         **stored.address,
         "state": stored.state.word,
         "keys": key_ids(stored),
-        "answer": answer(stored),
+        "answer": usability(stored),
         "decelerations": stored.table.paper.decelerations,
         "peak": {"eta": eta, "D": D},
         "record": record,

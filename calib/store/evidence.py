@@ -1,4 +1,4 @@
-"""Files that say how good a version is: a validation, or a car at the station."""
+"""Evidence on a version: the files of a validation, or of a car at the station."""
 
 import hashlib
 import json
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from calib.base.bounded import VALIDATION, bytes_of
 from calib.base.errors import ExchangeError, printable
+from calib.base.plain import counted
 from calib.store.state import Evidence
 from calib.store.version import Stored
 
@@ -27,7 +28,7 @@ class Quality:
 
 
 CONSISTENT = "consistent, not proved"
-"""Verdict of a validation that had nothing to hold against the table."""
+"""Verdict of a validation without truth and without v, so that no error of the table would show."""
 
 UNPROVED = Quality(_CALIBRATED, "none given with this export")
 """Quality of a table without a validation."""
@@ -73,12 +74,12 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
         ) from error
     if (summary.table, summary.digest) != (stored.id, stored.digest):
         raise _other(summary.table, summary.digest, path, stored)
-    held = [log for log in summary.logs if log.role == "hold-out"]
-    if not held:
+    holdouts = [log for log in summary.logs if log.role == "hold-out"]
+    if not holdouts:
         return Quality(_CALIBRATED, "only on logs that the table was fitted on: proves nothing")
-    passed, outcomes = summary.verdict == "passed", [f"{log.log} {log.verdict}" for log in held]
+    passed, outcomes = summary.verdict == "passed", [f"{log.log} {log.verdict}" for log in holdouts]
     verdict = CONSISTENT if passed and summary.proof == "none" else summary.verdict
-    words = f"{verdict} on {len(held)} hold-out log{'s' * (len(held) > 1)}: {', '.join(outcomes)}"
+    words = f"{verdict} on {counted(len(holdouts), 'hold-out log')}: {', '.join(outcomes)}"
     return Quality(_CHECKED if passed else PRELIMINARY, printable(words), verdict)
 
 

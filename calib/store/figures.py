@@ -1,4 +1,4 @@
-"""What a person reads of a table: may it be used, its effects, means, its row in a list."""
+"""Figures of a stored table for people: its usability, effects, means, its row in a list."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -18,10 +18,11 @@ from calib.table.table import Scatter, Table, Value
 
 
 @dataclass(frozen=True)
-class Answer:
-    """``usable`` where it is released; ``may`` says so in words.
+class Usability:
+    """May a version be used: ``usable`` if it is released, ``may`` with the reason in words.
 
-    ``decelerations`` of the known rows [1], ``ends`` what ends them; ``next`` the next step.
+    ``decelerations``: range of the known rows [g]; ``ends``: why the range ends there; ``next``:
+    the next step.
     """
 
     usable: bool
@@ -31,8 +32,8 @@ class Answer:
     next: str
 
 
-def answer(stored: Stored) -> Answer:
-    """May this table be used, how far does it reach, and what comes next."""
+def usability(stored: Stored) -> Usability:
+    """Usability of a version."""
     state, q = stored.state, stored.table.quality
     peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
     if peak is not None and q.get("eta_peak_is_real"):
@@ -44,7 +45,7 @@ def answer(stored: Stored) -> Answer:
         DRAFT: f"brake-cal validate {stored.id} STOP... --out results",
         REJECTED: "find the cause and fit the car again, or release it on new evidence",
     }
-    return Answer(
+    return Usability(
         usable=state.released,
         may=("yes: " if state.released else "no: ") + state.words,
         decelerations=stored.table.paper.usable,
@@ -54,20 +55,20 @@ def answer(stored: Stored) -> Answer:
 
 
 def verdict(stored: Stored) -> str:
-    """For what a version is usable, and up to how many g, in one line."""
-    uses = {DRAFT: "for trials, not yet for an ECU", RELEASED: "for an ECU"}
+    """State and use of a version, and its range, in one line."""
+    uses = {DRAFT: "a draft, for trials only", RELEASED: "released, for an ECU"}
     word = stored.state.word
     if word not in uses:
-        return f"{stored.id} is of no use: it is {word}"
-    return f"{stored.id} is {uses[word]}, up to {stored.table.paper.usable[1]:.2f}{NBSP}g"
+        return f"{stored.id} is {word}: do not use it"
+    return f"{stored.id} is {uses[word]}; valid up to {stored.table.paper.usable[1]:.2f}{NBSP}g"
 
 
 @dataclass(frozen=True)
 class _MeanFigure:
-    """``value`` [1] of the mean, relative half width of its 95 % interval, and sigma of the cars.
+    """Mean of several cars ``value`` [1], with shares of it [1].
 
-    ``half_width`` and ``between`` are shares of the value [1]. The interval holds what differs from
-    car to car and not what all of them share.
+    ``half_width`` of its 95 % interval, which holds the differences between the cars and not the
+    errors that all of them share; ``between`` standard deviation of the cars.
     """
 
     name: str
@@ -89,8 +90,8 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
     eta, D = table.difference.peak
     pads = pad_levels(table.vehicle, table.calibration)
 
-    def figure(name: str, value: float, of: Scatter, scale: float = 1.0) -> _MeanFigure:
-        return _MeanFigure(name, value, t95 * of.of_mean / scale, of.between / scale)
+    def figure(name: str, value: float, scatter: Scatter, scale: float = 1.0) -> _MeanFigure:
+        return _MeanFigure(name, value, t95 * scatter.of_mean / scale, scatter.between / scale)
 
     return (
         figure(f"D at eta {eta:.5f}", D, spread.D[row], abs(D)),
@@ -102,10 +103,10 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
 
 @dataclass(frozen=True)
 class _EffectFigure:
-    """A parameter of an effect: ``value`` and ``ci95`` [``unit``].
+    """A parameter of an effect: ``value`` and its 95 % interval ``ci95`` [``unit``].
 
-    ``ci95`` is the interval of the value's sigma, cut at the range of the effect's card: no drag is
-    negative. ``unit`` is "SI" for an effect of the user's own whose file was not given.
+    The interval is cut at the range of the effect's card: no drag is negative. ``unit`` is "SI" for
+    an effect of the user's own whose file was not given.
     """
 
     effect: str
@@ -123,31 +124,34 @@ class _EffectFigure:
 
 def effect_figures(table: Table) -> Iterator[_EffectFigure]:
     """Every parameter of the effects of a table, in the order of its record."""
-    known = every_effect(table.vehicle.effects)
+    effects = every_effect(table.vehicle.effects)
     for effect, values in table.effect_values.items():
-        of = {p.name: p for p in known[effect].card.parameters} if effect in known else {}
+        cards = effects[effect].card.parameters if effect in effects else ()
+        by_name = {parameter.name: parameter for parameter in cards}
         for name, value in values.items():
             unit, (low, high) = "SI", value.ci95
-            if name in of:
-                unit, least, most = of[name].unit, of[name].low, of[name].high
-                low, high = max(low, min(least, value.value)), min(high, max(most, value.value))
+            if card := by_name.get(name):
+                unit = card.unit
+                low = max(low, min(card.low, value.value))
+                high = min(high, max(card.high, value.value))
             yield _EffectFigure(effect, name, value, unit, (low, high))
 
 
-Row = dict[str, Any]
+ListedVersion = dict[str, Any]
 """A version in the document of `tables list`."""
 
 
-def row_of(entry: StoreEntry) -> Row:
-    """The row of a version; what cannot be read is None or empty, as its ``flaw`` says.
+def row_of(entry: StoreEntry) -> ListedVersion:
+    """The row of a version; None or empty where it cannot be read, with the reason as ``flaw``.
 
-    ``date`` when it was stored; ``pads`` front and rear [1];
-    ``decelerations`` of its curves and their ``usable`` range [1]; ``verdict`` of the evidence of
-    its state; ``warnings`` of its fit; ``keys`` that signed it, unverified.
+    ``date`` when it was stored; ``pads`` front and rear [1]; ``decelerations`` of its curves and
+    their ``usable`` range [g]; ``verdict`` of the evidence of its state; ``warnings`` of its fit;
+    ``keys`` that signed it, unverified.
     """
     state, stored = entry.state, entry.stored
-    row: Row = {"id": entry.id, "name": entry.name, "version": entry.version, "digest": None}
-    row |= {"state": state.word, "date": state.stored_at, "serial": "", "vin": "", "logs": ()}
+    row: ListedVersion = {"id": entry.id, "name": entry.name, "version": entry.version}
+    row |= {"digest": None, "state": state.word, "date": state.stored_at}
+    row |= {"serial": "", "vin": "", "logs": ()}
     row |= dict.fromkeys(("pads", "decelerations", "usable", "band_width"))
     row |= {"verdict": state.verdict, "warnings": 0, "keys": (), "flaw": "".join(entry.violations)}
     if stored is None:
@@ -167,10 +171,12 @@ def row_of(entry: StoreEntry) -> Row:
     }
 
 
-def chosen(rows: Iterable[Row], since: str | None, **equal: str | None) -> list[Row]:
+def chosen(
+    rows: Iterable[ListedVersion], since: str | None, **equal: str | None
+) -> list[ListedVersion]:
     """The rows stored on the day ``since`` (2025-03-31) or later, with ``equal`` texts.
 
-    Upper and lower case are the same; None asks for nothing.
+    Upper and lower case count as the same; None matches every text.
     """
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
     return [

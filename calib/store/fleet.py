@@ -1,4 +1,4 @@
-"""The cars of a model in a store that a new one is known by: tables for `calib.fit`."""
+"""The tables of a model's cars in a store, as the prior of a new car: for `calib.fit`."""
 
 from collections.abc import Collection
 
@@ -15,30 +15,30 @@ from calib.table.table import Table
 def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict[str, Table]:
     """The newest released table of each car of the model of ``vehicle``, by name@version.
 
-    A mean of cars stands for those it was made of, where the store has them. Left out are tables
-    of the ramps whose digests are among ``logs``, and those that rest on other cars or on a file of
-    tyres themselves: what all of these share would count once for each. Raises StoreError where
-    none is left.
+    A mean of cars stands for its cars, where the store has them. Left out are tables of the ramps
+    whose digests are among ``logs``, and those that rest on other cars or on a file of tyres, whose
+    information would count once for each. Raises StoreError where none is left.
     """
     now = store.now()
-    looked_at: dict[str, Stored] = {}
+    candidates: dict[str, Stored] = {}
     for name in now.names:
-        if fit := [v for v in now.journal.of(name) if now.journal.word(name, v) == RELEASED]:
-            looked_at |= {one.id: one for one in _cars(now, now.load(name, max(fit)))}
-    kept, seen = {}, set(logs)
-    for id_, one in sorted(looked_at.items(), key=lambda item: item[1].table.spread is not None):
-        leans = one.table.fleet or any(log.role == "tyre" for log in one.table.provenance.logs)
-        if not (one.ramps & seen or leans or differ(one.table, vehicle)):
-            kept[id_] = one.table
-            seen |= one.ramps
-    if not kept:
+        if fit := [v for v in now.journal.versions(name) if now.journal.word(name, v) == RELEASED]:
+            candidates |= {stored.id: stored for stored in _cars(now, now.load(name, max(fit)))}
+    cars, used_ramps = {}, set(logs)
+    for stored in sorted(candidates.values(), key=lambda s: s.table.spread is not None):
+        table = stored.table
+        dependent = table.fleet or any(log.role == "tyre" for log in table.provenance.logs)
+        if not (stored.ramps & used_ramps or dependent or differ(table, vehicle)):
+            cars[stored.id] = table
+            used_ramps |= stored.ramps
+    if not cars:
         raise StoreError(
-            f"no released table of another car of this model, of {len(looked_at)} looked at",
+            f"no released table of another car of this model, of {len(candidates)} looked at",
             where=store.folder,
             expected=f"the vehicle file of {vehicle.name} but its name, no --tyre or --fleet-prior",
             do="release tables of cars of this model, or fit without --fleet-prior",
         )
-    return kept
+    return cars
 
 
 def _cars(now: Snapshot, stored: Stored) -> list[Stored]:

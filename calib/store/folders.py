@@ -45,8 +45,8 @@ def numbers(home: Path) -> list[int]:
     """Numbers that anything in a table's directory bears, file or folder, rising."""
     if not home.is_dir():
         return []
-    found = map(_FOLDER.fullmatch, os.listdir(home))
-    return sorted(int(match[1]) for match in found if match and int(match[1]) > 0)
+    matches = map(_FOLDER.fullmatch, os.listdir(home))
+    return sorted(int(match[1]) for match in matches if match and int(match[1]) > 0)
 
 
 def versions_in(home: Path) -> list[int]:

@@ -1,4 +1,4 @@
-"""The journal of a store: one line for each thing that happened to a version, never changed.
+"""The journal of a store: one line for each event of a version, never changed.
 
     tables/journal.jsonl   {"number": 7, ..., "previous": <hash of line 6>, "hash": <of this line>}
     tables/journal.head    <hash of the last line> <number of lines>
@@ -51,10 +51,10 @@ _LINE = re.compile(
 
 
 class Entry(NamedTuple):
-    """One ``line`` of the journal, and what every read of a store needs of it.
+    """One ``line`` of the journal, with the fields that every read of a store needs.
 
-    ``digest`` of the content, ``record`` SHA-256 of the record file; ``inputs`` digest of what a
-    new version was fitted from; ``state`` afterwards; ``number`` from 1.
+    ``digest`` of the content, ``record`` SHA-256 of the record file, ``inputs`` digest of logs,
+    vehicle and settings of a new version, ``state`` afterwards, ``number`` from 1.
     """
 
     line: str
@@ -78,7 +78,7 @@ class Entry(NamedTuple):
     def document(self) -> dict[str, Any]:
         """The whole line: the fields, ``at`` (ISO 8601, UTC), ``by``, ``program``, ``reason``.
 
-        And ``verdict`` and ``evidence`` of its state, ``key`` that signed.
+        Also ``verdict`` and ``evidence`` of its state, and the ``key`` that signed.
         """
         return dict(json.loads(self.line))
 
@@ -97,39 +97,41 @@ class Journal:
     @cached_property
     def tables(self) -> dict[str, dict[int, list[Entry]]]:
         """The entries of each version of each table, in order; versions rise."""
-        found: dict[str, dict[int, list[Entry]]] = {}
+        by_version: dict[str, dict[int, list[Entry]]] = {}
         for entry in self.entries:
-            found.setdefault(entry.table, {}).setdefault(entry.version, []).append(entry)
-        return {name: dict(sorted(versions.items())) for name, versions in found.items()}
+            by_version.setdefault(entry.table, {}).setdefault(entry.version, []).append(entry)
+        return {name: dict(sorted(versions.items())) for name, versions in by_version.items()}
 
-    def of(self, name: str) -> dict[int, list[Entry]]:
-        """The entries of each version of a table; empty for a table that it does not know."""
+    def versions(self, name: str) -> dict[int, list[Entry]]:
+        """The entries of each version of a table, oldest first; empty for an unknown table."""
         return self.tables.get(name, {})
 
     def word(self, name: str, version: int) -> str:
         """The state of a version that the journal knows, in a word."""
-        return self.of(name)[version][-1].state
+        return self.versions(name)[version][-1].state
 
     def state(self, name: str, version: int) -> VersionState:
         """The state of a version; `OUTSIDE` where the journal does not know it."""
-        history = [entry.document for entry in self.of(name).get(version, ())]
+        history = [entry.document for entry in self.versions(name).get(version, ())]
         if not history:
             return OUTSIDE
         last = [entry for entry in history if entry["event"] != SIGNED][-1]
         return VersionState(
             word=last["state"],
-            evidence=tuple(Evidence(**one) for one in last["evidence"]),
+            since=last["at"],
+            evidence=tuple(Evidence(**file) for file in last["evidence"]),
             stored_at=history[0]["at"],
-            seen=frozenset(one["sha256"] for entry in history for one in entry["evidence"]),
-            **{key: last[key] for key in ("at", "by", "reason", "verdict")},
+            past_evidence=frozenset(file["sha256"] for e in history for file in e["evidence"]),
+            **{key: last[key] for key in ("by", "reason", "verdict")},
         )
 
     def added(
-        self, name: str, version: int, event: str, decision: StateDecision, **of: str
+        self, name: str, version: int, event: str, decision: StateDecision, **fields: str
     ) -> "Journal":
-        """The journal with one more entry; ``of`` other fields of a version that is new to it."""
-        if known := self.of(name).get(version):
-            of = {"digest": known[0].digest, "record": known[0].record, "inputs": ""} | of
+        """The journal with one more entry; ``fields`` are those of a version that is new to it."""
+        if history := self.versions(name).get(version):
+            first = history[0]
+            fields = {"digest": first.digest, "record": first.record, "inputs": ""} | fields
         document = {
             "number": len(self.entries) + 1,
             "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
@@ -145,7 +147,7 @@ class Journal:
             "previous": self.head,
             "hash": "",
             "key": "",
-        } | of
+        } | fields
         document["hash"] = hashlib.sha256(canonical_json(document)).hexdigest()
         return Journal([*self.entries, _entry(canonical_json(document).decode())])
 
@@ -211,7 +213,7 @@ def _entries(text: str) -> list[Entry]:
     if text and not text.endswith("\n"):
         raise ValueError("torn: its last line has no end")
     entries: list[Entry] = []
-    known: dict[tuple[str, int], Entry] = {}
+    newest: dict[tuple[str, int], Entry] = {}
     previous = _START
     for number, line in enumerate(text.split("\n")[:-1], 1):
         try:
@@ -219,10 +221,10 @@ def _entries(text: str) -> list[Entry]:
             key = entry.table, entry.version
             if entry.previous != previous or entry.number != number:
                 raise ValueError("does not follow the line before: one was changed, lost or put in")
-            _check_state(entry, known.get(key))
+            _check_state(entry, newest.get(key))
         except ValueError as error:
             raise ValueError(f"line {number}: {error}") from error
-        known[key] = entry
+        newest[key] = entry
         entries.append(entry)
         previous = entry.hash
     return entries
@@ -230,28 +232,28 @@ def _entries(text: str) -> list[Entry]:
 
 def _entry(line: str) -> Entry:
     """The entry of a line that agrees with its hash. Raises ValueError."""
-    found = _LINE.fullmatch(line)
-    if found is None:
+    match = _LINE.fullmatch(line)
+    if match is None:
         raise ValueError("not an entry as it is written")
-    start, end = found.span(3)
-    if hashlib.sha256((line[:start] + line[end:]).encode()).hexdigest() != found[3]:
+    start, end = match.span(3)
+    if hashlib.sha256((line[:start] + line[end:]).encode()).hexdigest() != match[3]:
         raise ValueError("was changed: it does not agree with its hash")
-    digest, event, hash_, inputs, number, *texts, version = found.groups()
+    digest, event, hash_, inputs, number, *texts, version = match.groups()
     return Entry(line, int(number), int(version), digest, event, hash_, inputs, *texts)
 
 
-def _check_state(entry: Entry, before: Entry | None) -> None:
-    """Raise ValueError where an entry may not follow the one ``before`` it of its version."""
-    if before is None:
+def _check_state(entry: Entry, predecessor: Entry | None) -> None:
+    """Raise ValueError where an entry may not follow the one before it of its version."""
+    if predecessor is None:
         fits = entry.event == STORED and entry.state in CHANGES
-    elif (entry.digest, entry.record) != (before.digest, before.record):
+    elif (entry.digest, entry.record) != (predecessor.digest, predecessor.record):
         raise ValueError(f"{entry.id} is another table than the one stored")
     elif entry.event == SIGNED:
-        fits = entry.state == before.state
+        fits = entry.state == predecessor.state
     else:
-        fits = entry.event == CHANGED and entry.state in CHANGES[before.state]
+        fits = entry.event == CHANGED and entry.state in CHANGES[predecessor.state]
     if not fits:
-        was = before.state if before else "never stored"
+        was = predecessor.state if predecessor else "never stored"
         raise ValueError(f"{entry.id} was {was} before {entry.event} {entry.state}")
 
 

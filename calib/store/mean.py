@@ -1,23 +1,23 @@
-r"""The mean of several cars: curves on common axes, pads, tyres and budget, all of one more car.
+r"""The mean of several cars: curves, pads, tyres, budget and maps of one more car of the model.
 
     D(eta)   1 to where the shortest table ends;  D(1) = 0 in every car, so in the mean
     f1, f2   from the mean D at the load split of the mean z(eta): (18) holds in every row
     g(slip)  0 to where the shortest ends
 
-A band is that of the table of one more car: scatter between cars, error of the mean, noise of one
-run, and what all cars share (`calib.table.budget`). All but the last go with Student's t of one
-degree of freedom less than there are cars. In the budget they are the part `cars`; the other parts
-are as large as in one car: a mean does not make them smaller.
+A band holds one more car: scatter between cars, error of the mean, noise of one run, and the errors
+that all cars share (`calib.table.budget`). All but the last follow Student's t of one degree of
+freedom less than there are cars. In the budget they are the part `cars`; the shared parts are as
+large as in one car: a mean does not make them smaller.
 
     draw of a car --less the mean of the car, plus one more mean--> draw of one more car
 
-Cars count by their weights in the mean. Their means of pads and compliances, logarithms, scatter as
-a normal sample of k: one more is of Student's distribution with k - 1 degrees of freedom about
-their mean, along the same directions as the cars,
+Cars count by their weights in the mean. The logarithms of their pads and compliances are a normal
+sample of k: one more car follows Student's distribution with k - 1 degrees of freedom about their
+mean, along the same directions as the cars,
 
     sqrt((k + 1)/k) sum g_i (m_i - m)/sqrt(k - 1) / sqrt(chi^2/(k - 1))        g_i ~ N(0, 1)
 
-What all cars share is in the draws of each, and so in the mixture.
+The errors that all cars share are in the draws of each, and so in the mixture.
 """
 
 import math
@@ -52,8 +52,8 @@ class _OneCurve(NamedTuple):
 
     axis: Array
     values: Array
-    own: Array
-    shared: Array
+    own_variance: Array
+    shared_variance: Array
     blocks: Array
     flag: Array
 
@@ -68,9 +68,9 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects,
         _on_one_axis(start, [[*vars(getattr(t, of)).values()] for t in tables])
         for start, of in ((1.0, "difference"), (0.0, "tyre"))
     )
-    top = int(np.argmax(np.abs(of_D.values.mean(axis=0))))
-    at = slice(top, top + 1)
-    weights = np.asarray(random_effects(of_D.values[:, at], of_D.own[:, at]).weights[:, 0])
+    peak = [int(np.argmax(np.abs(of_D.values.mean(axis=0))))]
+    of_peak = random_effects(of_D.values[:, peak], of_D.own_variance[:, peak])
+    weights = np.asarray(of_peak.weights[:, 0])
     scatter, columns = _mean(of_D, weights)
     difference, tyre = DifferenceCurve(*columns), TyreCurve(*_mean(of_g, weights)[1])
     z = np.asarray(weights @ [np.interp(of_D.axis, t.paper.eta, t.paper.z) for t in tables])
@@ -78,19 +78,19 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects,
     return {"difference": difference, "paper": paper, "tyre": tyre}, scatter, weights
 
 
-def _mean(of: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ...]]:
-    """Scatter, and the columns: axis, mean, the band of one more car, blocks, flags, own."""
-    found = random_effects(of.values, of.own, weights)
-    of_cars = quantile95(found.freedom) * found.one_more
-    half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(weights @ of.shared)))
-    mean, none = found.mean, np.zeros(of.axis.size)
-    return found, (of.axis, mean, mean - half, mean + half, of.blocks, of.flag, none)
+def _mean(curve: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ...]]:
+    """Scatter of a curve, and the columns of its mean with the band of one more car."""
+    scatter = random_effects(curve.values, curve.own_variance, weights)
+    of_cars = quantile95(scatter.freedom) * scatter.one_more
+    half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(weights @ curve.shared_variance)))
+    mean, none = scatter.mean, np.zeros(curve.axis.size)
+    return scatter, (curve.axis, mean, mean - half, mean + half, curve.blocks, curve.flag, none)
 
 
 def _on_one_axis(start: float, curves: Sequence[Sequence[Array]]) -> _OneCurve:
-    """The columns of one curve of each car on a common axis, from ``start`` to the shortest.
+    """One curve of each car on a common axis, from ``start`` to the end of the shortest.
 
-    A cell has the blocks of all cars, and the flag of the middle car, of the worse of two.
+    A cell has the blocks of all cars, and the median of their flags, of two the worse.
     """
     axes = [x for x, *_ in curves]
     axis = np.linspace(start, min(float(x[-1]) for x in axes), max(x.size for x in axes))
@@ -129,13 +129,13 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], 
     return {"calibration": pads, "budget": budget}, scatter
 
 
-def inflated(found: RandomEffects) -> Array:
+def inflated(scatter: RandomEffects) -> Array:
     """Sigma of one more car (n,) whose normal 95 % interval is that of Student's t."""
-    return np.asarray(quantile95(found.freedom) / Z95 * found.one_more)
+    return np.asarray(quantile95(scatter.freedom) / Z95 * scatter.one_more)
 
 
 def _scatter(tables: Sequence[Table], weights: Array) -> RandomEffects:
-    """Of pad level, pad ratio and stiffness, logarithms [1]."""
+    """Scatter of the logarithms of pad level, pad ratio and stiffness [1]."""
     values = [
         [*pad_levels(t.vehicle, t.calibration), math.log(t.calibration.slip_stiffness.value)]
         for t in tables
@@ -145,7 +145,7 @@ def _scatter(tables: Sequence[Table], weights: Array) -> RandomEffects:
 
 
 def _shared(tables: Sequence[Table], name: str, weights: Array) -> dict[str, float]:
-    """Mean of the variances of a logarithm by part, without the errors of a car's own run."""
+    """Weighted mean of the shared variances of a logarithm, by part of the budget."""
     out: dict[str, float] = {}
     for weight, table in zip(weights.tolist(), tables, strict=True):
         for part, variance in shared(getattr(table.budget, name)).items():
@@ -154,27 +154,27 @@ def _shared(tables: Sequence[Table], name: str, weights: Array) -> dict[str, flo
 
 
 _POSITIVE = ("compliance_f", "compliance_r")
-"""Columns of which the logarithm scatters."""
+"""Draws that are positive: their logarithms are averaged."""
 
 _OF_CARS = ("log_pad_ratio", "log_pad_level", *_POSITIVE)
-"""Columns in which cars differ beyond what each leaves open."""
+"""Draws whose means differ from car to car."""
 
 _SIZE = 2048
-"""Draws of which the maps are made."""
+"""Number of draws for the maps."""
 
 
 def mean_maps(tables: Sequence[Table], weights: Array) -> tuple[PadMap, LevelMap, Draws]:
-    """Maps and draws of one more car of a model, from ``tables`` with ``weights`` (k,)."""
+    """Maps and draws of one more car, from the tables of k cars with their weights (k,)."""
     vehicle = tables[0].vehicle
     car = as_driven(vehicle, default_model(vehicle).effects)
     drawn = one_more(tables, weights)
-    kept = np.linspace(0, _SIZE - 1, TABLE_DRAWS).astype(np.int64)
-    part = Draws(**{name: x[kept] for name, x in vars(drawn).items()})
+    rows = np.linspace(0, _SIZE - 1, TABLE_DRAWS).astype(np.int64)
+    part = Draws(**{name: x[rows] for name, x in vars(drawn).items()})
     return *maps(car, ensemble_of(car, drawn)), part
 
 
 def one_more(tables: Sequence[Table], weights: Array, size: int = _SIZE) -> Draws:
-    """``size`` draws of one more car, by a fixed sequence."""
+    """``size`` draws of one more car, by a fixed random sequence."""
     draws = [vars(t.draws) for t in tables]
     k, rng = len(draws), np.random.default_rng(42)
     car = np.searchsorted(np.cumsum(weights), (np.arange(size) + 0.5) / size * np.sum(weights))

@@ -25,20 +25,20 @@ from calib.table.compare import changes
 from calib.table.table import FleetScatter, Provenance, Scatter, Table, TableReference
 
 _LEAST = ("deceleration_max", "eta_peak_is_real")
-"""Metrics of a fit of which the mean table has the least of its cars."""
+"""Metrics of a fit of which the mean table has the minimum over its cars."""
 
 _SUM = ("runs", "outliers")
-"""Metrics of which it has the sum; of all others it has the mean."""
+"""Metrics of which it has the sum; of all others the mean."""
 
 _CAR_MARKS = ("serial", "vin")
 """Identifiers by which one car is known."""
 
 _LEAST_RANGE = 0.5
-"""Share of the longest range of eta that every table must cover: the mean ends with the shortest,
-and a golden table of half of the range judges half of the brake."""
+"""Share of the longest range of eta that every table must cover [1]: the mean ends with the
+shortest, and a golden table of half of the range judges half of the brake."""
 
 _FEW = 5
-"""Number of cars below which the spread between them is hardly known."""
+"""Number of cars below which the scatter between them is hardly known."""
 
 _SHARED = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
@@ -50,12 +50,11 @@ _SHARED = (
 def merge(parents: Sequence[Stored], name: str) -> Table:
     """The mean table of ``parents``, named ``name``; their order does not matter.
 
-    Its bands and sigmas are those of one more car of the model; how the cars differ, and how well
-    the mean is known, is in its `FleetScatter`.
+    Its bands and sigmas are those of one more car of the model. Its `FleetScatter` holds the
+    scatter between the cars and the error of the mean.
 
     Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
     twice, different vehicles, means, a range of eta far too short.
-    StoreError names one made before the maps.
     """
     flaws = [*_each(parents), *_pairs(parents)]
     if len(parents) < 2:
@@ -88,13 +87,13 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     )
 
 
-def _scatters(of: RandomEffects) -> tuple[Scatter, ...]:
-    pairs = zip(np.sqrt(of.between).tolist(), of.sigma.tolist(), strict=True)
+def _scatters(effects: RandomEffects) -> tuple[Scatter, ...]:
+    pairs = zip(np.sqrt(effects.between).tolist(), effects.sigma.tolist(), strict=True)
     return tuple(Scatter(between, of_mean) for between, of_mean in pairs)
 
 
 def _effects(tables: Sequence[Table], weights: Array) -> Effects:
-    """Resistance: what a coast says of road and wind counts as shared by all cars."""
+    """Mean of the resistance; the error of each coast, of road and wind, counts as shared."""
     values: dict[str, dict[str, float]] = {}
     sigma: dict[str, dict[str, float]] = {}
     for effect, named in tables[0].effect_values.items():
@@ -102,10 +101,10 @@ def _effects(tables: Sequence[Table], weights: Array) -> Effects:
         for parameter in named:
             all_ = [t.effect_values[effect][parameter] for t in tables]
             x = np.array([[v.value] for v in all_])
-            found = random_effects(x, np.zeros_like(x), weights)
+            combined = random_effects(x, np.zeros_like(x), weights)
             shared = weights @ np.array([v.sigma**2 for v in all_])
-            values[effect][parameter] = float(found.mean[0])
-            of_cars = float(inflated(found)[0])
+            values[effect][parameter] = float(combined.mean[0])
+            of_cars = float(inflated(combined)[0])
             sigma[effect][parameter] = float(np.hypot(of_cars, np.sqrt(shared)))
     return Effects(values, sigma=sigma)
 
@@ -134,7 +133,7 @@ def _provenance(parents: Sequence[Stored]) -> Provenance:
 def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
     ends = {p.id: float(p.table.difference.eta[-1]) for p in parents}
     shortest, longest = min(ends, key=lambda i: ends[i]), max(ends, key=lambda i: ends[i])
-    said = [
+    remarks = [
         f"mean of {len(parents)} cars by a random-effects model (REML, Hartung-Knapp); bands and "
         "sigmas are those of one more car of the model",
         f"curves end at eta {ends[shortest]:.5f}, where {shortest} ends; {longest} goes to "
@@ -142,26 +141,26 @@ def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
         _SHARED,
     ]
     if len(parents) < _FEW:
-        said.append(
+        remarks.append(
             f"{len(parents)} cars say little of how cars differ: the bands use Student's t with "
             f"{len(parents) - 1} degree{'s' * (len(parents) > 2)} of freedom"
         )
     unknown = [p.id for p in parents if not any(_identity(p, mark) for mark in _CAR_MARKS)]
     if unknown:
-        said.append(
+        remarks.append(
             f"taken as different cars, without a serial number or VIN: {', '.join(unknown)}"
         )
     settings = [p.table.provenance.settings for p in parents]
     if any(s != settings[0] for s in settings):
-        said.append("the tables were fitted with different settings; the common ones are kept")
-    return tuple(said)
+        remarks.append("the tables were fitted with different settings; the common ones are kept")
+    return tuple(remarks)
 
 
 def _each(parents: Sequence[Stored]) -> Iterator[str]:
     longest = max((float(p.table.difference.eta[-1]) - 1.0 for p in parents), default=0.0)
     for parent in parents:
         reach = float(parent.table.difference.eta[-1]) - 1.0
-        if not (parent.state.usable and parent.state.known):
+        if not (parent.state.usable and parent.state.in_store):
             yield f"{parent.id} is {parent.state.words}; leave it out"
         if parent.table.spread is not None:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
@@ -196,7 +195,7 @@ def _identity(stored: Stored, mark: str) -> str:
 
 
 def differ(table: Table, vehicle: Vehicle) -> list[str]:
-    """What differs of the vehicles but the name and what is open about the car."""
-    found = changes(table, replace(table, vehicle=vehicle))
-    of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in found.get(part, ())]
+    """Differences between two vehicles, without names and keys that are open about a car."""
+    changed = changes(table, replace(table, vehicle=vehicle))
+    of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in changed.get(part, ())]
     return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *NOT_OF_THE_CAR)]

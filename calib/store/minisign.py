@@ -70,11 +70,11 @@ class SecretKey:
         Raises KeyFileError for a damaged key, whose signatures its public half would refuse.
         """
         with _refused(KeyFileError, "secret key"):
-            made = self._key.sign(
+            signature = self._key.sign(
                 data, trusted_comment=trusted_comment, untrusted_comment="signature from brake-cal"
             )
-            self._key.get_public_key().verify(data, made)
-        return bytes(made) + b"\n"
+            self._key.get_public_key().verify(data, signature)
+        return bytes(signature) + b"\n"
 
 
 def read_public_key(source: Path | str) -> PublicKey:
@@ -109,17 +109,17 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
     Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file.
     """
     pair = _library().KeyPair.generate()
-    key, made = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
+    key, public_key = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
     if password:
         with _refused(KeyFileError, secret):
             key.encrypt(password, **_SENSITIVE)
     _write_new(secret, bytes(key) + b"\n", 0o600)
     try:
-        _write_new(public, made.file, 0o644)
+        _write_new(public, public_key.file, 0o644)
     except KeyFileError:
         secret.unlink()
         raise
-    return made
+    return public_key
 
 
 @dataclass(frozen=True)
@@ -140,19 +140,19 @@ def read_signature(path: Path) -> Signature:
     """Read a signature file. Raises SignatureRefused if it is none; nothing is verified."""
     expected = "a signature of minisign"
     content = bytes_of(path, KEY, SignatureRefused, expected)
-    found = _SIGNATURE.fullmatch(content)
-    if not found:
+    match = _SIGNATURE.fullmatch(content)
+    if not match:
         raise SignatureRefused("is cut off or damaged", where=path, expected=expected)
-    comment = found[2].decode(errors="backslashreplace")
-    return Signature(content, b64decode(found[1])[2:10], comment)
+    comment = match[2].decode(errors="backslashreplace")
+    return Signature(content, b64decode(match[1])[2:10], comment)
 
 
 def verify(public: PublicKey, data: bytes, signature: Signature, where: object) -> None:
     """Raise SignatureRefused unless ``signature`` is of ``data``, its comment and the key."""
     library = _library()
     with _refused(SignatureRefused, where):
-        made = library.Signature.from_bytes(signature.content)
-        library.PublicKey.from_base64(public.text).verify(data, made)
+        parsed = library.Signature.from_bytes(signature.content)
+        library.PublicKey.from_base64(public.text).verify(data, parsed)
 
 
 def _library() -> Any:
@@ -190,12 +190,12 @@ def _spelled(number: bytes) -> str:
 def _write_new(path: Path, content: bytes, mode: int) -> None:
     """Write a file that must not exist; nothing of it is left if that fails."""
     try:
-        with open(path, "xb", opener=partial(os.open, mode=mode)) as file, ExitStack() as made:
-            made.callback(path.unlink, missing_ok=True)
+        with open(path, "xb", opener=partial(os.open, mode=mode)) as file, ExitStack() as cleanup:
+            cleanup.callback(path.unlink, missing_ok=True)
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-            made.pop_all()
+            cleanup.pop_all()
     except FileExistsError:
         raise KeyFileError(
             "exists already", where=path, do="choose another name: a key is not replaced"

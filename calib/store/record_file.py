@@ -1,4 +1,4 @@
-"""JSON files of a store: the record of a table, a summary as evidence, what a user has seen."""
+"""JSON files of a store: the record of a table, a summary as evidence, stores that were seen."""
 
 from dataclasses import MISSING, fields
 from typing import Annotated, Any, Literal, get_type_hints
@@ -12,13 +12,12 @@ from calib.car.vehicle import Vehicle
 from calib.table.table import COLUMNS, Table, Value
 
 
-def _keys(of: type) -> dict[str, tuple[Any, Any]]:
+def _keys(record: type) -> dict[str, tuple[Any, Any]]:
     """Type and default of each field of a dataclass."""
-    kinds = get_type_hints(of)
-    defaults = {one.name: one.default for one in fields(of)}
+    kinds = get_type_hints(record)
     return {
-        name: (kinds[name], ... if default is MISSING else default)
-        for name, default in defaults.items()
+        field.name: (kinds[field.name], ... if field.default is MISSING else field.default)
+        for field in fields(record)
     }
 
 
@@ -97,8 +96,8 @@ _Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 class Sight(Section):
     """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
 
-    ``key`` id of the key that it was verified with; ``store`` hash of the first line; ``place``
-    folder of the store.
+    ``key`` is the id of the key that verified it, ``store`` the hash of the first line, ``place``
+    the folder of the store.
     """
 
     key: str
@@ -108,15 +107,14 @@ class Sight(Section):
     lines: Annotated[int, Field(ge=1)]
 
     @property
-    def of(self) -> tuple[str, str, str]:
-        """What it is a sight of; of these only the newest is kept."""
+    def subject(self) -> tuple[str, str, str]:
+        """Key, store and place, of which only the newest sight is kept."""
         return self.key, self.store, self.place
 
 
-class SeenFile(FileSchema):
-    """What a user has seen of stores."""
-
-    seen: tuple[Sight, ...]
+SeenFile = section(
+    "SeenFile", "The stores that a user has seen.", {"seen": (tuple[Sight, ...], ...)}, FileSchema
+)
 
 
 def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
@@ -125,12 +123,13 @@ def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
     Raises KeyError or TypeError for a curve or a column that is missing.
     """
     parts = {**dict(record), **{name: of(**curves[name]) for name, of in COLUMNS.items()}}
-    terms, own, found = parts.pop("empirical"), parts.pop("own_effects"), parts["effects"]
+    terms, own_effects, effects = parts.pop("empirical"), parts.pop("own_effects"), parts["effects"]
     named = record.vehicle.effects, terms if isinstance(terms, tuple) else (terms,)
     del parts["schema_version"]
-    parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": Effects(*named, own=own)})
+    vehicle_effects = Effects(*named, own=own_effects)
+    parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": vehicle_effects})
     values, sigma = (
-        {effect: {p: getattr(v, part) for p, v in of.items()} for effect, of in found.items()}
+        {effect: {p: getattr(v, part) for p, v in x.items()} for effect, x in effects.items()}
         for part in ("value", "sigma")
     )
     parts["effects"] = Effects(values, sigma=sigma)

@@ -1,4 +1,4 @@
-"""What a user has seen of stores: an old copy of a whole store shows nothing by itself.
+"""Stores that a user has seen: by itself, an old copy of a whole store is not noticed.
 
 The newest head of a journal that was verified with a key is kept in the user's own folder,
 `$XDG_STATE_HOME/brake-cal/seen.json`. A journal only grows: one that lacks that head is an older
@@ -27,29 +27,29 @@ _UNSEEN = "an older copy of the store will not be noticed"
 
 @dataclass(frozen=True)
 class SeenJournals:
-    """All that was seen, in the file ``path``; ``note`` says why it cannot be used, else ""."""
+    """The journals that were seen, in the file ``path``; ``note`` why it cannot be used, or ""."""
 
     path: Path | None
     sights: "tuple[Sight, ...]" = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
-        """Raise SignatureRefused for an older journal than the one that was seen with a key.
+        """Raise SignatureRefused for a journal that lacks the head that was seen with a key.
 
-        So for one that went another way, and for another store in the place of the one seen.
+        So for another store in the place of the one that was seen.
         """
-        for seen in self.sights:
-            if seen.key == key and (flaw := _flaw(seen, folder, journal)):
+        for sight in self.sights:
+            if sight.key == key and (flaw := _flaw(sight, folder, journal)):
                 raise SignatureRefused(
                     flaw,
                     where=folder,
-                    expected=f"a journal with the line {seen.lines} {seen.head[:12]}...",
+                    expected=f"a journal with the line {sight.lines} {sight.head[:12]}...",
                     do=f"get the newest copy of the store; if it was replaced on purpose, remove "
                     f"the entry of its head from {self.path}",
                 )
 
     def keep(self, folder: Path, journal: Journal, key: str) -> str:
-        """Keep the head of a journal that was verified; returns why that was not possible, or "".
+        """Keep the head of a journal that was verified; returns why that failed, or "".
 
         Raises SignatureRefused when the file is damaged.
         """
@@ -63,9 +63,10 @@ class SeenJournals:
         try:
             with locked_folder(self.path.parent):
                 now = recall()
-                if now.note or any(o.of == new.of and o.lines >= lines for o in now.sights):
+                same = [old for old in now.sights if old.subject == new.subject]
+                if now.note or any(old.lines >= lines for old in same):
                     return now.note
-                sights = [*(one for one in now.sights if one.of != new.of), new]
+                sights = [*(old for old in now.sights if old not in same), new]
                 document = {"schema": 1, "seen": [one.model_dump() for one in sights]}
                 write_whole(self.path, (json.dumps(document, indent=2) + "\n").encode())
         except OSError as error:
@@ -74,7 +75,7 @@ class SeenJournals:
 
 
 def recall() -> SeenJournals:
-    """What was seen. To be called before the journal is read, which may grow meanwhile.
+    """The journals that were seen; to be called before a journal is read, which may grow meanwhile.
 
     Raises SignatureRefused when the file is damaged.
     """
@@ -95,14 +96,14 @@ def recall() -> SeenJournals:
     return SeenJournals(path, validated(data, SeenFile, path, SignatureRefused).seen)
 
 
-def _flaw(seen: "Sight", folder: Path, journal: Journal) -> str:
-    """Why a journal in ``folder`` is none that may follow what was seen, or ""."""
+def _flaw(sight: "Sight", folder: Path, journal: Journal) -> str:
+    """Why a journal in ``folder`` cannot follow the one that was seen, or ""."""
     lines = journal.entries
-    if not lines or lines[0].hash != seen.store:
-        return "another store was seen here before" * (seen.place == str(folder.resolve()))
-    if len(lines) < seen.lines:
-        had = f"its journal has {len(lines)} lines, {seen.lines} were seen"
+    if not lines or lines[0].hash != sight.store:
+        return "another store was seen here before" * (sight.place == str(folder.resolve()))
+    if len(lines) < sight.lines:
+        had = f"its journal has {len(lines)} lines, {sight.lines} were seen"
         return f"an older copy of the store: {had}"
-    if lines[seen.lines - 1].hash != seen.head:
-        return f"its journal went another way: line {seen.lines} is not the one that was seen"
+    if lines[sight.lines - 1].hash != sight.head:
+        return f"its journal went another way: line {sight.lines} is not the one that was seen"
     return ""

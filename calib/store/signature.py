@@ -36,7 +36,7 @@ _STATEMENT = re.compile(
 
 
 class Statement(NamedTuple):
-    """That a version had a state when it was signed; ``head`` hash of the journal's newest line."""
+    """The state of a version when it was signed; ``head`` hash of the journal's newest line."""
 
     table: str
     version: int
@@ -58,11 +58,11 @@ def parse_statement(line: str, where: object = None) -> Statement:
 
     Raises SignatureRefused for every line that is not the one spelling of a statement.
     """
-    found = _STATEMENT.fullmatch(line)
-    if not found:
+    match = _STATEMENT.fullmatch(line)
+    if not match:
         raise SignatureRefused("its trusted comment is not that of a table", where=where)
-    table, version, *rest = found.groups()
-    return Statement(table, int(version), *rest)
+    table, version, *words = match.groups()
+    return Statement(table, int(version), *words)
 
 
 @dataclass(frozen=True)
@@ -94,28 +94,28 @@ class _Signed:
 def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     """Sign the record and the state of ``name@version``, and enter that in the journal.
 
-    It covers the head of the journal before that line, and takes the place of an older signature of
-    the key. The file comes first: it says nothing that is not so, entered or not; if it is not
-    entered, it is put back as it was.
+    It covers the head of the journal before that line, and replaces an older signature of the key.
+    The file is written first, since it is true whether entered or not; if entering fails, the old
+    file is put back.
 
     Raises TableNotFound, DamagedTable; StoreError when the store cannot be written;
     SignatureRefused as `require_signed` for what is wrong with the journal.
     """
-    memory, public = recall(), key.public
-    memory.check(store.folder, store.now().journal, public.key_id)
+    public = key.public
+    _, memory = _looked_up(store, public)
     with store.changing(reference) as (now, stored):
         _check_anchors(now, public)
         state, head = stored.state.word, now.journal.head
         statement = Statement(stored.name, stored.version, state, stored.digest, head)
         path = _path(stored, public)
-        before = path.read_bytes() if path.exists() else None
+        previous = path.read_bytes() if path.exists() else None
         write_whole(path, key.sign(_record(stored), statement.line))
 
         def put_back() -> None:
-            path.unlink() if before is None else write_whole(path, before)
+            path.unlink() if previous is None else write_whole(path, previous)
 
-        of = (stored.name, stored.version, SIGNED, StateDecision(state, by=by))
-        enter(store.folder, now.journal.added(*of, key=public.key_id), put_back)
+        fields = (stored.name, stored.version, SIGNED, StateDecision(state, by=by))
+        enter(store.folder, now.journal.added(*fields, key=public.key_id), put_back)
     note = _keep(store.now(), public, memory)
     return _Signed(stored, path, public.key_id, statement, note)
 
@@ -123,26 +123,23 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
     """The signature of a key that holds of a version in its store.
 
-    ``newest``: the version was chosen as the newest one that may be used. Then each newer one that
-    the key has signed must have a signature that holds, too: whoever can write the store can
-    reject a version, so that an older one takes its place, but cannot sign that.
+    ``newest``: the version was chosen as the newest one that may be used. Then the signatures of
+    newer versions must hold, too: whoever can write the store can reject a version, so that an
+    older one takes its place, but cannot sign the rejection.
 
     Raises SignatureRefused when there is none, when the state was changed since, when the journal
-    does not contain what the key signed anywhere in the store, or is older than what this user has
-    seen with this key; DamagedTable when the version is not what was loaded.
+    lacks a head that the key signed anywhere in the store, or is older than this user has seen it
+    with this key; DamagedTable when the version is not the one that was loaded.
     """
-    store = Store(stored.path.absolute().parent.parent)
-    memory = recall()
-    now = store.now()
-    memory.check(store.folder, now.journal, public.key_id)
+    now, memory = _looked_up(Store(stored.path.absolute().parent.parent), public)
     again = now.load(stored.name, stored.version)
     if again.record != stored.record:
         raise DamagedTable("was replaced while it was read", where=stored.id, do="run it again")
-    found = _held(now, again, public)
-    for version in now.journal.of(stored.name) if newest else ():
+    signed = _valid(now, again, public)
+    for version in now.journal.versions(stored.name) if newest else ():
         if version > stored.version and _was_signed(now, stored.name, version, public):
-            _held(now, now.load(stored.name, version), public)
-    return replace(found, note=_keep(now, public, memory))
+            _valid(now, now.load(stored.name, version), public)
+    return replace(signed, note=_keep(now, public, memory))
 
 
 def verify_signed(
@@ -153,11 +150,17 @@ def verify_signed(
     Every released version must have one, and each that the key has ever signed. Raises as
     `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
     """
+    now, memory = _looked_up(store, public)
+    entries = store.verify(name, lambda entry: _with_signature(now, entry, public))
+    return entries, _keep(now, public, memory) if all(one.sound for one in entries) else ""
+
+
+def _looked_up(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]:
+    """The store as it is, and what was seen of it. Raises SignatureRefused for an older copy."""
     memory = recall()
     now = store.now()
     memory.check(store.folder, now.journal, public.key_id)
-    found = store.verify(name, lambda entry: _with_signature(now, entry, public))
-    return found, _keep(now, public, memory) if all(one.sound for one in found) else ""
+    return now, memory
 
 
 def key_ids(stored: Stored) -> tuple[str, ...]:
@@ -171,36 +174,36 @@ def _signatures(
     """The signature files of a version, of a key or of all, that can be read."""
     for path in signature_files(home, version):
         try:
-            found = read_signature(path)
+            signature = read_signature(path)
         except SignatureRefused:
             continue
-        if key is None or key.number == found.number:
-            yield path, found
+        if key is None or key.number == signature.number:
+            yield path, signature
 
 
 def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
-    """Whether a key has signed a version, as a file or the journal says; it may not hold any more.
+    """Whether a key has ever signed a version, by a file or the journal; it may not hold any more.
 
-    With the line in the journal a signature that was taken away is missed.
+    By the line in the journal a signature file that was deleted is missed.
     """
-    history = now.journal.of(name).get(version, ())
+    history = now.journal.versions(name).get(version, ())
     signed = (entry.document for entry in history if entry.event == SIGNED)
-    told = any(line["key"] == public.key_id for line in signed)
-    return told or any(_signatures(now.folder / name, version, public))
+    in_journal = any(line["key"] == public.key_id for line in signed)
+    return in_journal or any(_signatures(now.folder / name, version, public))
 
 
 def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
-    wanted = entry.state.released or _was_signed(now, entry.name, entry.version, public)
-    if entry.stored is None or not wanted:
+    must_sign = entry.state.released or _was_signed(now, entry.name, entry.version, public)
+    if entry.stored is None or not must_sign:
         return entry
     try:
-        return replace(entry, signed=_held(now, entry.stored, public).statement.state)
+        return replace(entry, signed=_valid(now, entry.stored, public).statement.state)
     except SignatureRefused as error:
         flaw = error.what if error.where == entry.id else f"{error.where}: {error.what}"
         return replace(entry, violations=(*entry.violations, flaw))
 
 
-def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
+def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     """The signature of a key that holds of a version as it is now.
 
     Raises SignatureRefused when there is none, or it is of another version, state or store.
@@ -208,8 +211,8 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     refused: SignatureRefused | None = None
     for path, signature in _signatures(stored.path.parent, stored.version, public):
         try:
-            said = _checked(now, stored, public, path, signature)
-            return _Signed(stored, path, public.key_id, said)
+            statement = _checked(now, stored, public, path, signature)
+            return _Signed(stored, path, public.key_id, statement)
         except SignatureRefused as error:
             refused = refused or error
     for path in () if refused else signature_files(stored.path.parent, stored.version):
@@ -218,35 +221,35 @@ def _held(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     raise refused or _refused(stored, f"has no signature of key {public.key_id}{others}")
 
 
-def _refused(stored: Stored, what: str) -> SignatureRefused:
+def _refused(stored: Stored, flaw: str) -> SignatureRefused:
     do = f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`"
-    return SignatureRefused(what, where=stored.id, do=do)
+    return SignatureRefused(flaw, where=stored.id, do=do)
 
 
 def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
 ) -> Statement:
     """The statement of a signature, after it was verified and compared with version and journal."""
-    # what it says it is of comes first: that tells more than that it does not hold here
-    said = parse_statement(signature.trusted_comment, path)
-    if (said.table, said.version, said.digest) != (stored.name, stored.version, stored.digest):
+    # the wrong table is a better reason than a signature that does not hold
+    statement = parse_statement(signature.trusted_comment, path)
+    if statement[:2] != (stored.name, stored.version) or statement.digest != stored.digest:
         raise SignatureRefused(
-            f"is of {said.table}@{said.version}, digest {said.digest[:12]}",
+            f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}",
             where=path,
             expected=f"{stored.id}, digest {stored.digest[:12]}",
         )
     verify(public, _record(stored), signature, path)
-    line = _line(now, said, path)
-    history = now.journal.of(stored.name)[stored.version]
+    line = _line(now, statement, path)
+    history = now.journal.versions(stored.name)[stored.version]
     then = [entry.state for entry in history if entry.number <= line]
-    if then[-1:] != [said.state]:
-        raise _refused(stored, f"signed as {said.state}, which it was not then")
-    changed = [e for e in history if e.number > line and e.state != said.state]
+    if then[-1:] != [statement.state]:
+        raise _refused(stored, f"signed as {statement.state}, which it was not then")
+    changed = [e for e in history if e.number > line and e.state != statement.state]
     if changed:
         last = changed[-1].document
         since = f"{last['state']} since (by {last['by']}, {last['at'][:10]})"
-        raise _refused(stored, f"signed as {said.state}, {since}")
-    return said
+        raise _refused(stored, f"signed as {statement.state}, {since}")
+    return statement
 
 
 def _check_anchors(now: Snapshot, public: PublicKey) -> None:

@@ -28,9 +28,9 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """One version: ``stored`` is None where it cannot be read, as ``violations`` say, or let go.
+    """One version; ``stored`` is None if it cannot be read, as ``violations`` say, or was let go.
 
-    ``signed``: the state in its signature, where a key was given and one holds.
+    ``signed``: the state in its signature, where a key was given and a signature holds.
     """
 
     name: str
@@ -60,9 +60,9 @@ class Snapshot:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the tables, in order. Raises TableNotFound where there is no store.
+        """Names of the tables, in order.
 
-        And DamagedTable where there are versions, but no journal.
+        Raises TableNotFound where there is no store, DamagedTable for versions without a journal.
         """
         if not self.folder.is_dir():
             raise TableNotFound(
@@ -77,58 +77,59 @@ class Snapshot:
             )
         return tuple(sorted(self.journal.tables))
 
-    def known(self, name: str) -> str:
+    def require_table(self, name: str) -> str:
         """Return ``name`` if the store has a table of that name. Raises TableNotFound."""
-        known = self.names
-        if checked_name(name) in known or versions_in(self.folder / name):
+        names = self.names
+        if checked_name(name) in names or versions_in(self.folder / name):
             return name
         is_file = "a file of that name is here: give the table first, then the logs"
         raise TableNotFound(
             f"no table {name!r}",
             where=self.folder,
-            expected="one of " + ", ".join(known) if known else "a table: the store is empty",
-            do=did_you_mean(name, known) or is_file * Path(name).is_file(),
+            expected="one of " + ", ".join(names) if names else "a table: the store is empty",
+            do=did_you_mean(name, names) or is_file * Path(name).is_file(),
         )
 
     def with_strays(self, name: str) -> Sequence[int]:
-        """Numbers of the versions that should be there, and of the folders that should not."""
-        return sorted({*self.journal.of(name), *versions_in(self.folder / name)})
+        """Numbers of all versions: those of the journal, and folders that it does not know."""
+        return sorted({*self.journal.versions(name), *versions_in(self.folder / name)})
 
     def next_number(self, name: str) -> int:
-        """A number that no version ever had, and that nothing on disk bears."""
-        return 1 + max([*self.journal.of(name), *numbers(self.folder / name)], default=0)
+        """A number that no version ever had, and that no file or folder has in its name."""
+        return 1 + max([*self.journal.versions(name), *numbers(self.folder / name)], default=0)
 
     def find(self, reference: str, released: bool = False) -> Stored:
         """Read the version that a reference means; a bare name as in `Store.load`."""
         path = path_of(reference)
         if path is not None:
             stored = read_version(path)
-            own = placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve()
-            return self.load(stored.name, stored.version) if own else stored
+            home = placed_in(self.folder, stored.name, stored.version)
+            inside = home.resolve() == path.resolve()
+            return self.load(stored.name, stored.version) if inside else stored
         if "@" in reference:
             return self.load(*self.numbered(reference))
-        name = self.known(reference)
-        states = {v: self.journal.word(name, v) for v in self.journal.of(name)}
+        name = self.require_table(reference)
+        states = {v: self.journal.word(name, v) for v in self.journal.versions(name)}
         wanted = (RELEASED,) if released else (RELEASED, DRAFT)
         if fit := [version for version, word in states.items() if word in wanted]:
             return self.load(name, max(fit))
-        there = ", ".join(f"{name}@{version} {word}" for version, word in states.items())
+        others = ", ".join(f"{name}@{version} {word}" for version, word in states.items())
         release = f"release one: `brake-cal tables release {name}@N --reason ...`"
         raise StoreError(
-            f"{name} has no {'released' if released else 'usable'} version; there is {there}",
+            f"{name} has no {'released' if released else 'usable'} version; there is {others}",
             do=release if released else f"name the one that you mean, such as {name}@{max(states)}",
         )
 
     def numbered(self, reference: str) -> tuple[str, int]:
         """Name and version of ``name@version``. Raises TableNotFound."""
         name, _, version = reference.partition("@")
-        known = self.with_strays(self.known(name))
-        if version.isascii() and version.isdecimal() and int(version) in known:
+        versions = self.with_strays(self.require_table(name))
+        if version.isascii() and version.isdecimal() and int(version) in versions:
             return name, int(version)
         raise TableNotFound(
             f"no version {version!r} of {name!r}",
             where=self.folder,
-            expected="one of " + ", ".join(map(str, known)),
+            expected="one of " + ", ".join(map(str, versions)),
         )
 
     def load(self, name: str, version: int) -> Stored:
@@ -138,13 +139,13 @@ class Snapshot:
         if path is None:
             raise DamagedTable("missing: it was stored, and its folder is not there", where=id_)
         stored = read_version(path, id_)
-        if version not in self.journal.of(name):
+        if version not in self.journal.versions(name):
             raise DamagedTable(
                 "not in the journal: it was copied here, or the journal was set back",
                 where=id_,
                 do="restore the journal from a copy, or move the version out of the store",
             )
-        first = self.journal.of(name)[version][0]
+        first = self.journal.versions(name)[version][0]
         if (first.digest, first.record) != (stored.digest, stored.record):
             raise DamagedTable(
                 "replaced or edited: it is not what was stored as this version",
@@ -162,18 +163,18 @@ class Snapshot:
             return StoreEntry(name, version, state, None, (error.what,))
 
     def verified(self, name: str, version: int) -> StoreEntry:
-        """`entry`, with what is unsound in its table; one that was withdrawn may be missing."""
-        found = self.entry(name, version)
-        if found.stored:
-            return replace(found, violations=violations(found.stored.table))
-        given_up = found.state.word == WITHDRAWN and not place(self.folder / name, version)
-        return replace(found, violations=()) if given_up else found
+        """`entry` with the violations of its table; a withdrawn version may be missing."""
+        entry = self.entry(name, version)
+        if entry.stored:
+            return replace(entry, violations=violations(entry.stored.table))
+        given_up = entry.state.word == WITHDRAWN and not place(self.folder / name, version)
+        return replace(entry, violations=()) if given_up else entry
 
     def identical(self, table: Table) -> Stored | None:
         """The newest version that holds the same table; one that is damaged does not count."""
-        given, digest = inputs(table.content()[0]), table.digest
-        for version, history in reversed(self.journal.of(table.name).items()):
-            if history[0].digest == digest or history[0].inputs == given:
+        fitted_from, digest = inputs(table.content()[0]), table.digest
+        for version, history in reversed(self.journal.versions(table.name).items()):
+            if history[0].digest == digest or history[0].inputs == fitted_from:
                 stored = self.entry(table.name, version).stored
                 if stored and same(stored.table, table):
                     return replace(stored, existed=True)

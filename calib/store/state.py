@@ -1,4 +1,4 @@
-"""The state of a version: may its numbers be used, who said so, and on what evidence.
+"""The state of a version: may its numbers be used, who decided so, and on what evidence.
 
     draft ──> released ──> withdrawn
       │          │  ^          ^
@@ -34,7 +34,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class StateDecision:
-    """What is said of a version, and by whom; ``by`` "" for the user of the computer.
+    """A new state of a version, and its reason; ``by`` "" is the user of the computer.
 
     ``verdict`` of the evidence, see `calib.store.evidence`. ``automatic``: of a program, which
     releases nothing that was rejected and changes nothing that was withdrawn.
@@ -50,21 +50,21 @@ class StateDecision:
 
 @dataclass(frozen=True)
 class VersionState:
-    """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
+    """The state of a version ``since`` a time (ISO 8601, UTC), by whom, why, on what evidence.
 
-    ``stored_at``: when it was stored; ``seen``: SHA-256 of every file that a state of it ever
-    rested on; ``known`` False outside of its store.
+    ``stored_at``: when it was stored; ``past_evidence``: SHA-256 of every file that a state of it
+    ever rested on; ``in_store``: False for a copy outside of its store.
     """
 
     word: str = DRAFT
-    at: str = ""
+    since: str = ""
     by: str = ""
     reason: str = ""
     verdict: str = ""
     evidence: tuple[Evidence, ...] = ()
     stored_at: str = ""
-    seen: frozenset[str] = frozenset()
-    known: bool = True
+    past_evidence: frozenset[str] = frozenset()
+    in_store: bool = True
 
     @property
     def released(self) -> bool:
@@ -84,19 +84,19 @@ class VersionState:
     @property
     def words(self) -> str:
         """The state with its reason, person and date, in one line."""
-        source = ", ".join([f"by {self.by}"] * bool(self.by) + [self.at[:10]] * bool(self.at))
+        source = ", ".join([f"by {self.by}"] * bool(self.by) + [self.since[:10]] * bool(self.since))
         return f"{self.why} ({source})" if source else self.why
 
 
 UNJUDGED = VersionState()
-"""State of a version of which nothing was said yet."""
+"""State of a version before any decision."""
 
-OUTSIDE = VersionState(reason="outside of its store, whose journal knows its state", known=False)
+OUTSIDE = VersionState(reason="outside of its store, whose journal knows its state", in_store=False)
 """State of a version that no journal knows: it was copied out of its store."""
 
 
 def is_new(version: str, now: VersionState, decision: StateDecision | None) -> bool:
-    """Whether a decision says anything new. Raises StoreError where its state may not follow."""
+    """Whether a decision changes anything. Raises StoreError where its state may not follow."""
     if decision is None or decision.state == DRAFT:
         return False
     new = decision.state
@@ -111,7 +111,7 @@ def is_new(version: str, now: VersionState, decision: StateDecision | None) -> b
             where=version,
             do="fit the car again: a new log makes a new version",
         )
-    if back and now.seen >= {one.sha256 for one in decision.evidence}:
+    if back and now.past_evidence >= {one.sha256 for one in decision.evidence}:
         raise StoreError(
             f"is {now.words}; it is released only on new evidence",
             where=version,

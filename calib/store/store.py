@@ -73,24 +73,30 @@ class Store:
         """
         _require_storable(table)
         with self._writing(table.name) as now:
-            known = now.identical(table)
-            if known is not None:
-                return self._judged(known, decision, now)
+            same = now.identical(table)
+            if same is not None:
+                return self._judged(same, decision, now)
             return self._added(table, decision or StateDecision(), now)
 
     def foreseen(self, table: Table, decision: StateDecision) -> Stored:
-        """What `save` will return if no other writer adds a version before. Raises as `save`."""
+        """The result of `save` if no other writer adds a version before. Raises as `save`."""
         _require_storable(table)
         with self._reading() as now:
-            known = now.identical(table)
+            same = now.identical(table)
             version = now.next_number(table.name)
-        if known and not is_new(known.id, known.state, decision):
-            return known
+        if same and not is_new(same.id, same.state, decision):
+            return same
         path = placed_in(self.folder, table.name, version)
-        made = known or Stored(table, table.name, version, table.digest, path)
-        by, since = decision.by or user(), made.state.stored_at
-        said = (decision.reason, decision.verdict, decision.evidence)
-        return replace(made, state=VersionState(decision.state, "", by, *said, since))
+        base = same or Stored(table, table.name, version, table.digest, path)
+        state = VersionState(
+            decision.state,
+            by=decision.by or user(),
+            reason=decision.reason,
+            verdict=decision.verdict,
+            evidence=decision.evidence,
+            stored_at=base.state.stored_at,
+        )
+        return replace(base, state=state)
 
     def judge(self, reference: str, decision: StateDecision) -> Stored:
         """Change the state of ``name@version``. Raises TableNotFound, DamagedTable, StoreError."""
@@ -123,7 +129,7 @@ class Store:
         """The journal. Raises DamagedTable; TableNotFound for a ``name`` that the store lacks."""
         with self._reading() as now:
             if name is not None:
-                now.known(name)
+                now.require_table(name)
             return now.journal
 
     def now(self) -> Snapshot:
@@ -131,19 +137,16 @@ class Store:
         with self._reading() as now:
             return now
 
-    def list(self) -> tuple[StoreEntry, ...]:
-        """Every version in the store, by name and version. Raises TableNotFound, DamagedTable."""
-        return tuple(self.entries())
-
     def entries(self, state: str | None = None) -> Iterator[StoreEntry]:
-        """Each version of the store in turn, or each in a ``state``; raises as `list`.
+        """Each version of the store in turn, or each in a ``state``, by name and version.
 
-        One table is held at a time, and none is read whose state is another.
+        One table is held at a time, and none is read whose state is another. Raises TableNotFound,
+        DamagedTable.
         """
         wanted = state.lower() if state else None
         with self._reading() as now:
             for name in now.names:
-                for version in now.journal.of(name):
+                for version in now.journal.versions(name):
                     if wanted in (None, now.journal.word(name, version)):
                         yield now.entry(name, version)
 
@@ -154,16 +157,19 @@ class Store:
     ) -> tuple[StoreEntry, ...]:
         """Compare versions with digests, invariants and journal, of one table or of all.
 
-        One entry per version that is or ever was, and one for each that the journal does not know,
-        without its table: one is held at a time. ``also`` is asked of each while it has it.
+        One entry for each version of the journal, and for each folder that it does not know. Their
+        tables are let go, one is held at a time; ``also`` sees each entry with its table.
         """
         with self._reading() as now:
-            names = {*now.names, *names_in(self.folder)} if name is None else {now.known(name)}
-            each = (now.verified(one, v) for one in sorted(names) for v in now.with_strays(one))
+            if name is None:
+                tables = sorted({*now.names, *names_in(self.folder)})
+            else:
+                tables = [now.require_table(name)]
+            each = (now.verified(table, v) for table in tables for v in now.with_strays(table))
             return tuple(replace(also(entry), stored=None) for entry in each)
 
     def unfinished(self) -> tuple[Path, ...]:
-        """Folders that a writer has begun, or that a stopped one left; the next writer clears."""
+        """Folders of versions that a writer has begun; the next writer clears what is left."""
         return tuple(unplaced(self.folder))
 
     @contextmanager
@@ -193,12 +199,12 @@ class Store:
         try:
             write_version(table, version, work)
             stored = read_version(work, f"{table.name}@{version}")
-            of = {
+            fields = {
                 "digest": stored.digest,
                 "record": stored.record,
                 "inputs": inputs(table.content()[0]),
             }
-            journal = now.journal.added(table.name, version, STORED, decision, **of)
+            journal = now.journal.added(table.name, version, STORED, decision, **fields)
         except BaseException:
             discard()
             raise
@@ -219,7 +225,7 @@ class Store:
 
     @contextmanager
     def _writing(self, name: str) -> Iterator[Snapshot]:
-        """The store, locked for one table, of which it finishes or undoes what was left."""
+        """The store, locked for one table, after `_tidy`."""
         try:
             with locked_folder(self.folder):
                 refuse_link(self.folder / name)
@@ -244,21 +250,21 @@ class Store:
 
 def _require_storable(table: Table) -> None:
     checked_name(table.name)
-    if found := violations(table):
+    if flaws := violations(table):
         raise StoreError(
-            f"the table is not sound and was not stored: {'; '.join(found)}",
+            f"the table is not sound and was not stored: {'; '.join(flaws)}",
             where=table.name,
             expected="a table that `brake-cal tables verify` passes",
         )
 
 
 def _tidy(folder: Path, table: str, journal: Journal) -> None:
-    """Finish or undo what stopped writers left of a table, under the lock. Raises OSError."""
+    """Finish or undo the versions that stopped writers left, under the lock. Raises OSError."""
     for path in unplaced(folder, table):
         final = path.with_name(path.name.removeprefix(NEW))
         if path.is_symlink():
             path.unlink()  # nobody knows where it leads
-        elif final.name in map(folder_of, journal.of(table)) and not final.exists():
+        elif final.name in map(folder_of, journal.versions(table)) and not final.exists():
             os.rename(path, final)
         else:
             shutil.rmtree(path)

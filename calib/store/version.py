@@ -90,8 +90,8 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
 
-    def damaged(what: str) -> DamagedTable:
-        return DamagedTable(f"{RECORD}: {what}", where=path)
+    def damaged(flaw: str) -> DamagedTable:
+        return DamagedTable(f"{RECORD}: {flaw}", where=path)
 
     data = _bytes(path / RECORD)
     if b"\r\n" in data:

@@ -102,8 +102,8 @@ def test_a_command_of_the_demo_with_another_answer_fails(
 @pytest.mark.slow
 def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo: Path) -> None:
     ours, made = Store(sample_store.STORE), Store(demo / "tables")
-    assert [one.id for one in ours.list()] == [one.id for one in made.list()]
-    for one in ours.list():
+    assert [one.id for one in ours.entries()] == [one.id for one in made.entries()]
+    for one in ours.entries():
         kept, now = ours.load(one.id).table, made.load(one.id).table
         assert kept.provenance.logs == now.provenance.logs
         for part in ("paper", "tyre", "level_map", "map"):

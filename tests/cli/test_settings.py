@@ -52,7 +52,7 @@ def test_fit_takes_vehicle_and_store(project, brake_cal, tmp_path):
     ran = brake_cal("fit", RAMP, COAST, "--json")
     assert ran.code == 0, ran.err
     assert ran.err.count(TOLD) == 1
-    assert [entry.id for entry in Store(tmp_path / "shelf").list()] == ["sedan-2up@1"]
+    assert [entry.id for entry in Store(tmp_path / "shelf").entries()] == ["sedan-2up@1"]
     ran = brake_cal("tables", "list", "--json")
     assert [row["id"] for row in parsed(ran)["tables"]] == ["sedan-2up@1"]
     assert ran.err == f"{TOLD}\n"

@@ -199,7 +199,7 @@ def test_a_copy_outside_of_its_store_is_no_draft(three, tmp_path):
     three.judge("sedan@3", REJECT)
     shutil.copytree(three.folder / "sedan" / "v0003", tmp_path / "copy")
     state = three.load(str(tmp_path / "copy")).state
-    assert not state.known
+    assert not state.in_store
     assert "outside of its store" in state.words
     assert three.load(str(three.folder / "sedan" / "v0003")).state.word == "rejected"
 
@@ -267,7 +267,7 @@ def test_a_journal_that_was_changed_is_refused(three, kind):
     for use in (
         lambda: three.load("sedan"),
         three.verify,
-        three.list,
+        lambda: [*three.entries()],
         lambda: three.save(made_table(30.0)),
         lambda: three.judge("sedan@1", RELEASE),
     ):
@@ -294,9 +294,9 @@ def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
     """Killed before each change of the disk."""
     reject = replace(REJECT, verdict="failed")
     for step in range(100):
-        before = len(store.list()) if store.folder.is_dir() else 0
+        before = len([*store.entries()]) if store.folder.is_dir() else 0
         stopped = killed(lambda n=step: store.save(made_table(20.0 + n), reject), step)
-        entries = store.list() if store.folder.is_dir() else ()
+        entries = [*store.entries()] if store.folder.is_dir() else ()
         assert len(entries) - before in ((0, 1) if stopped else (1,))
         assert all(entry.sound for entry in entries)
         assert all(entry.state.word == "rejected" for entry in entries)
@@ -322,7 +322,7 @@ def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypat
         with pytest.raises(StoreError):
             three.save(made_table(30.0))
     entered = at == "journal.sync"  # the journal is whole by then
-    assert len(three.list()) == (4 if entered else 3)
+    assert len([*three.entries()]) == (4 if entered else 3)
     assert entered or files_under(three.folder) == before
     assert all(verdict.sound for verdict in three.verify())
     assert three.save(made_table(31.0)).version == (5 if entered else 4)
@@ -362,7 +362,7 @@ def test_several_writers_wait_for_each_other(store):
     for process in writers:
         process.communicate(timeout=120)
         assert process.returncode == 0
-    entries = store.list()
+    entries = [*store.entries()]
     expected = {made_table(float(x)).digest for of in brought for x in of}
     assert [entry.version for entry in entries] == list(range(1, 10))
     assert {entry.stored.digest for entry in entries} == expected
@@ -378,6 +378,6 @@ def test_the_order_of_the_journal_counts_not_the_clock(three, monkeypatch):
     monkeypatch.setattr(calib.store.journal, "datetime", Back)
     three.judge("sedan@3", REJECT)
     state = three.load("sedan@3").state
-    assert (state.word, state.at[:4]) == ("rejected", "1999")
+    assert (state.word, state.since[:4]) == ("rejected", "1999")
     assert three.load("sedan").version == 2
     assert all(verdict.sound for verdict in three.verify())

@@ -283,7 +283,7 @@ def test_a_stopped_signature_leaves_no_lie(store, seen, monkeypatch):
     for step in range(100):
         stopped = killed(lambda: sign(store, "wagon@1", ADA), step)
         assert passes(store)
-        if any(entry.event == "signed" for entry in store.journal().of("wagon")[1]):
+        if any(entry.event == "signed" for entry in store.journal().versions("wagon")[1]):
             used(store, "wagon@1")
         if not stopped:
             break

@@ -35,7 +35,7 @@ def golden_table(store: Store, reference: str) -> Stored:
     Raises StoreError for another one, and for one without maps.
     """
     found = store.released(reference)
-    if not (found.state.usable and found.state.known):
+    if not (found.state.usable and found.state.in_store):
         raise StoreError(
             f"is {found.state.words}; no car is measured by it",
             where=found.id,
