@@ -108,13 +108,36 @@ class _UnitSlips(NamedTuple):
     rolls: Mask
 
 
-def unit_slips(
-    car: Vehicle, e: Ensemble, z: Array, forces: Array, peak: Array | float = 1.0
-) -> _UnitSlips:
-    """Slips over compliance at decelerations ``z`` (n, k) [1], by (6), (7), (15), (16).
+class LoadedTyres(NamedTuple):
+    """Tyres of draws under axle loads, (2, n, k) [1] but for their ``forms`` (n, 5).
 
-    ``forces`` of the front and the rear tyres over the weight, (2, n, k); ``peak`` of the road over
-    that of the ramp, (n,).
+    ``load`` over the weight, and ``on_road`` at least `_LEAST_LOAD`; ``grown`` by what share of the
+    load at rest; ``most`` normalised force; ``compliant`` slip over that at half the weight.
+    """
+
+    load: Array
+    on_road: Array
+    grown: Array
+    most: Array
+    compliant: Array
+    forms: Array
+
+    def slips(self, forces: Array) -> _UnitSlips:
+        """Slips over compliance by (15), (16), with ``forces`` over the weight (2, n, k)."""
+        use = forces / self.on_road / self.most
+        unit = np.stack([mean_inverse(of_axle, self.forms) for of_axle in use])
+        return _UnitSlips(
+            slip=self.most * unit * self.compliant,
+            load=self.load,
+            grown=self.grown,
+            rolls=np.all((use < NEAR_PEAK) & (self.load > _LEAST_LOAD), axis=0),
+        )
+
+
+def loaded_tyres(car: Vehicle, e: Ensemble, z: Array, peak: Array | float = 1.0) -> LoadedTyres:
+    """Tyres of draws at decelerations ``z`` (n, k) [1], by (6), (7).
+
+    ``peak`` of the road over that of the ramp, (n,).
     """
     L = car.wheelbase
     l_f = (e.cg_to_front_axle * car.cg_to_front_axle)[:, None]
@@ -122,15 +145,21 @@ def unit_slips(
     load = np.stack([L - l_f + moved, l_f - moved]) / L  # (6), (7)
     on_road = np.maximum(load, _LEAST_LOAD)
     relative = np.log(2.0 * on_road)
-    most = (e.peak * peak)[:, None] * np.exp(-e.peak_load_exponent[:, None] * relative)
-    use = forces / on_road / most
-    unit = np.stack([mean_inverse(of, e.forms) for of in use])
-    return _UnitSlips(
-        slip=most * unit * np.exp(e.load_exponent[:, None] * relative),
+    return LoadedTyres(
         load=load,
+        on_road=on_road,
         grown=load * L / np.stack([L - l_f, l_f]) - 1.0,
-        rolls=np.all((use < NEAR_PEAK) & (load > _LEAST_LOAD), axis=0),
+        most=(e.peak * peak)[:, None] * np.exp(-e.peak_load_exponent[:, None] * relative),
+        compliant=np.exp(e.load_exponent[:, None] * relative),
+        forms=e.forms,
     )
+
+
+def unit_slips(
+    car: Vehicle, e: Ensemble, z: Array, forces: Array, peak: Array | float = 1.0
+) -> _UnitSlips:
+    """Slips over compliance, as `loaded_tyres` and `LoadedTyres.slips` have them."""
+    return loaded_tyres(car, e, z, peak).slips(forces)
 
 
 def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:

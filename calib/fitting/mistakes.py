@@ -39,7 +39,7 @@ from calib.fitting.hypotheses import (
     hypotheses,
 )
 from calib.fitting.prior import DRAWN, draw_cars
-from calib.fitting.regression import Regression
+from calib.fitting.regression import Regression, Solution
 from calib.model.ramp import RampRun
 
 SURE, CERTAIN = 3.0, 8.0
@@ -213,6 +213,8 @@ class _Evidence:
     def __init__(self, car: Vehicle, runs: Sequence[RampRun], other_road: bool) -> None:
         self.car, self.runs, self.draws = car, runs, _draws(other_road)
         self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
+        self.loaded = self.regression.loaded(self.draws[0])
+        self.as_read = self._evidence(runs)  # the same whatever the pads
 
     def cause(self, h: Hypothesis, nothing: float) -> Cause:
         """The hypothesis with ln of (odds times evidence), and its best size.
@@ -235,22 +237,21 @@ class _Evidence:
         """ln of the evidence of one size, and the mean square residual of its best draw."""
         from scipy.special import logsumexp
 
-        runs = [h.undo(run, size) if h.undo else run for run in self.runs]
-        sums = [self._sum(run) for run in runs]
+        undo = h.undo
+        sums, split = self._evidence([undo(r, size) for r in self.runs]) if undo else self.as_read
         level = float(np.mean([level for _, level, _ in sums]))
-        e, centre, root = self.draws
-        regression = self.regression.with_forces_of(runs)
-        split, mean, _ = regression.solve(e, centre, root)
-        each = split + self._prior(level, e.log_pad_ratio, h.pads)
-        best = int(np.argmax(each))
-        front, rear, fall = (centre[best] + root[best] @ mean[best])[:, None]
-        best_draw = replace(
-            e.take(np.array([best])), compliance_f=front, compliance_r=rear, radius_load=fall
-        )
-        residual = regression.residuals(best_draw)[0] @ regression.white.T
+        each = split.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
+        residual = split.residual(int(np.argmax(each)))
         square = sum(square for _, _, square in sums) + float(residual @ residual)
         log = float(logsumexp(each)) - math.log(each.size) + sum(log for log, _, _ in sums)
-        return log, square / (residual.size + _POINTS * len(runs))
+        return log, square / (residual.size + _POINTS * len(self.runs))
+
+    def _evidence(
+        self, runs: Sequence[RampRun]
+    ) -> tuple[list[tuple[float, float, float]], Solution]:
+        """`_sum` of each run, and the split of all by the draws."""
+        regression = self.regression.with_forces_of(runs)
+        return [self._sum(run) for run in runs], regression.solve(*self.draws, self.loaded)
 
     def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
         """ln of the density of pads with this ``level`` and ``ratio`` (n,) over the draws'."""
@@ -263,19 +264,17 @@ class _Evidence:
         """ln of the evidence of the sum of forces, ln of the pads' level, and the misfit."""
         b, braked = run.blocks, np.flatnonzero(run.braked)
         groups = np.array_split(braked, min(_POINTS, braked.size))
+        sizes = np.array([g.size for g in groups])
         front, rear = brake_forces(self.car, b.p_f, b.p_r)
-        means = (front + rear, run.braking, b.z * self.car.weight, b.end)
-        N, y, z, time = (
-            np.array([float(np.mean(x[g])) for g in groups]) / scale
-            for x, scale in zip(means, (*[self.car.weight] * 3, 1.0), strict=True)
-        )
-        length = np.array([g.size for g in groups]) * b.length
+        columns = np.stack([front + rear, run.braking, b.z * self.car.weight, b.end])[:, braked]
+        means = np.add.reduceat(columns, np.cumsum(sizes) - sizes, axis=1) / sizes
+        (N, y, z), time, length = means[:3] / self.car.weight, means[3], sizes * b.length
         near = np.exp(-0.5 * ((z[:, None] - z) / _LENGTH) ** 2)
         along = (time - time.mean()) / max(float(np.ptp(time)), b.length) * N
         covariance = np.diag(run.noise.z**2 / length) + np.outer(N, N) * _DEPARTS**2 * near
         covariance += np.outer(along, along) * _TREND**2 + _ZERO**2
         root = np.linalg.cholesky(covariance)
-        w, v = np.linalg.solve(root, N), np.linalg.solve(root, y)
+        w, v = np.linalg.solve(root, np.stack([N, y], axis=1)).T
         level = float(w @ v / (w @ w))
         residual = v - level * w
         square = float(residual @ residual)

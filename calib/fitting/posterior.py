@@ -99,14 +99,14 @@ def posterior(
     regression, rng = Regression(car, runs), np.random.default_rng(40)
 
     def log_evidence(x: Array) -> Array:
-        e, *of_linear = draw_cars(x, priors)
+        e, centre, root = draw_cars(x, priors)
         more = log_importance(ratio, e.log_pad_ratio) if ratio != DEFAULT_PRIOR else 0.0
-        return regression.solve(e, *of_linear)[0] + more
+        return regression.solve(e, centre, root).log_evidence + more
 
     start = ndtri(spread_evenly(draws, DRAWN + bool(priors)))
     x = _tempered(start, log_evidence, rng)
     e, centre, root = draw_cars(x, priors)
-    _, mean, A = regression.solve(e, centre, root)
+    _, mean, A, *_ = regression.solve(e, centre, root)
     # precision A = C C': mean + C'^-1 noise has covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     linear_x = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]

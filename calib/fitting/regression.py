@@ -10,6 +10,7 @@ doi:10.1088/0266-5611/30/11/114007).
 
 import copy
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from calib.base.names import G
 from calib.car.balance import front_share
 from calib.car.beliefs import CAR, LOG
 from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import DEPART_AT, Ensemble, unit_slips
+from calib.fitting.ensemble import DEPART_AT, Ensemble, LoadedTyres, loaded_tyres
 from calib.model.ramp import RampRun
 
 _GROUPS = 14  # groups of blocks of a ramp: the discrepancy of a tyre is alike over two of them
@@ -73,18 +74,38 @@ class _Ramp:
     """
 
     def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
-        b, noise = run.blocks, run.noise
         braked, lead = np.flatnonzero(run.braked), run.rolling
         if not (braked.size and lead.size):
             raise ValueError("no blocks of a braking, or none of rolling before it")
         groups = [lead, *np.array_split(braked, min(most or braked.size, braked.size))]
-        sizes = np.array([g.size for g in groups])
-        places, first = np.concatenate(groups), np.cumsum(sizes) - sizes
-        time = sizes * b.length
+        self._sizes = np.array([g.size for g in groups])
+        self._places, self._first = np.concatenate(groups), np.cumsum(self._sizes) - self._sizes
+        self._read_forces(car, run)
+        self._read_wheels(car, run)
 
-        def mean(x: Array) -> Array:
-            return np.asarray(np.add.reduceat(x[places], first) / sizes)
+    def with_forces_of(self, car: Vehicle, run: RampRun) -> "_Ramp":
+        """The same ramp with the forces of ``run``, and its wheel speeds if they are others."""
+        other = copy.copy(self)
+        other._read_forces(car, run)
+        if run.blocks.omega_f is not self._omega[0] or run.blocks.omega_r is not self._omega[1]:
+            other._read_wheels(car, run)
+        return other
 
+    def _mean(self, x: Array) -> Array:
+        return np.asarray(np.add.reduceat(x[self._places], self._first) / self._sizes)
+
+    def _read_forces(self, car: Vehicle, run: RampRun) -> None:
+        pressures = (self._mean(np.maximum(p, 1.0)) for p in (run.blocks.p_f, run.blocks.p_r))
+        brake = self._mean(run.brake_sum)
+        self.z, self.brake = self._mean(run.quasi_static(car)), (brake - brake[0]) / car.weight
+        moments = [self._mean(x / car.weight) for x in (run.moment_f, run.moment_r)]
+        self.moments = np.stack(moments)
+        self.log_odds, self.only = run.log_odds(*pressures), run.only
+
+    def _read_wheels(self, car: Vehicle, run: RampRun) -> None:
+        b, noise, mean = run.blocks, run.noise, self._mean
+        self._omega = b.omega_f, b.omega_r
+        time = self._sizes * b.length
         eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
         zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
         if run.slip is None:
@@ -101,12 +122,25 @@ class _Ramp:
             "noise": np.diag((np.sqrt(2.0 / time) * wheels)[1:]),
             "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED) * zeros,
         }
-        pressures = (mean(np.maximum(p, 1.0)) for p in (b.p_f, b.p_r))
-        brake = mean(run.brake_sum)
-        self.z, self.brake = mean(run.quasi_static(car)), (brake - brake[0]) / car.weight
-        self.moments = np.stack([mean(x / car.weight) for x in (run.moment_f, run.moment_r)])
-        self.log_odds, self.only = run.log_odds(*pressures), run.only
         self.rows, self.errors = np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
+
+
+class Solution(NamedTuple):
+    """Posterior of the linear parameters of draws (n,), in standard normal numbers x.
+
+    ``log_evidence`` (n,); ``mean`` (n, 3) and ``precision`` (n, 3, 3) of x; ``design`` (3, n,
+    k) and ``data`` (n, k) in standard deviations.
+    """
+
+    log_evidence: Array
+    mean: Array
+    precision: Array
+    design: Array
+    data: Array
+
+    def residual(self, draw: int) -> Array:
+        """Residual of one draw at its mean, in standard deviations (k,)."""
+        return np.asarray(self.data[draw] - self.mean[draw] @ self.design[:, draw])
 
 
 class Regression:
@@ -130,7 +164,8 @@ class Regression:
     def with_forces_of(self, runs: Sequence[RampRun]) -> "Regression":
         """The same regression with forces and pressures of ``runs``; the errors stay."""
         other = copy.copy(self)
-        other.ramps = [_Ramp(self.car, run, self.most) for run in runs]
+        pairs = zip(self.ramps, runs, strict=True)
+        other.ramps = [ramp.with_forces_of(self.car, run) for ramp, run in pairs]
         return other
 
     def _errors_of(self, cause: str) -> Array:
@@ -150,13 +185,19 @@ class Regression:
         near = _near(self.places, self.places) * (kind[:, None] == kind)
         return np.asarray(size[:, None] * size * (near + _ROUGH * np.eye(size.size)))
 
-    def rows(self, e: Ensemble) -> tuple[Array, Mask]:
-        """Design matrix and data, (4, n, k); whether all tyres are below their peaks, (n,)."""
+    def loaded(self, e: Ensemble) -> list[LoadedTyres]:
+        """The tyres of the draws under the axle loads of each ramp."""
+        return [loaded_tyres(self.car, e, r.z) for r in self.ramps]
+
+    def rows(self, e: Ensemble, loaded: Sequence[LoadedTyres] | None = None) -> tuple[Array, Mask]:
+        """Design matrix and data, (4, n, k); whether all tyres are below their peaks, (n,).
+
+        ``loaded`` tyres of the draws ``e``, if they are known.
+        """
         rows, rolls = [], np.ones(e.size, dtype=bool)
-        for r in self.ramps:
+        for r, tyres in zip(self.ramps, loaded or self.loaded(e), strict=True):
             share = front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
-            forces = np.stack([share, 1.0 - share]) * r.brake + r.moments[:, None]
-            unit = unit_slips(self.car, e, r.z, forces)
+            unit = tyres.slips(np.stack([share, 1.0 - share]) * r.brake + r.moments[:, None])
             rolls &= unit.rolls.all(axis=1)
             by, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
             load, eta = unit.load[..., 1:], r.rows[0]
@@ -166,12 +207,18 @@ class Regression:
             rows.append([*load * by, -np.sum(load * grown, axis=0), slip])
         return np.concatenate(rows, axis=-1), rolls
 
-    def solve(self, e: Ensemble, centre: Array, root: Array) -> tuple[Array, Array, Array]:
-        """Log evidence (n,), and posterior mean (n, 3) and precision (n, 3, 3) of x.
+    def solve(
+        self,
+        e: Ensemble,
+        centre: Array,
+        root: Array,
+        loaded: Sequence[LoadedTyres] | None = None,
+    ) -> Solution:
+        """Integrate over linear parameters ``centre`` (n, 3) + ``root`` x, x standard normal.
 
-        The linear parameters are ``centre`` (n, 3) + ``root`` x, with x standard normal before.
+        ``loaded`` as of `rows`.
         """
-        rows, rolls = self.rows(e)
+        rows, rolls = self.rows(e, loaded)
         *H, y = rows @ self.white.T
         y = y - np.einsum("ink,ni->nk", H, centre)
         H = np.einsum("ink,nij->jnk", H, root)
@@ -181,7 +228,8 @@ class Regression:
         square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
         log = -0.5 * (square + np.log(np.linalg.det(A)))
         linear = centre + np.einsum("nij,nj->ni", root, mean)
-        return np.where(rolls & np.all(linear[:, :2] > 0.0, axis=1), log, -np.inf), mean, A
+        log = np.where(rolls & np.all(linear[:, :2] > 0.0, axis=1), log, -np.inf)
+        return Solution(log, mean, A, H, y)
 
     def residuals(self, e: Ensemble) -> Array:
         """Residuals of the rows, by draw, (n, k) [1]."""
