@@ -62,7 +62,7 @@ def diagnose(
     check_folder(out, [file.as_posix() for file in files])
     car = with_own(vehicle, effect)
     # a function of one's own acts in one process only
-    count = 1 if car.effects.own else workers or min(cores(), 8)
+    count = 1 if car.effects.user_defined else workers or min(cores(), 8)
     with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
         with progress() as step:
             runs = read_all([*logs, *holdout], channel_map, step)

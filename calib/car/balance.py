@@ -1,19 +1,18 @@
 """The force balance of a car: the forces of tyres and brakes at a given deceleration.
 
-W z = tyre forces + body forces          tyre forces = brakes + other moments on the wheels
+    W z = tyre forces + body forces          tyre forces = brakes + other moments on the wheels
 
-A moment on the wheels besides the brake comes from the known effects, from the inertia of the
-wheels, and from the drive: the torque of engine or motor where it is logged.
-
-Quasi-static loads, straight line. The simulation adds the same effects by the same functions.
+The other moments come from known effects, from the inertia of the wheels, and from a logged torque
+of engine or motor. Valid for quasi-static loads in a straight line. The simulation adds the same
+effects by the same functions.
 
     friction used |      front ___.--   an axle locks where it uses what the road offers;
                   | __.--'  .--'        the axle that uses more locks first
                   |   rear-'
                   +---------------- z
 
-At one pressure on both axles, in a straight line, without drag and without control of the slip. The
-inertia of the wheels is neglected, as in (9).
+This picture is for one pressure on both axles, without drag and without slip control. It neglects
+the inertia of the wheels, as (9) does.
 """
 
 import math
@@ -37,10 +36,10 @@ T = TypeVar("T", float, Array)
 class ForceBalance:
     """Forces of a run [N], shapes (n,).
 
-    ``load_f``, ``load_r`` axle loads (6), (7), as known effects move them; ``moment_f``,
-    ``moment_r`` moments on the wheels besides the brake, inertia and drive included, as a force at
-    the road; ``other_f``, ``other_r`` of them all but the inertia; ``body`` forces that
-    slow the body directly; ``tyre_sum`` sum of all tyre forces (5), (17).
+    ``load_f``, ``load_r`` axle loads (6), (7) with known effects; ``moment_f``, ``moment_r``
+    moments on the wheels besides the brake, with inertia and drive, as a force at the road;
+    ``other_f``, ``other_r`` the same without inertia; ``body`` forces that slow the body directly;
+    ``tyre_sum`` sum of all tyre forces (5), (17).
     """
 
     load_f: Array
@@ -54,7 +53,7 @@ class ForceBalance:
 
     @property
     def demanded(self) -> Array:
-        """Brake force of both axles [N] that the deceleration demands."""
+        """Brake force of both axles by the deceleration [N]."""
         return self.tyre_sum - self.moment_f - self.moment_r
 
 
@@ -71,8 +70,8 @@ def force_balance(
     """Balance at ``time`` [s], ``speed`` [m/s], ``z`` [1] and ``pressure`` [Pa], shapes (n,).
 
     ``drive`` torque of engine or motor at the front and the rear wheels [N m per axle], negative
-    where it slows, None for none; ``spin`` d omega/dt of the front and the rear wheels [rad/s^2];
-    without it -g z/R, which neglects the change of slip.
+    where it slows; ``spin`` d omega/dt of the front and the rear wheels [rad/s^2], by default
+    -g z/R, which neglects the change of slip.
     """
     load_f, load_r = axle_loads(vehicle, z)
     history = replace(constant_speed(time, pressure, 0.0), v=speed, z=z)
@@ -103,7 +102,7 @@ def force_balance(
 
 
 def turning_shares(vehicle: Vehicle) -> tuple[float, float]:
-    """Mass that the turning wheels of front and rear axle are worth, over that of the car [1]."""
+    """Equivalent mass of the turning wheels of front and rear axle over that of the car [1]."""
     front, rear = (2.0 * axle.wheel_mass / vehicle.mass for axle in (vehicle.front, vehicle.rear))
     return front, rear
 
@@ -113,8 +112,8 @@ def braked_tyres(
 ) -> tuple[Array, Array]:
     """Tyre forces of the axles where the brakes alone slow the car, (13), (14).
 
-    ``brake`` force of both axles, of which the front one has the ``share`` [1]; ``slowed`` M dv/dt,
-    of which the wheels' inertia carries its part. All in N, or all over the weight.
+    ``brake`` force of both axles, with the ``share`` of the front one [1]; ``slowed`` M dv/dt, of
+    which the inertia of the wheels takes a part. All in N, or all over the weight.
     """
     front, rear = turning_shares(vehicle)
     return share * brake - front * slowed, (1.0 - share) * brake - rear * slowed
@@ -133,8 +132,8 @@ def brake_forces(
 
 def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:
     """Brake force of the front and of the rear axle at the road per pressure [N/Pa], (2)."""
-    one = np.ones(1)
-    front, rear = brake_forces(vehicle, one, one)
+    unit = np.ones(1)
+    front, rear = brake_forces(vehicle, unit, unit)
     return float(front[0]), float(rear[0])
 
 
@@ -146,8 +145,8 @@ def pressure_per_g(vehicle: Vehicle) -> float:
 def front_share(vehicle: Vehicle, log_ratio: T) -> T:
     """Share of the front axle in the brake force [1], the same at every pressure.
 
-    ``log_ratio`` ln of the pads' ratio, front over rear, over that of the vehicle file [1]; where
-    the axles have pressures of their own, plus ln of the front one over the rear one.
+    ``log_ratio`` ln of front over rear pads, over that of the vehicle file [1]. Where the pressures
+    of the axles differ, ln of front over rear pressure is added to it.
     """
     front, rear = force_per_pressure(vehicle)
     share: T = front / (front + rear * math.e**-log_ratio)
@@ -157,9 +156,8 @@ def front_share(vehicle: Vehicle, log_ratio: T) -> T:
 def front_biased_up_to(vehicle: Vehicle) -> float:
     """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
 
-    From (2), (9) and the I curve: the front share of the tyre force equals that of the load. With
-    a rear brake it is below the z of rear-wheel lift; infinite without a rear brake; zero when the
-    car is rear-biased at every z.
+    From (2), (9) and the I curve: there the front share of the tyre force equals that of the load.
+    Infinite without a rear brake; zero where the car is rear-biased at every z.
     """
     share = front_share(vehicle, 0.0)
     z = (share * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
@@ -184,7 +182,7 @@ def friction_used(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
 def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
     """Deceleration at the first lock over the ``friction`` that the road offers [1], 1 at best.
 
-    An axle locks where it uses the friction of the road; the front one may never do.
+    An axle locks where it uses the friction of the road.
     """
     share, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height
     lever = share * L - friction * h  # phi z L = mu (l_r + z h), from (6)

@@ -1,8 +1,8 @@
-"""What is believed before anything is measured: `beliefs.csv`, each quantity once in a group.
+"""Priors of everything that is not measured: `beliefs.csv`, each quantity once in its group.
 
-A group is what a belief is of: a `CAR`, a `SENSOR`, what a `LOG` has of its own, what a `STOP`
-may bring. Two values of one quantity stand in two groups, and their sources say why they differ. A
-row that is no field here is an error, as is a field without a row.
+The groups: a `CAR`, a `SENSOR`, how one `LOG` differs from others, and how a `STOP` may differ from
+the ramp. A quantity with two values stands in two groups, and the sources say why they differ. A
+row without a field here is an error, and so is a field without a row.
 """
 
 from typing import Any, NamedTuple, TypeVar, get_type_hints
@@ -16,10 +16,10 @@ Row = dict[str, str]
 
 
 class Belief(NamedTuple):
-    """A normal distribution, or one number where sigma is 0, in the unit of its row.
+    """A normal distribution, or a number where sigma is 0, in the unit of its row.
 
-    Of cars: ``model`` is the share of the variance by which cars of one model are apart, 1 where
-    the row says nothing; ``tyre_file`` the sigma of what a file of the tyre says, else that of any.
+    For cars: ``model`` share of the variance between cars of one model, 1 by default; ``tyre_file``
+    standard deviation of the value in a tyre file, that of all cars by default.
     """
 
     mean: float
@@ -29,10 +29,9 @@ class Belief(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """Normal distributions of which one holds.
+    """A mixture of normal distributions.
 
-    Names of the ``cases``; as arrays (k,) how often each happens, relative to the others, its mean
-    and its sigma.
+    Names of the ``cases``; (k,) ``share`` of each relative to the others, mean and sigma.
     """
 
     cases: tuple[str, ...]
@@ -41,22 +40,22 @@ class Mixture(NamedTuple):
     sigma: Array
 
     def case(self, u: Array) -> Index:
-        """The place of the case that holds (n,), by uniform numbers ``u`` (n,)."""
+        """Index of the case drawn, (n,), by uniform numbers ``u`` (n,)."""
         ends = np.cumsum(self.share)
         return np.asarray(np.minimum(np.searchsorted(ends, u * ends[-1]), ends.size - 1))
 
     def is_case(self, name: str, u: Array) -> Mask:
-        """Whether a case holds (n,). Raises ValueError for one that no row has."""
+        """Whether a case is drawn, (n,). Raises ValueError for an unknown name."""
         return np.asarray(self.case(u) == self.cases.index(name))
 
     def drawn(self, u: Array, x: Array) -> Array:
-        """Values (n,) by uniform ``u`` and standard normal ``x`` (n,)."""
+        """Draw values (n,) by uniform ``u`` and standard normal ``x`` (n,)."""
         case = self.case(u)
         return np.asarray(self.mean[case] + self.sigma[case] * x)
 
 
 class Car(NamedTuple):
-    """A car, its tyres and its brakes, over the vehicle file where that has it."""
+    """A car, its tyres and its brakes; relative to the vehicle file where that has the value."""
 
     compliance: Belief
     log_tyre_ratio: Belief
@@ -85,7 +84,7 @@ class Sensor(NamedTuple):
 
 
 class Log(NamedTuple):
-    """What one log has of its own."""
+    """How one log differs from others of the same car."""
 
     pads_repeat: Belief
     a_x_scale: Belief
@@ -93,7 +92,7 @@ class Log(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """What a stop may bring since the ramp, in cases."""
+    """How a stop may differ from the ramp, in cases."""
 
     log_pad_ratio: Mixture
     log_peak: Mixture
@@ -108,38 +107,40 @@ Group = TypeVar("Group", Car, Sensor, Log, Stop)
 
 
 def beliefs_of(group: type[Group], table: list[Row]) -> Group:
-    """The beliefs of a group in rows of `beliefs.csv`.
+    """The priors of a group, from the rows of `beliefs.csv`.
 
-    Raises ValueError for a row that nobody reads, a quantity without a row, a row that is there
-    twice, a quantity that has two units in the table, and a cell that is no number.
+    Raises ValueError for a row without a field, a field without a row, a row that occurs twice, a
+    quantity with two units in the table, and a cell that is not a number.
     """
-    kinds, of = get_type_hints(group), [r for r in table if r["group"] == group.__name__.lower()]
+    kinds, lines = get_type_hints(group), [r for r in table if r["group"] == group.__name__.lower()]
     units = {(row["quantity"], row["unit"]) for row in table}
-    for row in of:
+    for row in lines:
         if row["quantity"] not in kinds:
             raise ValueError(f"nobody reads {row}; known are {', '.join(kinds)}")
         if len([unit for name, unit in units if name == row["quantity"]]) > 1:
             raise ValueError(f"two units of {row['quantity']}")
     read: dict[str, Any] = {}
     for name, kind in kinds.items():
-        cases = [row for row in of if row["quantity"] == name]
+        cases = [row for row in lines if row["quantity"] == name]
         read[name] = _belief(name, cases) if kind is Belief else _mixture(name, cases)
     return group(**read)
 
 
-def _belief(name: str, of: list[Row]) -> Belief:
-    if [row["case"] for row in of] != [""]:
-        raise ValueError(f"{name} is one row without a case, not {len(of)}: {of}")
-    row, mean, sigma = of[0], float(of[0]["mean"]), float(of[0]["sigma"])
+def _belief(name: str, cases: list[Row]) -> Belief:
+    if [row["case"] for row in cases] != [""]:
+        raise ValueError(f"{name} is one row without a case, not {len(cases)}: {cases}")
+    row, mean, sigma = cases[0], float(cases[0]["mean"]), float(cases[0]["sigma"])
     return Belief(mean, sigma, float(row["model"] or 1.0), float(row["tyre_file"] or sigma))
 
 
-def _mixture(name: str, of: list[Row]) -> Mixture:
-    of = sorted(of, key=lambda row: row["case"])  # what is drawn hangs on no order of rows
-    names = tuple(row["case"] for row in of)
-    if not all(names) or len(set(names)) != len(of) or not of:
-        raise ValueError(f"each row of {name} is a case of its own: {of}")
-    share, mean, sigma = np.array([[float(r[k]) for k in ("share", "mean", "sigma")] for r in of]).T
+def _mixture(name: str, cases: list[Row]) -> Mixture:
+    cases = sorted(cases, key=lambda row: row["case"])  # no draw depends on the order of rows
+    names = tuple(row["case"] for row in cases)
+    if not all(names) or len(set(names)) != len(cases) or not cases:
+        raise ValueError(f"each row of {name} is a case of its own: {cases}")
+    share, mean, sigma = (
+        np.array([float(row[key]) for row in cases]) for key in ("share", "mean", "sigma")
+    )
     return Mixture(names, share, mean, sigma)
 
 

@@ -1,10 +1,10 @@
-"""From the pedal to the brake torque of every wheel, with all effects between them.
+"""From the pedal to the brake torque of each wheel, with all effects in between.
 
     p_mc --line--> wheel pressure --caliper--> clamp --pads--> torque --left/right--> T_b (2) (3)
                    (or as logged)
 
-Left and right are equal unless wheel pressures or an effect make them differ. Only then is the
-right wheel of that axle computed as well.
+Left and right are equal unless wheel pressures or an effect make them differ; only then is the
+right wheel of that axle computed.
 """
 
 from collections.abc import Mapping
@@ -29,11 +29,11 @@ class Brakes:
 
     @property
     def wheels(self) -> tuple[str, ...]:
-        """The wheels that are computed: both of an axle only where left and right differ."""
+        """The wheels that are computed: the right one of an axle only where it differs."""
         return tuple(self.clamp)
 
     def twin(self, w: str) -> str:
-        """The wheel whose values hold for ``w``: itself, or the left one of its axle."""
+        """The wheel that has the values of ``w``: itself, or the left one of its axle."""
         return w if w in self.clamp else f"{w[0]}l"
 
     def axle(self, w: str) -> Axle:
@@ -57,19 +57,19 @@ class Brakes:
         return torques
 
 
-def brakes_of(model: Model, rest: RunHistory, own: Mapping[str, Array]) -> Brakes:
-    """The brakes at the pressure of ``rest``, or at the logged pressures ``own`` [Pa] by wheel.
+def brakes_of(model: Model, history: RunHistory, logged: Mapping[str, Array]) -> Brakes:
+    """The brakes at the pressure of ``history``, or at ``logged`` pressures [Pa] by wheel.
 
-    A wheel pressure is measured behind the line, so only effects of the caliper change it.
+    A wheel pressure is measured behind the line, so only effects of the caliper act on it.
     """
     effects = model.effects
-    p_f, p_r = line_pressure(effects, rest)
-    arrives = {w: own.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
-    uneven = {w[0] for w in wheel_factors(effects, rest)}
+    p_f, p_r = line_pressure(effects, history)
+    arrives = {w: logged.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
+    uneven = {w[0] for w in wheel_factors(effects, history)}
     clamp: dict[str, Array] = {}
-    for side in "lr" if own or uneven else "l":
+    for side in "lr" if logged or uneven else "l":
         pair = (arrives[f"f{side}"], arrives[f"r{side}"])
-        front, rear = caliper_pressure(effects, rest, *pair)
+        front, rear = caliper_pressure(effects, history, *pair)
         clamp |= {f"f{side}": front, f"r{side}": rear}
-    differ = [w for w in WHEELS if w[1] == "l" or own or w[0] in uneven]
+    differ = [w for w in WHEELS if w[1] == "l" or logged or w[0] in uneven]
     return Brakes(model, {w: clamp[w] for w in differ})

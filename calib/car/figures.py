@@ -1,9 +1,8 @@
-"""Figures that follow from a vehicle file, and whether they are those of a car.
+"""Figures that follow from a vehicle file, and warnings where no usual car has them.
 
-A file can be valid and still describe no car. Every figure outside its range is a warning with the
-likely causes; a mistake within what cars differ by, as a mass that is 10 % wrong, is not seen. The
-ranges of `figures.csv` and `keys.csv` are what cars from a microcar to a laden van have, and some
-room (tests/studies/results/vehicle_mistakes.md).
+A figure outside its range is a warning with the likely causes. The ranges of `figures.csv` and
+`keys.csv` hold cars from a microcar to a laden van, with some margin
+(tests/studies/results/vehicle_mistakes.md), so a mass that is 10 % wrong goes unseen.
 """
 
 import math
@@ -30,19 +29,19 @@ from calib.car.keys import CHASSIS, KEYS, VehicleKey
 from calib.car.vehicle import Axle, Vehicle
 
 _GOOD_ROAD = 0.8
-"""Friction [1] of a road on which the efficiency of the brakes is judged: dry asphalt, used up to
-what passenger tyres hold for certain."""
+"""Friction [1] at which the efficiency of the brakes is judged: surely available on dry asphalt."""
 
 LEAST_FRONT_BIASED = bound("front_biased_up_to", "low")
-"""Deceleration [g] up to which the front axle must lock first, by the file here and by the pads of
-the car at the station. Cars with control of the rear pressure (EBD) have 0.4 or more by design, of
-which pads that scatter by 3 % between the axles take up to 0.1 in one car of a thousand."""
+"""Deceleration [g] up to which the front axle must lock first, by the file or by a station's pads.
+
+Cars that control the rear pressure (EBD) have 0.4 or more by design. Pads that scatter by 3 %
+between the axles take up to 0.1 of it in one car of a thousand."""
 
 _UNCONTROLLED = bound("front_biased_up_to", "warn_low")
-"""What cars without that control have at least [g]."""
+"""Least value of cars without that control [g]."""
 
 _FRONT_ENGINE = 0.46
-"""Front share of the load at rest [1] below which a car has its engine at the rear, or carries."""
+"""Front share of the load at rest [1], below which the engine or a load is at the rear."""
 
 _OF: dict[str, Callable[[Vehicle], float]] = {
     "wheelbase": lambda car: car.wheelbase,
@@ -77,7 +76,7 @@ def _of_key(key: VehicleKey) -> _Figure:
 
 
 def _of_row(row: dict[str, str]) -> _Figure:
-    """Without a lowest value it is that of the station; without a highest one there is none."""
+    """An empty lowest value is that of the station; an empty highest one is no limit."""
     low, high = float(row["low"] or bound(row["code"], "low")), float(row["high"] or math.inf)
     code, too_low, too_high = row["code"], listed(row["too_low"]), listed(row["too_high"])
     return code, _OF[code], low, high, too_low, too_high, row["do"]
@@ -90,10 +89,10 @@ _FIGURES = (
 
 
 def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on what no usual car or van has; the values of the file first."""
+    """Warnings of figures that no usual car or van has; the values of the file first."""
     warnings = []
-    for code, of, low, high, too_low, too_high, do in _FIGURES:
-        measured, ends = of(vehicle), (low, high if high < math.inf else None)
+    for code, figure, low, high, too_low, too_high, do in _FIGURES:
+        measured, ends = figure(vehicle), (low, high if high < math.inf else None)
         if not low <= measured <= high:
             causes = too_low if measured < low else too_high
             warnings.append(PlausibilityWarning(code, vehicle.name, measured, ends, causes, do))
@@ -101,21 +100,21 @@ def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
 
 
 def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
-    """What is usual for some cars only, as sentences; a mistake for all others."""
+    """Sentences about figures that are right for some cars only."""
     share, biased = vehicle.static_loads[0] / vehicle.weight, front_biased_up_to(vehicle)
-    found = []
+    sentences = []
     if share < _FRONT_ENGINE:
-        found.append(
+        sentences.append(
             f"{100 * share:.0f} % of the load is on the front axle, as with the engine at the rear "
             "or in a laden van; in any other car cg_to_front_axle and cg_to_rear_axle are swapped"
         )
     if LEAST_FRONT_BIASED <= biased < _UNCONTROLLED:
-        found.append(
+        sentences.append(
             f"the rear axle locks first beyond {biased:.2f} g, as in cars that control the rear "
             "pressure (EBD); in any other car the brakes or the load are not those of the file. "
             f"`brake-cal station` fails a car below {LEAST_FRONT_BIASED:g} g"
         )
-    return tuple(found)
+    return tuple(sentences)
 
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
@@ -210,6 +209,6 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
     )
 
 
-def _axle(axle: Axle, rest: float, half: float) -> _AxleFacts:
+def _axle(axle: Axle, static: float, half: float) -> _AxleFacts:
     per_bar = axle.pad_friction * axle.torque_gain * _BAR  # (2), (3)
-    return _AxleFacts(per_bar, 2.0 * per_bar, rest / G, half / G, axle.wheel_mass)
+    return _AxleFacts(per_bar, 2.0 * per_bar, static / G, half / G, axle.wheel_mass)

@@ -119,13 +119,13 @@ _AIR = 20.0
 def heated(time: Array, energy: Array, disc: Disc, start: float = START) -> Array:
     """Temperature of one disc [degC], (n,), that is at ``start`` [degC] at the first sample.
 
-    C dT/dt = P - (C/tau) (T - T_air): heated by the whole braking power, cooled by the air.
-    ``time`` [s]; ``energy`` dissipated in this brake since the first sample [J], (n,), taken as
-    linear between samples: what has not yet been lost to the air is E less its own lag. Source:
-    Limpert, Brake Design and Safety, ch. 3, for the lumped disc.
-    The pads take no heat, all of the disc has one temperature and the air cools at any speed alike:
-    not valid for the surface of the disc within a hard stop, nor over minutes of changing speed.
+    C dT/dt = P - (C/tau) (T - T_air): heated by the whole braking power, cooled by the air
+    (Limpert, Brake Design and Safety, ch. 3, lumped disc). ``time`` [s]; ``energy`` dissipated in
+    this brake since the first sample [J], (n,), linear between samples. The heat that the disc
+    still holds is E less its first-order lag. Pads take no heat, the disc has one temperature, and
+    cooling does not depend on speed: not valid for the surface of the disc in a hard stop, nor over
+    minutes of changing speed.
     """
-    kept = energy - first_order(time, energy, disc.cooling_time)
-    own = np.exp(-(time - time[0]) / disc.cooling_time)
-    return np.asarray(_AIR + (start - _AIR) * own + kept / disc.heat_capacity)
+    stored = energy - first_order(time, energy, disc.cooling_time)
+    initial = np.exp(-(time - time[0]) / disc.cooling_time)
+    return np.asarray(_AIR + (start - _AIR) * initial + stored / disc.heat_capacity)

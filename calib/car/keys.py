@@ -5,9 +5,9 @@
     # usual: 700 to 4500 kg
     mass = "1744 kg"
 
-The examples together are the reference car, `sedan-2up`, of Tables I and II of the paper. The usual
-ranges hold for passenger cars and vans. The bounds only detect a wrong unit or decimal point: they
-reach from a microcar to a heavy coach, and a mass that is 10 % wrong passes.
+The examples are the reference car, `sedan-2up`, of Tables I and II of the paper. Usual ranges are
+for passenger cars and vans. Bounds detect a wrong unit or decimal point: they reach from a microcar
+to a heavy coach.
 """
 
 import json
@@ -60,10 +60,10 @@ class VehicleKey:
 
     @property
     def left_out(self) -> float | None:
-        """What holds where an optional key is left out; None where nothing is known then."""
+        """Default of an optional key; None where it has none."""
         part = Axle if self.section in (FRONT, REAR) else Vehicle
-        held: float | None = getattr(part, self.name)
-        return held
+        default: float | None = getattr(part, self.name)
+        return default
 
     def value_of(self, vehicle: Vehicle) -> float:
         """The value in a vehicle, in ``unit``; not for text."""
@@ -73,15 +73,15 @@ class VehicleKey:
 
 def _read(row: dict[str, str]) -> VehicleKey:
     numbers = {name: float(row[name] or 0.0) for name in ("low", "high", "least", "most")}
-    given: dict[str, Any] = {**row, **numbers, "optional": row["optional"] == "yes"}
-    return VehicleKey(**given | {end: listed(row[end]) for end in ("too_low", "too_high")})
+    values: dict[str, Any] = {**row, **numbers, "optional": row["optional"] == "yes"}
+    return VehicleKey(**values | {end: listed(row[end]) for end in ("too_low", "too_high")})
 
 
 KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
 """The keys in the order of the file."""
 
 REFERENCE = {key.path: key.example for key in KEYS if not (key.optional and key.left_out is None)}
-"""What the file of the reference car says, by path of the key."""
+"""Values in the file of the reference car, by path of the key."""
 
 _HEAD = """\
 # A vehicle for brake-cal. Values of an axle are for one wheel; quantities have a unit, in quotes.

@@ -29,8 +29,8 @@ def delayed(time: Array, x: Array, delay: float) -> Array:
         return x
     then = time - delay
     slope = (x[1] - x[0]) / (time[1] - time[0])
-    before = np.minimum(then - time[0], 0.0)
-    return np.asarray(np.interp(then, time, x) + slope * before)
+    beyond = np.minimum(then - time[0], 0.0)
+    return np.asarray(np.interp(then, time, x) + slope * beyond)
 
 
 def first_order(time: Array, x: Array, time_constant: float) -> Array:

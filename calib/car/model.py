@@ -67,10 +67,9 @@ def default_model(vehicle: Vehicle) -> Model:
     (True, 0.9, False)
     """
     where = f"vehicle {vehicle.name}: effects"
-    given = vehicle.effects.parameters
     named = {
-        name: _believable(definition(vehicle.effects, name).card, own, f"{where}.{name}")
-        for name, own in given.items()
+        name: _believable(definition(vehicle.effects, name).card, values, f"{where}.{name}")
+        for name, values in vehicle.effects.parameters.items()
     }
     return Model(
         vehicle=vehicle,
@@ -101,14 +100,14 @@ def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str
             every = f"one of {', '.join(cards)}"
             do = did_you_mean(key, cards)
             raise ModelError(f"unknown key {key!r}", where=where, expected=every, do=do)
-    for key, known in cards.items():
-        if key in values and not known.low <= values[key] <= known.high:
+    for key, parameter in cards.items():
+        if key in values and not parameter.low <= values[key] <= parameter.high:
             raise ModelError(
-                f"{values[key]:g}{behind(known.unit)} is not believable",
+                f"{values[key]:g}{behind(parameter.unit)} is not believable",
                 where=f"{where}.{key}",
-                expected=f"{known.low:g} to {known.high:g}{behind(known.unit)}",
+                expected=f"{parameter.low:g} to {parameter.high:g}{behind(parameter.unit)}",
             )
-        if key not in values and known.default is None:
+        if key not in values and parameter.default is None:
             expected = f"a value for {key!r}"
             raise ModelError(f"key {key!r} is missing", where=where, expected=expected)
     return dict(values)
@@ -119,7 +118,7 @@ RELAXATION_LENGTH = 0.3
 
 
 def tyres_along(model: Model, time: Array, v: Array) -> tuple[MagicFormula, MagicFormula]:
-    """The tyre of the front and of the rear axle on the surface under it, at every sample."""
+    """Tyres of the front and the rear axle on their surface, at every sample."""
     if not model.surfaces:
         return model.tyre, model.tyre
     travelled = integral(time, v)
@@ -130,7 +129,7 @@ def tyres_along(model: Model, time: Array, v: Array) -> tuple[MagicFormula, Magi
 
 
 def _tyre_at(model: Model, time: Array, travelled: Array, behind: float) -> MagicFormula:
-    """The tyre of an axle ``behind`` [m] the front one; it changes over `RELAXATION_LENGTH`."""
+    """The tyre of an axle ``behind`` [m] the front one, on the road travelled."""
     starts, factors = [], [(1.0, 1.0)]
     for surface in model.surfaces:
         on_road = surface.unit == "m"

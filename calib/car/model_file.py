@@ -1,8 +1,7 @@
 """A model as a TOML file: pads, tyre, effects, roads; `brake-cal manual diagnosis` shows one.
 
-What is left out is that of the vehicle, the tyre that of wet asphalt; ``[effects]`` is the whole
-list of effects. ``[own_effects.NAME]`` says where an effect is defined that is not in the
-catalogue, by file and SHA-256.
+Pads and effects default to those of the vehicle, the tyre to wet asphalt. ``[effects]`` is the
+whole list of effects. ``[own_effects.NAME]`` has file and SHA-256 of an effect of the user.
 """
 
 from collections.abc import Mapping
@@ -40,7 +39,7 @@ from calib.car.effects.catalogue import (
     completed,
     definition,
     every_effect,
-    given,
+    with_file,
 )
 from calib.car.effects.effect import Effect
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
@@ -158,10 +157,10 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     file was not given or has changed.
     """
     document = load_toml(Path(path), ModelError)
-    own = _own(document, vehicle.effects, path)
+    own_effects = _user_defined(document, vehicle.effects, path)
     schema: type[ModelFile] = ModelFile
-    if own:
-        effects: Any = _effects_section(every_effect(Effects(own=own))) | None
+    if own_effects:
+        effects: Any = _effects_section(every_effect(Effects(user_defined=own_effects))) | None
         schema = create_model("ModelFile", __base__=ModelFile, effects=(effects, None))
     file = validated(document, schema, path, ModelError)
     base = default_model(vehicle)
@@ -177,17 +176,19 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
         pad_friction_f=file.pads.front or base.pad_friction_f,
         pad_friction_r=file.pads.rear or base.pad_friction_r,
         tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
-        effects=Effects(named, terms or base.effects.terms, own=own),
+        effects=Effects(named, terms or base.effects.terms, user_defined=own_effects),
         surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
     )
 
 
-def _own(document: Mapping[str, Any], known: Effects, path: Path) -> dict[str, DefinedIn]:
+def _user_defined(
+    document: Mapping[str, Any], effects: Effects, path: Path
+) -> dict[str, DefinedIn]:
     """The own effects, all with their files. Raises ModelError where one was not given."""
     written = validated(document, _OwnEffects, path, ModelError).own_effects
     named = {name: DefinedIn(one.file, one.sha256) for name, one in written.items()}
-    files = {n: one for n, one in known.own.items() if isinstance(one, OwnEffect)}
-    return {n: given(n, one, path) for n, one in completed(named, files, path).items()}
+    files = {n: one for n, one in effects.user_defined.items() if isinstance(one, OwnEffect)}
+    return {n: with_file(n, one, path) for n, one in completed(named, files, path).items()}
 
 
 def write_model(model: Model, path: Path) -> None:

@@ -6,24 +6,24 @@
       |  / slope K
       +-/----------------> lambda
 
-With the load exponent q stiffness per load falls as the load grows; so does the peak, as
-(2 F_z/W)^-p. With a bend b, lambda = (1 + b B x) x s instead of x s. The formula starts straight:
-its curvature at zero slip is zero. That of a brush, whose contact patch begins to slide at its end
-at once, is not: F = K lambda (1 - K lambda/(3 mu) + ...), which is b = C/3.
+Stiffness per load falls with the load by the exponent q, the peak as (2 F_z/W)^-p. The formula has
+no curvature at zero slip; a brush has, since its contact patch slides at once at its end: F = K
+lambda (1 - K lambda/(3 mu) + ...). The bend b adds it, lambda = (1 + b B x) x s, with b = C/3 for a
+brush.
 
-All this is the steady state. The force builds up over a way, the relaxation length sigma: the slip
-leads the slip that carries the force by (sigma/v) dlambda/dt.
+This is the steady state. The force builds up over the relaxation length sigma, so the slip leads
+that of the force by (sigma/v) dlambda/dt.
 
 Source: Pacejka, Tyre and Vehicle Dynamics, ch. 4, pure longitudinal slip without the E term and
 offsets; ch. 3 for the brush; ch. 7 for the relaxation length.
 
-Forms that the force of a tyre takes over its slip, each as its inverse in closed form.
+The forms, each as its inverse in closed form:
 
     slip = c m X(u)        u = F/m,  X(u) -> u as u -> 0        0 <= u < 1
 
-c the compliance at small slip, m the peak, F the normalised force: Pacejka's similarity (Tyre and
-Vehicle Dynamics, ch. 4). The published forms bound what tyres do between a third and all of their
-peak; a mean of their inverses, with weights that add up to 1, is a tyre, too. Rising branch only.
+with the compliance c at small slip, the peak m and the normalised force F: Pacejka's similarity
+(Tyre and Vehicle Dynamics, ch. 4). A tyre is a weighted mean of these inverses. The published forms
+bound those of real tyres from a third of the peak on. Valid on the rising branch only.
 
     brush          1 - (1 - x/3)^3            3 (1 - (1 - u)^(1/3))
     exponential    1 - e^-x                   -ln(1 - u)                    Burckhardt, without fall
@@ -74,36 +74,35 @@ class MagicFormula:
         Odd in the slip. Valid beyond the peak too, but not for the heat of a locked wheel.
         """
         peak = self.peak_at(relative_load)
-        bx = self._unbent(slip / self._load_factor(relative_load), peak)
+        bx = self._without_bend(slip / self._load_factor(relative_load), peak)
         return peak * np.sin(self.shape * np.arctan(bx))
 
     def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
         load = self._load_factor(relative_load)
-        bx = self._unbent(slip / load, self.peak_at(relative_load))
+        bx = self._without_bend(slip / load, self.peak_at(relative_load))
         return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load)
 
     def rising(
         self, force: Array, relative_load: Array | float = 1.0, edge: float = 1.0
     ) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """The rising branch, up to the share ``edge`` of the peak; forces past it are held there.
+        """Slip of the normalised ``force`` on the rising branch, dF/dlambda there, all [1].
 
-        Slip [1] that carries the normalised ``force`` [1], dF/dlambda [1] there, and whether the
-        force is held.
+        And whether the force is beyond the share ``edge`` of the peak; it then counts as that.
         """
         peak, load = self.peak_at(relative_load), self._load_factor(relative_load)
         share = force / peak
-        held = np.abs(share) >= edge
-        sine = np.clip(share, -edge, edge) if held.any() else share
+        beyond = np.abs(share) >= edge
+        sine = np.clip(share, -edge, edge) if beyond.any() else share
         bx = np.tan(np.arcsin(sine) / self.shape)
         slope = self._slope(bx, np.sqrt(1.0 - sine * sine), load)
-        return self._bent(bx, peak, load), slope, held
+        return self._with_bend(bx, peak, load), slope, beyond
 
     def leading(self, slip: Array, v: Array, time: Array) -> Array:
         """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
 
-        ``v`` [m/s] (n,) counts as `MOVING` below it; ``time`` [s] (n,). Not valid for a lag that is
-        not short beside what the slip does, nor near the peak, where the way grows shorter.
+        ``v`` [m/s] (n,), at least `MOVING`; ``time`` [s] (n,). Valid for a lag that is short
+        against the changes of the slip, and not near the peak, where the way grows shorter.
         """
         if self.relaxation == 0.0:
             return slip
@@ -113,7 +112,7 @@ class MagicFormula:
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] where C atan(B x) is ``fraction`` of pi/2; 1 is the peak itself."""
         bx = np.tan(0.5 * np.pi * fraction / self.shape)
-        return self._bent(bx, self.peak_at(relative_load), self._load_factor(relative_load))
+        return self._with_bend(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 
     def on_surface(self, stiffness_factor: Array | float, peak_factor: Array | float) -> Self:
         """Return the tyre on another surface: stiffness and peak times these factors [1]."""
@@ -131,12 +130,14 @@ class MagicFormula:
         straight = self.stiffness / load_factor * cosine / (1.0 + bx * bx)
         return np.asarray(straight / (1.0 + 2.0 * self.bend * np.abs(bx)))
 
-    def _unbent(self, slip: Array, peak: Array | float) -> Array:
+    def _without_bend(self, slip: Array, peak: Array | float) -> Array:
         """B x of the formula at a slip for half the weight; the stable root of its square."""
         bx = self._b(peak) * slip
         return bx * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(bx)))
 
-    def _bent(self, bx: Array | float, peak: Array | float, load_factor: Array | float) -> Array:
+    def _with_bend(
+        self, bx: Array | float, peak: Array | float, load_factor: Array | float
+    ) -> Array:
         """Slip where the formula has B x."""
         x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
         return np.asarray(x * load_factor)
@@ -149,13 +150,13 @@ FORMS = ("brush", "exponential", "dugoff", "magic_sharp", "magic_round")
 """Names of the forms, in the order of `inverse_forms`."""
 
 NEAR_PEAK = 0.97
-"""Share of its peak above which a tyre is no longer taken to roll [1]."""
+"""Share of its peak above which a tyre no longer counts as rolling [1]."""
 
 
 def inverse_forms(use: Array) -> Array:
-    """X of every form at the used share of the peak ``use`` [1] (...), shape (..., 5).
+    """X of each form at the used share of the peak ``use`` [1] (...), shape (..., 5).
 
-    Above `NEAR_PEAK` the value there: the caller has to leave such forces out.
+    Above `NEAR_PEAK` it is the value there: the caller leaves such forces out.
     """
     u = np.clip(use, 0.0, NEAR_PEAK)
     angle = np.arcsin(u)
@@ -179,19 +180,18 @@ _RISE = np.diff(_OVER_USE, axis=1)
 
 
 def mean_inverse(use: Array, weights: Array) -> Array:
-    """X of the tyres with ``weights`` (n, 5) of the forms, at ``use`` (n, k) [1].
+    """X of tyres with ``weights`` (n, 5) of the forms, at ``use`` (n, k) [1]; odd in ``use``.
 
-    A wheel that drives slips the other way.
-    X/u by linear interpolation over the root of 1 - u, faster than the forms: 1e-5 off at most.
+    X/u is interpolated linearly over the root of 1 - u: faster than the forms, and within 1e-5.
     """
     u = np.minimum(np.abs(use), NEAR_PEAK)
-    at = (1.0 - np.sqrt(1.0 - u)) * (_NODES / (1.0 - _Q_END))
-    cell = np.minimum(at.astype(np.int64), _NODES - 1)
-    at -= cell
+    position = (1.0 - np.sqrt(1.0 - u)) * (_NODES / (1.0 - _Q_END))
+    cell = np.minimum(position.astype(np.int64), _NODES - 1)
+    position -= cell
     mean = np.zeros_like(u)
     for over, rise, weight in zip(_OVER_USE, _RISE, weights.T, strict=True):
         form = rise.take(cell)  # in place: one form at a time stays in the cache
-        form *= at
+        form *= position
         form += over.take(cell)
         form *= weight[:, None]
         mean += form

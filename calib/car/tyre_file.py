@@ -34,17 +34,17 @@ _KEYS = {
     "UNLOADED_RADIUS": _ANY, "VERTICAL_STIFFNESS": _ANY,
     "DREFF": _ANY, "BREFF": _ANY, "FREFF": _ANY,
 }  # fmt: skip
-"""What is read: what tyres of cars and vans have, and the value where a file has none."""
+"""Keys that are read: range for tyres of cars and vans, and default value."""
 
 _UNITS = {"FORCE": ("newton", "newtons", "n"), "LENGTH": ("meter", "meters", "metre", "m")}
-_FAR = 3.0  # times the nominal load, or a part of it, where the polynomials say nothing
+_FAR = 3.0  # load over the nominal one, or the inverse, beyond which the polynomials fail
 _WHAT = "a tyre property file (.tir) of the Magic Formula 5.2, 6.1 or 6.2 (PAC2002, MF-Tyre)"
 _LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class TyreFile:
-    """The ``keys`` of a file that tell of braking [SI], and the digest of its bytes."""
+    """The ``keys`` of a file on braking [SI], and the digest of its bytes."""
 
     name: str
     source: str
@@ -55,7 +55,7 @@ class TyreFile:
         """A wheel load [N] over the nominal one [1]."""
         return load / (self.keys["FNOMIN"] * self.keys["LFZO"])
 
-    def at(self, load: float) -> tuple[float, float]:
+    def at_load(self, load: float) -> tuple[float, float]:
         """Slip stiffness over load and peak [1] at a wheel load [N]. Raises TyreError."""
         k, d = self.keys, self.over(load) - 1.0
         stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
@@ -81,7 +81,7 @@ class TyreFile:
         return use[:top], C * x[:top]
 
     def radius_load(self, load: float) -> float | None:
-        """Share by which the rolling radius falls when the load doubles [1]; None: not told."""
+        """Share by which the rolling radius falls when the load doubles [1]; None if not in it."""
         k, use = self.keys, self.over(load)
         if not all(k[n] > 0.0 for n in ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")):
             return None
@@ -103,9 +103,9 @@ def read_tyre(path: Path | str) -> TyreFile:
         | {key: (Annotated[str, OneOf(names)], names[0]) for key, names in _UNITS.items()},
     )
     text = bytes_of(Path(path), TOML, TyreError, _WHAT).decode("latin-1")
-    found = {key.upper(): value.lower() for key, value in _LINE.findall(text)}
-    known = {key: found[key] for key in schema.model_fields if key in found}
-    keys = validated(known, schema, path, TyreError).model_dump(exclude={*_UNITS})
+    entries = {key.upper(): value.lower() for key, value in _LINE.findall(text)}
+    values = {key: entries[key] for key in schema.model_fields if key in entries}
+    keys = validated(values, schema, path, TyreError).model_dump(exclude={*_UNITS})
     return TyreFile(Path(path).stem, str(path), file_digest(Path(path)), keys)
 
 

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Self
 
 from calib.base.errors import VehicleError
+from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.car.effects.effects import Effects
 
@@ -24,8 +25,7 @@ class Axle:
     effective_radius : r [m], of the disc.
     friction_faces : pad faces of one brake [1].
     pad_friction : mu_p,n [1], nominal.
-    pad_friction_tolerance : one standard deviation of its relative error [1]; None where the user
-        says nothing.
+    pad_friction_tolerance : standard deviation of its relative error [1], None by default.
     """
 
     rolling_radius: float
@@ -55,7 +55,7 @@ NOT_OF_THE_CAR = (
     *("mass_tolerance", "motor_odds"),
     *("front.pad_friction_tolerance", "rear.pad_friction_tolerance"),
 )
-"""Fields of a `Vehicle` that say what is open about it: cars that differ in them alone are one."""
+"""Fields of a `Vehicle` that are uncertainties: the same car may have other values."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,10 @@ class Vehicle:
     cg_height : h [m].
     track_width : l_w [m].
     front, rear : the axles.
-    mass_tolerance : one standard deviation of the relative error of the mass [1].
-    motor_odds : odds, before a run, that a motor or an engine brakes along with the pedal and is
-        not logged [1]. Half of the new cars of 2023 have a motor that brakes (ACEA, new car
-        registrations, European Union), and most tests log it or switch it off.
+    mass_tolerance : standard deviation of the relative error of the mass [1].
+    motor_odds : prior odds that a motor or an engine brakes with the pedal and is not logged [1].
+        Half of the new cars of 2023 have a motor that brakes (ACEA, new car registrations,
+        European Union), and most tests log it or switch it off.
     effects : known effects in addition to the paper's model.
     """
 
@@ -121,7 +121,7 @@ def require_same_car(
 ) -> None:
     """Raise VehicleError if ``other`` differs from a table's ``car`` in more than pads and effects.
 
-    ``where`` names its file. Cars that were ``weighed`` may differ in their mass.
+    ``where`` names its file. The mass may differ where it was ``weighed``.
     """
     free = {*NOT_OF_THE_CAR, "front.pad_friction", "rear.pad_friction", *["mass"] * weighed}
     theirs = _numbers(other)
@@ -146,8 +146,8 @@ def _numbers(car: Vehicle) -> dict[str, float]:
 
 
 _SHARES = (0.5, 2.0)
-"""Bounds of a stated mass over that of the file [1]: an empty van against a laden one. What is
-beyond, as pounds written as kg, is another car, or moves the centre of gravity."""
+"""Bounds of a stated mass over that of the file [1]: an empty van against a laden one. Beyond them
+it is another car, or in pounds, or the load moves the centre of gravity."""
 
 WEIGHED = 0.005
 """Standard deviation of a stated mass, relative [1]: a scale for cars and fuel burnt since."""
@@ -155,7 +155,7 @@ WEIGHED = 0.005
 
 @dataclass(frozen=True)
 class MassUsed:
-    """The mass that a result rests on.
+    """The mass in a result.
 
     ``value`` [kg]; ``tolerance`` its relative standard deviation [1]; ``stated`` for these logs,
     instead of taken from the vehicle file; ``share`` it is of that one [1].
@@ -167,23 +167,23 @@ class MassUsed:
     share: float = 1.0
 
     def __str__(self) -> str:
-        known = f"{self.value:.6g} kg, known to {100.0 * self.tolerance:.2g} %"
+        mass = f"{self.value:.6g} kg ±{100.0 * Z95 * self.tolerance:.2g} % (95 %)"
         if self.stated:
             more = self.share - 1.0
             side = "above" if more > 0.0 else "below"
             beside = f": {100.0 * abs(more):.2g} % {side} the vehicle file"
-            return f"{known}, as stated for these logs{beside * (abs(more) > WEIGHED)}"
+            return f"{mass}, as stated for these logs{beside * (abs(more) > WEIGHED)}"
         if self.tolerance < Vehicle.mass_tolerance:
-            return f"{known} by the vehicle file"
-        return f"{known}: nobody wrote down the load; state it, or mass_tolerance in the file"
+            return f"{mass} by the vehicle file"
+        return f"{mass}: the load was not stated; give --mass, or mass_tolerance in the file"
 
 
 def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
     """Return the vehicle with a stated ``mass`` [kg]; as it is where none was stated.
 
-    All loads grow with it, the centre of gravity stays: wrong for a load high up or far behind. A
-    known error of the file's mass is then meaningless and left out. The tolerance is `WEIGHED`, or
-    that of the file where it is smaller. Raises VehicleError for a mass outside of `_SHARES`.
+    All loads grow with it and the centre of gravity stays, which is wrong for a load high up or far
+    behind. The effect ``mass_error`` is dropped. The tolerance is `WEIGHED`, or that of the file
+    where it is smaller. Raises VehicleError for a mass outside of `_SHARES`.
     """
     if mass is None:
         return vehicle
@@ -205,6 +205,6 @@ def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
 
 
 def mass_used(vehicle: Vehicle, mass: float | None) -> MassUsed:
-    """What `weighed` gives, for the reader of a result."""
+    """The mass that `weighed` gives, for a report."""
     car = weighed(vehicle, mass)
     return MassUsed(car.mass, car.mass_tolerance, mass is not None, car.mass / vehicle.mass)

@@ -77,7 +77,7 @@ def diagnose(
     warnings = checked(vehicle, calibration, holdout)
     given = [*sorted(calibration, key=lambda log: log.digest), *holdout]
     given, n = [without_holds(log) for log in given], len(calibration)
-    known_to_all = map if vehicle.effects.own else mapped
+    known_to_all = map if vehicle.effects.user_defined else mapped
     for largest in (LARGEST, USUAL):
         logs, sides = with_even_sides(given, largest)
         runs = [run_of(log) for log in logs[:n]]

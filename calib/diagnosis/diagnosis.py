@@ -194,7 +194,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "effects": found.effects,
         "own_effects": [
             {"name": name, "file": one.file, "sha256": one.sha256, "named": name in names}
-            for name, one in found.model_after.effects.own.items()
+            for name, one in found.model_after.effects.user_defined.items()
         ],
         "known": found.model_before.vehicle.effects.parameters,
         "unexplained": rest

@@ -164,7 +164,7 @@ def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
     mean, sigma = np.zeros(_OF_FILE.size), _OF_FILE.copy()
     for tyre, axle in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
         loads = 0.5 * axle * np.array([0.8, 1.0, 1.25])
-        log_values = np.log([tyre.at(load) for load in loads])
+        log_values = np.log([tyre.at_load(load) for load in loads])
         falling, (stiffness, peak) = np.polyfit(np.log(4.0 * loads / car.weight), log_values, 1)
         fall = tyre.radius_load(loads[1])
         if fall is None:

@@ -67,7 +67,7 @@ def facts(found: Diagnosis) -> Facts:
         ("Unexplained", unexplained(found)),
         *(
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
-            for name, one in found.model_after.effects.own.items()
+            for name, one in found.model_after.effects.user_defined.items()
         ),
     )
     term = [Picture(_TERM, lambda: sheet(found), ["term"])] if found.unexplained else []

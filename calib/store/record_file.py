@@ -126,7 +126,7 @@ def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
     terms, own_effects, effects = parts.pop("empirical"), parts.pop("own_effects"), parts["effects"]
     named = record.vehicle.effects, terms if isinstance(terms, tuple) else (terms,)
     del parts["schema_version"]
-    vehicle_effects = Effects(*named, own=own_effects)
+    vehicle_effects = Effects(*named, user_defined=own_effects)
     parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": vehicle_effects})
     values, sigma = (
         {effect: {p: getattr(v, part) for p, v in x.items()} for effect, x in effects.items()}

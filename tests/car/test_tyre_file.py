@@ -23,8 +23,8 @@ def path(tmp_path):
 
 def test_stiffness_and_peak_over_load(path):
     tyre = read_tyre(written(path, PKX2=1.5, PKX3=0.2, PDX2=-0.1, LKX=0.9, LMUX=0.8, LFZO=0.5))
-    assert tyre.at(2150.0) == pytest.approx((25.0 * 0.9, 0.9 * 0.8))
-    stiffness, peak = tyre.at(2150.0 * 1.2)
+    assert tyre.at_load(2150.0) == pytest.approx((25.0 * 0.9, 0.9 * 0.8))
+    stiffness, peak = tyre.at_load(2150.0 * 1.2)
     assert stiffness == pytest.approx((25.0 + 0.3) * math.exp(0.04) * 0.9)
     assert peak == pytest.approx((0.9 - 0.02) * 0.8)
     assert (tyre.name, tyre.digest) == ("tyre", hashlib.sha256(path.read_bytes()).hexdigest())
@@ -89,4 +89,4 @@ def test_no_tyre_file_at_all(path):
 
 def test_a_tyre_of_another_vehicle(path):
     tyre = read_tyre(written(path, FNOMIN=20000.0))
-    refusal(tyre.at, 4300.0, kind=TyreError, names=path)
+    refusal(tyre.at_load, 4300.0, kind=TyreError, names=path)

@@ -1,9 +1,8 @@
-"""The list of all effects, and those of the user's own, which a Python file defines.
+"""The catalogue of effects, and effects that the user defines in a Python file.
 
-A new effect needs its place in `EFFECTS` of the file of its link, in the order in which effects of
-that link act, its card in `cards.csv` and its parameters in `parameters.csv`. Own effects are part
-of the value `Effects`, that of a vehicle or a model: two cars in one program may have different
-ones. `calib.car.effects.effect_file` reads such a file.
+A new effect of the catalogue stands in `EFFECTS` of the file of its link, in the order in which
+they act, with a card in `cards.csv` and its parameters in `parameters.csv`. Effects of the user
+belong to the `Effects` of a vehicle or model; `calib.car.effects.effect_file` reads their files.
 """
 
 from collections.abc import Iterable, Mapping
@@ -24,12 +23,12 @@ LINE, CALIPER = (
     tuple(effect.card.name for effect in part) for part in (hydraulics.LINE, hydraulics.CALIPER)
 )
 SENSOR = tuple(name for name, effect in _CHAIN.items() if effect.accelerometer is not None)
-"""Effects on the accelerometer: those on the sensed acceleration first, then on the reading."""
+"""Effects on the accelerometer: first on the acceleration that it feels, then on its reading."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class OwnEffect(DefinedIn):
-    """An effect whose file was given. Its hooks raise ModelError where they go wrong."""
+    """An effect of the user with its file. Its hooks raise ModelError where they fail."""
 
     effect: Effect
 
@@ -40,12 +39,12 @@ class OwnEffect(DefinedIn):
 
 
 def definition(effects: Effects, name: str) -> Effect:
-    """The effect of that name: one of ``effects.own``, or of the catalogue.
+    """The effect of that name, of the user or of the catalogue.
 
-    Raises ModelError for an unknown name, and for an own effect whose file was not given.
+    Raises ModelError for an unknown name, and for an effect of the user without its file.
     """
-    if name in effects.own:
-        return given(name, effects.own[name]).effect
+    if name in effects.user_defined:
+        return with_file(name, effects.user_defined[name]).effect
     if name not in CATALOGUE:
         raise ModelError(
             f"unknown effect {name!r}",
@@ -56,56 +55,56 @@ def definition(effects: Effects, name: str) -> Effect:
 
 
 def every_effect(effects: Effects) -> dict[str, Effect]:
-    """All effects by name: those of the catalogue, then the own ones whose files were given."""
-    own = {n: one.effect for n, one in effects.own.items() if isinstance(one, OwnEffect)}
-    return {**CATALOGUE, **own}
+    """All effects by name: those of the catalogue, then those of the user with their file."""
+    defined = effects.user_defined.items()
+    return {**CATALOGUE, **{n: x.effect for n, x in defined if isinstance(x, OwnEffect)}}
 
 
-def given(name: str, own: DefinedIn, where: object = None) -> OwnEffect:
-    """An own effect with its file. Raises ModelError where that was not given."""
-    if isinstance(own, OwnEffect):
-        return own
+def with_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffect:
+    """An effect of the user with its file. Raises ModelError where that was not given."""
+    if isinstance(defined, OwnEffect):
+        return defined
     raise ModelError(
-        f"the effect {name!r} is defined in {own.file}, which was not given",
+        f"the effect {name!r} is defined in {defined.file}, which was not given",
         where=where,
-        do=f"give --effect {own.file}, with its folder; diagnose, simulate, fit and validate "
+        do=f"give --effect {defined.file}, with its folder; diagnose, simulate, fit and validate "
         "have this option",
     )
 
 
-def with_own(vehicle: Vehicle, own: Iterable[OwnEffect]) -> Vehicle:
-    """The vehicle, which may then have these effects; none of them acts by that.
+def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
+    """The vehicle with these effects at its disposal; none of them acts yet.
 
-    Raises ModelError for a file that is not the one with which its effects were fitted, and for two
-    effects of one name.
+    Raises ModelError for a file that differs from the one with which its parameters were fitted,
+    and for two effects of one name.
     """
     files: dict[str, OwnEffect] = {}
-    for one in own:
-        if one.name in files:
+    for effect in own_effects:
+        if effect.name in files:
             raise ModelError(
-                f"the effect {one.name!r} is also defined in {files[one.name].file}",
-                where=one.file,
+                f"the effect {effect.name!r} is also defined in {files[effect.name].file}",
+                where=effect.file,
                 expected="another name",
             )
-        files[one.name] = one
-    effects = replace(vehicle.effects, own=completed(vehicle.effects.own, files, vehicle.name))
-    return replace(vehicle, effects=effects)
+        files[effect.name] = effect
+    defined = completed(vehicle.effects.user_defined, files, vehicle.name)
+    return replace(vehicle, effects=replace(vehicle.effects, user_defined=defined))
 
 
 def completed(
     defined: Mapping[str, DefinedIn], files: Mapping[str, DefinedIn], where: object
 ) -> dict[str, DefinedIn]:
-    """``defined``, completed by these ``files``. Raises ModelError where one has changed.
+    """``defined`` effects with these ``files``. Raises ModelError where a file has changed.
 
-    ``where`` is what names the definitions, for the message.
+    ``where`` names the definitions in the message.
     """
-    for name, own in files.items():
-        known = defined.get(name, own)
-        if known.sha256 and known.sha256 != own.sha256:
+    for name, new in files.items():
+        earlier = defined.get(name, new)
+        if earlier.sha256 and earlier.sha256 != new.sha256:
             raise ModelError(
-                f"{own.file} has changed since the parameters of {name!r} were found with it",
+                f"{new.file} has changed since the parameters of {name!r} were found with it",
                 where=where,
-                expected=f"the file with the SHA-256 {known.sha256[:12]}...",
+                expected=f"the file with the SHA-256 {earlier.sha256[:12]}...",
                 do="take that file, or fit or diagnose again",
             )
     return {**defined, **files}

@@ -1,8 +1,8 @@
 """Several effects together, at each link of the chain from the pedal to the accelerometer.
 
-Each function uses only the effects that act on its link. Factors are multiplied, forces and
-moments are added; pressures and readings pass through the effects in their physical order, then
-through the user's own: a pressure in the caliper, a reading at the end.
+Each function uses only the effects that act on its link. Factors are multiplied, forces and moments
+are added. Pressures and readings pass through the effects in their physical order, and last through
+those of the user.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -25,7 +25,7 @@ _SHORTEST = 1e-6
 
 
 def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
-    """The effects, terms among them, that act on one of these links.
+    """The effects and terms that act on one of these links.
 
     Raises ModelError for an unknown name.
     """
@@ -35,13 +35,13 @@ def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
 
 
 def not_sensed(effects: Effects) -> dict[str, str]:
-    """The effects that an ECU cannot take out, with what it would have to know.
+    """The effects that an ECU cannot take out, with the signal that it lacks.
 
-    A term is named by its place and driver. An effect of the user's own says so in its card; one
-    whose file was not given is taken as sensed.
+    A term is named by its place and driver. An effect of the user without its file counts as one
+    that the ECU can take out.
     """
-    known = every_effect(effects)
-    reasons = {name: known[name].card.not_sensed for name in effects.names if name in known}
+    every = every_effect(effects)
+    reasons = {name: every[name].card.not_sensed for name in effects.names if name in every}
     reasons |= {_term(term): _DRIVERS.get(term.driver, "") for term in effects.terms}
     return {name: why for name, why in reasons.items() if why}
 
@@ -58,7 +58,7 @@ _DRIVERS = {
     "elapsed": "when the run began",
     "distance": "where the run began",
 }
-"""What an ECU does not know of the drivers of terms."""
+"""Drivers of terms that an ECU has no signal of."""
 
 
 def _term(term: EmpiricalTerm) -> str:
@@ -68,15 +68,15 @@ def _term(term: EmpiricalTerm) -> str:
 def _hooks(
     effects: Effects, link: str, names: tuple[str, ...] | None = None
 ) -> Iterator[tuple[Callable[..., Any], Parameters]]:
-    """The hooks on a link with their parameters: of all, the terms last, or of these ``names``."""
-    found = [
+    """Hooks on a link with their parameters: of these ``names``, or of all and then the terms."""
+    pairs = [
         (definition(effects, name), effects.parameters[name])
         for name in (effects.names if names is None else names)
         if name in effects
     ]
     if names is None:
-        found += [(effect_of(term), {}) for term in effects.terms]
-    for effect, parameters in found:
+        pairs += [(effect_of(term), {}) for term in effects.terms]
+    for effect, parameters in pairs:
         hook = getattr(effect, link)
         if hook is not None:
             yield hook, parameters
@@ -114,7 +114,7 @@ def line_pressure(effects: Effects, history: RunHistory) -> Pair:
 
 def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure [Pa] (n,) that clamps the pads of one side, from its wheel pressures [Pa] (n,)."""
-    for hook, parameters in _hooks(effects, "pressure", (*CALIPER, *effects.own)):
+    for hook, parameters in _hooks(effects, "pressure", (*CALIPER, *effects.user_defined)):
         p_f, p_r = hook(parameters, history, p_f, p_r)
     return p_f, p_r
 
@@ -182,7 +182,7 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
 
 def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
     """Reading of an accelerometer [m/s^2] (n,) that follows ``a_x`` [m/s^2] (n,) at once."""
-    for hook, parameters in _hooks(effects, "accelerometer", (*SENSOR, *effects.own)):
+    for hook, parameters in _hooks(effects, "accelerometer", (*SENSOR, *effects.user_defined)):
         a_x = hook(vehicle, parameters, history, a_x)
     return a_x
 

@@ -24,12 +24,11 @@ Pair = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: SI unit, plausible range, and the prior when nothing is known.
+    """A parameter of an effect: SI unit, plausible range, and default prior.
 
-    ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars, and the
-    size at which a diagnosis starts to look for it. ``default`` is the value where a file does not
-    give one, for a parameter that older files do not have; None: it must be given. ``share``
-    whether it divides something between the axles, from nothing to all.
+    ``typical`` and ``spread`` mean and standard deviation over passenger cars, from which a
+    diagnosis starts. ``default`` value where a file gives none; None where it must be given.
+    ``share`` whether it divides something between the axles, from 0 to 1.
     """
 
     name: str
@@ -47,8 +46,8 @@ class Card:
     """Description of an effect for the user.
 
     The first of ``parameters`` is its strength: at ``neutral`` there is no effect, for any value
-    of the others. ``not_sensed`` what an ECU would have to know to take it out, and cannot by
-    pressure, deceleration and wheel speeds; empty where these will do.
+    of the others. ``not_sensed`` signal that an ECU would need, beside pressure, deceleration and
+    wheel speeds, to take the effect out; empty where it needs none.
     """
 
     name: str
@@ -67,7 +66,7 @@ class Card:
 
     @property
     def usual(self) -> dict[str, float]:
-        """Parameters of the effect at its usual size; a spread where its mean is no effect."""
+        """Parameters at the usual size of the effect: one ``spread`` where the mean is neutral."""
         strength, *others = self.parameters
         size = strength.typical
         if size == self.neutral:
@@ -130,10 +129,10 @@ def _cards() -> dict[str, Card]:
     cards = {}
     for row in rows("cards.csv", "calib.car.effects"):
         name, neutral = row["name"], float(row["neutral"])
-        own = tuple(parameters[name])
-        equation = f"{row['equation']}; no effect at {own[0].name} = {neutral:g}"
+        of_effect = tuple(parameters[name])
+        equation = f"{row['equation']}; no effect at {of_effect[0].name} = {neutral:g}"
         texts = (row["cause"], equation, row["source"], row["looks_like"])
-        cards[name] = Card(name, *texts, own, neutral, row["not_sensed"])
+        cards[name] = Card(name, *texts, of_effect, neutral, row["not_sensed"])
     return cards
 
 
@@ -142,7 +141,7 @@ CARDS = _cards()
 
 
 def effect(name: str, **hooks: Callable[..., Any]) -> Effect:
-    """The effect of the catalogue that has these hooks."""
+    """The effect of the catalogue with these hooks."""
     return Effect(CARDS[name], **hooks)
 
 

@@ -1,8 +1,8 @@
 """Read an effect of the user's own: a Python file with ``EFFECT``, as the catalogue has them.
 
-The file is executed, with all that this process may do. See `brake-cal manual own_effects`. A hook
-that raises, or whose result has another form or is not finite, raises one ModelError that names
-file and line: when it is loaded, on a made run, and wherever else it goes wrong.
+The file is executed with all rights of this process, see `brake-cal manual own_effects`. A hook
+that raises, or returns another form or a number that is not finite, raises one ModelError with file
+and line: when it is loaded, on a trial run, and later.
 """
 
 import sys
@@ -49,8 +49,8 @@ class _ParameterSection(Section, from_attributes=True):
 
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
-        given = self.typical if self.default is None else self.default
-        inside = all(self.low <= value <= self.high for value in (self.typical, given))
+        default = self.typical if self.default is None else self.default
+        inside = all(self.low <= value <= self.high for value in (self.typical, default))
         if not (inside and 0.0 < self.spread < self.high - self.low):
             expected = "low <= typical, default <= high and 0 < spread < high - low"
             raise wrong(f"{self.name} from {self.low:g} to {self.high:g}", expected)
@@ -84,9 +84,9 @@ class _CardSection(Section, from_attributes=True):
 def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
     """Execute Python files, and return the ``EFFECT`` of each with hooks that are checked.
 
-    Raises ModelError, with its line where it has one, for a file that is missing or not Python,
-    raises, has no ``EFFECT`` or a card that is not complete; for a name of the catalogue; for a
-    hook that raises, returns another form or what is not finite, or does something at nothing.
+    Raises ModelError, with the line, for a file that is missing, is not Python, raises, or has no
+    ``EFFECT`` or an incomplete card; for a name of the catalogue; for a hook that raises, returns
+    another form or a number that is not finite, or acts at its neutral strength.
     """
     return tuple(map(_read, paths))
 
@@ -124,20 +124,20 @@ def _executed(source: bytes, path: str) -> dict[str, Any]:
     return names
 
 
-def _raised(cause: BaseException, path: str, what: str = "") -> ModelError:
-    """The error for an exception in a file of the user, at the line of the file where it rose."""
+def _raised(cause: BaseException, path: str, prefix: str = "") -> ModelError:
+    """The error for an exception in a file of the user, with the line of that file."""
     lines = [f.lineno for f in traceback.extract_tb(cause.__traceback__) if f.filename == path]
-    text = f"{what}{type(cause).__name__}: {cause}".strip(": ")
+    text = f"{prefix}{type(cause).__name__}: {cause}".strip(": ")
     return ModelError(text, where=f"{path}:{lines[-1]}" if lines else path)
 
 
 def checked(effect: Effect, path: str) -> Effect:
-    """The effect with hooks that raise ModelError where they go wrong; ``path`` of its file.
+    """The effect with hooks that raise ModelError where they fail; ``path`` of its file.
 
-    Each is tried in a made run, with the typical parameters and at nothing.
+    Each is tried in a `trial`, at the typical and at the neutral strength.
     """
-    own = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name != "card"}
-    hooks = {name: hook for name, hook in own.items() if hook is not None}
+    every = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name != "card"}
+    hooks = {name: hook for name, hook in every.items() if hook is not None}
     if not hooks or not all(map(callable, hooks.values())):
         raise ModelError("a hook is no function", where=path, expected="one hook of Effect or more")
     strength, neutral = effect.card.parameters[0].name, float(effect.card.neutral)
@@ -145,8 +145,8 @@ def checked(effect: Effect, path: str) -> Effect:
     guarded: dict[str, Any] = {n: _guarded(n, hook, path) for n, hook in hooks.items()}
     for name, hook in guarded.items():
         hook(*trial(name, typical))
-        made = trial(name, {**typical, strength: neutral})
-        nothing, result = _NOTHING[name](*made), hook(*made)
+        arguments = trial(name, {**typical, strength: neutral})
+        nothing, result = _NOTHING[name](*arguments), hook(*arguments)
         if isinstance(result, dict):
             nothing, result = [nothing[w] for w in result], [*result.values()]
         if not np.allclose(nothing, result, rtol=1e-9, atol=1e-9):
@@ -178,17 +178,17 @@ _NOTHING: dict[str, Callable[..., Any]] = {
     "speed_delay": lambda own: 0.0,
     "wheel_speed_delay": lambda own: 0.0,
 }
-"""Each hook where it changes nothing: what it is called with, and the form of what it returns."""
+"""Each hook without effect: its arguments, and the form of its result."""
 
 
 def _guarded(name: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
-    def call(*given: Any) -> Any:
+    def call(*arguments: Any) -> Any:
         try:
             with np.errstate(all="ignore"):
-                result = hook(*given)
+                result = hook(*arguments)
         except Exception as cause:
             raise _raised(cause, path, f"{name} raises ") from cause
-        nothing = _NOTHING[name](*given)
+        nothing = _NOTHING[name](*arguments)
         try:
             return _like(nothing, result)
         except (AttributeError, KeyError, TypeError, ValueError):
@@ -236,12 +236,12 @@ _CAR = Vehicle(
 
 
 def trial(hook: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
-    """What a hook is called with: braking from 30 m/s to a stand, released at 3 s; read-only."""
+    """Arguments of a hook in a braking from 30 m/s to a stand, released at 3 s; read-only."""
     time = np.linspace(0.0, 3.99, 400)
     v = 30.0 - 7.5 * time
     angle = np.cumsum(v) * 0.01 / _CAR.front.rolling_radius
-    held = np.clip(time - 0.5, 0.0, 1.0) - np.clip(4.0 * (time - 3.0), 0.0, 1.0)
-    pressed = 40e5 * held + 1e3 * np.sin(50.0 * time)  # noise: below zero at first
+    pedal = np.clip(time - 0.5, 0.0, 1.0) - np.clip(4.0 * (time - 3.0), 0.0, 1.0)
+    pressed = 40e5 * pedal + 1e3 * np.sin(50.0 * time)  # noise: below zero at first
     discs = {"f": 150.0 + 60.0 * time, "r": 90.0 + 30.0 * time}
     history = replace(
         constant_speed(time, pressed, 30.0, discs, "trial"),
@@ -257,6 +257,6 @@ def trial(hook: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
     for array in (rear, a_x, *vars(motion).values(), *vars(history).values()):
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
-    made = {"car": _CAR, "own": dict(parameters), "history": history, "motion": motion}
-    made |= {"p_f": history.p_mc, "p_r": rear, "a_x": a_x}
-    return tuple(made[name] for name in signature(_NOTHING[hook]).parameters)
+    arguments = {"car": _CAR, "own": dict(parameters), "history": history, "motion": motion}
+    arguments |= {"p_f": history.p_mc, "p_r": rear, "a_x": a_x}
+    return tuple(arguments[name] for name in signature(_NOTHING[hook]).parameters)

@@ -12,12 +12,11 @@ _ByParameter = Mapping[str, Mapping[str, float]]
 
 @dataclass(frozen=True)
 class EmpiricalTerm:
-    """An unexplained part of some runs over one driver: ``values`` [1] at ``knots`` of the driver.
+    """An effect of unknown cause, over one driver: ``values`` [1] at ``knots`` of the driver.
 
-    Piecewise linear, and constant beyond the first and the last knot. ``place`` and ``driver`` are
-    of `calib.car.effects.empirical`, the knots have the driver's unit. On brakes a value is
-    the factor on the brake torque less one; on wheels and body it is a force at the road over the
-    weight, positive when it slows. Its physical cause is not known.
+    Piecewise linear, and constant beyond the outer knots. ``place`` and ``driver`` as in
+    `calib.car.effects.empirical`. On brakes a value is the factor on the brake torque less one; on
+    wheels and body a force at the road over the weight, positive when it slows.
     """
 
     place: str
@@ -51,14 +50,14 @@ class Effects:
     parameters : of the named effects [SI].
     terms : empirical terms, whose cause is not known.
     sigma : one standard deviation of each parameter [SI]; only where it is known.
-    own : the user's own effects by name, whether they act or not. A plain `DefinedIn` says where
-        one is defined, an `OwnEffect` of `calib.car.effects.catalogue` is one whose file was given.
+    user_defined : effects of the user by name, whether they act or not: a `DefinedIn`, or an
+        `OwnEffect` of `calib.car.effects.catalogue` where the file was given.
     """
 
     parameters: _ByParameter = field(default_factory=dict)
     terms: tuple[EmpiricalTerm, ...] = ()
     sigma: _ByParameter = field(default_factory=dict)
-    own: Mapping[str, DefinedIn] = field(default_factory=dict)
+    user_defined: Mapping[str, DefinedIn] = field(default_factory=dict)
 
     def __hash__(self) -> int:
         """By the names: the parameters are mappings."""
@@ -79,9 +78,9 @@ class Effects:
 
     @property
     def defined_in(self) -> dict[str, DefinedIn]:
-        """Where those of the named effects are defined that the catalogue does not have."""
-        own = {name: self.own[name] for name in self.parameters if name in self.own}
-        return {name: DefinedIn(one.file, one.sha256) for name, one in own.items()}
+        """Where the acting effects of the user are defined."""
+        acting = {n: x for n, x in self.user_defined.items() if n in self.parameters}
+        return {name: DefinedIn(x.file, x.sha256) for name, x in acting.items()}
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -90,17 +89,16 @@ class Effects:
         return (*self.parameters, *terms)
 
     def with_(self, other: Self) -> Self:
-        """Both together. An effect that both have is taken from ``other``, as a whole.
+        """Both together; an effect that both have is taken from ``other``.
 
-        Terms of ``other`` replace those of this value: a term is what a set of effects left
-        unexplained, and it was fitted without another term.
+        Terms of ``other`` replace those here, since a term was fitted without another one.
         """
-        own = self.without(*other.names)
+        remaining = self.without(*other.names)
         return type(self)(
             {**self.parameters, **other.parameters},
             other.terms or self.terms,
-            {**own.sigma, **other.sigma},
-            {**self.own, **other.own},
+            {**remaining.sigma, **other.sigma},
+            {**self.user_defined, **other.user_defined},
         )
 
     def only(self, *names: str) -> Self:
@@ -109,9 +107,9 @@ class Effects:
             {name: own for name, own in values.items() if name in names}
             for values in (self.parameters, self.sigma)
         )
-        return type(self)(parameters, (), sigma, self.own)
+        return type(self)(parameters, (), sigma, self.user_defined)
 
     def without(self, *names: str) -> Self:
         """All but the named effects of these names; the terms stay."""
-        kept = self.only(*(name for name in self.parameters if name not in names))
-        return replace(kept, terms=self.terms)
+        named = self.only(*(name for name in self.parameters if name not in names))
+        return replace(named, terms=self.terms)

@@ -37,13 +37,12 @@ DRIVERS = {
     "distance": "m",
     "constant": "1",
 }
-"""Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` and
-`distance` from the start of the run, and `constant` has one knot at zero. The temperature is that
-of the discs of the axle on which the term acts."""
+"""Drivers of a term, with their units. `time` counts from the last bite of the pads, `elapsed` and
+`distance` from the start of the run; `constant` has one knot at zero; the temperature is that of
+the discs of the axle."""
 
 DISCS = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
-"""Axles whose disc temperatures a term uses. For the body, which has no disc, those of the front
-are used, since the front discs take most of the heat."""
+"""Axles whose disc temperatures a term uses; for the body the front discs, which take most heat."""
 
 
 def effect_of(term: EmpiricalTerm) -> Effect:
@@ -101,15 +100,15 @@ def driver_along(history: RunHistory, driver: str, axle: str) -> Array:
     """
     if driver != "temperature":
         return _ALONG[driver](history)
-    known = history.temperature_f if axle == "f" else history.temperature_r
-    if known is None:
+    temperature = history.temperature_f if axle == "f" else history.temperature_r
+    if temperature is None:
         raise ModelError(
             f"no temperature of the {AXLE_NAMES[axle]} discs, on which an empirical term depends",
             where=history.source or None,
             expected=f"a channel T_disc_{axle} [degC]",
             do="log it, or take a model without this term",
         )
-    return known
+    return temperature
 
 
 def _since_free(history: RunHistory) -> Array:

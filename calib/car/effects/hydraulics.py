@@ -37,12 +37,11 @@ _BOTH = 0.5
 """Share at which both axles have the same threshold [1]."""
 
 _REFERENCE = 20e5
-"""Pressure p_0 at which the width of the loop is told [Pa]: that of a usual stop."""
+"""Pressure p_0 at which the width of the loop is given [Pa]: that of a usual stop."""
 
 _WOBBLE = 0.25e5
-"""Largest error that a pressure sensor is assumed to add to a held pressure [Pa]: three sigma of a
-loud sensor (0.4 bar at 200 Hz), averaged over 0.1 s. The third differences of such a mean are as
-large as its noise."""
+"""Largest assumed error of a constant pressure [Pa]: three standard deviations of a noisy sensor
+(0.4 bar at 200 Hz), averaged over 0.1 s."""
 
 
 def _delayed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
@@ -98,8 +97,8 @@ def limited(p: Array, knee: float, slope: float) -> Array:
 def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure less the threshold; a negative pressure, as of a noisy sensor, keeps its sign.
 
-    A negative threshold is what a sensor reads too little: it adds to every pressure above -p_0,
-    and below that less, so that a released brake stays released, read as zero or as p_0.
+    A negative threshold -p_0 stands for a sensor that reads p_0 too little. It adds to pressures
+    above p_0, and less below, so that a released brake stays released.
     """
     share = parameters.get("threshold_rear_share", _BOTH)
     most = parameters["threshold"]
@@ -121,14 +120,15 @@ def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
     play = ((1.0 - share) * width, 0.5 * share * width * _REFERENCE)
-    front = _held(p_f, *play)
-    return front, front if p_r is p_f else _held(p_r, *play)
+    front = _without_noise(p_f, *play)
+    return front, front if p_r is p_f else _without_noise(p_r, *play)
 
 
-def _held(p: Array, relative: float, half: float) -> Array:
-    """Sensor noise must not raise the clamp step by step while the pressure is held: the loop is
-    computed from the pressure less a band of its noise. Without noise it is exact; with noise the
-    clamp is low by at most twice that band while it moves from one line to the other.
+def _without_noise(p: Array, relative: float, half: float) -> Array:
+    """Clamping pressure of the loop, computed from ``p`` less a band of its noise.
+
+    Otherwise noise would raise the clamp step by step at a constant pressure. Exact without noise;
+    with it, low by at most twice the band between the lines of the loop.
     """
     rough = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
     wobble = min(3.0 * float(rough), _WOBBLE)
@@ -155,15 +155,15 @@ def _between(lowest: Array, highest: Array, first: float) -> Array:
     low[0] = high[0] = first
     reach = 1
     while reach < low.size:
-        before = np.maximum(low[reach:], np.minimum(high[reach:], low[:-reach]))
+        joined = np.maximum(low[reach:], np.minimum(high[reach:], low[:-reach]))
         high[reach:] = np.maximum(low[reach:], np.minimum(high[reach:], high[:-reach]))
-        low[reach:] = before
+        low[reach:] = joined
         reach *= 2
     return low
 
 
 def _never_free(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Never less than what is left of an application: a pressure above `BITE`.
+    """At least the residual pressure of the last application, of a pressure above `BITE`.
 
     ``rear_bias`` is 0 when both axles keep it, 1 when only the rear one does, -1 the front one. Not
     valid for pads that are knocked back by the disc.
@@ -177,15 +177,15 @@ def _never_free(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Ar
 
 
 def clamped(time: Array, p: Array, most: float, drain: float) -> Array:
-    """Clamping pressure max(p, left) [Pa] (n,) with left' = -left/drain, at least min(p, most).
+    """Clamping pressure max(p, r) [Pa] (n,), where r' = -r/drain and r >= min(p, most).
 
-    ``time`` [s], ``p`` [Pa] (n,); ``most`` [Pa], ``drain`` [s]. All samples at once: left
-    exp(t/drain) is a running maximum, taken of logarithms so that it does not overflow.
+    ``time`` [s], ``p`` [Pa] (n,); ``most`` [Pa], ``drain`` [s]. r exp(t/drain) is a running
+    maximum, taken of logarithms so that it does not overflow.
     """
-    kept = np.where(p > BITE, np.minimum(p, most), 0.0)
-    grown = np.log(np.maximum(kept, 1e-30)) + (time - time[0]) / drain
-    left = np.exp(np.maximum.accumulate(grown) - (time - time[0]) / drain)
-    return np.where(left > np.maximum(p, 1e-20), left, p)
+    applied = np.where(p > BITE, np.minimum(p, most), 0.0)
+    grown = np.log(np.maximum(applied, 1e-30)) + (time - time[0]) / drain
+    residual = np.exp(np.maximum.accumulate(grown) - (time - time[0]) / drain)
+    return np.where(residual > np.maximum(p, 1e-20), residual, p)
 
 
 LINE = (

@@ -85,12 +85,12 @@ def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array)
 
 def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     """The driver keeps the car straight; side forces are neglected."""
-    one, x = np.ones_like(history.time), parameters["imbalance"]
+    ones, x = np.ones_like(history.time), parameters["imbalance"]
     y = parameters["rear_share"] * x
     left_right = {"fl": 1.0 + x, "fr": 1.0 - x, "rl": 1.0 + y, "rr": 1.0 - y}
     if y == 0.0:  # both rear wheels are equal: only one of them is computed
         del left_right["rl"], left_right["rr"]
-    return {wheel: factor * one for wheel, factor in left_right.items()}
+    return {wheel: factor * ones for wheel, factor in left_right.items()}
 
 
 def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:

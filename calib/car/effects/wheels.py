@@ -5,7 +5,7 @@ Motor:  M ^  M_0 ________
           |    /
           +---'-----------------> v
 
-A logged ``T_drive_f`` or ``T_drive_r`` counts besides: an effect is what the log does not hold.
+A logged ``T_drive_f`` or ``T_drive_r`` adds to it: an effect is what the log does not have.
 """
 
 import numpy as np
@@ -20,10 +20,10 @@ from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 
 _SPEED = 20.0
-"""Speed [m/s] at which rolling resistance and the torque of an engine are told."""
+"""Speed [m/s] at which rolling resistance and the torque of an engine are given."""
 
 _BLEND = 0.4
-"""Range of pressures over which the motor sets in where none is given, over ``regen_onset`` [1]."""
+"""Default ``regen_span`` over ``regen_onset`` [1]."""
 
 FADE_OUT = 3.0
 """Speed below which the motor hands over to the brakes [m/s], as usual for a blended stop."""
@@ -53,10 +53,10 @@ def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """M = min(M_0, P/omega) [N m per axle] from a pressure on, shared by the axles.
 
-    It sets in at ``regen_onset`` and grows with the pressure over ``regen_span``; what the pedal
-    asks for it follows with the time constant ``regen_lag``, and its limits at once. omega is that
-    of free rolling: P is found too high by the slip of the wheels, 1 to 3 %. Not valid for a motor
-    that slows the car without the brake (`engine_drag`).
+    It begins at ``regen_onset`` and grows with the pressure over ``regen_span``. It follows the
+    pedal with the time constant ``regen_lag``, and its limits at once. omega is that of free
+    rolling, so P comes out too high by the slip, 1 to 3 %. Not valid for a motor that slows the car
+    without the brake (`engine_drag`).
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
@@ -73,17 +73,17 @@ def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 
 
 def _flattened(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
-    """Each wheel turns as its radius falls with the load over that at rest.
+    """Factors on the wheel speeds: a radius falls with the load over that at rest.
 
-    The torque that goes with the smaller radius, 0.1 to 0.5 % of it, is neglected. Not valid for
-    other inflation than at the measurement of the radius.
+    The change of torque by the smaller radius, 0.1 to 0.5 %, is neglected. Valid at the inflation
+    at which the radius was measured.
     """
     q = parameters["radius_load"]
-    rest = axle_loads(vehicle, np.zeros(1))
+    static = axle_loads(vehicle, np.zeros(1))
     loads = (motion.load_f, motion.load_r)
     return {
         f"{axle}{side}": np.exp(q * (load / at_rest[0] - 1.0))
-        for axle, load, at_rest in zip(AXLES, loads, rest, strict=True)
+        for axle, load, at_rest in zip(AXLES, loads, static, strict=True)
         for side in "lr"
     }
 

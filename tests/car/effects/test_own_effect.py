@@ -18,7 +18,7 @@ from tests.support.tables import from_content, made_table
 FLAP = read_own_effects([EXAMPLE])[0]
 WITH = with_own(SEDAN, [FLAP])
 ACTS = {"air_brake_flap": {"flap_area": 0.5}}
-MODEL = replace(default_model(WITH), effects=Effects(ACTS, own=WITH.effects.own))
+MODEL = replace(default_model(WITH), effects=Effects(ACTS, user_defined=WITH.effects.user_defined))
 
 
 def own_of(tmp_path, text, name="mine.py"):
