@@ -21,6 +21,7 @@ from calib.table.maps import LevelMap, PadMap
 from cli.main import app
 from tests.support.gallery import PAGE, PICTURES
 from tests.support.manual import PAGES
+from tests.test_layers import ROOMS
 
 README, CONTRIBUTING = (FOLDER.parents[1] / f"{name}.md" for name in ("README", "CONTRIBUTING"))
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
@@ -66,6 +67,19 @@ def test_a_page_on_a_terminal_is_as_wide_and_has_no_link_or_equation_of_markdown
     lines = console.file.getvalue().splitlines()
     assert max(map(cell_len, lines)) <= width
     assert not [line for line in lines if re.search(r"\]\(|\$\$|\\(frac|tag|mathrm|\w*eta)", line)]
+
+
+def test_what_contributing_names_is_there():
+    root, text = CONTRIBUTING.parent, CONTRIBUTING.read_text()
+    names = [x for x in re.findall(r"`([^` ]+)`", text) if "/" in x or x.endswith(".toml")]
+    assert [x for x in names if not (root / x).exists()] == []
+    for name, file in re.findall(r"`(\w+)` (?:in|of) `(\w+/\S+\.py)`", text):
+        assert re.search(rf"\b{name}\b", (root / file).read_text()), name
+    for module in re.findall(r"`python -m ([\w.]+)`", text):
+        assert (root / module.replace(".", "/")).with_suffix(".py").is_file()
+    house = text.partition("```text\n")[2].partition("```")[0]
+    floors = [row.split() for row in ROOMS.strip().splitlines()]
+    assert [line[:27].split() for line in house.splitlines()] == floors
 
 
 REFERENCE = (FOLDER / "reference.md").read_text()
@@ -129,7 +143,7 @@ def test_every_code_is_in_the_manual():
 
 def test_every_effect_is_in_the_gallery_with_the_words_of_its_card():
     text = PAGE.read_text(encoding="utf-8")
-    assert [name for name, one in CATALOGUE.items() if one.card.looks_like not in text] == []
+    assert [name for name, one in CATALOGUE.items() if one.card.looks_like[1:] not in text] == []
 
 
 def test_the_pictures_are_those_of_the_page_and_small():
