@@ -40,19 +40,17 @@ _SEED, _MEDIUM = 1, 1
 _HEAD = """# What a cause looks like
 
 You see a departure in your logs and wonder what makes it. Each picture is of a car with this one
-cause, in the channel that shows it most: replay of hold-outs less their measurement, before with
-pads and tyres found again, after with the cause added. The grey band is the noise of the sensor.
-[A diagnosis](diagnosis.md) looks at all channels of all logs.
-
-*Nearest* is the next best explanation of the same logs, and the share of the departure that it
-follows.
+cause, in the channel that shows it most: replay of hold-outs less their measurement, before and
+after the cause is added; grey is the noise of the sensor. *Nearest*: the next best cause, and how
+much of the departure it follows. `brake-cal effects NAME` has the equation; [a
+diagnosis](diagnosis.md) looks at all logs.
 
 <!-- written by `python -m tests.support.gallery` -->
 
 """
 _UNSEEN = """## What does not show
 
-Pads and tyres take these up: logs of pressure, a_x, `v` and four wheel speeds hardly show them.
+Pads and tyres take these up.
 
 """
 
@@ -96,10 +94,8 @@ def sections(found: dict[str, Diagnosis]) -> Iterator[str]:
     named = [n for n, one in found.items() if [e.name for e in one.effects] == [n]]
     for name in named:
         title, card = spaced(name).capitalize(), CATALOGUE[name].card
-        yield f"## {title}\n\n{card.cause[0].upper()}{card.cause[1:]}: {card.looks_like}. "
-        case = sample_of(name)
-        yield f"*Nearest:* {nearest(found[name])}"
-        yield f" *Logs:* `sample_logs/hidden/{case.name}`.\n\n" if case else "\n\n"
+        looks = f"{card.looks_like[0].upper()}{card.looks_like[1:]}"
+        yield f"## {title}\n\n{looks}. *Nearest:* {nearest(found[name])}\n\n"
         yield f"![{title}](../../sample_logs/figures/causes/{name}.png)\n\n"
     yield _UNSEEN
     for name in sorted(found.keys() - set(named)):
