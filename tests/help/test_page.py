@@ -107,19 +107,6 @@ def test_every_command_is_in_the_table():
 VALIDATION = (FOLDER / "validation.md").read_text()
 
 
-def test_every_column_is_in_the_table_of_columns():
-    table = VALIDATION.partition("| column | unit |")[2].partition("\n\n")[0]
-    told: set[str] = set()
-    for line in table.splitlines():
-        first, *others = re.findall(r"`(\w+)`", line.split(" | ")[0]) or [""]
-        root = first.rpartition("_")[0]
-        told |= {first, *(root + name if name.startswith("_") else name for name in others)}
-    bare = {name for name in told if name.startswith(("pad_", "brake_torque"))}
-    out = {name + end for name in bare for end in ("", "_lower", "_upper")} | {"valid"}
-    assert "ecu_reason" in told
-    assert (told - {""}) | out | {f"ecu_{name}" for name in out} == set(COLUMNS)
-
-
 def test_the_default_limits_are_those_of_the_program():
     rows = dict(re.findall(r"^\| `(\w+)`.*\| ([^|]+) \|$", VALIDATION, flags=re.MULTILINE))
     for limit in DEFAULTS:
