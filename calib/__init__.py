@@ -1,12 +1,32 @@
 """Calibration of a brake-torque estimator from one ramped braking run.
 
-The steps of the workflow can be imported from here; each has an example. All else is in the
-subpackages.
+The steps of the workflow are imported from here; each has an example.
 
     read_log ──> check       what is in a log, and what it is good for
              ──> fit ──> Store ──> export     from ramps to a table, and to an ECU
              ──> estimate, validate           a table on other logs
              ──> diagnose ──> simulate        where model and car disagree, and why
+
+Arguments have one order: first the car (a vehicle, a table or a version of it in a store), then its
+logs; options go by name.
+
+>>> import calib
+>>> folder = calib.sample_logs() / "simulation_study"
+>>> car = calib.read_vehicle(folder / "vehicle.toml")
+>>> ramp, stop = (calib.read_log(folder / f"{x}_noisy.parquet") for x in ("ramp", "stop"))
+>>> table = calib.fit(car, [ramp])
+>>> f1, f2 = table.f1(1.002), table.f2(1.002)  # eta = 1.002
+>>> pads = table.map(0.3, 0.01, 0.0)  # z, (eta - 1)/z, slip in standard deviations from the usual
+>>> bool(f2 < 0.0 < f1), bool(pads["ratio_lower"] < pads["ratio"] < pads["ratio_upper"])
+(True, True)
+>>> list(table.curves())[:3]
+['D', 'D_lower', 'D_upper']
+>>> (result,) = calib.validate(table, [stop])
+>>> result.passed
+True
+>>> frame = calib.estimate(table, stop).to_frame()
+>>> bool(frame[frame.valid].brake_torque_fl.max() > 0.0), frame.attrs["units"]["brake_torque_fl"]
+(True, 'N*m')
 """
 
 from importlib import import_module

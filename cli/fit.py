@@ -63,7 +63,7 @@ def fit(
         step(f"fitting {car.name}", len(logs), len(logs) + 1)
         known = [run.digest for run in runs]
         cars = released_cars(store, car, known) if fleet_prior else {}
-        table = fit_table(car, runs, mass, bench, tyre, cars)
+        table = fit_table(car, runs, mass=mass, bench=bench, tyre=tyre, fleet=cars)
     stored = store.save(table)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]

@@ -32,6 +32,7 @@ from calib.run.filters import low_pass
 from calib.run.known_effects import CorrectedRun
 from calib.run.noise import SensorNoise, worst_noise
 from calib.run.run import Run
+from calib.store.version import Stored, table_in
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -165,7 +166,7 @@ class Estimate:
 
 
 def estimate(
-    table: Table,
+    table: Table | Stored,
     log: Log,
     vehicle: Vehicle | None = None,
     *,
@@ -176,8 +177,8 @@ def estimate(
 
     Parameters
     ----------
-    table : what the car was calibrated to. Its known effects are taken out of the log first, see
-        `calib.run.known_effects`.
+    table : the fitted table, or a version of it in a store. Its known effects are taken out of
+        the log first, see `calib.run.known_effects`.
     log : the run, with an unbraked lead-in in which eta is zeroed.
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
@@ -199,6 +200,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
+    table = table_in(table)
     return estimate_run(table, run_of(table, log, vehicle, mass), vehicle, exported)
 
 

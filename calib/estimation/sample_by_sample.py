@@ -33,6 +33,7 @@ from calib.estimation.step import Answer, started, step
 from calib.run.blocks import Blocks, samples_of_block
 from calib.run.lateral import LATERAL_TIME, turning
 from calib.run.noise import SensorNoise
+from calib.store.version import Stored, table_in
 from calib.table.table import Table
 
 _ENDS = ("", "_lower", "_upper")
@@ -151,7 +152,7 @@ class Online:
         self._answers = np.stack([y[:, place] for y in answers])
 
 
-def online(table: Table, sample_time: float) -> Online:
+def online(table: Table | Stored, sample_time: float) -> Online:
     """An estimator that takes in one sample after the other, as that of an ECU does.
 
     >>> import calib
@@ -165,4 +166,4 @@ def online(table: Table, sample_time: float) -> Online:
     >>> answer["brake_torque_f"] > 0.0
     True
     """
-    return Online(table, sample_time)
+    return Online(table_in(table), sample_time)

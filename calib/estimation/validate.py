@@ -20,6 +20,7 @@ from calib.estimation.warnings import warnings_of
 from calib.logs.log import Log
 from calib.plausibility.rules import VALIDATE, makes_void, require
 from calib.store.evidence import CONSISTENT
+from calib.store.version import Stored, table_in
 from calib.table.budget import Parts
 from calib.table.table import Table
 
@@ -110,9 +111,10 @@ class Validation:
 
 
 def validate(
-    table: Table,
+    table: Table | Stored,
     logs: list[Log],
     vehicle: Vehicle | None = None,
+    *,
     limits: tuple[Limit, ...] = DEFAULTS,
     mass: float | None = None,
     exported: Table | None = None,
@@ -121,7 +123,7 @@ def validate(
 
     Parameters
     ----------
-    table : the one to be validated.
+    table : the one to be validated, or a version of it in a store.
     logs : hold-outs; a log on which the table was fitted is marked and validates nothing.
     vehicle : nominal pads other than the table's; must be the same car in all else.
     limits : of the metrics, for pass or fail.
@@ -142,6 +144,7 @@ def validate(
     >>> result.figures["ecu_normalised_error_f"] < 2.0  # against the truth in the log
     True
     """
+    table = table_in(table)
     return [validate_one(table, log, vehicle, limits, mass=mass, exported=exported) for log in logs]
 
 

@@ -15,7 +15,8 @@ from calib.exports.build import build
 from calib.exports.dataset import Dataset, Grid
 from calib.exports.write import FORMATS
 from calib.store.evidence import UNPROVED, Quality
-from calib.store.version import Stored
+from calib.store.version import Stored, unstored
+from calib.table.table import Table
 
 ENDINGS = {name: form.ending for name, form in FORMATS.items()}  # of files, by format
 
@@ -142,7 +143,7 @@ def require_handed_out(
 
 
 def export(
-    stored: Stored,
+    table: Table | Stored,
     path: Path | str,
     form: str | None = None,
     *,
@@ -156,11 +157,11 @@ def export(
     unreleased: bool = False,
     without_effects: Sequence[str] = (),
 ) -> Exported:
-    """Write a version of a table to the file ``path``; an existing file is replaced.
+    """Write a table to the file ``path``; an existing file is replaced.
 
     Parameters
     ----------
-    stored : the version, of `Store.save` or `Store.load`.
+    table : a version of `Store.save` or `Store.load`; or a fitted table, which is version 0.
     form : one of `ENDINGS`; else by the ending of ``path``.
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
@@ -169,7 +170,7 @@ def export(
     elf : linked program with the C header (ELF), for the addresses of an a2l.
     quality : result of a validation, see `calib.store.evidence.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
-    unreleased : write a version that is not released, too; the file then says so.
+    unreleased : write what is not released, too; the file then says so.
     without_effects : known effects of the car that an ECU cannot sense, which are left to it.
 
     Raises StoreError for a version that is not released, or whose car has such an effect that is
@@ -183,12 +184,12 @@ def export(
     >>> car = calib.read_vehicle(logs / "vehicle.toml")
     >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     stored = calib.Store(folder).save(table)
     ...     dcm = Path(folder) / "car.dcm"
-    ...     written = calib.export(stored, dcm, points=16, unreleased=True)
+    ...     written = calib.export(table, dcm, points=16, unreleased=True)
     >>> written.form, written.data.id, [len(axis.values) for axis in written.data.axes[:2]]
-    ('dcm', 'sedan-sim@1', [16, 16])
+    ('dcm', 'sedan-sim@0', [16, 16])
     """
+    stored = unstored(table)
     require_handed_out(stored, without_effects, unreleased=unreleased)
     path = Path(path)
     form = _form_of(path, form)

@@ -48,6 +48,7 @@ _CONTRADICT = "v or a_x, which contradict each other: the clock, the scale or a 
 def fit(
     vehicle: Vehicle,
     logs: list[Log],
+    *,
     mass: float | None = None,
     bench: RollerBench | None = None,
     tyre: Sequence[TyreFile] = (),

@@ -94,6 +94,9 @@ UNJUDGED = VersionState()
 OUTSIDE = VersionState(reason="outside of its store, whose journal knows its state", in_store=False)
 """State of a version that no journal knows: it was copied out of its store."""
 
+NOT_STORED = VersionState(reason="not stored", in_store=False)
+"""State of a table that no store has."""
+
 
 def is_new(version: str, now: VersionState, decision: StateDecision | None) -> bool:
     """Whether a decision changes anything. Raises StoreError where its state may not follow."""

@@ -28,7 +28,7 @@ from calib.base.errors import DamagedTable, StoreError
 from calib.base.write import sync
 from calib.store.folders import RECORD
 from calib.store.journal import CRLF, JOURNAL
-from calib.store.state import OUTSIDE, UNJUDGED, VersionState
+from calib.store.state import NOT_STORED, OUTSIDE, UNJUDGED, VersionState
 from calib.table.maps import UNITS
 from calib.table.table import COLUMNS, Table
 
@@ -67,6 +67,18 @@ class Stored:
         """Which table it is and where: the head of every document about it."""
         named = {"id": self.id, "name": self.name, "version": self.version}
         return {**named, "digest": self.digest, "path": self.path}
+
+
+def table_in(table: Table | Stored) -> Table:
+    """The table itself, of a version or as it was fitted."""
+    return table.table if isinstance(table, Stored) else table
+
+
+def unstored(table: Table | Stored) -> Stored:
+    """A table that no store has, as version 0; a version as it is."""
+    if isinstance(table, Stored):
+        return table
+    return Stored(table, table.name, 0, table.digest, Path(), state=NOT_STORED)
 
 
 def write_version(table: Table, version: int, path: Path) -> None:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from calib.base.arrays import Array, Mask
 
@@ -58,6 +59,12 @@ class PaperCurves:
     f2_upper: Array
     count: Array
     flag: Array
+
+    def read(self, name: str, eta: ArrayLike) -> Array:
+        """Return a column at ``eta`` [1], linear between rows; NaN beyond the measured rows."""
+        rows = self.measured_rows
+        column = vars(self)[name][rows]
+        return np.asarray(np.interp(np.asarray(eta), self.eta[rows], column, np.nan, np.nan))
 
     @property
     def measured_rows(self) -> Mask:

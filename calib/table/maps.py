@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from calib.base.arrays import Array
 
@@ -64,8 +65,11 @@ class Map:
 
     def on(self, axes: Sequence[Array]) -> Self:
         """The map, interpolated to other axes in the order of `AXES`."""
-        read = Reader(self, self.names)(*np.meshgrid(*axes, indexing="ij"))
-        return self.from_grids(axes, **dict(zip(self.names, read, strict=True)))
+        return self.from_grids(axes, **self(*np.meshgrid(*axes, indexing="ij")))
+
+    def __call__(self, *points: ArrayLike) -> dict[str, Array]:
+        """Return the columns by name at ``points``, one array for each axis of `AXES`."""
+        return dict(zip(self.names, Reader(self, self.names)(*points), strict=True))
 
 
 class Reader:
@@ -85,9 +89,10 @@ class Reader:
         end = np.clip(np.searchsorted(points, x, "right"), 1, points.size - 1)
         return points[end] - points[end - 1]
 
-    def __call__(self, *points: Array) -> Array:
-        """Return the columns at ``points``, one array (...) for each axis; shape (c, ...)."""
-        clipped = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(points, self.axes, strict=True)]
+    def __call__(self, *points: ArrayLike) -> Array:
+        """Return the columns at ``points``, an array (...) for each axis; shape (c, ...)."""
+        axes = zip(np.broadcast_arrays(*points), self.axes, strict=True)
+        clipped = [np.clip(x, axis[0], axis[-1]) for x, axis in axes]
         read = np.moveaxis(self._read(np.stack(clipped, axis=-1)), -1, 0)
         return np.asarray(read.reshape(*self._shape, *read.shape[1:]))
 

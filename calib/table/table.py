@@ -10,7 +10,9 @@ content, so no file format changes it.
 
 import json
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
 
 from calib.base.arrays import Array
 from calib.base.digest import content_digest
@@ -23,6 +25,9 @@ from calib.logs.log import Log
 from calib.run.same_run import Fingerprint, same_as
 from calib.table.curves import DifferenceCurve, PaperCurves, TyreCurve
 from calib.table.maps import MAPS, Draws, LevelMap, PadMap, columns
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _OPTIONAL = {
     *("own_effects", "empirical", "notes", "fingerprint", "warnings", "spread"),
@@ -204,6 +209,24 @@ class Table:
             f"  pads    front {pads.pad_friction_f}, rear {pads.pad_friction_r} (95 %)\n"
             f"  logs    {logs}"
         )
+
+    def f1(self, eta: ArrayLike) -> Array:
+        """f1 of (11) [1] at ``eta`` [1], linear between rows; NaN beyond the measured rows."""
+        return self.paper.read("f1", eta)
+
+    def f2(self, eta: ArrayLike) -> Array:
+        """f2 of (12) [1], as `f1`."""
+        return self.paper.read("f2", eta)
+
+    def curves(self) -> "pd.DataFrame":
+        """Return D, f1 and f2 with their 95 % bands over eta; ``attrs["units"]`` has the units."""
+        import pandas as pd
+
+        d = self.difference
+        difference = {"D": d.D, "D_lower": d.lower, "D_upper": d.upper}
+        frame = pd.DataFrame(difference | vars(self.paper)).set_index("eta")
+        frame.attrs["units"] = dict.fromkeys(("eta", *frame.columns), "1")
+        return frame
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves and maps (named float columns)."""

@@ -47,7 +47,7 @@ def test_the_mass_of_the_file_stated_again_moves_nothing():
 
 
 def test_a_ramp_with_a_stated_mass_gives_the_pads_and_keeps_the_vehicle(weighed_ramp):
-    told, untold = fit(KERB, [weighed_ramp], 1.2 * CAR.mass), fit(KERB, [weighed_ramp])
+    told, untold = fit(KERB, [weighed_ramp], mass=1.2 * CAR.mass), fit(KERB, [weighed_ramp])
     true = CAR.front.pad_friction
     low, high = told.calibration.pad_friction_f.ci95
     assert low < true < high

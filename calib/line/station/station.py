@@ -254,7 +254,7 @@ def judged_car(
     if golden is not None:
         require_same_car(golden.table.vehicle, vehicle)
     refuse_copies([*ramps, *coasts], stops)
-    fitted = fit(vehicle, [*ramps, *coasts], mass)
+    fitted = fit(vehicle, [*ramps, *coasts], mass=mass)
     _require_roles(fitted, ramps, coasts)
     table = replace(fitted, provenance=replace(fitted.provenance, identity=identity.given()))
     done()
