@@ -40,7 +40,7 @@ def doctor(
     found = examine(store)
     wrong = [one.name for one in found if one.state == WRONG]
     can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
-    rows = [(x.name, x.state, "; ".join(filter(None, (x.what, x.do)))) for x in found]
+    rows = [(x.name, x.state, "; ".join(filter(None, (x.text, x.do)))) for x in found]
     heads, odd = ("what", "state", "found"), [row for row in rows if row[1] != FINE]
     verdict = WRONG if wrong else FINE
     return Answer(
@@ -102,7 +102,7 @@ def demo(
             ran[step] = got = _run(out, step)
             if not step.figure or not got.passed:
                 failed = "" if got.passed else "FAILED: "
-                say(f"\n{step.what}\n  {step.line}\n  {failed}{got.answer}")
+                say(f"\n{step.purpose}\n  {step.line}\n  {failed}{got.answer}")
             done()
     found = facts(ran)
     write_file(out / INDEX, page_of(found).encode())
