@@ -11,6 +11,7 @@ from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
     from calib.model.roller_bench import RollerBench
+    from calib.plan.plan_file import PlannedRuns
 
 _BENCH = "Brake forces of both axles, of the same pads on a roller brake tester."
 _ROLLERS = "calib.model.roller_bench_file:read_roller_bench"
@@ -19,6 +20,9 @@ _Bench = Annotated["RollerBench | None", option(_BENCH, "B.toml", typed=Path | N
 _TYRE = "Tyre property file (.tir) of both axles; given twice, of the front and the rear axle."
 _TIR = "calib.car.tyre_file:read_tyres"
 _Tyres = Annotated["tuple[TyreFile, ...]", option(_TYRE, "T.tir", typed=list[Path], make=_TIR)]
+_PLAN = "Plan of `brake-cal plan`, to compare what was reached with."
+_READ_PLAN = "calib.plan.plan_file:read_plan"
+_Plan = Annotated["PlannedRuns | None", option(_PLAN, "P.json", typed=Path | None, make=_READ_PLAN)]
 _FLEET = "Believe, to half, that tyres and loads are those of the released cars of this model."
 
 
@@ -36,6 +40,7 @@ def fit(
     mass: Mass,
     bench: _Bench,
     tyre: _Tyres,
+    plan: _Plan,
     fleet_prior: bool = option(_FLEET),
     store: Tables,
     channel_map: Map,
@@ -52,6 +57,7 @@ def fit(
     from calib.car.model_file import read_model
     from calib.car.vehicle import mass_used
     from calib.fitting.fit import fit as fit_table
+    from calib.plan.achieved import compare
     from calib.show.fit import Fitted, document
     from calib.store.fleet import released_cars
 
@@ -68,7 +74,9 @@ def fit(
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
     ramps = [run for run in runs if run.digest in braked]
     files = files_of("vehicle", "model", "bench", "tyre")
-    found = Fitted(stored, mass_used(car, mass), ramps, files)
+    used = mass_used(car, mass)
+    reached = compare(plan, table, runs, used) if plan else None
+    found = Fitted(stored, used, ramps, files, reached)
     return Answer(document(found), found, live=True)
 
 

@@ -1,4 +1,4 @@
-"""`brake-cal demo`, `doctor` and `qualify`: the program tried on this machine."""
+"""`brake-cal demo` and `qualify`: the program tried on this machine."""
 
 import glob
 import io
@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.base.names import PROGRAM, VERSION
+from calib.base.names import VERSION
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress, say
 from cli.options import option
@@ -25,43 +25,32 @@ if TYPE_CHECKING:
 DOCUMENT, REPORT = "qualification.json", "qualification.html"
 
 
-@command("brake-cal doctor", "brake-cal doctor --json")
-def doctor(
-    *, store: Path | None = option("Directory of the tables; else as usual.", "DIR")
-) -> Answer:
-    """Say whether the program can work on this machine.
-
-    It looks at packages, extras, machine, store and settings, and writes nothing. Exit code 0 if
-    it can work, 1 if something that it needs is wrong.
-    """
-    from calib.help.doctor import FINE, WRONG, examine
-    from calib.show.facts import Facts, Table
-
-    found = examine(store)
-    wrong = [one.name for one in found if one.state == WRONG]
-    can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
-    rows = [(x.name, x.state, "; ".join(filter(None, (x.text, x.do)))) for x in found]
-    heads, odd = ("what", "state", "found"), [row for row in rows if row[1] != FINE]
-    verdict = WRONG if wrong else FINE
-    return Answer(
-        {"version": VERSION, "verdict": verdict, "findings": found},
-        Facts(
-            headline=f"{PROGRAM} {can}",
-            tables=[Table(heads, odd)],
-            parts=[Facts("All that was looked at", tables=[Table(heads, rows)])],
-        ),
-        FAILED * bool(wrong),
-    )
-
-
-@command("brake-cal qualify --out qualification")
+@command("brake-cal qualify", "brake-cal qualify --out qualification")
 def qualify(
-    *, out: Path = option(f"Write {DOCUMENT} and {REPORT} here.", "DIR", writes="folder")
+    *,
+    store: Path | None = option("Directory of the tables; else as usual.", "DIR"),
+    out: Path | None = option(
+        f"Try it, and write {DOCUMENT} and {REPORT}.", "DIR", writes="folder"
+    ),
 ) -> Answer:
-    """Try the program on this machine against known truths.
+    """Say whether the program works on this machine.
 
-    Writes the environment and the checks with their results. Exit code 0 if all checks hold.
+    It looks at packages, extras, machine, store and settings, and writes nothing. With --out the
+    program is tried against known truths, and the checks are written with their results. Exit code
+    1 if something that it needs is wrong, or a check does not hold.
     """
+    from calib.help.doctor import FINE, WRONG, examine, facts
+
+    if out is not None:
+        return _qualified(out)
+    findings = examine(store)
+    works = all(finding.state != WRONG for finding in findings)
+    document = {"version": VERSION, "verdict": FINE if works else WRONG, "findings": findings}
+    return Answer(document, facts(findings), FAILED * (not works))
+
+
+def _qualified(out: Path) -> Answer:
+    """What comes out where the program is tried against known truths."""
     from calib.base.plain import counted
     from calib.help.qualify import SUITE, facts
     from calib.help.qualify import qualify as made
@@ -102,7 +91,7 @@ def demo(
             ran[step] = got = _run(out, step)
             if not step.figure or not got.passed:
                 failed = "" if got.passed else "FAILED: "
-                say(f"\n{step.purpose}\n  {step.line}\n  {failed}{got.answer}")
+                say(f"\n{step.what}\n  {step.line}\n  {failed}{got.answer}")
             done()
     found = facts(ran)
     write_file(out / INDEX, page_of(found).encode())

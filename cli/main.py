@@ -22,6 +22,7 @@ _UsageError: Any = typer.BadParameter.__base__
 
 _SUBJECTS = {
     "One car": {
+        "plan": "Say which runs make the torque better known, before they are driven",
         "check": "Say for what each log can be used, as far as can be told without a vehicle file",
         "fit": "Make the look-up table of a car from ramped brakings",
         "validate": "Run the estimator with a table on other logs, and judge what an ECU makes of "
@@ -52,8 +53,7 @@ _SUBJECTS = {
     "Help": {
         "demo": "Try the program on the sample logs, in about half a minute",
         "manual": "Show the pages of the manual, or one of them",
-        "doctor": "Say whether the program can work on this machine",
-        "qualify": "Try the program on this machine against known truths",
+        "qualify": "Say whether the program works on this machine",
     },
 }
 """Summary of every command by subject: the first sentence of its help, which imports it."""
@@ -66,7 +66,7 @@ PLACES = {
     **{name: f"reference:{name}" for name in ("effects", "settings", "schema", "manual")},
     "map": "maps:map_",
     "vehicle": "vehicles:app",
-    **{name: f"machine:{name}" for name in ("demo", "doctor", "qualify")},
+    **{name: f"machine:{name}" for name in ("demo", "qualify")},
 }
 """Where a command is, if not under its name in a file of its name."""
 

@@ -21,7 +21,7 @@ ROOMS = """
     model
     fitting
     store
-    exports estimation
+    exports estimation plan
     ecu diagnosis
     line
     show

@@ -1,1 +1,1 @@
-"""The manual, the demo, and whether the program works here: `doctor` and `qualify`."""
+"""The manual, the demo, and whether the program works here: `qualify`."""

@@ -3,7 +3,7 @@
 import os
 import platform
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
@@ -12,9 +12,10 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 from calib.base.errors import InputError, SettingsError
-from calib.base.names import NAME, STORE
+from calib.base.names import NAME, PROGRAM, STORE
 from calib.base.plain import counted
 from calib.help.samples import sample_logs
+from calib.show.facts import Facts, Table
 from calib.store.folders import names_in, unplaced, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
@@ -61,11 +62,11 @@ def packages() -> Iterator[tuple[Requirement, str, str]]:
 
 @dataclass(frozen=True)
 class _Finding:
-    """One thing that was looked at: its ``state`` in a ``text``, and what to ``do`` if needed."""
+    """One thing that was looked at: its ``state``, what was found, and what to do if needed."""
 
     name: str
     state: str
-    text: str
+    what: str
     do: str = ""
 
 
@@ -76,8 +77,8 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     usual = None
     try:
         project = find_project()
-        file = str(project.file or "no brake-cal.toml: the usual values")
-        settings, usual = _Finding("settings", FINE, file), project.settings["store"]
+        what = str(project.file or "no brake-cal.toml: the usual values")
+        settings, usual = _Finding("settings", FINE, what), project.settings["store"]
     except SettingsError as error:
         settings = _Finding("settings", WRONG, str(error), "mend the file")
     try:
@@ -87,16 +88,16 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     return (*map(_package, packages()), _store(store or usual or STORE), samples, settings)
 
 
-def _package(package: tuple[Requirement, str, str]) -> _Finding:
-    need, installed, extra = package
-    text = f"{installed or 'missing'} (needs {need.specifier})"
+def _package(found: tuple[Requirement, str, str]) -> _Finding:
+    need, installed, extra = found
+    what = f"{installed or 'missing'} (needs {need.specifier})"
     name = f"{need.name} [{extra}]" if extra else need.name
     if installed and need.specifier.contains(installed, prereleases=True):
-        return _Finding(name, FINE, text)
+        return _Finding(name, FINE, what)
     if extra:
         do = f"for {_EXTRAS[extra]}: pip install '{NAME}[{extra}]'"
-        return _Finding(name, NOTE, text, do)
-    return _Finding(name, WRONG, text, f"install it again: pip install --upgrade {NAME}")
+        return _Finding(name, NOTE, what, do)
+    return _Finding(name, WRONG, what, f"install it again: pip install --upgrade {NAME}")
 
 
 def _store(store: Path) -> _Finding:
@@ -104,11 +105,24 @@ def _store(store: Path) -> _Finding:
         do = "the first `brake-cal fit` makes it"
         return _Finding("store", NOTE, f"{store} is not there", do)
     if not store.is_dir() or not os.access(store, os.R_OK | os.X_OK):
-        fault = "cannot be read" if store.is_dir() else "is a file"
-        return _Finding("store", WRONG, f"{store} {fault}", "name another one: --store DIR")
+        what = "cannot be read" if store.is_dir() else "is a file"
+        return _Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
     versions = [len(versions_in(store / name)) for name in names_in(store)]
-    text = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
-    text += f", {unfinished} unfinished" if (unfinished := len(unplaced(store))) else ""
+    what = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
+    what += f", {left} unfinished" if (left := len(unplaced(store))) else ""
     if os.access(store, os.W_OK):
-        return _Finding("store", FINE, text)
-    return _Finding("store", NOTE, f"{text}, read only", "no table can be stored or released here")
+        return _Finding("store", FINE, what)
+    return _Finding("store", NOTE, f"{what}, read only", "no table can be stored or released here")
+
+
+def facts(findings: Sequence[_Finding]) -> Facts:
+    """What was found, the odd things first."""
+    wrong = [finding.name for finding in findings if finding.state == WRONG]
+    can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
+    rows = [(x.name, x.state, "; ".join(filter(None, (x.what, x.do)))) for x in findings]
+    heads, odd = ("what", "state", "found"), [row for row in rows if row[1] != FINE]
+    return Facts(
+        headline=f"{PROGRAM} {can}",
+        tables=[Table(heads, odd)],
+        parts=[Facts("All that was looked at", tables=[Table(heads, rows)])],
+    )

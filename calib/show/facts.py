@@ -117,6 +117,7 @@ _FACTS = {
     "Diagnosis": "diagnosis:facts",
     "Fitted": "fit:facts",
     "GaugeStudy": "repeatability:facts",
+    "Plan": "plan:facts",
     "StationRun": "station_page:facts",
     "Stored": "store:shown",
     "Summary": "fleet:facts",

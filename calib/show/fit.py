@@ -9,8 +9,11 @@ from calib.base.plain import counted
 from calib.base.warning import to_dict
 from calib.car.vehicle import MassUsed
 from calib.logs.log import Log
+from calib.plan.achieved import Achieved
+from calib.plan.achieved import document as achieved_document
 from calib.show.facts import PASSED, WARNING, Facts, Picture
 from calib.show.origin import origin
+from calib.show.plan import achieved_facts
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet
 from calib.show.store import shown
@@ -25,12 +28,16 @@ _CURVES = "The curves of the table with their 95 % bands, and the measured point
 
 @dataclass(frozen=True)
 class Fitted:
-    """A version of a table, fitted on a car of ``mass`` from ``ramps`` and ``files`` by role."""
+    """A version of a table, fitted on a car of ``mass`` from ``ramps`` and ``files`` by role.
+
+    ``reached`` compares it with a plan, where there was one.
+    """
 
     stored: Stored
     mass: MassUsed
     ramps: Sequence[Log]
     files: Mapping[str, Path]
+    reached: Achieved | None = None
 
 
 def facts(found: Fitted) -> Facts:
@@ -50,6 +57,7 @@ def facts(found: Fitted) -> Facts:
         warnings=table.warnings,
         pictures=[Picture(_CURVES, curves)],
         parts=[
+            *([achieved_facts(found.reached)] if found.reached else []),
             Facts(
                 "The car",
                 rows=[("mass", str(found.mass)), ("seen by", unseen_line(_unseen(found)))],
@@ -84,4 +92,5 @@ def document(found: Fitted) -> dict[str, object]:
         "remarks": table.remarks,
         "warnings": [to_dict(warning) for warning in table.warnings],
         "mass": found.mass,
+        "plan": achieved_document(found.reached) if found.reached else None,
     }

@@ -1,4 +1,4 @@
-"""`brake-cal effects`, `schema`, `manual`, `doctor`, `qualify`, `limits`, and the Tab key."""
+"""`brake-cal effects`, `schema`, `manual`, `qualify`, `limits`, and the Tab key."""
 
 import json
 from pathlib import Path
@@ -49,13 +49,13 @@ def test_limits_are_written_as_they_are_printed(brake_cal, tmp_path):
     assert rows["pad_scale"]["limit"]["high"] == 1.2
 
 
-def test_doctor_finds_what_is_wrong(brake_cal, tmp_path, monkeypatch):
-    assert parsed(ran := brake_cal("doctor", "--json"))["findings"]
-    assert ran.code == brake_cal("doctor").code == 0
+def test_qualify_finds_what_is_wrong(brake_cal, tmp_path, monkeypatch):
+    assert parsed(ran := brake_cal("qualify", "--json"))["findings"]
+    assert ran.code == brake_cal("qualify").code == 0
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("BRAKE_CAL_SETTINGS", raising=False)
     (tmp_path / "brake-cal.toml").write_text("[")
-    ran = brake_cal("doctor", "--json")
+    ran = brake_cal("qualify", "--json")
     wrong = [x["name"] for x in parsed(ran)["findings"] if x["state"] == "wrong"]
     assert (ran.code, wrong) == (1, ["settings"])
 

@@ -1,0 +1,1 @@
+"""Which runs and measurements make the answer sharper, before anybody drives them."""

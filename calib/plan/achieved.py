@@ -1,0 +1,61 @@
+"""What a fit reached of what was planned, and why not."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from calib.car.vehicle import MassUsed
+from calib.logs.log import Log
+from calib.plan.expected import HalfWidths, widths_of
+from calib.plan.plan_file import PlannedRuns
+from calib.run.run import Run
+from calib.table.table import Table
+
+_WIDER = 1.15
+"""Half width over the planned one [1] from which on it was not reached: a plan is right to 15 %."""
+
+_SHORT = 0.9
+"""End of a ramp over the planned one [1] below which it ended early."""
+
+
+class Achieved(NamedTuple):
+    """Planned and achieved half widths [1], whether they were ``reached``, and reasons why not."""
+
+    planned: HalfWidths
+    achieved: HalfWidths
+    reached: bool
+    reasons: tuple[str, ...]
+
+
+def compare(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> Achieved:
+    """Compare the half widths of a table with those of a plan.
+
+    ``logs`` and ``mass`` are those of the fit. Reasons are what the plan has and the fit has not.
+    """
+    achieved = widths_of(table)
+    reached = all(a <= _WIDER * p for a, p in zip(achieved, plan.after, strict=True))
+    return Achieved(plan.after, achieved, reached, tuple(_missing(plan, table, logs, mass)))
+
+
+def _missing(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> list[str]:
+    roles = {log.role for log in table.provenance.logs}
+    axles = {Run(log, table.vehicle).alone for log in logs}
+    there = {
+        "weighing": mass.stated,
+        "rollers": "bench" in roles,
+        "coast": "coast" in roles,
+        "rear_alone": "r" in axles,
+        "front_alone": "f" in axles,
+    }
+    reasons = [f"{step} is missing" for step in plan.steps if not there.get(step, True)]
+    end = table.quality["deceleration_max"]
+    if end < _SHORT * plan.end:
+        reasons.append(f"the ramps end at {end:.2f} g, planned was {plan.end:.2f} g")
+    if "v" in plan.sensors and not any("v" in log for log in logs):
+        reasons.append("no log has the speed v")
+    return reasons
+
+
+def document(found: Achieved) -> dict[str, object]:
+    """The comparison as a JSON document."""
+    widths = {"planned": found.planned._asdict(), "achieved": found.achieved._asdict()}
+    return {**widths, "reached": found.reached, "reasons": list(found.reasons)}

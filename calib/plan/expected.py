@@ -1,0 +1,183 @@
+"""The bounds that a fit will have after some measures, before anybody drives them.
+
+    car --drive--> logs --noise--> fit --> half widths     of each car; their median is planned
+
+Preposterior analysis by simulation: cars are drawn from what is known, driven through the measures
+with the noise of their sensors, and fitted by `calib.fitting.fit` itself, so a plan promises what a
+fit will say. Chaloner and Verdinelli, Bayesian experimental design: a review, Statistical Science
+10 (1995). Not counted: what the simulated car lacks, such as a bump or a gear shift.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.base.names import WHEELS, G
+from calib.car.balance import force_per_pressure, front_share
+from calib.car.beliefs import CAR
+from calib.car.model import WET_ASPHALT, Model, default_model
+from calib.car.vehicle import Vehicle
+from calib.fitting.fit import fit
+from calib.logs.log import Log
+from calib.model.roller_bench import AxleOnRollers, RollerBench
+from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
+from calib.plan.measure import RATE, Measure, Track, drive
+from calib.run.resistance import identify
+from calib.table.table import Table, Value
+
+_ROLLER_PRESSURES = (10e5, 20e5, 30e5, 40e5)
+_ROLLER_TOLERANCE = 0.01  # as `calib.model.roller_bench_file` takes it where a file says nothing
+_ROLLER_SCATTER = 0.005
+"""Relative scatter of the rows of a roller brake tester [1]: half of its tolerance."""
+
+
+class HalfWidths(NamedTuple):
+    """Half of the 95 % interval over the value [1] of the torque of front, rear and both axles."""
+
+    front: float
+    rear: float
+    total: float
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """What is known of a car before the drive.
+
+    ``pad_level`` ln of the pads over those of the ``vehicle`` file, ``pad_ratio`` ln of front over
+    rear, ``stiffness`` ln of the slip stiffness, all [1]; ``noise`` of each channel in SI; ``logs``
+    of the car that are there; ``sensors`` it has of the optional channels.
+    """
+
+    vehicle: Vehicle
+    track: Track
+    sensors: frozenset[str]
+    pad_level: Value
+    pad_ratio: Value
+    stiffness: Value
+    noise: Mapping[str, NoiseLevel]
+    logs: tuple[Log, ...] = ()
+
+
+def knowledge(
+    vehicle: Vehicle,
+    track: Track,
+    sensors: frozenset[str] = frozenset(),
+    table: Table | None = None,
+    logs: Sequence[Log] = (),
+) -> Knowledge:
+    """What is known of a car: from its ``logs``, else from a ``table`` of it, else from its file.
+
+    Raises as `calib.fitting.fit` for logs of which no table can be made.
+    """
+    if logs:
+        table = fit(vehicle, list(logs))
+        sensors = sensors | {name for log in logs for name in log.channels}
+    if table is None:
+        level = Value(0.0, 0.1)  # pads of one grade scatter by 10 %
+        ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
+        stiff = Value(math.log(float(WET_ASPHALT.stiffness)), 0.2)
+        return Knowledge(vehicle, track, sensors, level, ratio, stiff, LEVELS)
+    pads = table.calibration
+    level = _logarithm(pads.pad_scale)
+    stiff = _logarithm(pads.slip_stiffness)
+    noise = noise_of(table.noise)
+    return Knowledge(vehicle, track, sensors, level, pads.pad_log_ratio, stiff, noise, tuple(logs))
+
+
+def _logarithm(value: Value) -> Value:
+    return Value(math.log(value.value), value.sigma / value.value)
+
+
+def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
+    """White noise of the channels with the long-run ``densities`` of a table, see `SensorNoise`.
+
+    The mean of an axle has the noise of a wheel over sqrt(2).
+    """
+    per_sample = math.sqrt(RATE)
+    wheel = NoiseLevel(math.sqrt(2.0) * densities["omega"] * per_sample)
+    channels = {f"omega_{w}": wheel for w in WHEELS}
+    channels["a_x"] = NoiseLevel(G * densities["z"] * per_sample)
+    speed = densities["v"] * per_sample
+    return {**LEVELS, **channels, "v": NoiseLevel(speed) if speed else LEVELS["v"]}
+
+
+_POINTS = ((0.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
+"""Cars that stand for all: ratio of the pads and stiffness of the tyres, in standard deviations."""
+
+
+def cars(known: Knowledge, count: int = len(_POINTS)) -> list[Model]:
+    """The first ``count`` of the cars that stand for what is known: the mean, then two corners.
+
+    Each has the known effects of the vehicle, and its usual drag and rolling resistance.
+    """
+    model, pads = default_model(known.vehicle), math.exp(known.pad_level.value)
+    usual = identify(known.vehicle, ()).effects
+    model = replace(model, effects=usual)
+    made = []
+    for ratio_at, stiffness_at in _POINTS[:count]:
+        half = math.exp(0.5 * (known.pad_ratio.value + ratio_at * known.pad_ratio.sigma))
+        stiffness = math.exp(known.stiffness.value + stiffness_at * known.stiffness.sigma)
+        made.append(
+            replace(
+                model,
+                pad_friction_f=pads * half * model.pad_friction_f,
+                pad_friction_r=pads / half * model.pad_friction_r,
+                tyre=replace(model.tyre, stiffness=stiffness),
+            )
+        )
+    return made
+
+
+def half_widths(known: Knowledge, car: Model, done: Sequence[Measure], seed: int) -> HalfWidths:
+    """Half widths of a fit of ``car`` after the measures, with noise by ``seed``.
+
+    Raises ModelError for a run that cannot be driven, LogError where they make no table.
+    """
+    runs = [drive(car, run, known.track, known.sensors) for run in done if run.driven]
+    kinds, pads = {measure.kind for measure in done}, (car.pad_friction_f, car.pad_friction_r)
+    table = fit(
+        known.vehicle,
+        [*known.logs, *(add_noise(run, seed + i, known.noise) for i, run in enumerate(runs))],
+        mass=known.vehicle.mass if "weighing" in kinds else None,
+        bench=on_rollers(known.vehicle, pads, seed) if "rollers" in kinds else None,
+    )
+    return widths_of(table)
+
+
+def widths_of(table: Table) -> HalfWidths:
+    """Half widths of a table: what its pads, and the level of both axles, are known to."""
+    pads = table.calibration
+    axles = (pads.pad_friction_f, pads.pad_friction_r)
+    front, rear = (Z95 * pad.sigma / pad.value for pad in axles)
+    return HalfWidths(front, rear, Z95 * math.sqrt(sum(table.budget.level.values())))
+
+
+def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> RollerBench:
+    """What a roller brake tester would read of a car with the friction of ``pads``, front, rear."""
+    random = np.random.default_rng([seed, 1])
+    axles = []
+    for gain, pad, axle in zip(
+        force_per_pressure(vehicle), pads, (vehicle.front, vehicle.rear), strict=True
+    ):
+        scatter = 1.0 + _ROLLER_SCATTER * random.standard_normal(len(_ROLLER_PRESSURES))
+        force = pad / axle.pad_friction * gain * np.array(_ROLLER_PRESSURES) * scatter
+        axles.append(AxleOnRollers(_ROLLER_PRESSURES, tuple(force.tolist())))
+    return RollerBench("rollers", "rollers", "", _ROLLER_TOLERANCE, *axles)
+
+
+def before_any_run(known: Knowledge) -> HalfWidths:
+    """Half widths by what is known of the pads before any log, the mass included."""
+    share = front_share(known.vehicle, known.pad_ratio.value)
+    level = math.hypot(known.pad_level.sigma, known.vehicle.mass_tolerance)
+    ratio = known.pad_ratio.sigma
+    front, rear = (math.hypot(level, part * ratio) for part in (1.0 - share, share))
+    return HalfWidths(Z95 * front, Z95 * rear, Z95 * level)
+
+
+def median(widths: Sequence[HalfWidths]) -> HalfWidths:
+    """The median of each half width over cars."""
+    return HalfWidths(*np.median(np.array(widths), axis=0).tolist())

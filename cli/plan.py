@@ -1,0 +1,111 @@
+"""`brake-cal plan`: which runs make the answer sharper, before anybody drives them."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from cli.command import FAILED, Answer, command
+from cli.console import json_text, misuse, progress
+from cli.logs import read_all
+from cli.options import Car, Map, Tables, Workers, option, quantity, require_known
+from cli.outputs import check_folder, write_folder
+
+Quantities = dict[str, float]
+"""Quantities [SI] by name."""
+
+_WANT = {"front": "1", "rear": "1", "total": "1"}
+_TRACK = {"length": "m", "speed": "m/s"}
+
+
+def _quantities(units: dict[str, str]) -> Callable[[str], dict[str, float]]:
+    """Makes SI of a list such as "front 2 %, rear 4 %", by name."""
+
+    def make(written: str | None) -> dict[str, float]:
+        values: dict[str, float] = {}
+        for part in written.split(",") if written else ():
+            name, _, text = part.strip().partition(" ")
+            if name not in units:
+                raise misuse(f"unknown {name!r}; known: {', '.join(units)}")
+            values[name] = quantity(units[name])(text.strip())
+            if values[name] <= 0.0:
+                raise misuse(f"{part.strip()} must be more than 0")
+        return values
+
+    return make
+
+
+def _sensors(written: str | None) -> frozenset[str]:
+    from calib.base.names import WHEELS
+
+    known = ("v", *(f"p_{w}" for w in WHEELS))
+    names = [name.strip() for name in written.split(",")] if written else []
+    return frozenset(require_known(name, known, "sensor ") for name in names)
+
+
+@command(
+    "brake-cal plan --vehicle sample_logs/sedan/vehicle.toml --time '30 s'",
+    "brake-cal plan --vehicle sample_logs/sedan/vehicle.toml --want 'front 3 %, rear 5 %' "
+    "--sensors v,p_fl,p_fr,p_rl,p_rr --out drive",
+    report=True,
+)
+def plan(
+    *,
+    vehicle: Car,
+    have: list[Path] = option("A log of the car that is there; repeatable.", "LOG"),
+    table: str | None = option("Table of the car, for its pads, tyres and noise.", "TABLE"),
+    want: Quantities = option(
+        'What is enough (95 %), such as "front 2 %, rear 4 %, total 2 %".',
+        "TEXT",
+        typed=str | None,
+        make=_quantities(_WANT),
+        always=True,
+    ),
+    time: float | None = option(
+        'Time to spend, such as "90 s".', "TIME", typed=str | None, make=quantity("s")
+    ),
+    track: Quantities = option(
+        'Such as "length 300 m, speed 120 km/h"; 100 km/h if not given.',
+        "TEXT",
+        typed=str | None,
+        make=_quantities(_TRACK),
+        always=True,
+    ),
+    sensors: frozenset[str] = option(
+        "What is logged of v, p_fl, p_fr, p_rl, p_rr.",
+        "NAMES",
+        typed=str | None,
+        make=_sensors,
+        always=True,
+    ),
+    store: Tables,
+    channel_map: Map,
+    workers: Workers,
+    out: Path | None = option(
+        "Write the plan, and pressures for a robot, here.", "DIR", writes="folder"
+    ),
+) -> Answer:
+    """Say which runs make the torque better known, before they are driven.
+
+    Cars as the file has them, or as the logs that are there say, are simulated and fitted. With
+    --report it writes a card for the driver. Exit code 1 if what is wanted cannot be had.
+    """
+    from calib.base.processes import cores
+    from calib.plan.expected import knowledge
+    from calib.plan.measure import Track
+    from calib.plan.plan_file import DOCUMENT, document, pressure_files
+    from calib.plan.search import Want
+    from calib.plan.search import plan as search
+
+    check_folder(out, [DOCUMENT])
+    with progress() as step:
+        logs = read_all(have, channel_map, step, more=1)
+        step(f"planning runs of {vehicle.name}", len(logs), len(logs) + 1)
+        car = store.load(table).table if table else None
+        known = knowledge(vehicle, Track(**track), sensors, car, logs)
+        found = search(known, Want(**want, seconds=time or math.inf), workers or cores())
+    answer = document(found)
+    if out is not None:
+        files = [*pressure_files(found), (DOCUMENT, json_text(answer).encode())]
+        write_folder(out, files, DOCUMENT)
+    unmet = bool(want) and not answer["met"]
+    return Answer(answer, found, FAILED * unmet, out=out)
