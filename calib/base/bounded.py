@@ -70,6 +70,11 @@ JOURNAL = FileKind("journal", 64)  # some 100,000 lines
 KEY = FileKind("key", 0.016384)  # keys and signatures: no file of minisign is longer
 
 
+# Without O_NONBLOCK a pipe that nobody writes to would never be opened. Windows has O_BINARY alone.
+_NAMES = ("O_NONBLOCK", "O_CLOEXEC", "O_BINARY")
+_FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in _NAMES)
+
+
 def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
     """Open a regular file for reading; a link to one is one.
 
@@ -77,8 +82,7 @@ def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
     a file larger than ``kind`` may be.
     """
     try:
-        # Without O_NONBLOCK a pipe that nobody writes to would never be opened.
-        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        handle = os.open(path, _FLAGS)
     except ValueError as cause:  # a nul in the name
         raise OSError(errno.EINVAL, "no such name is possible", str(path)) from cause
     file = os.fdopen(handle, "rb")

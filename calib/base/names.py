@@ -60,8 +60,11 @@ them."""
 _TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 _TAKEN = ("journal.jsonl", "journal.head")
 """Files of a store, beside which tables are folders."""
+_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
+"""Names that Windows keeps for devices, with any ending."""
 TABLE_NAMES = (
-    "letters, digits and . _ - only, at most 100, a letter or digit first, and no file of the store"
+    "letters, digits and . _ - only, at most 100, a letter or digit first, no dot last, no file of "
+    "the store, and no device of Windows (CON, NUL, COM1)"
 )
 """What can name a vehicle and its table, in words."""
 
@@ -69,7 +72,8 @@ TABLE_NAMES = (
 def names_a_table(name: str) -> bool:
     """Whether a vehicle's name can be that of its table, which is a folder of a store.
 
-    >>> names_a_table("sedan-2up"), names_a_table("a b"), names_a_table("journal.head")
-    (True, False, False)
+    >>> [names_a_table(x) for x in ("sedan-2up", "a b", "journal.head", "nul.2", "car.")]
+    [True, False, False, False, False]
     """
-    return bool(_TABLE_NAME.fullmatch(name)) and ".." not in name and name.lower() not in _TAKEN
+    taken = name.lower() in _TAKEN or _DEVICE.fullmatch(name)
+    return bool(_TABLE_NAME.fullmatch(name)) and ".." not in f"{name}." and not taken

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import contextmanager
+from multiprocessing.context import BaseContext
 from typing import Protocol, TypeVar
 
 from calib.base.errors import BatchError
@@ -49,13 +50,15 @@ def one_blas_thread() -> Iterator[None]:
 def workers(count: int, *preload: str) -> ProcessPoolExecutor:
     """``count`` processes, each with one thread for linear algebra.
 
-    They are forked from a server that has imported the modules ``preload``. They ignore interrupts,
-    which the parent handles, and end with the parent.
+    They are forked from a server that has imported the modules ``preload``, where the system can;
+    Windows starts each anew. They ignore interrupts, which the parent handles, and end with it.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(list(preload))
+    context: BaseContext = multiprocessing.get_context("spawn")
+    if "forkserver" in multiprocessing.get_all_start_methods():
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload(list(preload))
     return ProcessPoolExecutor(count, context, initializer=_start)
 
 

@@ -1,89 +1,126 @@
 """Write files completely or not at all, and all files of a run in a folder together.
 
-    out/.making-<random>/    where a run makes its files; locked while that run is alive
+    out/.lock                    is locked while a run is published or a store changed
+    out/.making-<random>.lock    is locked while a run makes its files
+    out/.making-<random>/        where it makes them
 
 The old verdict goes first and the new one comes last. A run that is killed leaves its folder, which
-the next one deletes, and the old run, the new one, or no verdict.
+the next one deletes, and the old run, the new one, or no verdict. No file is replaced or removed
+while it is open or locked, which Windows forbids.
 """
 
 import errno
-import fcntl
 import os
+import secrets
 import shutil
-import tempfile
+import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
+_LOCK = ".lock"
+"""Name of the lock file of a folder, and how that of a work folder ends."""
 _WORK = ".making-"
 """How the name of a work folder begins."""
+_RETRIES = (0.02, 0.1, 0.5, 2.0)
+"""Waits [s] where a file cannot be replaced: on Windows a scanner or a reader holds it."""
 
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write ``content`` to ``path`` in one step; it is on the disk when this returns.
 
-    A reader gets the old file or the new one, never a part. The new file is made as
-    ``.<name>.new``; one that a killed run left is used again. Raises OSError if the directory
-    cannot be written.
+    A reader gets the old file or the new one, never a part. The new file is made beside it, as
+    ``.<name>.<random>.new``. Raises OSError if the directory cannot be written.
     """
-    new = path.with_name(f".{path.name}.new")
-    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
-    with os.fdopen(_lock(new, flags), "r+b") as file:
-        try:
-            file.truncate()
+    new = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
+    try:
+        with new.open("xb") as file:
             file.write(content)
             file.flush()
-            os.fsync(file.fileno())
-            os.replace(new, path)
-        except BaseException:
-            new.unlink(missing_ok=True)
-            raise
+            _flush(file.fileno())
+        _replace(new, path)
+    except BaseException:
+        new.unlink(missing_ok=True)
+        raise
     sync(path.parent)
 
 
+def _replace(source: Path, target: Path) -> None:
+    waits = [*_RETRIES] if sys.platform == "win32" else []
+    while True:
+        try:
+            os.replace(source, target)
+            break
+        except PermissionError:
+            if not waits:
+                raise
+            time.sleep(waits.pop(0))
+
+
 @contextmanager
-def locked_folder(folder: Path, wait: bool = True) -> Iterator[None]:
+def locked_folder(folder: Path) -> Iterator[None]:
     """Hold the lock of a folder, which is made if it is not there.
 
     A folder that stays empty and was made here is removed. The lock holds between processes of one
-    computer, and between computers where the file system passes `flock` on. Raises BlockingIOError
-    if another process has it and ``wait`` is false, OSError.
+    computer, and between computers where the file system passes locks on. Raises OSError.
     """
     made = not folder.exists()
-    handle = _lock(folder, os.O_RDONLY, wait)
     try:
-        yield
+        with _locked(folder / _LOCK):
+            yield
     finally:
         if made:
             with suppress(OSError):
                 folder.rmdir()
-        os.close(handle)
 
 
-def _lock(path: Path, flags: int, wait: bool = True) -> int:
-    """A handle with the lock of what is at ``path`` now; a folder is made if it is not there."""
-    while True:
-        if not flags & os.O_CREAT:
-            path.mkdir(parents=True, exist_ok=True)
-        handle = os.open(path, flags, 0o666)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
-            with suppress(FileNotFoundError):  # its last holder renamed or deleted it
-                if os.path.samestat(os.fstat(handle), os.stat(path)):
-                    return handle
-        except BaseException:
-            os.close(handle)
-            raise
-        os.close(handle)
+@contextmanager
+def _locked(path: Path, wait: bool = True) -> Iterator[None]:
+    """Hold the lock file ``path``, which is removed afterwards; its folder is made.
+
+    Raises BlockingIOError if another process holds it and ``wait`` is false, OSError.
+    """
+    from filelock import FileLock, Timeout, UnixFileLock
+
+    # A waiting lock of Unix takes no removed file, so the holder may remove it. Others do it.
+    keep = issubclass(FileLock, UnixFileLock)
+    lock = FileLock(path, mode=0o666, preserve_lock_file=keep)
+    while not lock.is_locked:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileNotFoundError):  # its last holder removed the empty folder
+            try:
+                lock.acquire(blocking=wait)
+            except Timeout as cause:
+                raise BlockingIOError(errno.EAGAIN, "locked", str(path)) from cause
+    try:
+        yield
+    finally:
+        if keep:
+            path.unlink(missing_ok=True)
+        lock.release()
 
 
 def sync(path: Path) -> None:
-    """Wait until a file, or the names in a folder, are on the disk."""
-    handle = os.open(path, os.O_RDONLY)
+    """Wait until a file, or the names in a folder, are on the disk; Windows has no such folders."""
+    if sys.platform == "win32" and path.is_dir():
+        return
+    handle = os.open(path, os.O_RDWR if sys.platform == "win32" else os.O_RDONLY)
     try:
-        os.fsync(handle)
+        _flush(handle)
     finally:
         os.close(handle)
+
+
+def _flush(handle: int) -> None:
+    """Flush a file to the disk; macOS would leave it in the cache of the disk."""
+    if sys.platform == "darwin":
+        import fcntl
+
+        with suppress(OSError):  # a file system of another kind
+            fcntl.fcntl(handle, fcntl.F_FULLFSYNC)
+            return
+    os.fsync(handle)
 
 
 @contextmanager
@@ -97,11 +134,15 @@ def workshop(out: Path) -> Iterator[Path]:
     made = not out.exists()
     out.mkdir(parents=True, exist_ok=True)
     try:
-        for work in out.glob(f"{_WORK}*"):
-            with suppress(BlockingIOError, PermissionError), locked_folder(work, wait=False):
-                shutil.rmtree(work)
-        work = Path(tempfile.mkdtemp(prefix=_WORK, dir=out))
-        with locked_folder(work):
+        for name in {path.name.removesuffix(_LOCK) for path in out.glob(f"{_WORK}*")}:
+            with (
+                suppress(BlockingIOError, PermissionError),
+                _locked(out / f"{name}{_LOCK}", wait=False),
+            ):
+                shutil.rmtree(out / name, ignore_errors=True)
+        work = out / f"{_WORK}{secrets.token_hex(4)}"
+        with _locked(work.with_name(f"{work.name}{_LOCK}")):
+            work.mkdir(0o700)
             try:
                 yield work
             finally:
@@ -143,7 +184,7 @@ def publish(
                     for parent in {(out / other).parent for other in names}:
                         sync(parent)
                 (out / name).parent.mkdir(parents=True, exist_ok=True)
-                os.replace(work / name, out / name)
+                _replace(work / name, out / name)
             sync(out)
         except BaseException:
             _remove(out, names)

@@ -96,7 +96,7 @@ def path_of(reference: str) -> Path | None:
     path = Path(reference)
     if path.name == RECORD:
         path = path.parent
-    elif os.sep not in reference and not (path / RECORD).is_file():
+    elif path.name == reference and not (path / RECORD).is_file():
         return None
     if (path / RECORD).is_file() or any(path.glob("*.parquet")):
         return path

@@ -8,7 +8,7 @@ a version that every reader finds and the next writer moves. What the store prom
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -187,6 +187,7 @@ class Store:
 
     def _added(self, table: Table, decision: StateDecision, now: Snapshot) -> Stored:
         """The new version: made aside, entered in the journal, moved to its place."""
+        _refuse_same_folder(table.name, now.names)
         version = now.next_number(table.name)
         final = placed_in(self.folder, table.name, version)
         work = final.with_name(f"{NEW}{final.name}")
@@ -258,8 +259,22 @@ def _require_storable(table: Table) -> None:
         )
 
 
+def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
+    """Raise StoreError for a new name whose folder is that of another one where case is ignored."""
+    same = [other for other in names if other.lower() == name.lower()]
+    if same and name not in same:
+        raise StoreError(
+            f"the store has a table {same[0]!r}, whose folder is the same on Windows and macOS",
+            where=name,
+            expected="a name that differs by more than upper and lower case",
+            do=f"write {same[0]!r} in the vehicle file, or choose another name",
+        )
+
+
 def _tidy(folder: Path, table: str, journal: Journal) -> None:
-    """Finish or undo the versions that stopped writers left, under the lock. Raises OSError."""
+    """Finish or undo what stopped writers left, under the lock. Raises OSError."""
+    for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
+        path.unlink(missing_ok=True)
     for path in unplaced(folder, table):
         final = path.with_name(path.name.removeprefix(NEW))
         if path.is_symlink():

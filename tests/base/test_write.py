@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.base.write import publish, workshop, write_whole
+from calib.base.write import locked_folder, publish, workshop, write_whole
 from tests.support.killed import killed
 
 VERDICT = "verdict.json"
@@ -115,6 +115,23 @@ def test_what_is_in_the_way_is_found_before_anything_is_changed(tmp_path, name):
     with pytest.raises(OSError, match=name):
         run(out, "new", "2")
     assert files(out) == before
+
+
+def test_many_writers_of_one_folder_wait_for_each_other(tmp_path):
+    """Each adds one to a number, which loses none only where one at a time reads and writes it."""
+    folder, children = tmp_path / "shared", []
+    for _ in range(4):
+        children.append(os.fork())
+        if children[-1] == 0:
+            for _ in range(25):
+                with locked_folder(folder):
+                    count = folder / "count"
+                    before = int(count.read_text()) if count.exists() else 0
+                    count.write_text(str(before + 1))
+            os._exit(0)
+    for child in children:
+        os.waitpid(child, 0)
+    assert files(folder) == {"count": "100"}
 
 
 def test_is_as_readable_as_any_new_file(tmp_path):

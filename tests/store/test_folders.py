@@ -21,6 +21,7 @@ def store(tmp_path):
     [
         *("a b", "-rf", "journal.jsonl", "Journal.head", "a..b", "x" * 101, "", "a@1", "a\n"),
         *("..", "../evil", "a/b", "/tmp/x", ".hidden"),
+        *("CON", "nul", "com1.car", "Lpt9", "car."),  # which Windows cannot store
     ],
 )
 def test_a_vehicle_that_names_no_table_is_refused_as_it_is_read(tmp_path, name):
@@ -71,3 +72,11 @@ def test_a_listing_reads_only_the_states_that_are_asked_for(store, monkeypatch):
     )
     assert list(store.entries("released")) == []
     assert read == []
+
+
+def test_a_name_that_differs_in_case_alone_is_refused(store):
+    before = sorted(store.folder.rglob("*"))
+    with pytest.raises(StoreError):
+        store.save(made_table(name="Sedan"))
+    assert sorted(store.folder.rglob("*")) == before
+    assert store.save(made_table(28.0)).id == "sedan@2"
