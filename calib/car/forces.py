@@ -38,11 +38,6 @@ def brake_torque(axle: Axle, pad_friction: Array | float, pressure: Array) -> Ar
     return pad_friction * axle.torque_gain * pressure  # (2), (3): T_b = mu_p C P
 
 
-def pad_friction(axle: Axle, torque: Array, pressure: Array) -> Array:
-    """Pad friction [1] that gives the ``torque`` of one wheel [N m]; the inverse of (2)."""
-    return torque / (axle.torque_gain * pressure)
-
-
 def tyre_force(
     axle: Axle, torque: Array, spin_rate: Array, drag_moment: Array | float = 0.0
 ) -> Array:
@@ -54,19 +49,8 @@ def tyre_force(
     return (axle.wheel_inertia * spin_rate + torque + drag_moment) / axle.rolling_radius  # (1)
 
 
-def split(vehicle: Vehicle, z: Array, D: Array, level: Array | None = None) -> tuple[Array, Array]:
-    """Normalised forces F_f, F_r [1] of the axles from D = F_f - F_r [1], (11), (12) under (18).
-
-    ``level`` is the mean normalised force sum F_x/F_z; z itself unless known effects carry a part
-    of the deceleration. The load split is always that of the live z.
-    """
-    f1, f2 = paper_curves(vehicle, z, D)
-    mean = z if level is None else level
-    return mean + f1, mean + f2  # (11), (12)
-
-
 def paper_curves(vehicle: Vehicle, z: Array, D: Array) -> tuple[Array, Array]:
-    """f1 and f2 [1] from D [1] at the load split of z [1]; they satisfy (18) for any D."""
+    """f1 and f2 [1] of (11), (12) from D = F_f - F_r [1] at z [1]; they satisfy (18) for any D."""
     F_zf, F_zr = axle_loads(vehicle, z)
     F_z = F_zf + F_zr
     return D * F_zr / F_z, -D * F_zf / F_z  # (18): f1 = -(F_zr/F_zf) f2

@@ -29,16 +29,10 @@ _STICKS = 0.3  # slip below which a tyre does not slide [1]
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Draws of a car, equally likely. Shapes (n,), all [1], where nothing else is said.
+    """Draws of a car, equally likely, as `calib.table.maps.Draws` but for the units.
 
-    ``forms`` weights of the tyre forms of `calib.car.tyre`, (n, 5). ``load_exponent`` by which the
-    compliance grows with the load; ``peak_load_exponent`` by which the ``peak`` at half the weight
-    falls with it. ``log_pad_ratio`` ln of front over rear pads, ``cg_to_front_axle`` and
-    ``cg_height``, each over its value in the vehicle file. ``compliance_f``, ``compliance_r`` slip
-    per normalised force at small slip and half the weight. ``radius_load`` share by which a rolling
-    radius falls when the load of its axle doubles. ``v_late`` delay of v after the wheel speeds
-    [s]. ``depart_eta``, ``depart_slip`` relative discrepancy of eta - 1 and of the mean slip from
-    all that, at `DEPART_AT`, (n, 10).
+    ``cg_to_front_axle`` and ``cg_height`` are over those of the vehicle file. ``depart_eta`` and
+    ``depart_slip`` (n, 10) are at `DEPART_AT`.
     """
 
     forms: Array

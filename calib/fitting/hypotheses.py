@@ -7,6 +7,7 @@ too, with nothing to undo.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -80,80 +81,57 @@ def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> I
     """Late wheel speeds, a dragging brake, and a motor, logged wrongly or not at all."""
     radius = brake.rolling_radius
     delays, drags = (tuple((x,) for x in sizes) for sizes in (_DELAYS, _DRAGS))
-    yield Hypothesis(LATE, 0.01, delays, _FIRST_DELAYS, _in_time(car, axle), axle=axle)
-    undo = _with_force(axle, _dragging(brake))
+    yield Hypothesis(LATE, 0.01, delays, _FIRST_DELAYS, partial(_in_time, car, axle), axle=axle)
+    undo = partial(_with_force, axle, partial(_dragging, brake))
     yield Hypothesis(DRAG, 0.004, drags, _FIRST_DRAGS, undo, axle=axle)
     logged = [np.abs(getattr(run.blocks, f"drive_{axle}")[run.braked]) for run in runs]
     if max(float(np.max(x, initial=0.0)) for x in logged) > _LEAST_DRIVE:
         factors = tuple((factor,) for factor in _FACTORS)
-        undo = _with_force(axle, _scaled(axle, radius))
+        undo = partial(_with_force, axle, partial(_scaled, axle, radius))
         yield Hypothesis(SCALE, 0.1, factors, _FIRST_FACTORS, undo, axle=axle)
     if car.motor_odds > 0.0:
         torques = tuple((torque, full) for torque in _TORQUES for full in _FULL)
-        undo = _with_force(axle, _motor(radius))
+        undo = partial(_with_force, axle, partial(_motor, radius))
         yield Hypothesis(MOTOR, car.motor_odds, torques, _FIRST_MOTORS, undo, axle=axle)
 
 
-_Force = Callable[[RampRun, Size], Array]
-"""Force [N] at the road (k,) by which a mistake slows the wheels of an axle."""
+def _with_force(
+    axle: str, force: Callable[[RampRun, Size], Array], run: RampRun, size: Size
+) -> RampRun:
+    """The run with a known ``force`` [N] at the road (k,) on the wheels of an axle."""
+    extra, name = force(run, size), f"moment_{axle}"
+    more = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
+    return replace(run, **more)
 
 
-def _with_force(axle: str, force: _Force) -> Callable[[RampRun, Size], RampRun]:
-    """Return what adds a ``force`` on the wheels of an axle to the known ones of a run."""
-
-    def undo(run: RampRun, size: Size) -> RampRun:
-        extra, name = force(run, size), f"moment_{axle}"
-        more = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
-        return replace(run, **more)
-
-    return undo
-
-
-def _scaled(axle: str, radius: float) -> _Force:
+def _scaled(axle: str, radius: float, run: RampRun, size: Size) -> Array:
     """Force by which a logged torque is wrong, where it needs a factor."""
-
-    def force(run: RampRun, size: Size) -> Array:
-        drive: Array = getattr(run.blocks, f"drive_{axle}")
-        return np.asarray((1.0 - size[0]) * drive * run.braked / radius)
-
-    return force
+    drive: Array = getattr(run.blocks, f"drive_{axle}")
+    return np.asarray((1.0 - size[0]) * drive * run.braked / radius)
 
 
-def _motor(radius: float) -> _Force:
+def _motor(radius: float, run: RampRun, size: Size) -> Array:
     """Force of a motor that brakes with the pedal up to a torque, and hands over at low speed."""
-
-    def force(run: RampRun, size: Size) -> Array:
-        b, (torque, full), (low, high) = run.blocks, size, _HANDS_OVER
-        share = np.clip(np.maximum(b.p_f, b.p_r) / full, 0.0, 1.0)
-        share *= np.clip((b.speed - low) / (high - low), 0.0, 1.0)
-        return np.asarray(torque / radius * share * run.braked)
-
-    return force
+    b, (torque, full), (low, high) = run.blocks, size, _HANDS_OVER
+    share = np.clip(np.maximum(b.p_f, b.p_r) / full, 0.0, 1.0)
+    share *= np.clip((b.speed - low) / (high - low), 0.0, 1.0)
+    return np.asarray(torque / radius * share * run.braked)
 
 
-def _dragging(brake: Axle) -> _Force:
+def _dragging(brake: Axle, run: RampRun, size: Size) -> Array:
     """Force of one wheel's brake with a residual pressure, until the pedal gives more."""
     gain = brake.torque_gain * brake.pad_friction / brake.rolling_radius
-
-    def force(run: RampRun, size: Size) -> Array:
-        pressure = np.maximum(run.blocks.p_f, run.blocks.p_r)
-        return np.asarray(gain * np.maximum(size[0] - pressure, 0.0))
-
-    return force
+    pressure = np.maximum(run.blocks.p_f, run.blocks.p_r)
+    return np.asarray(gain * np.maximum(size[0] - pressure, 0.0))
 
 
-def _in_time(car: Vehicle, axle: str) -> Callable[[RampRun, Size], RampRun]:
-    """Return what puts late wheel speeds of an axle in time: they are those of a faster car."""
+def _in_time(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
+    """The run with the late wheel speeds of an axle in time: they are those of a faster car."""
     radius = (car.front if axle == "f" else car.rear).rolling_radius
-
-    def undo(run: RampRun, size: Size) -> RampRun:
-        b, name = run.blocks, f"omega_{axle}"
-        omega = getattr(b, name) - size[0] * G * b.z / radius
-        b = replace(b, **{name: omega})
-        slip = None if b.v is None else mean_slip(car, run.load_f, b.omega_f, b.omega_r, b.v)
-        return replace(run, blocks=b, slip=slip)
-
-    return undo
+    b, name = run.blocks, f"omega_{axle}"
+    b = replace(b, **{name: getattr(b, name) - size[0] * G * b.z / radius})
+    slip = None if b.v is None else mean_slip(car, run.load_f, b.omega_f, b.omega_r, b.v)
+    return replace(run, blocks=b, slip=slip)
 
 
 def _limited(run: RampRun, size: Size) -> RampRun:

@@ -142,19 +142,15 @@ def other_than_pads(causes: Sequence[Cause]) -> str:
 def measured(causes: Sequence[Cause], beside_pads: bool = True) -> Iterator[Measured]:
     """Yield the mistakes that are named, as figures of `rules.csv`."""
     for cause in named(causes, beside_pads):
-        axle, size = cause.hypothesis.axle, cause.size
-        words = {"axle": AXLE_NAMES[axle], "channel": f"T_drive_{axle}"}
-        if cause.hypothesis.code == SCALE:
-            words |= {"factor": f"{size[0]:.3g}", "cause": _why(size[0])}
-            yield Measured(SCALE, size[0], words=words)
-        elif cause.hypothesis.code == LATE:
-            yield Measured(LATE, size[0], words=words)
-        elif cause.hypothesis.code == DRAG:
-            yield Measured(DRAG, size[0] / 1e5, words=words)
-        elif cause.hypothesis.code == MOTOR:
-            yield Measured(MOTOR, size[0], words=words | {"bar": f"{size[1] / 1e5:.0f}"})
-        else:
-            yield Measured(VALVE, 1.0, words={"bar": f"{size[0] / 1e5:.0f}"})
+        code, axle, size = cause.hypothesis.code, cause.hypothesis.axle, cause.size
+        value, words = size[0], {"axle": AXLE_NAMES[axle], "channel": f"T_drive_{axle}"}
+        if code == SCALE:
+            words |= {"factor": f"{value:.3g}", "cause": _why(value)}
+        elif code == DRAG:
+            value /= 1e5
+        elif code in (MOTOR, VALVE):
+            words["bar"] = f"{size[code == MOTOR] / 1e5:.0f}"
+        yield Measured(code, 1.0 if code == VALVE else value, words=words)
 
 
 def _why(factor: float) -> str:

@@ -74,12 +74,12 @@ def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
         ]
     )
     k, i = np.unravel_index(int(np.argmax(np.abs(gaps))), gaps.shape)
-    squares = [_integral(every, gap) for gap in gaps]
+    squares = [squared(every, gap) for gap in gaps]
     rms = float(np.sqrt(max(squares) / (every[-1] - every[0])))
     return Misfit(float(abs(gaps[k, i])), float(every[i]), rms)
 
 
-def _integral(x: Array, gap: Array) -> float:
+def squared(x: Array, gap: Array) -> float:
     """Integral of the square of a gap that is linear between the points x."""
     a, b = gap[:-1], gap[1:]
     return float(np.sum(np.diff(x) * (a * a + a * b + b * b)) / 3.0)
@@ -92,7 +92,7 @@ def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
     for i, j, gaps in _lines(x, curves):
         gaps[:, 0] = gaps[:, -1] = 0.0
         worst[i, j] = np.abs(gaps).max()
-        square[i, j] = sum(_integral(x[i : j + 1], gap) for gap in gaps)
+        square[i, j] = sum(squared(x[i : j + 1], gap) for gap in gaps)
     return worst, square
 
 

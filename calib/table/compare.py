@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
+from calib.table.breakpoints import squared
 from calib.table.maps import MAPS, Map, PadMap, columns
 from calib.table.table import Table, Value
 
@@ -160,18 +161,17 @@ def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
     gap = getattr(b, column) - getattr(a, column)
     ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
     band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
-    worst = int(np.argmax(np.abs(gap)))
     # share of the stops in each cell; equal where the map has none
     shares = (m.share if isinstance(m, PadMap) else np.ones_like(m.z) for m in (a, b))
-    return _CurveGap(
-        curve=name,
-        start=float(a.z[0]),
-        end=float(a.z[-1]),
-        largest=float(gap[worst]),
-        at=float(a.z[worst]),
-        rms=float(np.sqrt(np.mean(gap**2))),
-        in_bands=_usual(_over(gap, band), np.minimum(*shares)),
-    )
+    in_bands = _usual(_over(gap, band), np.minimum(*shares))
+    return _gap_of(name, a.z, gap, float(np.mean(gap**2)), in_bands)
+
+
+def _gap_of(name: str, x: Array, gap: Array, square: float, in_bands: float) -> _CurveGap:
+    """The gap with its largest value; ``square`` is the mean of gap^2."""
+    worst = int(np.argmax(np.abs(gap)))
+    ends, largest = (float(x[0]), float(x[-1])), float(gap[worst])
+    return _CurveGap(name, *ends, largest, float(x[worst]), math.sqrt(square), in_bands)
 
 
 def _usual(x: Array, weights: Array) -> float:
@@ -220,17 +220,7 @@ def _gap(
     x = np.union1d(x[(x >= start) & (x <= end)], [start, end])
     gap = np.interp(x, b[0], b[1]) - np.interp(x, a[0], a[1])
     band = np.hypot(np.interp(x, a[0], a[2]), np.interp(x, b[0], b[2]))
-    worst = int(np.argmax(np.abs(gap)))
-    square = (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
-    return _CurveGap(
-        curve=name,
-        start=float(start),
-        end=float(end),
-        largest=float(gap[worst]),
-        at=float(x[worst]),
-        rms=float(np.sqrt(np.sum(square * np.diff(x)) / (x[-1] - x[0]))),
-        in_bands=_in_bands(gap, band),
-    )
+    return _gap_of(name, x, gap, squared(x, gap) / (x[-1] - x[0]), _in_bands(gap, band))
 
 
 def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:

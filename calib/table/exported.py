@@ -49,7 +49,7 @@ class Fixed:
         return self.origin + np.ldexp(self.raw.astype(np.float64), -self.shift)
 
 
-def to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
+def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
     """Nearest integers of ``bits`` (signed) for ``values`` (n,).
 
     Raises ExchangeError for a width that C does not have.
@@ -69,19 +69,6 @@ def _finest(largest: float, most: int) -> int:
     """Greatest shift at which ``largest`` is at most ``most`` steps; computed without overflow."""
     shift = math.floor(math.log2(most) - math.log2(largest))
     return shift if math.ldexp(largest, min(shift, FINEST)) <= most else shift - 1
-
-
-def fixed_axis(label: str, values: Array, bits: int, origin: float) -> Fixed:
-    """Axis as integers that still increase strictly. Raises ExchangeError when they do not."""
-    fixed = to_fixed(values, bits, origin)
-    if np.any(np.diff(fixed.raw) <= 0):
-        raise ExchangeError(
-            f"in {bits} bits some breakpoints become equal",
-            where=label,
-            expected="an axis that increases strictly",
-            do="take fewer points or more bits",
-        )
-    return fixed
 
 
 _Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
@@ -151,27 +138,30 @@ class Precision:
         """Numbers rounded to that floating point."""
         return values.astype(np.float32).astype(np.float64) if self.floating == 32 else values
 
-    def numbers(self, values: Array) -> Written:
-        """Numbers as they are written. Raises ExchangeError for a width that C does not have."""
+    def numbers(self, values: Array, origin: float = 0.0) -> Written:
+        """Numbers as they are written; integers count from ``origin``.
+
+        Raises ExchangeError for a width that C does not have.
+        """
         if self.bits is not None:
-            return Written(values, to_fixed(values, self.bits))
+            return Written(values, _to_fixed(values, self.bits, origin))
         return Written(self.computed(values))
 
     def axis(self, name: str, values: Array, origin: float = 0.0) -> Written:
-        """An axis, counted from ``origin``. Raises ExchangeError if it no longer increases."""
-        if self.bits is not None:
-            fixed = fixed_axis(name, values, self.bits, origin)
-            # C code searches an axis in floating point
-            return Written(self.computed(fixed.values)) if self.code else Written(values, fixed)
-        written = self.numbers(values)
-        if np.any(np.diff(written.values) <= 0.0):
+        """An axis, as `numbers`. Raises ExchangeError if it no longer increases."""
+        written = self.numbers(values, origin)
+        if np.any(np.diff(written.read) <= 0.0):
+            width, finer = f"{self.bits} bits", "more bits"
+            if self.bits is None:
+                width, finer = "single precision", "double precision"
             raise ExchangeError(
-                "in single precision some breakpoints become equal",
+                f"in {width} some breakpoints become equal",
                 where=name,
                 expected="an axis that increases strictly",
-                do="take fewer points, or double precision",
+                do=f"take fewer points, or {finer}",
             )
-        return written
+        # C code searches an axis in floating point
+        return Written(self.computed(written.read)) if self.code and self.bits else written
 
     def rows(self, name: str, x: Array, curves: Array) -> Index:
         """Rows of ``curves`` (k, n) over ``x`` (n,) to keep.

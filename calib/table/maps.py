@@ -151,15 +151,17 @@ _BLOCKS = {"forms": 5, "depart_eta": 10, "depart_slip": 10}
 
 @dataclass(frozen=True)
 class Draws:
-    """Draws from the posterior of a fit, equally likely, one a row. Shapes (n,) or (n, k).
+    """Draws from the posterior of a fit, equally likely. Shapes (n,), all [1], or as said.
 
-    ``log_pad_ratio`` and ``log_pad_level`` [1] over the pads of the vehicle file; ``compliance_f``,
-    ``compliance_r`` slip per normalised force [1] of the axles; ``load_exponent`` of the stiffness,
-    ``peak_load_exponent`` of the ``peak`` [1]; ``forms`` weights of the tyre forms (n, 5), which
-    add up to 1; ``radius_load`` fall of the rolling radius per load [1]; ``v_late`` by which the
-    speed comes after the wheels [s]; ``weight`` M g of the vehicle [N]; lengths in m;
-    ``depart_eta``, ``depart_slip`` what a tyre departs by from its form in eta - 1 and in slip, at
-    ten decelerations, relative [1], (n, 10).
+    ``log_pad_ratio`` ln of front over rear pads and ``log_pad_level`` ln of their level, over the
+    vehicle file. ``compliance_f``, ``compliance_r`` slip per normalised force at small slip and
+    half the weight. ``load_exponent`` by which the compliance grows with the load,
+    ``peak_load_exponent`` by which the ``peak`` at half the weight falls with it. ``forms`` weights
+    of the tyre forms of `calib.car.tyre` (n, 5). ``radius_load`` share by which a rolling radius
+    falls when the load of its axle doubles. ``v_late`` delay of v after the wheel speeds [s].
+    ``cg_to_front_axle``, ``cg_height`` [m]; ``weight`` M g [N]. ``depart_eta``, ``depart_slip``
+    relative discrepancy of eta - 1 and of the mean slip from all that, at ten decelerations
+    (n, 10).
     """
 
     log_pad_ratio: Array

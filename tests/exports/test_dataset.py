@@ -17,7 +17,7 @@ from calib.exports.dataset import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.exports.write import printable
 from calib.store.evidence import Quality
 from calib.store.store import Store
-from calib.table.exported import BITS, fixed_axis, to_fixed
+from calib.table.exported import BITS, Precision
 from tests.support.tables import made_table
 
 # C99, 6.4.2.1, without the names that C and C++ keep for themselves.
@@ -66,7 +66,7 @@ numbers = arrays(np.float64, st.integers(1, 30), elements=st.floats(-1e6, 1e6))
 
 @given(numbers, st.sampled_from(BITS))
 def test_integers_fit_lie_within_half_a_step_and_are_the_finest(values, bits):
-    fixed = to_fixed(values, bits)
+    fixed = Precision(bits=bits).numbers(values).fixed
     assert np.all(np.abs(fixed.raw) < 2 ** (bits - 1))
     back = np.array([int(r) * 2.0**-fixed.shift for r in fixed.raw])
     assert np.abs(back - values).max() == fixed.error
@@ -79,12 +79,13 @@ def test_integers_fit_lie_within_half_a_step_and_are_the_finest(values, bits):
 @given(st.lists(st.floats(1e-5, 1e-2), min_size=2, max_size=60), st.sampled_from(BITS))
 def test_an_axis_increases_or_is_refused(steps, bits):
     eta = 1.0 + np.concatenate([[0.0], np.cumsum(steps)])
-    rounded = np.rint((eta - 1.0) * 2.0 ** to_fixed(eta, bits, 1.0).shift)
+    how = Precision(bits=bits)
+    rounded = np.rint((eta - 1.0) * 2.0 ** how.numbers(eta, 1.0).fixed.shift)
     if np.all(np.diff(rounded) > 0):
-        assert np.all(np.diff(fixed_axis("eta", eta, bits, 1.0).values) > 0)
+        assert np.all(np.diff(how.axis("eta", eta, 1.0).read) > 0)
     else:
         with pytest.raises(ExchangeError, match="become equal"):
-            fixed_axis("eta", eta, bits, 1.0)
+            how.axis("eta", eta, 1.0)
 
 
 def test_the_reading_error_is_found_on_a_grid_too(real):
