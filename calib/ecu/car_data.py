@@ -192,7 +192,7 @@ def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
 def _maps(grids: Iterable[Grid]) -> dict[str, list[Grid]]:
     """Columns of each map of `bte_car`."""
     of, ratio = {(g.column, len(g.axes)): g for g in grids}, [x for x, _ in PADS]
-    maps = {"pads": (ratio, 3), "slip": (SLIP, 2), "level": (LEVEL, 1), "before": (ratio, 1)}
+    maps = {"pads": (ratio, 3), "slip": (SLIP, 2), "level": (LEVEL, 1), "prior": (ratio, 1)}
     return {name: [of[x, axes] for x in columns] for name, (columns, axes) in maps.items()}
 
 

@@ -29,7 +29,7 @@ _MATH = {  # how a floating point calls sqrt, and has exp and ln
     64: {"function": "name", "terms": 14, "largest": 700},
 }
 _IN_PYTHON = {"v", "log_odds", "driven"}  # of a `Sample`: the code has no such member
-_BY_HAND = {"waiting", "kept"}  # of a `State`: the code has its own
+_BY_HAND = {"waiting", "held_ratio"}  # of a `State`: the code has its own
 
 Member: TypeAlias = Any
 """A member of a structure: a number (whole: a count), text as in C, a list, or a structure."""

@@ -220,4 +220,4 @@ def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
     ):
         cells = text.replace("}, ", "},\n")
         yield f"extern const {name};\nconst {name} = {cells};\n"
-    yield "#endif"
+    yield "#endif\n"

@@ -1,7 +1,7 @@
 """What a calibration tool finds in the memory of an ECU beside the maps: numbers and measurements.
 
-Numbers of the car stand one behind the other in NAME_numbers; inputs, answers and states of the
-filters in a `bte_state`, which the ECU's project calls `bte_estimator`.
+Numbers of the car stand one behind the other in NAME_numbers; counters, inputs, answers and states
+of the filters in a `bte_state`, which the ECU's project calls `bte_estimator`.
 """
 
 import re
@@ -13,7 +13,7 @@ import numpy as np
 from calib.ecu.car_data import Number
 from calib.ecu.car_source import Member, comments, members_of
 from calib.estimation.online import ANSWERS, CHANNELS
-from calib.estimation.reasons import Reason
+from calib.estimation.reasons import CHECKS, Reason
 from calib.estimation.state import State
 from calib.exports.dataset import Measured, Scalar, Within, label
 from calib.exports.write import MOST
@@ -24,52 +24,73 @@ _ENDS = {"": "median", "_lower": "lower", "_upper": "upper"}
 
 def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]:
     """Each number of a car, of ``size`` bytes, under NAME_c_ and its own; the version is NAME's."""
-    made = list[Scalar]()
+    scalars = list[Scalar]()
     for x in numbers:
         values = x.value if isinstance(x.value, list) else [x.value]
+        meaning, unit = _parted(x.comment, x.name)
         for i, value in enumerate(values):
-            part, place = (f"_{x.parts[i]}", f"[{i}]") if x.parts else ("", "")
-            unit = CHANNELS[x.parts[i]].unit if place and x.parts[0] in CHANNELS else None
-            at = Within(f"{first}_numbers", f"{x.name}{place}", size * len(made))
-            named = "version" if x.name == "version" else f"c_{x.name}{part}"
-            meaning, own = _parted(x.comment, x.name)
-            of = label(first, named), meaning, unit or own, np.array([value]), None
-            made.append(Scalar(*of, sigma=None, within=at))
-    return made
+            part, index = (f"_{x.parts[i]}", f"[{i}]") if x.parts else ("", "")
+            name = label(first, "version" if x.name == "version" else f"c_{x.name}{part}")
+            if index and x.parts[0] in CHANNELS:
+                unit = CHANNELS[x.parts[i]].unit
+            place = Within(f"{first}_numbers", f"{x.name}{index}", size * len(scalars))
+            number = np.array([value])
+            scalars.append(Scalar(name, meaning, unit, number, None, sigma=None, within=place))
+    return scalars
 
 
 def measured(first: str, size: int) -> Iterator[Measured]:
-    """What a tool can measure, in numbers of ``size`` bytes: by the names of every other place."""
-    reasons = "; ".join(f"{int(x)} {x.words}" for x in Reason)
-    yield Measured(f"{first}_reason", reasons[:250], "1", "ULONG", 0.0, 255.0,
-                   Within(_STATE, "reason", 0))  # fmt: skip
-    kind, at = ("FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"), 8
-    for name, member, meaning, unit, low, high in _members():
-        place = Within(_STATE, member, at)
-        yield Measured(f"{first}_{name}", meaning, unit, kind, low, high, place)
-        at += size
+    """What a tool can measure, by the names of every other place; numbers have ``size`` bytes."""
+    offset, floating = 0, "FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"
+    for name, member, meaning, unit, low, high, kind in (*_counters(), *_numbers(floating)):
+        width = _BYTES[kind]
+        offset += -offset % width  # as a compiler aligns it
+        if name:
+            place = Within(_STATE, member, offset)
+            yield Measured(f"{first}_{name}", meaning, unit, kind, low, high, place)
+        offset += width
 
 
-def _members() -> Iterator[tuple[str, str, str, str, float, float]]:
+_BYTES = {"UWORD": 2, "ULONG": 4, "FLOAT32_IEEE": 4, "FLOAT64_IEEE": 8}  # of the types of A2L
+_Row = tuple[str, str, str, str, float, float, str]  # name, member, meaning, unit, range, type
+
+
+def _counters() -> Iterator[_Row]:
+    """The reason, the bits of what fails, and how often and how long it did."""
+    causes = {**{name: f"sensor of {name}" for name in CHANNELS}, **CHECKS}
+    reasons = "; ".join(f"{int(x)} {x.words}" for x in Reason)[:250]
+    yield "reason", "reason", reasons, "1", 0.0, 255.0, "ULONG"
+    yield "", "layout", "", "1", 0.0, 0.0, "ULONG"
+    fails = f"bits of what fails, from the lowest: {' '.join(causes)}"
+    yield "diagnosis", "diagnosis", fails[:250], "1", 0.0, 2.0 ** len(causes) - 1.0, "ULONG"
+    for i, (name, cause) in enumerate(causes.items()):
+        meaning = f"calls in which it failed: {cause}"
+        yield f"lasted_{name}", f"lasted[{i}]", meaning, "1", 0.0, 2.0**32 - 1.0, "ULONG"
+    for i, (name, cause) in enumerate(causes.items()):
+        meaning = f"how often it began to fail: {cause}"
+        yield f"often_{name}", f"often[{i}]", meaning, "1", 0.0, 2.0**16 - 1.0, "UWORD"
+
+
+def _numbers(kind: str) -> Iterator[_Row]:
     for x in CHANNELS.values():
-        yield x.name, f"last.{x.name}", x.meaning, x.unit, x.low, x.high
+        yield x.name, f"last.{x.name}", x.meaning, x.unit, x.low, x.high, kind
     for x in ANSWERS.values():
         for end, word in _ENDS.items():
-            meaning = f"{x.meaning}, {word}"
-            yield x.name + end, f"answers.{x.name}.{word}", meaning, x.unit, 0.0, MOST
+            member, meaning = f"answers.{x.name}.{word}", f"{x.meaning}, {word}"
+            yield x.name + end, member, meaning, x.unit, 0.0, MOST, kind
     for path, comment in _states(State()):
         meaning, unit = _parted(comment, path[-1])
         member = f"filters.{'.'.join(path)}"
-        yield "_".join(("state", *path)), member, meaning, unit, -MOST, MOST
+        yield "_".join(("state", *path)), member, meaning, unit, -MOST, MOST, kind
 
 
-def _states(of: Member, *path: str) -> Iterator[tuple[tuple[str, ...], str]]:
+def _states(structure: Member, *path: str) -> Iterator[tuple[tuple[str, ...], str]]:
     """Places of the numbers of the filters, with what the source says of them."""
-    for name, x in members_of(of):
+    for name, x in members_of(structure):
         if is_dataclass(x):
             yield from _states(x, *path, name)
         elif not isinstance(x, bool):
-            yield (*path, name), comments(type(of).__name__)[name]
+            yield (*path, name), comments(type(structure).__name__)[name]
 
 
 def _parted(comment: str, name: str) -> tuple[str, str]:

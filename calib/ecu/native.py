@@ -73,7 +73,7 @@ class Native:
             self.library = ctypes.CDLL(made)
 
     def run(self, samples: Array) -> Array:
-        """Answers (n, 22) to samples (n, 10), as `bte_run` has them."""
+        """Answers (n, 28) to samples (n, 11), as `bte_run` has them."""
         given = np.ascontiguousarray(samples, self.real)
         told = np.empty((len(given), OUTPUTS), self.real)
         first, last = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))

@@ -23,7 +23,8 @@ _TYPES = {
 }  # fmt: skip
 """Of parameters and what is returned; a NamedTuple has a type of its own."""
 _NAMES = {
-    "G": "GRAVITY", "max": "largest", "min": "smallest", "abs": "MATH(fabs)",
+    "G": "GRAVITY", "max": "largest", "min": "smallest",
+    "abs": "MATH(fabs)", "np.abs": "MATH(fabs)",
     "np.maximum": "largest", "np.minimum": "smallest", "np.clip": "clip",
     "math.exp": "exponential", "math.log": "logarithm", "math.sqrt": "MATH(sqrt)",
     "np.sqrt": "MATH(sqrt)",
@@ -71,8 +72,8 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
                     yield from _lines(node.orelse, new)
                 yield "}"
             case ast.Return(ast.Call(ast.Name(name), values)) if name[0].isupper():
-                yield f"const {_type(name)} told = {{{', '.join(map(_text, values))}}};"
-                yield "return told;"
+                yield f"const {_type(name)} result = {{{', '.join(map(_text, values))}}};"
+                yield "return result;"
             case ast.Assign([to], of):
                 for target, value in _parts(to, of):
                     kind = "bool" if isinstance(value, ast.Compare | ast.BoolOp) else "bte_real"

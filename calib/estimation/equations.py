@@ -76,9 +76,9 @@ def update_zero(zero: Zero, x: float, variance: float) -> None:
     zero.variance *= 1.0 - gain
 
 
-def zero_fits(c: Constants, s: State, x: Sample[float]) -> bool:
-    """Whether a reading of a car that rolls is a zero that a car can have."""
-    fits = abs(x.demand) < c.most_zero and abs(x.eta_less_1 - c.radii + 1.0) < c.most_radii
+def zero_fits(c: Constants, s: State, demand: float, eta_less_1: float) -> bool:
+    """Whether readings of a car that rolls are zeros that a car can have."""
+    fits = abs(demand) < c.most_zero and abs(eta_less_1 - c.radii + 1.0) < c.most_radii
     s.check.refused = 0.0 if fits else s.check.refused + 1.0
     return fits
 
@@ -118,11 +118,11 @@ def start(c: Constants, s: State) -> None:
 def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
     dt, lag = c.block, max(s.level.lag, c.least_lag)
-    left = math.exp(-dt / lag)
+    decay = math.exp(-dt / lag)
     rate = (nominal - s.nominal) / dt
     behind = s.acting - s.nominal + lag * rate
-    s.by_lag = -rate + (s.by_lag + rate) * left + behind * left * dt / lag**2
-    s.acting = nominal - lag * rate + behind * left
+    s.by_lag = -rate + (s.by_lag + rate) * decay + behind * decay * dt / lag**2
+    s.acting = nominal - lag * rate + behind * decay
     s.nominal = nominal
 
 
@@ -276,7 +276,7 @@ def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, cou
         e.level += (s.level.level - e.level) * c.block / min(s.braked + c.block, c.usual_level)
     e.modulated = 0.0 if e.chatter > c.chatter else e.modulated + c.block
     beyond = y < c.least_demand or y > c.most_demand or abs(s.speed.offset) > c.far * c.offset
-    beyond = beyond or abs(s.speed.scale - c.scale) > c.far * c.scale_sigma
+    beyond = beyond or abs(s.speed.scale - c.scale) > c.far_scale * c.scale_sigma
     beyond = beyond or s.speed.slip - c.log_slip > c.far_slip * c.log_slip_sigma
     e.far = 0.0 if beyond and counts else e.far + c.block
 
@@ -332,7 +332,7 @@ def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) ->
 
 def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """What a block tells of brakes and speed."""
-    dt, braking, before = c.block, x.pressure > c.bite, s.mean_z
+    dt, braking, last_mean = c.block, x.pressure > c.bite, s.mean_z
     if braking:
         s.braked += dt
         s.released = 0.0
@@ -342,7 +342,7 @@ def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
         s.released += dt
         if s.braked > 0.0 and s.released > 1.0 + 0.5 * dt:
             reset_stop(c, s)
-    predict(c, s, x, abs(s.mean_z - before), braking=braking)
+    predict(c, s, x, abs(s.mean_z - last_mean), braking=braking)
     if counts:
         update_wheels(c, s, x, braking=braking)
     check_states(c, s, x, braking=braking, counts=counts)
@@ -372,61 +372,67 @@ def block_state(c: Constants, s: State, x: Sample[float], *, counts: bool) -> Bl
     )  # fmt: skip
 
 
-def aged(c: Constants, s: State, level: float) -> float:
-    """Variance of the kept ratio: pads warm up, and those that changed did so unlike."""
+def held_variance(c: Constants, s: State, level: float) -> float:
+    """Variance by which the held ratio grew: pads warm up, and those that changed did so unlike."""
     return c.ageing**2 * s.age + (c.unlike * math.log(level / s.level_then)) ** 2
 
 
-def share_of(c: Constants, width: float, known: float) -> float:
-    """Share of a reading by how much narrower its ``width`` is than what is ``known`` [1].
+def share_of(c: Constants, width: float, held_width: float) -> float:
+    """Share of a reading [1] by how much narrower its ``width`` is than that of what it replaces.
 
     It grows from none to all: no last digit decides.
     """
-    return min(max((known / width - 1.0) / c.narrower, 0.0), 1.0)
+    return min(max((held_width / width - 1.0) / c.narrower, 0.0), 1.0)
 
 
-def renewed(c: Constants, s: State, level: float, share: float) -> float:
-    """Variance of the kept ratio once it has its share of a reading."""
+def reset_held(c: Constants, s: State, level: float, share: float) -> float:
+    """Variance by which the held ratio grew, once it has its ``share`` of a reading."""
     s.age = (1.0 - share) * s.age
     s.level_then = (1.0 - share) * s.level_then + share * level
-    return aged(c, s, level)
+    return held_variance(c, s, level)
 
 
-def weighed(
-    c: Constants, seen: BlockState[Array], z: Array, usual: Array, sigma: Array
+def slip_evidence(
+    c: Constants, block: BlockState[Array], z: Array, by_map: Array, sigma: Array
 ) -> SlipEvidence:
-    """Slip and level (k,); ``usual`` is ln(slip/z) by the map, with its ``sigma``."""
-    known, rest = seen.slip_variance, usual - seen.log_slip
-    gain = 1.0 / (known + sigma**2)
-    scale_variance = np.maximum(seen.scale_variance - gain * seen.slip_scale**2, 0.0)
-    steady = np.maximum(seen.level, c.least_share)
+    """Slip and level (k,); ``by_map`` is its ln(slip/z), with its ``sigma``.
+
+    What the scale of a_x departs by from what its prior trusts may be another error, as of the
+    wheels: the level is in doubt by as much.
+    """
+    variance, residual = block.slip_variance, by_map - block.log_slip
+    gain = 1.0 / (variance + sigma**2)
+    scale = block.scale + gain * block.slip_scale * residual
+    doubt = np.maximum(np.abs(scale - c.scale) - c.trusted * c.scale_sigma, 0.0)
+    scale_variance = np.maximum(block.scale_variance - gain * block.slip_scale**2, 0.0)
+    steady = np.maximum(block.level, c.least_share)
     return SlipEvidence(
-        -gain * sigma * rest,
-        np.sqrt(gain * known),
-        np.maximum(1.0 - seen.scale - gain * seen.slip_scale * rest, c.least_share),
-        steady * np.clip(seen.effective_pressure_share, c.least_share, 1.0 / c.least_share),
-        np.minimum(np.maximum(seen.level_variance, 0.0) / steady**2, 1.0),
-        seen.demand_variance / z**2 + scale_variance,
+        -gain * sigma * residual,
+        np.sqrt(gain * variance),
+        np.maximum(1.0 - scale, c.least_share),
+        steady * np.clip(block.effective_pressure_share, c.least_share, 1.0 / c.least_share),
+        np.minimum(np.maximum(block.level_variance, 0.0) / steady**2, 1.0),
+        block.demand_variance / z**2 + scale_variance + doubt**2,
     )
 
 
-def eta_error(c: Constants, seen: BlockState[Array], z: Array) -> Array:
+def eta_error(c: Constants, block: BlockState[Array], z: Array) -> Array:
     """Standard deviation of the mean of eta - 1 (k,) by wheels, zero and a changing z."""
-    wheels = c.noise_rim / np.maximum(seen.speed, 1.0)
-    wheels = wheels / np.sqrt(c.block * np.maximum(seen.blocks, 1.0))
+    wheels = c.noise_rim / np.maximum(block.speed, 1.0)
+    wheels = wheels / np.sqrt(c.block * np.maximum(block.blocks, 1.0))
     # a mean over decelerations that differ is not the curve at their mean
-    bent = seen.shift * np.maximum(seen.z_squared / z**2 - 1.0, 0.0)
-    return np.sqrt(wheels**2 + seen.eta_variance + bent**2)
+    nonlinearity = block.shift * np.maximum(block.z_squared / z**2 - 1.0, 0.0)
+    return np.sqrt(wheels**2 + block.eta_variance + nonlinearity**2)
 
 
 def reason_of(
-    c: Constants, x: Sample[Array], seen: BlockState[Array], level: Array, of_map: Mask
+    c: Constants, x: Sample[Array], block: BlockState[Array], level: Array, of_map: Mask
 ) -> Array:
     """The first `Reason` that applies to blocks (k,); ``level`` of the pads [1]."""
     why = np.where(of_map, Reason.VALID, Reason.BEYOND_MAP)
     why = np.where((level <= c.least_level) | (level >= c.most_level), Reason.NO_PAD, why)
-    why = np.where(seen.checks > 0.0, Reason.IMPLAUSIBLE, why)
-    why = np.where(seen.braked < c.settle - 0.5 * c.block, Reason.JUST_APPLIED, why)
+    why = np.where(block.checks > 0.0, Reason.IMPLAUSIBLE, why)
+    why = np.where(block.braked < c.settle - 0.5 * c.block, Reason.JUST_APPLIED, why)
     why = np.where(x.rim <= c.moving, Reason.SLOW, why)
     why = np.where(x.disturbed > 0.0, x.disturbed, why)  # the rims of locked wheels are slow
     return np.where(x.pressure <= c.least_pressure, Reason.NOT_BRAKED, why)

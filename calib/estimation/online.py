@@ -15,7 +15,7 @@ from calib.base.names import G
 from calib.base.plain import rows
 from calib.car.vehicle import Vehicle
 from calib.estimation.known import as_driven
-from calib.estimation.readout import Readout, read_out
+from calib.estimation.readout import FIELDS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.clock import GAP
 from calib.logs.log import Log
@@ -58,7 +58,7 @@ OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, DRIVEN + 3)
 
 REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
-"""What is answered: (7, 3), each a median with its 95 % bounds, beside a `Reason`."""
+"""What is answered: (9, 3), each a median with its 95 % bounds, beside a `Reason`."""
 
 
 _LONGEST_GAP = 10.0  # [s]: all but the zeros is forgotten by then
@@ -97,7 +97,7 @@ def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
     return low, high, np.minimum(jump + rate * sample_time, high - low)
 
 
-READ_OUT = ("level", "ratio", "pads_f", "pads_r", "torque_f", "torque_r", "torque_sum")
+READ_OUT = tuple(FIELDS[name] for name in ANSWERS)
 """Fields of a `Readout` by the order of `ANSWERS`."""
 
 
@@ -130,7 +130,7 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:
-    """Reasons and answers (n, 22) to samples (n, 11), a block or more, as `bte_run` has them.
+    """Reasons and answers (n, 28) to samples (n, 11), a block or more, as `bte_run` has them.
 
     ``sample_time`` of the ECU's task [s]. A row has a `Reason`, then `ANSWERS`, each a median with
     its bounds; all are finite.

@@ -89,12 +89,12 @@ class Readout:
 
     def columns(self) -> dict[str, Array | Mask]:
         """By the names of `UNITS`, in their order."""
-        told = (getattr(self, name) for name in _COLUMNS.values())
+        told = (getattr(self, name) for name in FIELDS.values())
         parts = [x if isinstance(x, Bounded) else (x,) for x in told]
         return dict(zip(UNITS, itertools.chain(*parts), strict=True))
 
 
-_COLUMNS = (
+FIELDS = (
     {f"pad_friction_{axle}": f"pads_{axle}" for axle in AXLES}
     | {f"brake_torque_{wheel}": f"torque_{wheel[0]}" for wheel in WHEELS}
     | {"valid": "valid"}
@@ -104,7 +104,7 @@ _COLUMNS = (
 """Fields of a `Readout` by their columns; both wheels of an axle have the same torque."""
 UNITS = {
     f"{name}{end}": "N*m" if "torque" in name else "1"
-    for name in _COLUMNS
+    for name in FIELDS
     for end in (("",) if name == "valid" else ("", "_lower", "_upper"))
 }
 """Columns of an answer as a table and as a file, with their units."""

@@ -79,7 +79,9 @@ class Online:
         if len(self._rows) == self._n:
             self._block_ends()
         pressure, (level, _, *pads) = self._last[P_MC], self._answers
-        torques = torques_of(self._table.vehicle, (pressure, pressure), level, (pads[0], pads[1]))
+        car, pressures = self._table.vehicle, (pressure, pressure)
+        front, rear, total = torques_of(car, pressures, level, (pads[0], pads[1]))
+        torques = front, front, rear, rear, total
         answers = {
             f"{name}{end}": float(value)
             for name, bounded in zip(ANSWERS, (*self._answers, *torques), strict=True)
@@ -163,7 +165,7 @@ def online(table: Table | Stored, sample_time: float) -> Online:
     >>> estimator = calib.online(table, stop.sample_time)
     >>> for row in zip(*stop.channels.values()):
     ...     answer = estimator.step(dict(zip(stop.channels, row, strict=True)))
-    >>> answer["brake_torque_f"] > 0.0
+    >>> answer["brake_torque_fl"] > 0.0
     True
     """
     return Online(table_in(table), sample_time)

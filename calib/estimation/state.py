@@ -30,7 +30,7 @@ class Constants:
     pads: Reader  # of `PADS` over what is seen
     slip: Reader  # of `SLIP` over the same
     level: Reader  # of `LEVEL` over z
-    before: Reader  # of `PADS` before eta is read
+    prior: Reader  # of `PADS` over z, before eta is read
     noise_rim: float  # densities of the sensors' noise: of the wheels' rims [m/s s^0.5]
     noise_z: float  # as in `SensorNoise`
     noise_v: float
@@ -71,7 +71,7 @@ class Constants:
     q_grade: float = 0.001  # of bias and slope [1/sqrt(s)]
     scale: float = LOG.a_x_scale_step.mean  # a_x reads too much while braking, and its sigma
     scale_sigma: float = LOG.a_x_scale_step.sigma
-    ageing: float = 0.01  # of a kept ratio [1/sqrt(s)]
+    ageing: float = 0.01  # of a held ratio [1/sqrt(s)]
     unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
     narrower: float = 0.2  # by which a reading takes all of the place of what was known [1]
     r_slip: float = 0.04  # of the slip of a block, relative
@@ -95,7 +95,9 @@ class Constants:
     chatter: float = 8.0  # mean of squared innovations while ABS works, each at most
     most_chatter: float = 36.0
     chatter_memory: float = 0.7  # [s]
-    far: float = 7.0  # of a learnt state from its prior [sigma]
+    trusted: float = 2.0  # departure of the scale from its prior; beyond it, doubt [sigma]
+    far: float = 7.0  # of the offset from its prior [sigma]
+    far_scale: float = 10.0  # of the scale: a slope that begins in a stop moves it by 9
     far_slip: float = 2.8  # of ln(slip/z), upwards
     least_demand: float = -0.15  # of a car that brakes [1]
     most_demand: float = 1.3
@@ -124,7 +126,7 @@ def _of_table(table: Table) -> dict[str, Any]:
         "pads": Reader(table.map, PADS),
         "slip": Reader(table.map, SLIP),
         "level": Reader(table.level_map, LEVEL),
-        "before": Reader(table.level_map, PADS),
+        "prior": Reader(table.level_map, PADS),
         "radii": car.front.rolling_radius / car.rear.rolling_radius,
         "late": float(np.mean(draws.v_late)),
         "late_sigma": float(np.std(draws.v_late)),
@@ -249,6 +251,6 @@ class State:
     mean_z: float = 0.0
     innovation: float = 0.0
     # the best informed ratio and its change, their lower and upper bounds, variance by reading
-    kept: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
+    held_ratio: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
     age: float = 0.0  # of it [s]
     level_then: float = 1.0  # [1]

@@ -4,7 +4,7 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
            --answer--> level; the map: ln of the pads' ratio, given the slip; with 95 % bounds
             --keep---> the best informed ratio, which ages as pads that warm up do
 
-What is recursive stands in `calib.estimation.equations`, but for zeros, v and the kept ratio; the
+What is recursive stands in `calib.estimation.equations`, but for zeros, v and the held ratio; the
 rest is a function of the state, for any number of blocks: those of a whole log, or one.
 """
 
@@ -18,20 +18,20 @@ from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.estimation.equations import (
     BlockState,
-    aged,
     block_state,
     brake_line_lag,
     eta_error,
+    held_variance,
     motor_fits,
     reason_of,
-    renewed,
+    reset_held,
     rim_speed,
     share_of,
+    slip_evidence,
     start,
     step_filters,
     update,
     update_zero,
-    weighed,
     zero_fits,
 )
 from calib.estimation.state import Constants, Sample, State
@@ -87,7 +87,7 @@ def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.noise_rim / old.rim
-        if zero_fits(c, s, old):
+        if zero_fits(c, s, old.demand, old.eta_less_1):
             update_zero(s.demand, old.demand, (c.noise_z**2 + 1e-8) / c.block)
             update_zero(s.eta_less_1, old.eta_less_1, 2.0 * wheels**2 / c.block)
         if old.v > c.moving:
@@ -127,7 +127,7 @@ def _answers(c: Constants, s: State, x: Sample[Array], seen: BlockState[Array]) 
     z = np.where(new, c.usual_z, seen.z)
     shift = seen.shift / z
     usual, sigma = c.slip(z, shift, 0.0 * z)
-    w = weighed(c, seen, z, usual, sigma)
+    w = slip_evidence(c, seen, z, usual, sigma)
     more = Z95 * np.sqrt(w.noise + w.accelerometer)
     level = widened(c.level(z), more) + np.log(w.pads * w.scaled)
 
@@ -166,7 +166,7 @@ def _ratio(
     places = np.repeat(np.stack(at)[:, None], 5, axis=1)
     places[1, 1:3] += np.multiply.outer((-1.0, 1.0), steps[0])
     places[2, 3:5] += np.multiply.outer((-1.0, 1.0), steps[1])
-    read, prior, zeros = c.pads(*places), c.before(at[0]), 0.0 * at[0]
+    read, prior, zeros = c.pads(*places), c.prior(at[0]), 0.0 * at[0]
     now = read[:, :, 0]
     for low, high, spread in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
@@ -193,14 +193,16 @@ def _keep(
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
     for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in which), strict=True):
         s.age += c.block
-        grown, (middle, _, low, _, high, *_) = aged(c, s, a), s.kept
+        grown, (middle, _, low, _, high, *_) = held_variance(c, s, a), s.held_ratio
         more = Z95 * math.sqrt(grown)
         known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
         share = 1.0 if new else share_of(c, row[4] - row[2], known) if adds else 0.0
         if share > 0.0:
-            s.kept = [(1.0 - share) * x + share * y for x, y in zip(s.kept, row, strict=True)]
-            grown = renewed(c, s, a, share)
-        kept.append(s.kept)
+            s.held_ratio = [
+                (1.0 - share) * x + share * y for x, y in zip(s.held_ratio, row, strict=True)
+            ]
+            grown = reset_held(c, s, a, share)
+        kept.append(s.held_ratio)
         more_variance.append(grown)
     out, variance = np.array(kept).T, np.array(more_variance)
     return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(variance)), out[6] + variance

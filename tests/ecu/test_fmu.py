@@ -27,7 +27,7 @@ RAMP, STOP = 6e5 * np.maximum(TIME - 1.0, 0.0), 25e5 * np.clip((TIME - 2.0) / 0.
 RELEASED = 56.5e5 * np.clip((TIME - 0.1) / 0.4, 0.0, 1.0) * (TIME < 1.1)  # from near the peak
 MOTOR = {"T_drive_f": 300.0 * np.sin(np.maximum(TIME - 0.1, 0.0)), "T_drive_r": -100.0 * (TIME > 3)}
 ROLLING = [2e6, -3.0, 60.0, 60.0, 60.2, 60.2, 0.0, 0.0, 0.0, 0.0, 0.0]
-INPUTS, REALS, REASON = list(range(11)), list(range(11, 32)), 33  # 32 is the time
+INPUTS, REALS, REASON = list(range(11)), list(range(11, 38)), 39  # 38 is the time
 
 
 def written(path, stored, version, model):
@@ -87,7 +87,7 @@ def test_another_program_finds_no_fault_in_it(version, model, tmp_path):
     assert about.modelName == f'<"&\'>   "/* ü, {model}'
     assert about.coSimulation.canHandleVariableCommunicationStepSize is False
     units = {x.name: x.unit for x in about.modelVariables}
-    assert (units["p_mc"], units["brake_torque_f"], units["reason"]) == ("Pa", "N.m", None)
+    assert (units["p_mc"], units["brake_torque_fl"], units["reason"]) == ("Pa", "N.m", None)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_an_estimator_behind_the_car_has_the_numbers_of_python_and_finds_its_pad
     expected = answered(SEDAN.table, STEP, samples)
     np.testing.assert_allclose(answers, expected, rtol=1e-9, atol=1e-9)
     assert told["reason"][-1] == 0
-    for name, value in (true | {"brake_torque_f": car["brake_torque_f"][-1]}).items():
+    for name, value in (true | {"brake_torque_rr": car["brake_torque_rr"][-1]}).items():
         assert told[f"{name}_lower"][-1] < value < told[f"{name}_upper"][-1]
         assert told[name][-1] == pytest.approx(value, rel=0.05)
 

@@ -37,7 +37,7 @@ from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 pytestmark = needs("cc")
 
 STEP, READY = 0.005, 0
-REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, *_ = 0, *range(1, 22, 3)
+REASON, LEVEL, RATIO, FRONT, REAR, TORQUE_F, *_ = 0, *range(1, 28, 3)
 FROZEN, IMPLAUSIBLE = {Reason.NO_PAD, Reason.IMPLAUSIBLE}, {Reason.IMPLAUSIBLE}
 FAULT, LOCKED = {Reason.FAULT}, {Reason.LOCKED}
 RELEASED = {Reason.VALID, Reason.NOT_BRAKED}
@@ -223,9 +223,9 @@ def test_other_data_are_taken_at_rest_and_what_is_of_the_sensors_lasts(fitted, d
         x = np.zeros(len(CHANNELS))
         code.bte_step(state, (c_double * len(x))(*x))
     assert code.bte_exchange(state, car)
-    ours, theirs, zeros = (np.frombuffer(x, count=200) for x in (fresh, state.raw, left))
+    ours, theirs, zeros = (np.frombuffer(x, count=215) for x in (fresh, state.raw, left))
     (places,) = np.nonzero(ours != theirs)
-    first = 1 + len(CHANNELS) + 3 * len(ANSWERS)  # of the filters: zeros of demand and of eta
+    first = 14 + len(CHANNELS) + 3 * len(ANSWERS)  # of the filters: zeros of demand and of eta
     assert {*range(first, first + 4)} <= {*places.tolist()}
     assert places.size <= 7  # and the lag, its variance, the seal
     assert theirs[first] == zeros[first]

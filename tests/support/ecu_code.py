@@ -39,7 +39,7 @@ def program(code: Path, command: str, main: Path | None = None, car: str = "seda
 
 
 def answers(code: Path, samples: Array, command: str | Path) -> Array:
-    """Answers (n, 22) to samples (n, 11), in their floating point, of a program of `RUN`."""
+    """Answers (n, 28) to samples (n, 11), in their floating point, of a program of `RUN`."""
     samples.tofile(code / "samples.bin")
     called(code, command)
     return np.fromfile(code / "answers.bin", samples.dtype).reshape(-1, OUTPUTS)
@@ -48,7 +48,7 @@ def answers(code: Path, samples: Array, command: str | Path) -> Array:
 def on_target(code: Path, samples: Array) -> tuple[Array, list[int], Array]:
     """Run it over samples (n, 11) on the Cortex-M4F.
 
-    Answers (n, 22); flash of bte.c and of bte_car.c, RAM of bte_state, stack of one bte_step
+    Answers (n, 28); flash of bte.c and of bte_car.c, RAM of bte_state, stack of one bte_step
     [bytes]; instructions of each sample (n,).
     """
     called(code, M4F, SAME_BITS, STRICT, "-I. -c bte.c bte_car_sedan_2up.c", RUN)

@@ -63,7 +63,8 @@ static void model_step(model *m, double x[], bool first) {
         x[V] = m->v * moves;
         for (int a = 0; a < BTE_AXLES; a++) {
             x[OMEGA_FL + 2 * a] = x[OMEGA_FR + 2 * a] = m->omega[a] * moves;
-            x[BRAKE_TORQUE_F + a] = x[PAD_FRICTION_F + a] * $data.numbers->torque_gain[a] * x[P_MC];
+            x[BRAKE_TORQUE_FL + 2 * a] = x[PAD_FRICTION_F + a] * $data.numbers->torque_gain[a] * x[P_MC];
+            x[BRAKE_TORQUE_FR + 2 * a] = x[BRAKE_TORQUE_FL + 2 * a];
         }
     }
 }

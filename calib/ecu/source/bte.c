@@ -20,12 +20,13 @@ static bte_real square(bte_real x) { return x * x; }
 
 /* Own exp and ln, by their series: those of C libraries differ in the last digits. */
 static bte_real exponential(bte_real x) {
-    const bte_real held = clip(x, -R(LARGEST), R(LARGEST)), turns = held / (LN2_HIGH + LN2_LOW);
+    const bte_real clipped = clip(x, -R(LARGEST), R(LARGEST));
+    const bte_real turns = clipped / (LN2_HIGH + LN2_LOW);
     const int k = (int)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5)));
-    const bte_real rest = (held - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
+    const bte_real residual = (clipped - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
     bte_real sum = R(1.0);
     for (int n = TERMS; n > 0; n--) {
-        sum = R(1.0) + sum * rest / (bte_real)n;
+        sum = R(1.0) + sum * residual / (bte_real)n;
     }
     return MATH(ldexp)(sum, k);
 }
@@ -71,8 +72,8 @@ static bte_place find(const bte_axis *axis, bte_real x) {
 #define BTE_FIND find
 #endif
 
-/* All columns of a map at a place. */
-static void look_up(const bte_map *map, const bte_real at[], bte_real out[BTE_COLUMNS]) {
+/* The first columns of a map at a place. */
+static void look_up(const bte_map *map, const bte_real at[], unsigned columns, bte_real out[]) {
     unsigned corners = 1U, cell[8] = {0};
     bte_real weight[8];
     weight[0] = R(1.0);
@@ -86,7 +87,7 @@ static void look_up(const bte_map *map, const bte_real at[], bte_real out[BTE_CO
         }
         corners *= 2U;
     }
-    for (unsigned c = 0; c < map->columns; c++) {
+    for (unsigned c = 0; c < columns; c++) {
         out[c] = R(0.0);
         for (unsigned i = 0; i < corners; i++) {
             out[c] += weight[i] * (bte_real)map->cells[c][cell[i]];
@@ -97,7 +98,7 @@ static void look_up(const bte_map *map, const bte_real at[], bte_real out[BTE_CO
 
 static bte_interval interval_at(const bte_map *map, const bte_real at[]) {
     bte_real x[BTE_COLUMNS];
-    look_up(map, at, x);
+    look_up(map, at, BTE_COLUMNS, x);
     const bte_interval read = {x[0], x[1], x[2]};
     return read;
 }
@@ -110,18 +111,20 @@ static void roll(bte_state *state, const bte_block *x, bool counts) {
     BTE_CAL bte_numbers *c = car->numbers;
     bte_filters *s = &state->filters;
     const bte_real dt = c->block, most = square(c->zero);
-    bte_block *oldest = &state->waiting[state->waits % car->waiting];
+    bte_rolling *oldest = &state->waiting[state->waits % car->waiting];
     s->demand.variance = smallest(s->demand.variance + square(c->q_bias) * dt, most);
     s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->q_radius) * dt, most);
     if (x->pressure <= c->bite && state->waits >= car->waiting) {
         const bte_real wheels = c->noise_rim / oldest->rim;
-        if (zero_fits(c, s, oldest)) {
+        if (zero_fits(c, s, oldest->demand, oldest->eta_less_1)) {
             update_zero(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
             update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
         }
     }
     if (counts && !state->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
-        *oldest = *x;
+        oldest->demand = x->demand;
+        oldest->eta_less_1 = x->eta_less_1;
+        oldest->rim = x->rim;
         state->waits++;
     } else {
         state->waits = 0;
@@ -139,10 +142,11 @@ static bte_interval read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXE
         const bte_real step = smallest(error[axis], most[axis]);
         bte_real place[] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
         place[axis] = at[axis] - step;
-        const bte_interval low = interval_at(&car->pads, place);
+        bte_real low, high;
+        look_up(&car->pads, place, 1U, &low);
         place[axis] = at[axis] + step;
-        const bte_interval high = interval_at(&car->pads, place);
-        const bte_real by_one = (high.median - low.median) / step;
+        look_up(&car->pads, place, 1U, &high);
+        const bte_real by_one = (high - low) / step;
         const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
         widen(&ratio, R(0.0), more, more);
     }
@@ -161,13 +165,13 @@ static bte_interval best_ratio(bte_state *state, const bte_interval *now, bte_re
     BTE_CAL bte_numbers *c = state->car->numbers;
     bte_filters *s = &state->filters;
     s->age += c->block;
-    const bte_real then = Z95 * MATH(sqrt)(aged(c, s, level));
+    const bte_real then = Z95 * MATH(sqrt)(held_variance(c, s, level));
     bte_interval best = state->ratio;
     widen(&best, R(0.0), then, then);
     const bte_real of_new = share_of(c, now->upper - now->lower, best.upper - best.lower);
     const bte_real share = is_new ? R(1.0) : adds ? of_new : R(0.0);
     blend(&state->ratio, now, share);
-    const bte_real wider = Z95 * MATH(sqrt)(renewed(c, s, level, share));
+    const bte_real wider = Z95 * MATH(sqrt)(reset_held(c, s, level, share));
     best = state->ratio;
     widen(&best, R(0.0), wider, wider);
     return best;
@@ -211,19 +215,24 @@ static void answer_torques(bte_state *s) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     bte_answers *y = &s->answers;
     const bte_real p_mc = largest(s->last.p_mc, R(0.0));
-    y->brake_torque_f = times(c->torque_gain[BTE_FRONT] * p_mc, &y->pad_friction_f);
-    y->brake_torque_r = times(c->torque_gain[BTE_REAR] * p_mc, &y->pad_friction_r);
-    const bte_real sum = R(2.0) * (y->brake_torque_f.median + y->brake_torque_r.median);
+    y->brake_torque_fl = times(c->torque_gain[BTE_FRONT] * p_mc, &y->pad_friction_f);
+    y->brake_torque_fr = y->brake_torque_fl;
+    y->brake_torque_rl = times(c->torque_gain[BTE_REAR] * p_mc, &y->pad_friction_r);
+    y->brake_torque_rr = y->brake_torque_rl;
+    const bte_real sum = R(2.0) * (y->brake_torque_fl.median + y->brake_torque_rl.median);
     y->brake_torque_sum = times(sum / y->pad_level.median, &y->pad_level);
 }
 
-/* A sum with one more number, FNV-1a by words of 32 bits. */
+/* A sum with one more word of 32 bits, and with one more number: FNV-1a by such words. */
+static uint32_t with_word(uint32_t sum, uint64_t word) {
+    return (uint32_t)(((sum ^ (word & 0xFFFFFFFFU)) * 16777619U) & 0xFFFFFFFFU);
+}
+
 static uint32_t mixed(uint32_t sum, bte_real x) {
     uint${floating}_t bits;
     (void)memcpy(&bits, &x, sizeof bits);
     const uint64_t wide = bits;
-    return (((sum ^ (uint32_t)(wide & 0xFFFFFFFFU)) * 16777619U) ^ (uint32_t)(wide >> 32U))
-           * 16777619U;
+    return with_word(with_word(sum, wide), wide >> 32U);
 }
 
 /* The sum over what lasts. */
@@ -250,9 +259,9 @@ static void take(bte_state *state, const bte_block *x) {
     const bool is_new = seen.blocks == R(0.0);
     const bte_real z = is_new ? c->usual_z : seen.z, shifted = seen.shift / z;
     bte_real at[BTE_MAP_AXES] = {z, shifted, R(0.0)}, by_map[BTE_COLUMNS];
-    look_up(&car->slip, at, by_map);
+    look_up(&car->slip, at, 2U, by_map);
     bte_interval level = interval_at(&car->level, at);
-    const bte_slip_evidence w = weighed(c, &seen, z, by_map[0], by_map[1]);
+    const bte_slip_evidence w = slip_evidence(c, &seen, z, by_map[0], by_map[1]);
     const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
     widen(&level, logarithm(w.pads * w.scaled), wider, wider);
     /* ratio */
@@ -261,7 +270,7 @@ static void take(bte_state *state, const bte_block *x) {
     at[BTE_SLIP] = w.slip;
     const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &seen, z) / z, w.slip_sigma};
     bte_interval now = read_ratio(car, at, error);
-    const bte_interval prior = interval_at(&car->before, at);
+    const bte_interval prior = interval_at(&car->prior, at);
     const bte_real unread = (now.upper - now.lower) / (prior.upper - prior.lower);
     const bool reads = !is_new && of_map && z >= c->least_z;
     const bte_real read = reads ? share_of(c, unread, R(1.0)) : R(0.0);
@@ -289,19 +298,17 @@ static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
  * the sensors that fail. */
 static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     BTE_CAL bte_numbers *c = s->car->numbers;
-    bte_real x[BTE_INPUTS], raw[BTE_INPUTS], last[BTE_INPUTS]; /* the same, by number */
+    bte_real x[BTE_INPUTS], last[BTE_INPUTS]; /* the same, by number */
     uint32_t failing = 0U;
     (void)memcpy(x, inputs, sizeof x);
-    (void)memcpy(raw, &s->raw, sizeof raw);
     (void)memcpy(last, &s->last, sizeof last);
     for (unsigned i = 0; i < (unsigned)BTE_INPUTS; i++) {
         const bool inside = x[i] >= c->low[i] && x[i] <= c->high[i];
-        const bool taken = inside && !(s->started && MATH(fabs)(x[i] - raw[i]) > c->change[i]);
-        raw[i] = inside ? x[i] : raw[i];
+        const bool taken = inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i]);
+        s->raw[i] = inside ? x[i] : s->raw[i];
         last[i] = taken ? x[i] : last[i];
         failing |= taken ? 0U : ((uint32_t)1U << i);
     }
-    (void)memcpy(&s->raw, raw, sizeof raw);
     (void)memcpy(&s->last, last, sizeof last);
     return failing;
 }
@@ -323,11 +330,12 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     const bte_real omega[BTE_WHEELS] = {x->omega_fl, x->omega_fr, x->omega_rl, x->omega_rr};
     bte_real fastest = R(0.0), slowest = R(0.0);
     for (unsigned w = 0; w < (unsigned)BTE_WHEELS; w++) {
-        bte_real *b = s->before[w];
-        const bte_real last = s->started ? b[1] : omega[w], first = s->started ? b[0] : last;
+        bte_real *past = s->wheels[w];
+        const bte_real last = s->started ? past[1] : omega[w];
+        const bte_real first = s->started ? past[0] : last;
         const bte_real middle = clip(omega[w], smallest(first, last), largest(first, last));
-        b[0] = last;
-        b[1] = omega[w];
+        past[0] = last;
+        past[1] = omega[w];
         fastest = w == 0U ? middle : largest(fastest, middle);
         slowest = w == 0U ? middle : smallest(slowest, middle);
     }
@@ -372,11 +380,11 @@ static void block_ends(bte_state *s) {
     const bte_real speed = c->rolling_radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = c->drag * square(speed);
     const bte_real grown = R(1.0) + c->rolling_growth * (square(speed / R(20.0)) - R(1.0));
-    const bool held = s->faulty || s->failed; /* a reading: nothing is known of spins */
+    const bool is_stale = s->faulty || s->failed; /* nothing is known of spins */
     bte_real demanded = c->weight * z - body;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
         const bte_real radius = c->rolling_radius[a];
-        const bte_real spin = held            ? -GRAVITY * z / radius
+        const bte_real spin = is_stale        ? -GRAVITY * z / radius
                               : s->block_full ? (omega[a] - s->omega[a]) / c->block
                                               : R(0.0);
         s->omega[a] = omega[a];
@@ -476,7 +484,7 @@ static uint32_t checksum(const bte_car *car) {
     BTE_CAL bte_real *numbers = (BTE_CAL bte_real *)car->numbers; /* all of one type */
     uint32_t sum = of_reals(0U, numbers, (uint32_t)(sizeof *car->numbers / sizeof *numbers));
     sum = of_map(of_map(sum, &car->pads), &car->slip);
-    sum = of_map(of_map(sum, &car->level), &car->before);
+    sum = of_map(of_map(sum, &car->level), &car->prior);
     return of_reals(of_reals(sum, car->tyre.x, car->tyre.count), car->tyre_slip, car->tyre.count);
 }
 

@@ -8,7 +8,7 @@
  *
  *     bte_init(&state, &bte_car_NAME);                 at power-on, and after a reset
  *     bte_reason reason = bte_step(&state, &inputs);   once every `sample_time` of the car
- *     state.answers.brake_torque_f.median              until the next call
+ *     state.answers.brake_torque_fl.median             until the next call
  */
 #ifndef BTE_H
 #define BTE_H
@@ -99,7 +99,7 @@ typedef struct {
     uint32_t layout, size, checksum;
     uint16_t samples, waiting; /* of a block; blocks on which no zero rests */
     BTE_CAL bte_numbers *numbers;
-    bte_map pads, slip, level, before;
+    bte_map pads, slip, level, prior;
     bte_axis tyre;
     BTE_CAL bte_real *tyre_slip;
 } bte_car;
@@ -121,21 +121,28 @@ typedef struct {
     bte_real p_mc, z, omega_f, apart, drive_f, drive_r; /* apart: rear less front wheels */
 } bte_sums_of_block;
 
-/* All that is remembered. A tool measures the first five members; calibration data do not move. */
+/* What a block of a car that rolls reads, of which zeros are learned. */
 typedef struct {
-    uint32_t reason, layout;
+    bte_real demand, eta_less_1, rim;
+} bte_rolling;
+
+/* All that is remembered. A tool measures the members up to `filters`; calibration data do not
+ * move. */
+typedef struct {
+    uint32_t reason, layout, diagnosis; /* bits of what fails */
+    uint32_t lasted[BTE_DIAGNOSES]; /* in how many calls each failed */
+    uint16_t often[BTE_DIAGNOSES]; /* how often each began to */
     bte_inputs last; /* good readings */
     bte_answers answers;
     bte_filters filters;
     const bte_car *car;
     bte_interval ratio; /* ln of the best informed one */
     bool started, block_full, faulty, failed, driven;
-    uint16_t count, checks, often[BTE_DIAGNOSES]; /* how often each began to fail */
-    uint32_t lasted[BTE_DIAGNOSES], diagnosis; /* in how many calls it did; bits of what fails */
+    uint16_t count, checks;
     uint32_t seal, waits;
-    bte_block waiting[3];
-    bte_inputs raw;
-    bte_real before[BTE_WHEELS][2], fastest, lateral, since_lock, since_abs, omega[BTE_AXLES];
+    bte_rolling waiting[3];
+    bte_real raw[BTE_INPUTS], wheels[BTE_WHEELS][2]; /* the last readings */
+    bte_real fastest, lateral, since_lock, since_abs, omega[BTE_AXLES];
     bte_sums_of_block sum;
     bte_reason worst, block_reason;
 } bte_state;
