@@ -113,7 +113,7 @@ def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str
     return dict(values)
 
 
-RELAXATION_LENGTH = 0.3
+_RELAXATION_LENGTH = 0.3
 """Length [m] over which a tyre changes to a new surface; 0.2 to 0.5 m for a passenger car."""
 
 
@@ -135,7 +135,7 @@ def _tyre_at(model: Model, time: Array, travelled: Array, behind: float) -> Magi
         on_road = surface.unit == "m"
         starts.append(surface.start if on_road else np.interp(surface.start, time, travelled))
         factors.append((surface.stiffness, surface.peak))
-    points = np.ravel([[start, start + RELAXATION_LENGTH] for start in starts])
+    points = np.ravel([[start, start + _RELAXATION_LENGTH] for start in starts])
     logs = np.repeat(np.log(factors), 2, axis=0)[1:-1]
     stiffness, peak = (np.exp(np.interp(travelled - behind, points, c)) for c in logs.T)
     return model.tyre.on_surface(stiffness, peak)

@@ -34,7 +34,7 @@ from calib.table.table import Table
 
 Version = Literal[2, 3]
 Content = Literal["estimator", "car"]
-V0 = 30.0  # first speed of the car where nothing else is set [m/s]
+_V0 = 30.0  # first speed of the car where nothing else is set [m/s]
 
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
 _ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
@@ -53,7 +53,7 @@ def _variables(of: Content) -> Iterator[Variable]:
 def _starts(table: Table, of: Content) -> dict[str, float]:
     """First values of inputs and parameters."""
     car = simulated(table)
-    first = {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r, "v0": V0}
+    first = {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r, "v0": _V0}
     first |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()}
     given = (x.name for x in VARIABLES.values() if getattr(x, of).startswith(("input", "param")))
     return {name: first.get(name, 0.0) for name in given}

@@ -44,7 +44,7 @@ def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
     return Value(0.0, math.hypot(*(default if x is None else x for x in tolerances)))
 
 
-def levels_of(
+def _levels_of(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[Array, Array]:
     """Level of the pads of each run over those of the file, (runs,) [1], at a given pads' ratio.
@@ -86,7 +86,7 @@ def ratio_by_levels(
     if all(run.only is None for run in runs):
         return prior
     share = {"f": 1.0, "r": 0.0, None: front_share(vehicle, prior.value)}
-    levels, sigmas = levels_of(vehicle, runs, resistance, prior.value)
+    levels, sigmas = _levels_of(vehicle, runs, resistance, prior.value)
     weight = 1.0 / (LOG.pads_repeat.sigma**2 + np.sum(sigmas**2, axis=1))
     shares = np.array([share[run.only] for run in runs])
     # the common level has no prior: it is the weighted mean
@@ -103,7 +103,7 @@ def level_of(
     Mass, accelerometer and resistance are common to all ``runs``, so more runs do not reduce them.
     The scatter between runs counts as noise.
     """
-    levels, sigmas = levels_of(vehicle, runs, resistance, log_ratio)
+    levels, sigmas = _levels_of(vehicle, runs, resistance, log_ratio)
     noise, by_resistance, accelerometer = np.mean(sigmas, axis=0) ** 2
     return float(np.mean(levels)), {
         "mass": vehicle.mass_tolerance**2,

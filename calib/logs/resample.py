@@ -33,7 +33,7 @@ _ENDS = 0.5
 
 
 @dataclass(frozen=True)
-class Resampled:
+class _Resampled:
     """Channels on one clock [s]: values, NaN where there is none, and rates by name [Hz]."""
 
     time: Array
@@ -68,7 +68,7 @@ def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
     return traces
 
 
-def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
+def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
     """Resample channels onto the clock of the required one with the highest rate and even steps.
 
     If several are about as fast, of those with most wheel speeds. Others are interpolated, states
@@ -93,7 +93,7 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
         for w in wanted
     ]
     gaps = [text for item in filled for text in in_words(item)]
-    return Resampled(
+    return _Resampled(
         time,
         [item.values for item in filled],
         (*notes, *_notes(full, master, rates), *gaps, *cut),

@@ -14,7 +14,7 @@ from calib.base.errors import ModelError
 
 LEAD_IN = 1.5  # unbraked time at the start [s]
 
-RISE = 400e5
+_RISE = 400e5
 """Rise of the pressure in a step [Pa/s], as a real master cylinder limits it; a driver in an
 emergency reaches 60 bar in 0.15 s."""
 
@@ -86,7 +86,7 @@ def manoeuvre(
     clock = np.arange(int(np.floor(corners[-1] * rate + 1e-9)) + 1) / rate
     trace = np.interp(clock, corners, levels)
     if name == "wave":
-        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(clock - LEAD_IN - level / RISE, 0.0)
+        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(clock - LEAD_IN - level / _RISE, 0.0)
         trace *= 1.0 + _SWING * np.sin(phase)
     return _Manoeuvre(name, clock, trace, v0)
 
@@ -95,7 +95,7 @@ def _corners(name: str, pressure: float, duration: float) -> list[tuple[float, f
     """Time [s] and pressure [Pa] at the ends of straight lines."""
     if name == "coast":
         return [(0.0, 0.0), (duration, 0.0)]
-    rise, hold, steps = pressure / (_FOOT if name == "stop" else RISE), duration, 1
+    rise, hold, steps = pressure / (_FOOT if name == "stop" else _RISE), duration, 1
     if name == "ramp":
         rise, hold = duration, _HOLD
     if name == "staircase":

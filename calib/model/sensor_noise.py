@@ -17,7 +17,7 @@ from calib.base.digest import content_digest
 from calib.base.names import WHEELS
 from calib.logs.log import Log
 
-TIME_CONSTANT = 0.1
+_TIME_CONSTANT = 0.1
 """Correlation time of the coloured part [s]."""
 
 
@@ -74,7 +74,7 @@ def reading(
     from scipy.signal import lfilter
 
     white = level.sd * np.sqrt(1.0 - level.coloured) * random.standard_normal(truth.size)
-    a = np.exp(-sample_time / TIME_CONSTANT)
+    a = np.exp(-sample_time / _TIME_CONSTANT)
     shocks = random.standard_normal(truth.size)
     shocks[1:] *= np.sqrt(1.0 - a * a)  # the first sample has the stationary distribution
     colour = level.sd * np.sqrt(level.coloured) * lfilter([1.0], [1.0, -a], shocks)

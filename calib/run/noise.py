@@ -21,7 +21,7 @@ from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks
 from calib.run.filters import block_mean
 
-NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
+_NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
 """Lower bounds of the noise densities: no sensor on a car is better, but a simulation may be."""
 
 
@@ -55,9 +55,9 @@ def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
     omega = [long_run_density(block_mean(h, b.samples)[moving], step) for h in halves]
     v = 0.0 if b.v is None else long_run_density(b.v[moving], step, b.omega_r[moving], 2.0)
     return SensorNoise(
-        omega=max(_rms(omega), NOISE_FLOOR["omega"]),
-        z=max(long_run_density(b.z[moving], step, b.p_f[moving]), NOISE_FLOOR["z"]),
-        v=max(v, NOISE_FLOOR["v"]),
+        omega=max(_rms(omega), _NOISE_FLOOR["omega"]),
+        z=max(long_run_density(b.z[moving], step, b.p_f[moving]), _NOISE_FLOOR["z"]),
+        v=max(v, _NOISE_FLOOR["v"]),
         omega_white=_rms([_white(h) for h in halves]),
     )
 

@@ -23,7 +23,7 @@ from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.run.blocks import Blocks, block_balance
 
-MODEL_ERROR = 3e-4
+_MODEL_ERROR = 3e-4
 """What a coast can be off in z for reasons not modelled: wind, road crown, a warm gearbox [1]."""
 
 
@@ -94,7 +94,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         resist = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
         gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
         # white within a run by density; the error not modelled is common to the run
-        sigma = np.sqrt(density**2 / b.length + count * MODEL_ERROR**2)
+        sigma = np.sqrt(density**2 / b.length + count * _MODEL_ERROR**2)
         rows.append(gain / sigma)
         sides.append(resist / sigma)
     A, y = np.vstack(rows), np.concatenate(sides)

@@ -18,7 +18,7 @@ from calib.table.table import Scatter, Table, Value
 
 
 @dataclass(frozen=True)
-class Usability:
+class _Usability:
     """May a version be used: ``usable`` if it is released, ``may`` with the reason in words.
 
     ``decelerations``: range of the known rows [g]; ``ends``: why the range ends there; ``next``:
@@ -32,8 +32,8 @@ class Usability:
     next: str
 
 
-def usability(stored: Stored) -> Usability:
-    """Usability of a version."""
+def usability(stored: Stored) -> _Usability:
+    """_Usability of a version."""
     state, q = stored.state, stored.table.quality
     peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
     if peak is not None and q.get("eta_peak_is_real"):
@@ -45,7 +45,7 @@ def usability(stored: Stored) -> Usability:
         DRAFT: f"brake-cal validate {stored.id} STOP... --out results",
         REJECTED: "find the cause and fit the car again, or release it on new evidence",
     }
-    return Usability(
+    return _Usability(
         usable=state.released,
         may=("yes: " if state.released else "no: ") + state.words,
         decelerations=stored.table.paper.usable,

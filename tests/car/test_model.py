@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from calib.base.errors import ModelError
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.model import (
-    RELAXATION_LENGTH,
     WET_ASPHALT,
     Model,
     Surface,
@@ -124,7 +123,7 @@ ROAD = replace(default_model(SEDAN), surfaces=(Surface(20.0, "m", 0.7, 0.5),))
 def test_the_rear_axle_meets_it_a_wheelbase_later():
     front, rear = tyres_along(ROAD, TIME, 10.0 + 0.0 * TIME)
     for tyre, behind in ((front, 0.0), (rear, SEDAN.wheelbase)):
-        into = (10.0 * TIME - behind - 20.0) / RELAXATION_LENGTH
+        into = (10.0 * TIME - behind - 20.0) / 0.3
         assert np.all(tyre.peak[into < 0.0] == ROAD.tyre.peak)
         assert tyre.peak[into > 1.0] == pytest.approx(0.5 * ROAD.tyre.peak)
         assert tyre.stiffness[into > 1.0] == pytest.approx(0.7 * ROAD.tyre.stiffness)

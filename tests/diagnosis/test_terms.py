@@ -12,7 +12,7 @@ import calib
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.explanation.hypothesis import TURNING, Hypothesis, Walk
+from calib.diagnosis.explanation.hypothesis import Hypothesis, Walk
 from calib.diagnosis.terms import ranked_terms, with_terms
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
@@ -75,6 +75,6 @@ def test_a_ripple_pays_for_the_angle_that_was_taken_from_every_run():
 
     The length of a plane vector of unit noise is Rayleigh's, with the mean sqrt(pi/2).
     """
-    for name in TURNING:
+    for name in ("disc_thickness_variation", "tone_ring_runout"):
         paid = Hypothesis((name,)).price(40) - Hypothesis(("road_grade",)).price(40)
         assert paid > 40 * np.pi / 4.0

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.ecu.fmu import V0, compile_fmu, simulated, write_fmu
+from calib.ecu.fmu import compile_fmu, simulated, write_fmu
 from calib.estimation.online import ANSWERS, CHANNELS, answered
 from calib.model.simulate import simulate
 from calib.table.exported import Precision
@@ -92,7 +92,7 @@ def test_another_program_finds_no_fault_in_it(version, model, tmp_path):
 
 @pytest.mark.parametrize(
     ("pressure", "v0", "drive"),
-    [(RAMP, V0, {}), (STOP, V0, MOTOR), (4.0 * STOP, V0, {}), (RELEASED, 12.0, {})],
+    [(RAMP, 30.0, {}), (STOP, 30.0, MOTOR), (4.0 * STOP, 30.0, {}), (RELEASED, 12.0, {})],
 )
 def test_the_car_gives_the_numbers_of_a_simulation(fmus, pressure, v0, drive):
     torque = {name[-1]: column for name, column in drive.items()}

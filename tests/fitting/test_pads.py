@@ -8,7 +8,7 @@ import pytest
 
 from calib.car.beliefs import LOG
 from calib.car.effects.effects import Effects
-from calib.fitting.pads import levels_of, ratio_by_levels
+from calib.fitting.pads import level_of, ratio_by_levels
 from calib.run.resistance import Resistance
 from calib.table.table import Value
 from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, prepared, ramp, rolled
@@ -28,7 +28,7 @@ def runs():
 
 
 def level(run, log_ratio):
-    return levels_of(CAR, [run], SURE, log_ratio)[0][0]
+    return level_of(CAR, [run], SURE, log_ratio)[0]
 
 
 @pytest.mark.parametrize(("axle", "slope"), [("f", -0.5), ("r", 0.5), ("n", 0.5 - SHARE)])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.logs.log import Log
-from calib.model.sensor_noise import TIME_CONSTANT, NoiseLevel, add_noise, reading
+from calib.model.sensor_noise import NoiseLevel, add_noise, reading
 
 N, DT = 200_000, 0.005
 
@@ -24,7 +24,7 @@ def made_log(**more):
 def test_variance_and_correlation_are_those_of_the_law(coloured, dt):
     """r(k) = c a^k for k > 0; a sample of N has sd sqrt(2 tau/(N dt)) in r, five of it allowed."""
     x = noise(NoiseLevel(0.05, coloured), dt=dt)
-    a = np.exp(-dt / TIME_CONSTANT)
+    a = np.exp(-dt / 0.1)
     scatter = np.sqrt((1.0 + a * a) / (1.0 - a * a) / N) if coloured else 1.0 / np.sqrt(N)
     assert np.var(x) == pytest.approx(0.05**2, rel=5.0 * np.sqrt(2.0) * scatter)
     for lag in (1, 5, 20):

@@ -7,7 +7,6 @@ from scipy.signal import lfilter
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import (
-    NOISE_FLOOR,
     WALK,
     aged,
     lead_in_noise,
@@ -71,12 +70,9 @@ def test_noise_of_a_made_run_is_what_was_put_in():
 def test_no_sensor_is_believed_to_be_without_noise():
     log = made_run(noise=0.0)
     noise = sensor_noise(log, blocks(signals(log, VEHICLE.rear.rolling_radius)))
-    assert noise.omega == NOISE_FLOOR["omega"]
+    assert noise.omega == 3e-4
     without = changed(made_run(), v=None)
-    assert (
-        sensor_noise(without, blocks(signals(without, VEHICLE.rear.rolling_radius))).v
-        == NOISE_FLOOR["v"]
-    )
+    assert sensor_noise(without, blocks(signals(without, VEHICLE.rear.rolling_radius))).v == 3e-4
 
 
 def test_lead_in_noise_is_the_white_part_with_a_usual_colour_and_nothing_later():

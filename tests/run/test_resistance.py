@@ -11,7 +11,7 @@ from calib.car.effects.wheels import ROLLING_RESISTANCE
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import sensor_noise
-from calib.run.resistance import MODEL_ERROR, identify
+from calib.run.resistance import identify
 from tests.support.plant import Plant, as_log, drive
 from tests.support.tables import VEHICLE
 
@@ -95,7 +95,7 @@ def test_a_long_quiet_coast_is_still_off_by_what_is_not_modelled(coast, runs):
     b, _ = seen(coast)
     found = identify(CAR, [(b, 1e-6)] * runs)
     speeds = np.linspace(15.0, 40.0, 101)
-    assert np.min(found.sigma_z(CAR, speeds)) == pytest.approx(MODEL_ERROR / runs**0.5, rel=0.02)
+    assert np.min(found.sigma_z(CAR, speeds)) == pytest.approx(3e-4 / runs**0.5, rel=0.02)
 
 
 def test_the_load_share_of_a_known_drag_is_kept_as_it_is_given(coast):

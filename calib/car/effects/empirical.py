@@ -57,7 +57,7 @@ def effect_of(term: EmpiricalTerm) -> Effect:
     )
 
     def value(history: RunHistory, axle: str) -> Array:
-        return np.interp(driver_along(history, term.driver, axle), term.knots, term.values)
+        return np.interp(_driver_along(history, term.driver, axle), term.knots, term.values)
 
     def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
         front, rear = (
@@ -90,10 +90,10 @@ def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
     Raises ModelError where a temperature is not known.
     """
     axles = DISCS[PLACES[place]] if driver == "temperature" else "f"
-    return [driver_along(history, driver, axle) for axle in axles]
+    return [_driver_along(history, driver, axle) for axle in axles]
 
 
-def driver_along(history: RunHistory, driver: str, axle: str) -> Array:
+def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
     """A driver along a run [SI] (n,); the temperature is that of the axle ``f`` or ``r``.
 
     Raises ModelError where that temperature is not known.

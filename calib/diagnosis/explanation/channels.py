@@ -39,7 +39,7 @@ _OF_WHEELS = np.array(
 )
 """Channels by wheel speeds, in the order of `WHEELS`."""
 
-FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
+_FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limit of the innovation's sd by channel, in its unit; simulated logs may have no noise."""
 
 STEP = 0.02  # clock of the evidence [s]
@@ -63,8 +63,8 @@ class ChannelNoise:
 
     @property
     def at_floor(self) -> tuple[str, ...]:
-        """Channels whose noise is `FLOOR`, as they show less."""
-        pairs = zip(CHANNELS, self.sigma, FLOOR, strict=True)
+        """Channels whose noise is `_FLOOR`, as they show less."""
+        pairs = zip(CHANNELS, self.sigma, _FLOOR, strict=True)
         return tuple(name for name, sigma, floor in pairs if sigma <= floor)
 
 
@@ -92,7 +92,7 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     """Noise from unbraked residuals, (6, m) each; a parabola is subtracted from every part.
 
     Where no part is long enough, from the third differences of the ``wholes``, (6, n) each: these
-    hold almost no motion, and the noise then counts as white. Never below `FLOOR`.
+    hold almost no motion, and the noise then counts as white. Never below `_FLOOR`.
     """
     curves = ((part, _parabola(part.shape[1])) for part in parts if part.shape[1] >= LONG)
     long = [part - part @ curve @ curve.T for part, curve in curves]
@@ -106,10 +106,10 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
         squares = sum(np.sum(by_channel(whiten(part, unit)) ** 2, axis=1) for part in long)
         each = np.full(len(CHANNELS), float(freedom))
         each[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in long)
-        return replace(unit, sigma=np.maximum(np.sqrt(squares / each), FLOOR))
+        return replace(unit, sigma=np.maximum(np.sqrt(squares / each), _FLOOR))
     found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
     # the median over the runs: a bite or a release does not move it
-    sigma = np.maximum(np.median(found, axis=0) / QUARTILE / np.sqrt(20.0), FLOOR)
+    sigma = np.maximum(np.median(found, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
     freedom = sum(x.shape[1] for x in wholes) // 4  # a third difference joins four samples
     white = np.zeros((len(CHANNELS), ORDER))
     return ChannelNoise(white, sigma, "differences between samples", freedom)

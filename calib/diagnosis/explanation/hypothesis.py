@@ -25,7 +25,7 @@ from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 
 FADE = "pad_thermal_fade"
 
-TURNING = ("disc_thickness_variation", "tone_ring_runout")  # with the angle of the wheels
+_TURNING = ("disc_thickness_variation", "tone_ring_runout")  # with the angle of the wheels
 STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
 _FURTHER = 1.0  # the same of its further parameters
 PRICE = 5.0  # ln of the odds, before logs are read, against an effect or a kind they differ in
@@ -109,7 +109,7 @@ class Hypothesis:
 
     def phases(self, runs: int) -> float:
         """The part of these odds that is the angles at which its effects begin."""
-        return _PHASE * runs * len(set(TURNING) & set(self.names))
+        return _PHASE * runs * len(set(_TURNING) & set(self.names))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import pytest
 
 from calib.car.effects.combined import total_axle_moment, total_body_force
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.effects.empirical import driver_along, drivers_of
+from calib.car.effects.empirical import drivers_of
 from calib.car.history import Motion
 from tests.support.effect_runs import SEDAN, made_history
 
@@ -36,7 +36,7 @@ def test_drivers(driver, expected):
         z=np.array([0.0, 0.1, 0.2, 0.2, 0.1]),
         p_mc=np.array([0.0, 2e5, 3e5, 3e5, 1e5]),
     )
-    assert driver_along(history, driver, "f") == pytest.approx(expected)
+    assert drivers_of("front_brakes", driver, history)[0] == pytest.approx(expected)
     (one,) = drivers_of("brakes", driver, history)
     assert one == pytest.approx(expected)
 

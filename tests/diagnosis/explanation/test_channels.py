@@ -9,7 +9,6 @@ from calib.base.names import G
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.channels import (
     CHANNELS,
-    FLOOR,
     ORDER,
     noise_of,
 )
@@ -40,7 +39,7 @@ def test_white_noise_is_found_in_the_differences_beside_a_bite():
     assert found.source == "differences between samples"
     assert found.at_floor == ()
     silent = noise_of([], [np.zeros((6, 240))])
-    assert silent.sigma == pytest.approx(FLOOR)
+    assert silent.sigma == pytest.approx((0.005, 0.003, 0.005, 0.003, 0.003, 0.003))
     assert silent.at_floor == CHANNELS
 
 
