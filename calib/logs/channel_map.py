@@ -13,7 +13,7 @@ from calib.base.plain import quoted
 from calib.base.toml import nearest
 from calib.base.units import UnknownUnit, is_unit, si_of, to_si, unit_of
 from calib.logs.log import Origin
-from calib.logs.source import ChannelTrace, Column, address_of, called
+from calib.logs.source import ChannelTrace, Column, address_of, indices_of
 from calib.logs.text.dialect import LOOKED, TextFormat
 
 TRUTH = "true_"
@@ -29,8 +29,8 @@ METHODS = ("linear", "hold")
 class Mapping:
     """Source of one channel: value = sign * (scale * written + offset), in ``unit``.
 
-    The unit of the header, and the method of interpolation of the file, where they are None;
-    ``delay`` time by which it was recorded late [s].
+    ``unit`` None is that of the header, ``method`` None the interpolation of the file; ``delay``
+    time by which the channel was recorded late [s].
     """
 
     source: str
@@ -63,7 +63,7 @@ class ChannelMap:
 
 @dataclass(frozen=True)
 class Assigned:
-    """A column that is used as a channel: its index in the file and its conversion to SI."""
+    """A column that is assigned to a channel: its index in the file, its conversion to SI."""
 
     channel: str
     index: int
@@ -77,13 +77,13 @@ class Assigned:
         return self.mapping.to_si(written, self.unit, self.si)
 
     def named(self, trace: ChannelTrace) -> ChannelTrace:
-        """The channel of a recording, held or interpolated as the map or the file has it."""
+        """The trace under the name of its channel, held or interpolated as map or file say."""
         method = self.mapping.method
         state = trace.state if method is None else method == "hold"
         return replace(trace, state=state, name=self.channel)
 
     def origin(self) -> Origin:
-        """Source, unit, factor and offset; exact, since every conversion is linear."""
+        """Source, unit, factor and offset of the channel; every conversion is linear."""
         at_zero, at_one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
         return Origin(self.channel, self.source, self.unit, at_one - at_zero, at_zero)
 
@@ -94,10 +94,11 @@ def assign(
     require: tuple[str, ...],
     where: str,
 ) -> tuple[list[Assigned], tuple[str, ...]]:
-    """The columns of a file to use, and the names of the others; ``where`` is its path.
+    """The columns of a file that are channels, and the names of the others.
 
-    A mapped channel replaces a column of the same name. Raises LogError for a channel that is
-    missing, twice, or has no unit; ChannelMapError for a source that is not in the file.
+    ``where`` is the path of the file. A mapped channel replaces a column of the same name. Raises
+    LogError for a channel that is missing, twice, or has no unit; ChannelMapError for a source that
+    is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -137,7 +138,7 @@ def _is_spare(column: Column, require: tuple[str, ...] = ()) -> bool:
 
 
 def without_unit(columns: tuple[Column, ...], assigned: list[Assigned]) -> tuple[str, ...]:
-    """A note on each optional channel that was left out because it has no known unit."""
+    """A note on each optional channel that was left out for want of a known unit."""
     used = {item.channel for item in assigned}
     return tuple(
         f"{column.name} has {f'the unknown unit {column.unit!r}' if column.unit else 'no unit'} "
@@ -150,7 +151,7 @@ def without_unit(columns: tuple[Column, ...], assigned: list[Assigned]) -> tuple
 def _mapped(
     name: str, entry: Mapping, columns: tuple[Column, ...], map_path: str | None, where: str
 ) -> Assigned:
-    indices = called(entry.source.strip(), columns)
+    indices = indices_of(entry.source.strip(), columns)
     if not indices:
         names = [column.name for column in columns]
         raise ChannelMapError(
@@ -190,7 +191,7 @@ def _assigned(
 
 
 def _truth_si(column: Column) -> str | None:
-    """SI unit of a truth channel: from its name if that is known, else from its unit."""
+    """SI unit of a truth channel by its name, or else by its unit; None for an unknown one."""
     for prefix, si in TRUTH_UNITS.items():
         if column.name.startswith(f"{prefix}_"):
             return si

@@ -1,4 +1,4 @@
-"""The times of a log: the step of a clock, even clocks of few digits, and clocks that cannot be.
+"""The times of a log: the step of a clock, even clocks of few digits, impossible clocks.
 
 true      0.00000  0.00667  0.01333  0.02000      150 Hz
 written   0.000    0.007    0.013    0.020        whole milliseconds: steps of 7 and of 6 ms
@@ -17,7 +17,7 @@ GAP = 3.5
 
 VALUES = 4
 """Most values that the steps of a rounded even clock have: two, or four where the spacing of
-float32 doubles within the log. A clock that jitters has many."""
+float32 doubles within the log. The steps of a clock with jitter have many."""
 
 _FINE = 1e-3
 """Rounding below this [steps] is left alone: it moves no result."""
@@ -43,7 +43,7 @@ _FEW = 50
 
 
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Ascending times [s], as `evened` has them, and what is to be said of it."""
+    """Ascending times [s], on the line of `evened` where there is one, with a note."""
     line = evened(time) if time.size >= _FEW else None
     if line is None:
         return time, ()
@@ -56,10 +56,10 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
 
 
 def evened(time: Array) -> tuple[Array, float] | None:
-    """The line of an even clock that was written with few digits, and the rounding [s].
+    """Times of an even clock that was written with few digits, and its rounding [s].
 
-    ``time`` [s], (n,), ascends and may have gaps. None for a clock that jitters by more than its
-    last digit, and for one with digits enough.
+    ``time`` [s], (n,), ascends and may have gaps. None for a clock with jitter of more than its
+    last digit, and for one with enough digits.
     """
     steps = np.diff(time)
     # one slope for the lines through the times between gaps: least squares
@@ -84,7 +84,7 @@ def evened(time: Array) -> tuple[Array, float] | None:
 
 
 _DISORDER = 0.1
-"""Frames of several buses may be out of order by at most this [s]."""
+"""Longest step back [s] between frames of several buses."""
 
 _DISORDERED = 0.25
 """Largest share of frames out of order [1]; with more, the timestamps have another meaning."""
@@ -120,11 +120,11 @@ _RATES = 40.0, 1000.0
 _UNITS = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 """Units that a time is written in [s]."""
 _BURST = 0.25
-"""A step shorter than this share of the mean one follows at once: what is handed out together."""
+"""A step shorter than this share of the mean one [1] is within a burst."""
 _BURSTS = 0.1
 """Largest share of such steps [1]: frames of a bus wait for each other by a tenth of a step."""
 _STANDING = 0.3
-"""Share of a log that its clock jumps over, every second, where it has too many digits [1]."""
+"""Share of a log that a clock jumps over whose milliseconds have too many digits [1]."""
 
 
 def check_clock(time: Array, where: str, unit: str = "s") -> None:
@@ -138,7 +138,7 @@ def check_clock(time: Array, where: str, unit: str = "s") -> None:
 
 
 def check_steps(time: Array, where: str, unit: str = "s") -> None:
-    """Check that an increasing time [s] (n,) has steps that a recorder makes.
+    """Check the steps of an increasing time [s] (n,), as a recorder makes them.
 
     ``unit`` is that in which it was written. Raises LogError for another unit, for a clock that
     jumps over a part of each second, and for samples that come in bursts.

@@ -29,8 +29,8 @@ _FEWEST = 4
 """Fewest samples of a side: nearly every line goes through fewer."""
 
 INSTANT = 1e-9
-"""Samples with a spread of less [s] are at one time, and show no slope: recorders count no finer
-than nanoseconds, and only damaged times are nearer."""
+"""Samples within this time [s] show no slope: recorders count no finer than nanoseconds, and only
+damaged times are nearer."""
 
 _SMOOTH = 0.01
 """Largest error of a bridge beside the noise, over the range of the channel [1]."""
@@ -51,7 +51,7 @@ class ChannelHole:
 
 @dataclass(frozen=True)
 class Filled:
-    """``values`` at the wanted times; gaps of over `GAP` steps that were bridged, or left open."""
+    """``values`` at the wanted times, and the gaps of over `GAP` steps within them."""
 
     values: Array
     bridged: tuple[ChannelHole, ...] = ()
@@ -111,7 +111,7 @@ def fill_rows(
 
 
 def in_words(filled: Filled) -> tuple[str, ...]:
-    """How many gaps of a channel were bridged and left open, with the place; empty if none."""
+    """Notes on the gaps of a channel that were bridged and left open; empty if there are none."""
     notes = []
     if filled.bridged:
         longest = max(filled.bridged, key=lambda gap: gap.length)
@@ -134,7 +134,10 @@ def _many(gaps: Sequence[ChannelHole]) -> str:
 
 
 def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
-    """Whether both sides of gap ``i`` are straight, and lead to the middle of its bridge."""
+    """Whether both sides of gap ``i`` are straight and lead to the middle of its bridge.
+
+    ``allowed`` error of the bridge beside the noise, in the unit of ``x``.
+    """
     reach = max(_SIDE, float(t[i + 1] - t[i]), (_FEWEST + 0.5) * step)
     first, end = np.searchsorted(t, [t[i] - reach, t[i + 1] + reach])
     sides = slice(first, i + 1), slice(i + 1, end)
@@ -169,10 +172,10 @@ ENDS = 1.0
 
 
 def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The rows from the first value of the last channel that begins to the first last value.
+    """The rows in which all channels have begun and none has ended, (m,) each, and a note.
 
     ``channels`` by name, (n,) each, are NaN where they have no value. One without a value for more
-    than `ENDS` [s] at an end counts as one with a gap. Returns (m,) each, and a note.
+    than `ENDS` [s] at an end counts as one with a gap.
     """
     time = channels.get("time")
     if time is None or not np.isfinite(time).all():
@@ -202,7 +205,7 @@ def complete_channels(
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The channels that are finite in every row, and a note on each dropped one.
 
-    Raises LogError for an empty one in ``require``, and for missing values in what every log has.
+    Raises LogError for an empty channel in ``require``, and for a gap in one that every log has.
     """
     complete, notes = {}, []
     if np.isinf(channels["time"]).any():

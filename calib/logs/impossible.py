@@ -1,4 +1,4 @@
-"""Samples that no car drives: rows of zeros, and the ends of a type, that a decoder wrote.
+"""Impossible samples: zeros, and the largest value of a type, which a decoder wrote.
 
 omega  97.1 97.0 327.7 327.7 96.9 96.8    no tyre turns a wheel so much faster, and back
 omega  97.1 97.0   0.0  96.9  96.8        no brake stops a wheel for one sample
@@ -28,7 +28,7 @@ Mask = NDArray[np.bool_]
 
 
 class _Possible(NamedTuple):
-    """What a car can do to a channel, in SI: per second, but for a jump and the end."""
+    """Bounds of a channel in SI: change per second, of a jump, and the largest value."""
 
     up: float
     zero: float
@@ -54,7 +54,7 @@ _QUICK = 0.05
 """Time [s] over which a wheel spins up or stops; over a longer one it goes with the car."""
 
 _NOISE = 10.0
-"""Standard deviations of its noise by which a channel may jump beside."""
+"""Standard deviations of its noise that a channel may jump in addition [1]."""
 
 _LEAST = 2.0
 """Least jump [SI] that counts: a lost pulse of a ring of 48 teeth is 2 rad/s."""
@@ -65,7 +65,7 @@ _FEW = 0.02
 
 @dataclass(frozen=True)
 class Marked:
-    """Samples of ``channel`` that no car drives: how many, time [s] and value [SI] of the first."""
+    """Impossible samples of ``channel``: how many, time [s] and value [SI] of the first."""
 
     channel: str
     count: int
@@ -81,11 +81,11 @@ class Marked:
 def without_impossible(
     channels: Mapping[str, Array], where: str
 ) -> tuple[dict[str, Array], tuple[Marked, ...], tuple[ChannelHole, ...]]:
-    """The channels with NaN, or a bridge, in the place of samples that no car drives.
+    """The channels with NaN, or a bridge, in the place of impossible samples.
 
-    ``channels`` [SI], (n,) each, by name; as they are where the times do not ascend. Returns them,
-    what was marked, and the bridged gaps. Raises LogError where more than `_FEW` of a required
-    channel are marked, or too many in one place.
+    ``channels`` [SI], (n,) each, by name; they stay as they are where the times do not ascend.
+    Returns the channels, the marked samples and the bridged gaps. Raises LogError if more than
+    `_FEW` of a required channel are marked.
     """
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
@@ -136,8 +136,8 @@ def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
 def _apart(time: Array, x: Array, possible: _Possible) -> Mask:
     """Mask (n,) of the parts that no possible step joins with the longest one.
 
-    A part is impossible above the level of before, and where it is exactly 0; below that level a
-    wheel slips, as ABS lets it, and messages that come slowly make it do so in one step.
+    A part above the level before it is impossible, and one of exact zeros. A part below that level
+    is a wheel that slips, which slow messages show in one step.
     """
     slack = max(_LEAST, _NOISE * white_noise(x, 2)) if np.isfinite(possible.up) else 0.0
     change, zero = np.abs(np.diff(x)), x == 0.0
@@ -169,7 +169,7 @@ def _apart(time: Array, x: Array, possible: _Possible) -> Mask:
 
 
 def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Array]:
-    """Largest rise in ``step`` [s], and largest change from or to a reading of exactly 0."""
+    """Largest possible rise in ``step`` [s], and largest change from or to exactly 0."""
     quick = np.minimum(step, _QUICK)
     long = np.where(step > _QUICK, possible.long, 0.0) * step
     to_zero = np.maximum(possible.nonzero, possible.zero * quick)
@@ -177,7 +177,7 @@ def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Arr
 
 
 _ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
-"""By SI unit: far above all values that a car can have, and that a wrong unit can make of them."""
+"""By SI unit: far above every value of a car, also one in a wrong unit."""
 _ABSURD_ELSE = 1e12
 """Above seconds since 1970, too."""
 

@@ -34,7 +34,7 @@ _ENDS = 0.5
 
 @dataclass(frozen=True)
 class _Resampled:
-    """Channels on one clock [s]: values, NaN where there is none, and rates by name [Hz]."""
+    """Channels on one clock [s]: values (n,), NaN for none, and original rates by name [Hz]."""
 
     time: Array
     values: list[Array]
@@ -45,10 +45,10 @@ class _Resampled:
 
 
 def of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
-    """Whether rows at ``time`` [s] (n,) are those of several clocks, one row for each time stamp.
+    """Whether rows at ``time`` [s] (n,) come from several clocks, one row for each time stamp.
 
-    The rows are uneven then, and a column (n,), NaN where it has no value, has even times of its
-    own. Required channels decide, or all columns where none is one.
+    The rows are uneven then, and the values of a column (n,), NaN for none, have even times.
+    Required channels decide, or all columns where none is required.
     """
     if time.size < 3 or not is_ascending(time) or _even(time):
         return False
@@ -58,7 +58,7 @@ def of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
 
 
 def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
-    """Each column (n,) at those of the times [s] (n,) at which it has a value, by its name."""
+    """Each column (n,) at the times [s] (n,) at which it has a value."""
     clocks: dict[bytes, str] = {}
     traces = []
     for name, x in columns.items():
@@ -71,9 +71,10 @@ def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
 def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
     """Resample channels onto the clock of the required one with the highest rate and even steps.
 
-    If several are about as fast, of those with most wheel speeds. Others are interpolated, states
-    hold their last value; NaN outside their samples and in a gap, unless `calib.logs.gaps` bridges
-    it. Raises LogError if the required channels have no time in common, and for times out of order.
+    Of clocks about as fast the one with most wheel speeds is chosen. Other channels are
+    interpolated, states hold their last value; they are NaN outside their samples and in a gap,
+    unless `calib.logs.gaps` bridges it. Raises LogError if the required channels have no time in
+    common, and for times out of order.
     """
     if not wanted:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
@@ -126,7 +127,7 @@ def _clean(wanted: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrac
 
 
 def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
-    """Ascending times with valid values only; of equal times the last in the file."""
+    """The valid values at ascending times; of equal times the last one in the file."""
     valid = ~np.isnan(trace.values)
     if np.all(np.diff(time) > 0) and valid.all():
         return replace(trace, time=time)
@@ -141,7 +142,10 @@ def _required(full: list[ChannelTrace]) -> list[ChannelTrace]:
 
 
 def _span(full: list[ChannelTrace], where: str) -> tuple[float, float, list[str]]:
-    """Time covered by all required channels [s], shortened by at most `_ENDS` for the others."""
+    """First and last time of all required channels [s], with a note on cut ends.
+
+    Other channels may shorten it by `_ENDS` at either end.
+    """
     base = _required(full)
     low = max(float(w.time[0]) for w in base)
     high = min(float(w.time[-1]) for w in base)

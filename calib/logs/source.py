@@ -1,4 +1,4 @@
-"""An opened log file: its columns, and a function that reads some of them."""
+"""An opened log: its columns, and a function that reads some of them."""
 
 import importlib
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it; ``full`` is another where several have one ``name``."""
+    """A column as the file names it; ``full`` is its longer name, if it has one."""
 
     name: str
     unit: str | None
@@ -23,31 +23,31 @@ class Column:
 
     @property
     def full_name(self) -> str:
-        """Its full name, or its name where that is all."""
+        """The longer name, or the name where there is no other."""
         return self.full or self.name
 
     @property
     def addresses(self) -> tuple[str, ...]:
-        """What a channel map may call it: its name, also with the unit, or its full name."""
+        """Names for a channel map: the name, the name with the unit, the full name."""
         return (self.name, f"{self.name} [{self.unit}]", self.full_name)
 
 
-def called(address: str, columns: Sequence[Column]) -> list[int]:
-    """The indices of the columns with this address."""
+def indices_of(address: str, columns: Sequence[Column]) -> list[int]:
+    """Indices of the columns with an address."""
     return [i for i, column in enumerate(columns) if address in column.addresses]
 
 
 def address_of(column: Column, columns: Sequence[Column]) -> str:
-    """The first address that only this one of the columns has; its name if there is none."""
-    unique = (one for one in column.addresses if len(called(one, columns)) == 1)
+    """The first address that no other column has; the name of the column if there is none."""
+    unique = (name for name in column.addresses if len(indices_of(name, columns)) == 1)
     return next(unique, column.name)
 
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """An opened table: ``read`` gives columns as written, by index, with NaN for empty cells.
+    """An opened table: ``read`` gives columns by index as written, NaN for empty cells.
 
-    ``rates`` [Hz], by index, of the columns that were recorded on another clock than the rows.
+    ``rates`` [Hz], by index, of columns that were recorded on another clock than the rows.
     """
 
     columns: tuple[Column, ...]
@@ -63,7 +63,7 @@ class ColumnSource:
 def each_of(
     read: Callable[[Sequence[int]], Sequence[T]], indices: Sequence[int]
 ) -> list[T | LogError]:
-    """What ``read`` gives for each index, or its error."""
+    """The result of ``read`` for each index, or its error."""
     with suppress(LogError):
         return [*read(indices)]
     results: list[T | LogError] = []
@@ -96,7 +96,7 @@ class ChannelTrace:
 
 @dataclass(frozen=True)
 class Recording:
-    """An opened log with several sample rates: ``read`` gives a trace for each index.
+    """An opened log of several clocks: ``read`` gives a trace for each index.
 
     ``columns`` begin with ``CLOCK``, which has no trace; ``close`` closes the file.
     """
@@ -108,7 +108,7 @@ class Recording:
 
 
 def damaged(where: object, flaw: str, expected: str = "an undamaged file") -> LogError:
-    """The error for a file that is not whole."""
+    """The error for a file that is cut off or damaged."""
     return LogError(flaw, where=where, expected=expected, do="copy the log again")
 
 

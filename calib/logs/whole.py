@@ -1,7 +1,7 @@
 """Every column of a log as written, on one clock: to be looked at, cut or converted.
 
-`calib.logs.read` takes the channels that the program knows, in SI. Here nothing is left out and no
-unit is changed: a column of the map has its canonical name, and the unit that the map gives it.
+`calib.logs.read` has the known channels in SI. Here nothing is left out and no unit is changed; a
+mapped column has its canonical name and the unit of the map.
 """
 
 from collections.abc import Collection
@@ -35,13 +35,13 @@ class WholeColumn:
 
     @property
     def canonical(self) -> bool:
-        """Whether it is a channel that the program knows."""
+        """Whether it is a known channel."""
         return self.name in CHANNELS
 
 
 @dataclass(frozen=True)
 class WholeLog:
-    """All columns of a log that hold numbers, of equal length; ``notes`` on what was changed."""
+    """All numeric columns of a log, of equal length; ``notes`` say what the reader changed."""
 
     name: str
     source: str
@@ -128,7 +128,7 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
 
 
 def in_si(log: WholeLog) -> WholeLog:
-    """The same with its channels in SI units, as the C code of an ECU takes them."""
+    """The log with its channels in SI units, as the C code of an ECU takes them."""
     units = {c.name: CHANNELS[c.name].si for c in log.columns if c.canonical and c.unit}
     columns = (
         replace(c, values=to_si(c.values, c.unit, units[c.name]), unit=units[c.name])

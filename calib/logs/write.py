@@ -1,4 +1,4 @@
-"""Write a log: its channels in canonical units, or every column as it is, to the last bit.
+"""Write a log: its channels in canonical units, or every column to the last bit.
 
 CSV        name [unit]; empty for no value
 Parquet    the unit in the metadata of the field; null for no value
@@ -8,12 +8,12 @@ MDF 4      one group with the time of the log in seconds; NaN for no value
 import csv
 import io
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.base.errors import one_line
 from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.units import from_si
@@ -23,7 +23,7 @@ from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.source import need
 from calib.logs.text.cells import column_from_cell
-from calib.logs.whole import TIME, WholeLog
+from calib.logs.whole import TIME, WholeColumn, WholeLog
 
 # Decimals of the CSV file, in canonical units: each step is below a tenth of a usual sensor's
 # resolution, so that rounding adds no noise.
@@ -44,55 +44,35 @@ DECIMALS = {
 
 
 def write_csv(log: Log, path: Path) -> None:
-    """Write ``log`` as CSV with header cells ``name [unit]``, truth channels last, to `DECIMALS`.
+    """Write ``log`` as CSV in canonical units, truth channels last, rounded to `DECIMALS`.
 
     Raises ValueError for a value that is not finite, OSError if ``path`` cannot be written.
     """
-    columns = list(_columns(log))
-    header = ",".join(f"{name} [{unit}]" for name, unit, _ in columns)
-    formats = [f"%.{_decimals(name)}f" for name, _, _ in columns]
-    text = io.StringIO()
+    whole = _in_canonical_units(log)
     # Adding 0.0 turns a rounded -0.0 into 0.0.
-    rounded = [np.round(values, _decimals(name)) + 0.0 for name, _, values in columns]
-    table = np.column_stack(rounded)
-    np.savetxt(text, table, fmt=formats, delimiter=",", header=header, comments="")
-    write_whole(Path(path), text.getvalue().encode())
+    rounded = (
+        replace(c, values=np.round(c.values, _decimals(c.name)) + 0.0) for c in whole.columns
+    )
+    write_whole(Path(path), _to_csv(replace(whole, columns=tuple(rounded))))
 
 
 def write_parquet(log: Log, path: Path) -> None:
-    """Write ``log`` as Parquet, the unit of each channel in its metadata. Raises as `write_csv`."""
-    write_whole(Path(path), _parquet_bytes(_columns(log)))
+    """Write ``log`` as Parquet in canonical units. Raises as `write_csv`."""
+    write_whole(Path(path), _to_parquet(_in_canonical_units(log)))
 
 
-def _parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    fields, arrays = [], []
-    for name, unit, values in columns:
-        metadata = None if unit is None else {UNIT_KEY: unit.encode()}
-        fields.append(pa.field(name, pa.float64(), metadata=metadata))
-        arrays.append(pa.array(values, from_pandas=True))
-    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
-    buffer = pa.BufferOutputStream()
-    pq.write_table(
-        table, buffer, compression="zstd", use_dictionary=False, write_page_checksum=True
-    )
-    return bytes(buffer.getvalue().to_pybytes())
-
-
-def _columns(log: Log) -> Iterator[tuple[str, str, Array]]:
-    measured = [(name, log[name], q.unit, q.si) for name, q in CHANNELS.items() if name in log]
-    truth = []
-    for name, values in log.truth.items():
-        unit = next((u for p, u in TRUTH_UNITS.items() if name.startswith(f"{p}_")), None)
-        if unit is None:
-            raise ValueError(f"truth channel {name!r} has no unit in `TRUTH_UNITS`")
-        truth.append((name, values, unit, unit))
-    for name, values, unit, si in (*measured, *truth):
+def _in_canonical_units(log: Log) -> WholeLog:
+    """All channels of a run, truth last. Raises ValueError for a value that is not finite."""
+    columns = []
+    for name, values in ({n: log[n] for n in CHANNELS if n in log} | log.truth).items():
+        if (quantity := CHANNELS.get(name)) is not None:
+            unit, si = quantity.unit, quantity.si
+        else:
+            unit = si = TRUTH_UNITS[name.rpartition("_")[0]]
         if not np.isfinite(values).all():
             raise ValueError(f"{name} holds values that are not finite")
-        yield name, unit, from_si(values, unit, si)
+        columns.append(WholeColumn(name, unit, from_si(values, unit, si)))
+    return WholeLog(log.name, log.source, log.digest, tuple(columns))
 
 
 def _decimals(name: str) -> int:
@@ -117,7 +97,21 @@ def _unit(name: str, unit: str | None) -> str | None:
 
 
 def _to_parquet(log: WholeLog) -> bytes:
-    return _parquet_bytes((c.name, _unit(c.name, c.unit), c.values) for c in log.columns)
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    fields, arrays = [], []
+    for column in log.columns:
+        unit = _unit(column.name, column.unit)
+        metadata = None if unit is None else {UNIT_KEY: unit.encode()}
+        fields.append(pa.field(column.name, pa.float64(), metadata=metadata))
+        arrays.append(pa.array(column.values, from_pandas=True))
+    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+    buffer = pa.BufferOutputStream()
+    pq.write_table(
+        table, buffer, compression="zstd", use_dictionary=False, write_page_checksum=True
+    )
+    return bytes(buffer.getvalue().to_pybytes())
 
 
 def _to_mdf(log: WholeLog) -> bytes:
@@ -138,4 +132,4 @@ WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
     ".parquet": _to_parquet,
     ".mf4": _to_mdf,
 }
-"""What makes the bytes of a file, by its ending. MDF raises LogError without a clock or asammdf."""
+"""Makers of the bytes of a file, by its ending. MDF raises LogError without a clock or asammdf."""

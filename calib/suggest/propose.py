@@ -14,7 +14,7 @@ from calib.base.plain import quoted
 from calib.base.units import UnknownUnit, is_unit, unit_of
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import REQUIRED, read_log
-from calib.logs.source import ColumnSource, address_of, called
+from calib.logs.source import ColumnSource, address_of, indices_of
 from calib.logs.text.cells import column_from_cell
 from calib.logs.text.dialect import LOOKED
 from calib.run.driving_record import NOMINAL_RADIUS
@@ -124,7 +124,7 @@ def _told(
     if not cell:
         return None
     columns, given, si = source.columns, column_from_cell(cell), CHANNELS[channel].si
-    indices = called(cell, columns) or called(given.name, columns)
+    indices = indices_of(cell, columns) or indices_of(given.name, columns)
     if len(indices) != 1:
         has = f"{where} has {len(indices) or 'no'} column{'s' * bool(indices)} {cell!r}"
         names = [address_of(columns[i], columns) for i in indices] or [c.name for c in columns]

@@ -1,4 +1,4 @@
-"""What a cell of a table says: a name and a unit in the header, a time of day below it.
+"""The cells of a table: name and unit in the header, times of day below it.
 
 name [unit]    always a name and a unit
 name (unit)    if the text in brackets is a unit, or if the name is a canonical channel
@@ -97,7 +97,7 @@ _NUMERIC = re.compile(r"[-+]?[\d.,]+([eE][-+]?\d+)?")
 
 
 def _bare_unit(cell: str) -> str:
-    """A unit without brackets around it: ``[bar]`` and ``(bar)`` are ``bar``."""
+    """The unit without brackets: ``[bar]`` and ``(bar)`` are ``bar``."""
     text = cell.strip()
     if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
         text = text[1:-1].strip()
@@ -105,7 +105,7 @@ def _bare_unit(cell: str) -> str:
 
 
 def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -> list[Column]:
-    """Columns with the units of a second header row. Raises LogError for two units of one."""
+    """Columns with the units of a second header row. Raises LogError for a column with two."""
     out = []
     for column, cell in zip(columns, cells, strict=True):
         unit = _bare_unit(cell)

@@ -73,29 +73,7 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     names, note = head_text(b"\n".join((layout.names, layout.units, layout.more)), where)
     dialect = dialect_of(layouts, data, text_format, where)
     cells, units, more = (dialect.cells([line])[0] for line in names.split("\n"))
-    columns = [column_from_cell(cell) for cell in cells]
-    for row in (units, more):
-        if row and len(row) != len(cells):
-            raise LogError(
-                f"{len(cells)} names, and {len(row)} cells in the header row below",
-                where=where,
-                expected="a cell, which may be empty, for each name",
-            )
-    words = {column.name.lower() for column in columns}
-    if words & _FRAME_ID and words & _FRAME_LENGTH:
-        raise LogError(
-            "the rows are frames of a bus, not samples of channels",
-            where=where,
-            expected="a column for each channel",
-            do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
-        )
-    if units:
-        columns = with_unit_row(columns, units, where)
-    if more:
-        columns = [
-            replace(c, full=f"{c.full_name} {text}" if text else c.full)
-            for c, text in zip(columns, more, strict=True)
-        ]
+    columns = _header(cells, units, more, where)
     rows = dialect.cells(sample_of(data, start))
     clocks = [
         i for i in range(len(columns)) if mostly(is_clock, [r[i] for r in rows if len(r) > i])
@@ -107,6 +85,32 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     table = TextRows(data, start, tuple(columns), dialect, where, frozenset(clocks))
     notes = tuple(n for n in (note, above, *counted, table.end()) if n)
     return ColumnSource(table.columns, table.read, notes)
+
+
+def _header(names: list[str], units: list[str], more: list[str], where: str) -> list[Column]:
+    """The columns of a header of up to three rows. Raises LogError for one that does not fit."""
+    for row in (units, more):
+        if row and len(row) != len(names):
+            raise LogError(
+                f"{len(names)} names, and {len(row)} cells in the header row below",
+                where=where,
+                expected="a cell, which may be empty, for each name",
+            )
+    columns = [column_from_cell(cell) for cell in names]
+    words = {column.name.lower() for column in columns}
+    if words & _FRAME_ID and words & _FRAME_LENGTH:
+        raise LogError(
+            "the rows are frames of a bus, not samples of channels",
+            where=where,
+            expected="a column for each channel",
+            do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
+        )
+    if units:
+        columns = with_unit_row(columns, units, where)
+    return [
+        replace(column, full=f"{column.full_name} {text}") if text else column
+        for column, text in zip(columns, more or [""] * len(columns), strict=True)
+    ]
 
 
 @dataclass(frozen=True)
@@ -133,11 +137,11 @@ class TextRows:
         lines = [line.decode(errors="replace") for line in text.splitlines()[-20:]]
         *earlier, last = self.dialect.cells(lines)
         earlier = [row for row in earlier if row]
-        wrong = [len(row) for row in earlier if len(row) != width]
-        if 2 * len(wrong) > len(earlier):  # not cut off: text of another kind
-            flaw = f"{len(wrong)} of the {len(earlier)} rows before the last one have"
+        widths = [len(row) for row in earlier if len(row) != width]
+        if 2 * len(widths) > len(earlier):  # not cut off: text of another kind
+            rows = f"{len(widths)} of the {len(earlier)} rows before the last one"
             raise LogError(
-                f"{flaw} {min(wrong)} to {max(wrong)} cells",
+                f"{rows} have {min(widths)} to {max(widths)} cells",
                 where=self.where,
                 expected=f"a table: {width} cells in each row, as the header has",
             )
@@ -149,14 +153,17 @@ class TextRows:
         return None if ended else "no end of line after the last row, which looks complete"
 
     def _shorter(self, cell: str, earlier: list[str]) -> bool:
-        """By decimals if all others have as many, else by length: not every cut is detected."""
+        """Whether a cell has fewer decimals, or is shorter, than all earlier ones.
+
+        Decimals decide if all others have as many; not every cut is detected.
+        """
         decimals = [len(c.partition(self.dialect.decimal)[2]) for c in (cell, *earlier)]
         if len(set(decimals[1:])) == 1:
             return decimals[0] < decimals[1]
         return bool(earlier) and len(cell) < min(map(len, earlier))
 
     def read(self, indices: Sequence[int]) -> list[Array]:
-        """Some columns as numbers, clocks as seconds. Raises LogError with a bad row."""
+        """Some columns as numbers, clocks as seconds. Raises LogError that names a bad row."""
         import pyarrow as pa
         import pyarrow.csv as arrow_csv
 
@@ -184,7 +191,7 @@ class TextRows:
         ]
 
     def _bad_row(self, cause: str) -> LogError:
-        """The error for what pyarrow says of a row."""
+        """The error for a row that pyarrow cannot read."""
         if cell := re.search(
             r"column #(\d+): Row #(\d+): .*?invalid value '(.*)'", cause, re.DOTALL
         ):

@@ -170,8 +170,8 @@ class _Layout:
 def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[_Layout]:
     """The layouts of a table from ``begin`` on: one, if its separator is clear.
 
-    The best finds the most columns of numbers, the others have its header. One without a separator
-    if no header stands over numbers.
+    The first has the most columns of numbers, the others are as good. It has no separator if no
+    header stands over numbers.
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
@@ -203,7 +203,7 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
 def _layout(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
 ) -> _Layout | None:
-    """The layout with a separator; None without a header over two columns of numbers."""
+    """The layout by a separator; None without a header over two columns of numbers."""
     dialect = Dialect(separator, ".")
     rows = dialect.cells(sample)
     ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]

@@ -112,10 +112,10 @@ def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...
 
 
 def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], list[str]]:
-    """Units by position in the header, and a note if there is not one for each channel.
+    """Units by position in the header, and a note if the number of lines does not fit.
 
-    Lines belong to all names that are not standard, to those without a unit, or to the last ones:
-    the first of these that contradicts no unit of a name.
+    The lines belong to all names that are not standard, to those without a unit, or to the last
+    ones: the first choice that contradicts no unit in a name is taken.
     """
     channels = [
         i
