@@ -26,7 +26,6 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
     from calib.logs.read import open_log, read_opened
     from calib.plausibility.check import check as look_at
     from calib.plausibility.check import to_dict
-    from calib.run.copies import computed_channels
     from calib.show.check import facts
 
     found: list[Findings] = []
@@ -39,7 +38,7 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
                 with open_log(file, channel_map, data=data) as source:
                     run = read_opened(source, channel_map, require=())
                 tell(run)
-                found.append(look_at(run, computed_channels(run, source.source)))
+                found.append(look_at(run))
             except InputError as error:
                 failed.append((path, error))
     for _, wrong in failed:

@@ -78,35 +78,52 @@ class Mixture(NamedTuple):
     evidence: Array
 
 
+class Posterior(NamedTuple):
+    """Means (..., n) and covariances (..., n, n) of the unknowns of linear Gaussian models.
+
+    ``evidence`` (...) logarithm of the likelihood over that where all unknowns are zero.
+    """
+
+    means: Array
+    covariances: Array
+    evidence: Array
+
+
+def posterior(information: Array, side: Array, sigma: Array) -> Posterior:
+    """Posterior of unknowns that are independent, around zero with ``sigma`` (..., n) beforehand.
+
+    ``information`` (..., n, n) and ``side`` (..., n) of the measurement alone: the unknowns that
+    fit it best solve information x = side. In units of sigma, so that the wide ones cost no digits.
+    """
+    scale = sigma[..., :, None] * sigma[..., None, :]
+    total = np.eye(sigma.shape[-1]) + scale * information
+    covariances = scale * np.linalg.inv(total)
+    side = np.broadcast_to(side, covariances.shape[:-1])
+    means = np.einsum("...ij,...j->...i", covariances, side)
+    evidence = 0.5 * (np.sum(side * means, axis=-1) - np.linalg.slogdet(total)[1])
+    return Posterior(means, covariances, evidence)
+
+
 def weigh_hypotheses(
-    information: Array,
-    side: Array,
-    sigma: Array,
-    odds: Array,
-    likelihood: Array | float = 0.0,
+    information: Array, side: Array, sigma: Array, odds: Array, likelihood: Array
 ) -> Mixture:
     """Weigh explanations that differ in how far each unknown may be from zero, or in their noise.
 
-    ``information`` (..., k, n, n) and ``side`` (..., k, n) of the measurement alone: the unknowns
-    that fit it best solve information x = side; k may be 1 where the explanations have one noise.
-    ``sigma`` (k, n) of the unknowns under each explanation, independent and around zero; ``odds``
-    (k,) of the explanations beforehand, up to a factor. ``likelihood`` (..., k) the logarithm of
-    the measurement's likelihood where all unknowns are zero, up to a common constant. The weights
-    follow from the marginal likelihoods; mean and covariance are those of the mixture.
+    ``information`` (..., k, n, n), ``side`` (..., k, n) and ``sigma`` (k, n) as in `posterior`,
+    under each explanation; ``odds`` (k,) of the explanations beforehand, up to a factor.
+    ``likelihood`` (..., k) the logarithm of the measurement's likelihood where all unknowns are
+    zero, up to a common constant. The weights follow from the marginal likelihoods; mean and
+    covariance are those of the mixture.
     """
-    prior = sigma**-2.0
-    total = information + prior[:, :, None] * np.eye(prior.shape[1])
-    covariance = np.linalg.inv(total)
-    means = np.einsum("...kij,...kj->...ki", covariance, np.broadcast_to(side, total.shape[:-1]))
-    evidence = 0.5 * np.sum(side * means, axis=-1) + likelihood
-    evidence += 0.5 * (np.log(prior).sum(axis=1) - np.linalg.slogdet(total)[1]) + np.log(odds)
+    means, covariances, evidence = posterior(information, side, sigma)
+    evidence = evidence + likelihood + np.log(odds)
     most = evidence.max(axis=-1, keepdims=True)
     weights = np.exp(evidence - most)
     total_weight = weights.sum(axis=-1, keepdims=True)
     weights /= total_weight
     mean = np.einsum("...k,...ki->...i", weights, means)
     apart = means - mean[..., None, :]
-    spread = covariance + apart[..., :, None] * apart[..., None, :]
+    spread = covariances + apart[..., :, None] * apart[..., None, :]
     mixed = np.einsum("...k,...kij->...ij", weights, spread)
     return Mixture(mean, mixed, weights, means, (most + np.log(total_weight))[..., 0])
 

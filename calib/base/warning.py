@@ -26,7 +26,7 @@ class _Rule(NamedTuple):
 
     The range is no narrower than zero give or take ``sure`` of the sigmas. ``asked`` by these
     purposes; ``needs`` a vehicle, other logs, a table or a fit; "" of a log alone. ``causes`` the
-    most likely first, ``below`` those of what is below the range.
+    most likely first, ``below`` those of what is below the range. It ``makes`` other codes.
     """
 
     code: str
@@ -42,6 +42,7 @@ class _Rule(NamedTuple):
     causes: tuple[str, ...]
     below: tuple[str, ...]
     do: str
+    makes: tuple[str, ...]
 
 
 def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
@@ -61,11 +62,14 @@ def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
         listed(words["causes"]),
         listed(words["below"]),
         row["do"] or first["do"],
+        tuple(first["makes"].split()),
     )
 
 
 _ROWS = rows("rules.csv")
-_FIRST = {row["code"]: row for row in reversed(_ROWS)}
+_FIRST: dict[str, dict[str, str]] = {}
+for _row in _ROWS:
+    _FIRST.setdefault(_row["code"], _row)
 RULES = tuple(_read(row, _FIRST[row["code"]]) for row in _ROWS)
 _MEANS = {rule.code: rule.means for rule in reversed(RULES)}
 LIMITS = SimpleNamespace(
@@ -184,6 +188,26 @@ def _warned(rule: _Rule, log: str, m: Measured, low: float, high: float) -> Plau
     causes = tuple(one for cell in cells for one in listed(cell.format(**m.words)))
     do = rule.do.format(**m.words)
     return PlausibilityWarning(m.code, log, m.shown(m.value), (shown[0], shown[1]), causes, do)
+
+
+def unexplained(
+    warnings: Iterable[PlausibilityWarning], beside: Iterable[PlausibilityWarning] = ()
+) -> tuple[PlausibilityWarning, ...]:
+    """The warnings that no other one makes, nor one ``beside`` them, in the order of the rules.
+
+    Units, signs and zeros stand first there: what a log with a wrong one shows further, as wheels
+    that seem to lock, has that cause and no other.
+    """
+    told = tuple(warnings)
+    made = {code for one in (*told, *beside) for code in _OF[one.code][0].makes}
+    return tuple(sorted((one for one in told if one.code not in made), key=_place))
+
+
+def _place(warning: PlausibilityWarning) -> int:
+    return _PLACES[warning.code]
+
+
+_PLACES = {code: place for place, code in enumerate(_FIRST)}
 
 
 def bounds_of(code: str) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from calib.base.arrays import Array
 from calib.logs.clock import step_of
@@ -20,13 +21,23 @@ class Origin:
     offset: float
 
 
+class ComputedPressure(NamedTuple):
+    """A pressure ``channel`` that in bar is ``factor`` times the ``column`` in its ``unit``."""
+
+    channel: str
+    factor: float
+    column: str
+    unit: str
+
+
 @dataclass(frozen=True)
 class Log:
     """One run: canonical ``channels`` [SI], (n,) each, with ``time``.
 
     ``name`` is the file stem, ``digest`` the SHA-256 of the file or of simulated content, ``truth``
     that of a simulation [SI], only to score results. ``notes`` say what the reader changed;
-    ``marked`` samples have no value; ``interpolated`` channels were recorded on another clock.
+    ``marked`` samples have no value; ``interpolated`` channels were recorded on another clock,
+    ``computed`` pressures from another column.
     """
 
     name: str
@@ -40,6 +51,7 @@ class Log:
     bridged: tuple[ChannelHole, ...] = ()
     marked: tuple[Marked, ...] = ()
     interpolated: tuple[str, ...] = ()
+    computed: tuple[ComputedPressure, ...] = ()
 
     def __repr__(self) -> str:
         names = ", ".join(self.channels) + (" + truth" if self.truth else "")

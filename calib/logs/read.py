@@ -16,6 +16,7 @@ from calib.base.names import CHANNELS
 from calib.base.plain import quoted
 from calib.logs.channel_map import MAP_IT, TRUTH, Assigned, ChannelMap, assign, without_unit
 from calib.logs.clock import check_clock, is_ascending, on_line
+from calib.logs.computed import computed_pressures
 from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
 from calib.logs.gaps import ChannelHole, complete_channels, fill_rows, without_open_ends
 from calib.logs.impossible import refuse_absurd, without_impossible
@@ -159,6 +160,7 @@ def read_opened(
         bridged=tuple(gap for gap in (*sampled.bridged, *bridged) if gap.channel in values),
         marked=marked,
         interpolated=sampled.interpolated,
+        computed=tuple(computed_pressures(values, ignored, source)),
     )
 
 

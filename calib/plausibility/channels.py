@@ -8,17 +8,21 @@ from itertools import groupby
 
 import numpy as np
 
+from calib.base.arrays import Mask
 from calib.base.names import AXLES, WHEELS
 from calib.base.units import from_si
 from calib.base.warning import Measured, bounds_of
+from calib.car.braking import MOVING
 from calib.plausibility.evidence import Evidence
 from calib.run.axle_signals import held_time
 from calib.run.copies import shares_of_speed, twice
-from calib.run.driving_record import BITE_Z
+from calib.run.driving_record import BITE_Z, DrivingRecord
 
 _OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 _NEEDED = ("p_mc", "a_x", *_OMEGAS)
 _LATE, _EXPLAINED = bounds_of("pressure_late")[1], bounds_of("pressure_foreign")[0]
+_RESISTED, _ROLLS = 0.04, 0.3
+"""Deceleration of a car that no brake slows at most [g], and the time that shows it [s]."""
 _PRESSED = 20e5  # pressure from which sensors, left and right, agree as one to the other [Pa]
 
 
@@ -27,6 +31,12 @@ def channels(e: Evidence) -> Iterator[Measured]:
     for name in e.run.missing:
         where = ", in bar, at the master cylinder" if name == "p_mc" else ""
         yield Measured("channel_missing", 1.0, words={"channel": name, "where": where})
+
+
+def computed(e: Evidence) -> Iterator[Measured]:
+    """Pressures that are another column of the log times a number."""
+    for pressure in e.run.log.computed:
+        yield Measured("pressure_derived", 1.0, words=pressure._asdict())
 
 
 def marked(e: Evidence) -> Iterator[Measured]:
@@ -125,11 +135,25 @@ def late(e: Evidence) -> Iterator[Measured]:
 
 
 def at_rest(e: Evidence) -> Iterator[Measured]:
-    """Pressure while rolling."""
-    s = e.run.signals
-    if s.lead_in.any():
-        zero = max((float(np.mean(p[s.lead_in])) for p in (s.p_f, s.p_r)), key=abs)
+    """Pressure while rolling: on the lead-in, or, where the brake seems never released, by a_x."""
+    run = e.run
+    if run.missing or run.speed < MOVING:
+        return
+    s = run.signals
+    rolling = s.lead_in if s.lead_in.any() else _rolls_at_first(run.driving)
+    if rolling.any():
+        zero = max((float(np.mean(p[rolling])) for p in (s.p_f, s.p_r)), key=abs)
         yield Measured("pressure_zero", from_si(zero, "bar", "Pa"))
+
+
+def _rolls_at_first(driving: DrivingRecord) -> Mask:
+    """Samples (n,) well before the car first brakes by its deceleration; none if it slows there."""
+    unbraked = np.flatnonzero(np.cumsum(driving.z > BITE_Z) == 0)
+    rolling = np.zeros(driving.z.size, bool)
+    rolling[unbraked[: unbraked.size // 2]] = True  # in the other half a ramp may have begun
+    long = np.count_nonzero(rolling) * driving.step >= _ROLLS
+    slows = long and float(np.mean(driving.z[rolling])) > _RESISTED
+    return rolling & driving.moving & (long and not slows)
 
 
 def pressure_sides(e: Evidence) -> Iterator[Measured]:

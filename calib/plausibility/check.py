@@ -1,13 +1,13 @@
 """Check a log: its content, and the purposes it is usable for."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
 from calib.base.names import AXLE_NAMES, CHANNELS
 from calib.base.units import from_si, to_si
-from calib.base.warning import PlausibilityWarning, bounds_of
+from calib.base.warning import PlausibilityWarning, bounds_of, unexplained
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log, Origin
 from calib.plausibility.evidence import Evidence
@@ -52,11 +52,10 @@ class Findings:
         return any(verdict.usable for verdict in self.verdicts)
 
 
-def check(log: Log, copies: Iterable[str] = (), vehicle: Vehicle | None = None) -> Findings:
+def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     """Check a log and judge it for each purpose, by the rules that the purpose asks itself.
 
-    Channels may be missing (``require=()`` of `read_log`). ``copies`` name pressures that were
-    computed from another column: they make the log unusable. Rules that need a vehicle, or other
+    Channels may be missing (``require=()`` of `read_log`). Rules that need a vehicle, or other
     logs, are asked by the purpose alone; with a ``vehicle`` those of the first kind here, too.
 
     >>> import calib
@@ -66,13 +65,16 @@ def check(log: Log, copies: Iterable[str] = (), vehicle: Vehicle | None = None) 
     >>> findings.verdicts[0].reasons[0].partition(";")[0]
     'no braking (no_braking)'
     """
-    seen, copies = Run(log, vehicle), tuple(copies)
-    reasons = {name: (*copies, *(one.text for one in unusable(seen, name))) for name in PURPOSES}
-    useless = all(reasons.values())
+    seen = Run(log, vehicle)
+    refused = {name: unusable(seen, name) for name in PURPOSES}
+    warnings = warnings_on(Evidence(seen), CHECK, whole=not all(refused.values()))
     return Findings(
         seen,
-        warnings_on(Evidence(seen), CHECK, whole=not useless),
-        tuple(_Verdict(name, not why, why) for name, why in reasons.items()),
+        unexplained(warnings, (one for each in refused.values() for one in each)),
+        tuple(
+            _Verdict(name, not reasons, tuple(one.text for one in reasons))
+            for name, reasons in refused.items()
+        ),
     )
 
 

@@ -10,7 +10,16 @@ from collections.abc import Callable, Collection, Iterator
 from functools import cache
 
 from calib.base.errors import LogError
-from calib.base.warning import REFUSE, RULES, VOID, WARN, Measured, PlausibilityWarning, judged
+from calib.base.warning import (
+    REFUSE,
+    RULES,
+    VOID,
+    WARN,
+    Measured,
+    PlausibilityWarning,
+    judged,
+    unexplained,
+)
 from calib.car.braking import MOVING
 from calib.plausibility import channels, driving, forces, wheels
 from calib.plausibility.evidence import Evidence
@@ -30,16 +39,16 @@ _CALLED = {
 Figure = Callable[[Evidence], Iterator[Measured]]
 
 _OF_LOG: tuple[Figure, ...] = (
-    *(driving.clock, channels.channels, channels.marked, channels.sensors),
+    *(driving.clock, channels.channels, channels.computed, channels.marked, channels.sensors),
 )
 """Figures of any log; the rules have them by their names."""
 _OF_MOTION: tuple[Figure, ...] = (
-    *(driving.driving, driving.use, wheels.wheels, wheels.radii),
-    *(channels.noise, channels.pressure, channels.speed, channels.held),
+    *(wheels.wheel_sign, driving.driving, driving.use, wheels.wheels, wheels.radii),
+    *(channels.noise, channels.at_rest, channels.pressure, channels.speed, channels.held),
 )
 """Those that need a_x and the wheel speeds."""
 _OF_SIGNALS: tuple[Figure, ...] = (
-    *(channels.copied, channels.late, channels.at_rest),
+    *(channels.copied, channels.late),
     *(channels.pressure_sides, channels.from_master),
     *(
         wheels.car_wheels,
@@ -92,13 +101,10 @@ def _second(run: Run) -> tuple[tuple[Figure, ...], ...]:
 def _broken(
     e: Evidence, groups: tuple[tuple[Figure, ...], ...], purpose: str, does: Collection[str]
 ) -> tuple[PlausibilityWarning, ...]:
-    asked = _asked(purpose, tuple(does))
-    found: list[PlausibilityWarning] = []
-    for figures in ({figure.__name__: figure for figure in group} for group in groups):
-        for name in asked:
-            if name in figures:
-                found += judged(e.run.log.name, figures[name](e), purpose, does)
-    return tuple(found)
+    figures = {figure.__name__: figure for group in groups for figure in group}
+    asked = [figures[name] for name in _asked(purpose, tuple(does)) if name in figures]
+    name = e.run.log.name
+    return unexplained(w for figure in asked for w in judged(name, figure(e), purpose, does))
 
 
 @cache

@@ -4,7 +4,7 @@ Each function is a figure of `rules.csv` by its name.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import permutations
 
@@ -19,7 +19,7 @@ from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE, MOVING
 from calib.car.figures import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
-from calib.plausibility.wheel_offset import offsets_of
+from calib.plausibility.speed_mistakes import CLOCK, SpeedMistake, speed_mistakes
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE
 from calib.run.resistance import identify
@@ -43,6 +43,18 @@ _SPAN, _SIGMA = 11, 5.0
 scatter, or in 0.1 % of the speed, that noise does not have."""
 
 
+def wheel_sign(e: Evidence) -> Iterator[Measured]:
+    """Wheel speeds that are negative wherever the wheel turns."""
+    turning, log = MOVING / NOMINAL_RADIUS, e.run.log
+    speeds = {wheel: log[f"omega_{wheel}"] for wheel in WHEELS}
+    backwards = [
+        f"omega_{wheel}"
+        for wheel, omega in speeds.items()
+        if np.any(fast := np.abs(omega) > turning) and float(np.median(omega[fast])) < 0.0
+    ]
+    yield Measured("wheel_sign", float(bool(backwards)), words={"wheels": ", ".join(backwards)})
+
+
 def wheels(e: Evidence) -> Iterator[Measured]:
     """Sign and unit of a_x and v by the wheels, columns that have changed places."""
     axles = e.run.axles
@@ -51,19 +63,34 @@ def wheels(e: Evidence) -> Iterator[Measured]:
     if (slope := axles.slope) is not None:
         yield Measured("a_x_sign", float(slope < 0.0))
         yield Measured("a_x_unit", abs(slope))
-    offsets = offsets_of(e.run) if axles.radius is not None else {}
-    for axle, offset in offsets.items():
-        of_v = f"an offset of v of {-3.6 * offset.value * offset.radius:+.1f} km/h"
-        of_axle = {"wheels": f"{AXLE_NAMES.get(axle)} wheel speeds", "of_v": ""}
-        words = of_axle if axle else {"wheels": "wheel speeds", "of_v": of_v}
-        yield Measured("wheel_offset", offset.value, offset.sigma, words=words)
-    if axles.radius is not None and not offsets:
+    mistakes = speed_mistakes(e.run) if axles.radius is not None else {}
+    for axle, named in mistakes.items():
+        yield _against_v(axle, named)
+    if axles.radius is not None and not mistakes:
         yield from _of_v(axles.radius, slope or 0.0)
     if (crossed := crossed_side(e.run.wheels, e.run.alone)) is not None:
         yield Measured("wheels_crossed_side", crossed.part, words={"found": crossed})
     if (eta := axles.eta_braked) is not None:
         rise = -eta.value if e.run.alone == "r" else eta.value
         yield Measured("axles_swapped", rise, eta.half, words=_sides(e.run.alone))
+
+
+def _against_v(axle: str, mistakes: Sequence[SpeedMistake]) -> Measured:
+    """The likeliest of the ``mistakes`` that v and the wheels of an ``axle`` show, or of both."""
+    likeliest = mistakes[0]
+    causes = [cause for mistake in mistakes for cause in _causes(axle, mistake)]
+    code = "v_clock" if likeliest.kind == CLOCK else "wheel_offset"
+    return Measured(code, likeliest.size, likeliest.sigma, words={"causes": "|".join(causes)})
+
+
+def _causes(axle: str, mistake: SpeedMistake) -> Iterator[str]:
+    if mistake.kind == CLOCK:
+        yield f"a clock of v of its own, which runs {100.0 * mistake.size:+.1f} % off"
+        return
+    wheels = f"{AXLE_NAMES[axle]} wheel speeds" if axle else "wheel speeds"
+    yield f"an offset of the {wheels}, which their decoding lacks"
+    if not axle:
+        yield f"an offset of v of {-3.6 * mistake.size * mistake.radius:+.1f} km/h"
 
 
 def _of_v(radius: float, by_a_x: float) -> Iterator[Measured]:

@@ -1,4 +1,4 @@
-"""Channels that are no measurement of their own: copies, values that are held, computed pressures.
+"""Channels that are no measurement of their own: copies, derivatives, values that are held.
 
 Two sensors have noise of their own. A bus sends each message at a rate of its own, 10 Hz for a
 receiver of satellites, 50 or 100 Hz for a_x and the wheels, and a logger with a faster clock
@@ -14,13 +14,10 @@ from itertools import combinations
 import numpy as np
 
 from calib.base.arrays import Array, Index
-from calib.base.errors import LogError
 from calib.base.names import WHEELS
-from calib.base.units import UnknownUnit, si_of, spelling
 from calib.base.warning import LIMITS, bounds_of
 from calib.logs.clock import GAP
 from calib.logs.log import Log
-from calib.logs.source import ColumnSource, Recording
 from calib.run.filters import square_left
 from calib.run.sensors import resolution_of
 
@@ -159,62 +156,3 @@ def without_holds(log: Log) -> Log:
             straight.add(name)
     cut = {name: x[:end] for name, x in channels.items()}
     return replace(log, channels=cut, interpolated=tuple(sorted(straight)))
-
-
-_PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
-"""The channels that are checked. The bus of some cars has the demanded brake torque and no
-pressure, and some decoders divide this torque by a constant to get a pressure."""
-
-
-def factor_between(channel: Array, other: Array) -> float | None:
-    """The factor with which ``other`` gives ``channel``, or None; both of shape (n,).
-
-    >>> factor_between(np.array([0.0, 1.0, 3.0, 2.0]), np.array([0.0, 100.0, 300.0, 200.0]))
-    0.01
-    """
-    extent = float(np.ptp(channel))
-    if extent == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
-        return None
-    factor = float(channel @ other / (other @ other))
-    alike = float(np.max(np.abs(channel - factor * other))) < LIMITS.computed_alike * extent
-    return round(factor, 12) if alike else None
-
-
-def computed_channels(log: Log, source: ColumnSource | Recording) -> Iterator[str]:
-    """What is said of each pressure of a log that is a column of its ``source`` times a number.
-
-    Nothing of a recording: a bus has thousands of signals, which are not searched.
-    """
-    if isinstance(source, Recording):
-        return
-    pressures = [name for name in _PRESSURES if name in log]
-    for index, column in enumerate(source.columns):
-        if column.name not in log.ignored or not pressures or not is_other_quantity(column.unit):
-            continue
-        try:
-            (values,) = source.read([index])
-        except LogError:
-            continue
-        for name in pressures:
-            if values.size != log[name].size:
-                continue
-            factor = factor_between(log[name] / 1e5, values)
-            if factor is not None:
-                yield (
-                    f"{name} in bar is {factor:.4g} times {column.name} "
-                    f"[{spelling(str(column.unit))}]: it was computed from that and is not a "
-                    "measured pressure: log the pressure itself"
-                )
-
-
-def is_other_quantity(unit: str | None) -> bool:
-    """Whether a unit is that of a quantity of which a pressure can be computed.
-
-    Not so a pressure: a logger may write one in two units. Neither a bare number: it may be the
-    count of the converter that the pressure was scaled from.
-    """
-    try:
-        bare = unit is None or spelling(unit) in ("1", "-")
-        return not bare and si_of(str(unit)) not in ("Pa", "s")
-    except UnknownUnit:
-        return False

@@ -6,7 +6,7 @@ from calib.base.arrays import Array
 from calib.base.names import G
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
-from calib.run.copies import factor_between, is_other_quantity
+from calib.logs.computed import factor_between, is_other_quantity
 from calib.run.pressure_delay import pressure_delay
 from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows
 from calib.suggest.words import (

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.warning import REFUSE
+from calib.base.warning import REFUSE, RULES
 from calib.plausibility.channels import at_rest, copied, held, late, pressure_sides
+from calib.plausibility.check import check
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import FIT, unusable
 from calib.plausibility.wheels import car_wheels, lost_pulses, slip_of_v
@@ -202,6 +203,34 @@ def test_an_offset_of_v_is_one_of_all_wheels():
 def test_neither_another_radius_nor_deep_slip_is_an_offset(log):
     codes = {one.code for car in (None, CAR) for one in refused(log, car)}
     assert "wheel_offset" not in codes
+
+
+@pytest.mark.parametrize(("log", "factor"), [(RAMP, 1.08), (STOP, 0.97), (STOP, 1.05)])
+def test_a_clock_of_v_is_none_of_the_wheels(log, factor):
+    v = np.interp(log.time / factor, log.time, log["v"])
+    first = refused(changed(log, v=v), CAR)[0]
+    assert first.code == "v_clock"
+    assert first.measured == pytest.approx(factor - 1.0, abs=0.015)
+
+
+def test_wheels_that_count_backwards_are_the_only_reason():
+    log = changed(RAMP, **{f"omega_{w}": -RAMP[f"omega_{w}"] for w in ("fr", "rr")})
+    assert [one.code for one in refused(log)] == ["wheel_sign"]
+    warned = {one.code for one in check(log).warnings}
+    assert not {"abs", "locked_wheels", "sides_f", "sides_r"} & warned
+
+
+@pytest.mark.parametrize("zero", [1.7e5, 2.5e5, 5e5])
+def test_the_zero_of_the_pressure_comes_before_what_it_hides(zero):
+    codes = [one.code for one in refused(changed(RAMP, p_mc=RAMP["p_mc"] + zero), CAR)]
+    assert codes[0] in ("pressure_low", "pressure_zero")
+    assert "lead_in" not in codes
+
+
+def test_a_rule_makes_only_what_stands_behind_it():
+    places = {rule.code: place for place, rule in reversed([*enumerate(RULES)])}
+    for rule in RULES:
+        assert all(places[code] > places[rule.code] for code in rule.makes), rule.code
 
 
 @pytest.mark.parametrize("factor", [1.609, 3.6, 1.0 / 3.6])

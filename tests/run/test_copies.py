@@ -1,4 +1,4 @@
-"""Channels that are sent seldom, and pressures that were computed from something else."""
+"""Channels that are sent seldom, are copies, or derivatives."""
 
 from dataclasses import replace
 
@@ -7,12 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.logs.log import Log
-from calib.logs.source import Column, ColumnSource
-from calib.plausibility.check import check
 from calib.run.copies import (
     came_at,
-    computed_channels,
     period_of,
     shares_of_speed,
     twice,
@@ -80,31 +76,6 @@ def test_one_signal_under_two_names_is_found_also_where_both_are_held():
     assert [pair for *pair, _ in twice(same, names)] == [["omega_fl", "omega_fr"]]
     seldom = changed(same, **{name: held(same[name], 5) for name in names})
     assert [pair for *pair, _ in twice(seldom, names)] == [["omega_fl", "omega_fr"]]
-
-
-def log_with(unit, values):
-    log = Log("run", "run.csv", "", RUN.channels, ignored=("other",))
-    return log, ColumnSource((Column("other", unit),), lambda indices: [values])
-
-
-def test_a_pressure_made_of_a_torque_is_found_and_refused():
-    log, source = log_with("Nm", np.round(RUN["p_mc"] / 1e5 * 75, 1))
-    (copy,) = computed_channels(log, source)
-    assert not check(log, (copy,)).usable
-
-
-@pytest.mark.parametrize(
-    ("unit", "values"),
-    [
-        ("kPa", RUN["p_mc"] / 1e3),  # the same pressure again
-        ("furlong", RUN["p_mc"]),
-        (None, RUN["p_mc"]),
-        ("N*m", RUN["p_mc"] + np.random.default_rng(1).normal(0, 0.1e5, RUN.time.size)),
-        ("N*m", np.zeros(RUN.time.size)),
-    ],
-)
-def test_what_is_no_copy(unit, values):
-    assert not list(computed_channels(*log_with(unit, values)))
 
 
 @pytest.mark.parametrize("width", [2, 16])

@@ -180,13 +180,12 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
 
 def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.plausibility.check import check
-    from calib.run.copies import computed_channels
     from calib.run.run import figures
 
     where, file = Path(item.name), Path(item.path)
     with open_log(where, job.channel_map, data=files[""], file=file) as opened:
         log = read_opened(opened, job.channel_map, require=())
-        found = check(log, computed_channels(log, opened.source))
+        found = check(log)
     usable = (verdict.usable for verdict in found.verdicts)
     metrics = map(finite, figures(found.seen).values())
     cells = (*usable, *metrics, _codes(found.warnings))

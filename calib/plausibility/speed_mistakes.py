@@ -1,0 +1,219 @@
+"""Mistakes by which v and the wheel speeds contradict each other: an offset, or a clock of v.
+
+    v = R (omega - offset + slip and growth of the tyre) + late
+    v = v_0 - (scale of a_x) g int z dt + slope t + late
+    late = g int z dt from (t - delay)/(1 + c) to t
+
+over coasting, lead-in and braking. Slip is a cubic of z. Each hypothesis is a linear Gaussian
+model. Tyres and sensors have in all of them what they usually have; they differ in what they
+believe of the radius R, of the offset and of the rate c by which the clock of v runs off.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.intervals import posterior
+from calib.base.names import AXLES, G
+from calib.car.lag import integral
+from calib.run.driving_record import DRIVEN, GREATEST, NOMINAL_RADIUS, SMOOTH
+from calib.run.filters import block_mean
+from calib.run.run import Run
+
+OFFSET, CLOCK = "offset", "clock"
+
+_FEWEST, _LASTING = 20, 4.0
+"""Means over which a mistake is told, and how much longer than one of them its errors last [1]."""
+_FILE, _USUAL, _CAR, _UNIT = 0.012, 0.08, 0.1, 3.0
+"""Sigma of a radius over that of the vehicle file, of any radius, and of one of another car and in
+another unit [1]."""
+_SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.003))
+"""Mean and sigma of what v has over radius and wheel speed, with z, its square and cube, and with
+the square of the wheel speed over 100 rad/s: slip of a tyre, its bend, and how a tyre grows [1]."""
+_IN_TIME, _LATE, _FINEST = 0.05, (0.1, 0.2, 0.3, 0.4), 5e-3
+"""Sigma of a delay, and those of a receiver or a slow filter [s]; least error of v [m/s]."""
+_ROLLS = 0.2  # sigma of the slip of an axle that does not brake, over the usual one [1]
+_A_X, _SCALE = ((0.0, 100.0), (0.0, 0.3), (0.0, 0.02)), 0.015
+"""Mean and sigma of v_0 [m/s], of a slope and the zero of a_x [m/s^2], and of how it changes
+[m/s^3]; sigma of the scale of a_x [1]."""
+_SMALL, _LARGE = 0.3, (3.0, 30.0)
+"""Sigma of an offset that no one sees, and of one by mistake, of any size [rad/s]."""
+_RATES, _NEAR, _STEADY = tuple(x / 100.0 for x in range(-10, 11, 2) if x), 0.01, 1e-3
+"""Rates of a clock that runs off, their sigma, and that of one which does not [1]."""
+_RARE, _RARER = math.log(0.05), math.log(0.01)  # odds of what else v may be, and of a mistake
+_SURE, _EXPLAINED = 3.0, 2.5
+"""ln of the odds from which a mistake is named, and the most that it leaves of v, over noise."""
+
+
+class SpeedMistake(NamedTuple):
+    """A mistake by its ``kind``, with its size and sigma: an offset [rad/s], or a rate [1].
+
+    ``log_odds`` over all in which nothing is wrong; ``radius`` of the wheels with it [m].
+    """
+
+    kind: str
+    size: float
+    sigma: float
+    log_odds: float
+    radius: float
+
+
+def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
+    """Mistakes that explain v by axle, most probable first; by "" those that both axles share."""
+    car = run.vehicle
+    radii = (car.front.rolling_radius, car.rear.rolling_radius) if car else (None, None)
+    by_axle = {a: _mistakes(run, a, radius) for a, radius in zip(AXLES, radii, strict=True)}
+    named = {axle: _named(mistakes) for axle, mistakes in by_axle.items()}
+    named = {axle: mistakes for axle, mistakes in named.items() if mistakes}
+    if not named:
+        return {}
+    likeliest = max(named.values(), key=lambda mistakes: mistakes[0].log_odds)
+    alike = [m for mistakes in by_axle.values() for m in mistakes if m.kind == likeliest[0].kind]
+    apart = np.ptp([m.size for m in alike]) > 3.0 * math.hypot(*(m.sigma for m in alike))
+    return named if apart else {"": likeliest}
+
+
+def _named(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
+    """Those more probable than nothing wrong, and near the most probable one, which is first."""
+    least = max([_SURE, *(m.log_odds - _SURE for m in mistakes)])
+    near = (m for m in mistakes if m.log_odds > least)
+    return tuple(sorted(near, key=lambda m: m.log_odds, reverse=True))
+
+
+def _mistakes(run: Run, axle: str, radius: float | None) -> list[SpeedMistake]:
+    """Both mistakes as the wheels of an axle show them, with a ``radius`` [m] that is known or not.
+
+    None where a log is too short to tell, nor of an axle that brakes alone: nobody knows its slip.
+    None that leaves too much of v, as locked wheels do.
+    """
+    if run.alone == axle:
+        return []
+    speed = _AxleSpeed.of(run, axle, radius or NOMINAL_RADIUS)
+    if speed.v.size < _FEWEST:
+        return []
+    fits = [speed.fit(belief) for belief in _beliefs(_FILE if radius else _USUAL)]
+    sound = np.logaddexp.reduce([fit.log for fit in fits if not fit.belief.kind])
+    mistakes = []
+    for kind, place in ((OFFSET, 1), (CLOCK, -1)):
+        of_kind = [fit for fit in fits if fit.belief.kind == kind]
+        best = max(of_kind, key=lambda fit: fit.log)
+        if _LASTING * best.misfit < _EXPLAINED * speed.v.size:
+            log_odds = float(np.logaddexp.reduce([fit.log for fit in of_kind]) - sound)
+            sigma = math.sqrt(best.covariance[place, place])
+            size, scale = float(best.unknowns[place]), float(best.unknowns[0])
+            mistakes.append(SpeedMistake(kind, size, sigma, log_odds, speed.radius * scale))
+    return mistakes
+
+
+class _Belief(NamedTuple):
+    """What a hypothesis believes: ``kind`` of the mistake, "" of none, ln of its ``odds``.
+
+    Sigma of the ``radius`` [1] and the ``offset`` [rad/s]; ``delay`` of v [s]; the ``rate`` of its
+    clock with its sigma [1]; ``slips`` whether v was made of wheel speeds, and slips with them;
+    sigma of the ``scale`` of a_x [1].
+    """
+
+    kind: str
+    odds: float
+    radius: float
+    offset: float = _SMALL
+    delay: float = 0.0
+    rate: float = 0.0
+    rate_sigma: float = _STEADY
+    slips: bool = False
+    scale: float = _SCALE
+
+
+def _beliefs(radius: float) -> Iterator[_Belief]:
+    """All hypotheses; ``radius`` sigma of what is known of that [1]."""
+    yield _Belief("", 0.0, radius)
+    yield _Belief("", _RARE, radius, slips=True)
+    yield _Belief("", _RARE, _CAR)
+    yield from (_Belief("", _RARE, other, scale=other) for other in (_CAR, _UNIT))
+    for delay in _LATE:
+        yield _Belief("", _RARE - math.log(len(_LATE)), radius, delay=delay)
+    for offset in _LARGE:
+        yield _Belief(OFFSET, _RARER - math.log(len(_LARGE)), radius, offset)
+    for rate in _RATES:
+        odds = _RARER - math.log(len(_RATES))
+        yield _Belief(CLOCK, odds, radius, rate=rate, rate_sigma=_NEAR)
+
+
+class _Fit(NamedTuple):
+    """A ``belief`` after the log: ln of odds times evidence, unknowns, and the squares left."""
+
+    belief: _Belief
+    log: float
+    unknowns: Array
+    covariance: Array
+    misfit: float
+
+
+@dataclass(frozen=True)
+class _AxleSpeed:
+    """v [m/s] (n,) as means over 0.1 s, where the car moves and no engine drives it.
+
+    ``columns`` (2 n, 13) what the unknowns make of v by both equations: radius, offset, slip (4),
+    v_0, slope, its change, slip of v, scale, delay, rate; ``shifts`` (n,) what delay and rate make
+    of it; ``radius`` [m] by which the first one is counted; ``noise`` of v by both (2 n,) [m/s];
+    ``slip`` mean and sigma of the slip (4, 2).
+    """
+
+    v: Array
+    columns: Array
+    shifts: dict[tuple[float, float], Array]
+    radius: float
+    noise: Array
+    slip: Array
+
+    @classmethod
+    def of(cls, run: Run, axle: str, radius: float) -> "_AxleSpeed":
+        """By the wheels of an axle."""
+        d, size = run.driving, max(1, round(SMOOTH / run.driving.step))
+        inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST)
+        use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
+        omega = 0.5 * (run.log[f"omega_{axle}l"] + run.log[f"omega_{axle}r"])
+        time, lost = d.time - d.time[0], G * integral(d.time, d.z)
+        pairs = [(delay, 0.0) for delay in (0.0, *_LATE)] + [(0.0, rate) for rate in _RATES]
+        shifts = [lost - np.interp((time - late) / (1.0 + c), time, lost) for late, c in pairs]
+        signals = (run.log["v"], omega, d.z, time, lost, *shifts)
+        v, omega, z, time, lost, *shifts = (block_mean(x, size)[use] for x in signals)
+        slips = (z * omega, z**2 * omega, z**3 * omega, 1e-4 * omega**3)
+        one = np.ones_like(v)
+        wheels = radius * np.stack([omega, -one, *slips], axis=1)
+        a_x = np.stack([one, time, 0.5 * time**2, -z * v, -lost], axis=1)
+        late = np.stack([G * z, G * z * time], axis=1)
+        noise = [_noise(np.hstack([A, late]), v, shifts) * one for A in (wheels, a_x)]
+        columns = np.block([[wheels, 0.0 * a_x, late], [0.0 * wheels, a_x, late]])
+        by_shift = dict(zip(pairs, shifts, strict=True))
+        slip = np.array(_SLIP) * (1.0 if run.alone is None else np.array([0.0, _ROLLS]))
+        return cls(v, columns, by_shift, radius, np.hstack(noise), slip)
+
+    def fit(self, belief: _Belief) -> _Fit:
+        """The unknowns with what is believed of them."""
+        slip, of_v = self.slip, np.array([(0.0, _STEADY)])
+        if belief.slips:
+            slip, of_v = slip * (0.0, 1.0), slip[:1]
+        others = np.concatenate([slip, _A_X, of_v, [(1.0, belief.scale), (0.0, _IN_TIME)]])
+        mean = np.array([1.0, 0.0, *others[:, 0], 0.0])
+        sigma = np.array([belief.radius, belief.offset, *others[:, 1], belief.rate_sigma])
+        rows = self.columns / self.noise[:, None]
+        y = np.tile(self.v - self.shifts[belief.delay, belief.rate], 2) / self.noise
+        r = y - rows @ mean
+        x, covariance, evidence = posterior(rows.T @ rows, rows.T @ r, sigma)
+        log = belief.odds + float(evidence - 0.5 * r @ r)
+        left = (r - rows @ x)[: self.v.size]
+        x = mean + x
+        x[-1] += belief.rate
+        return _Fit(belief, log, x, covariance, float(left @ left))
+
+
+def _noise(A: Array, v: Array, shifts: list[Array]) -> float:
+    """What the best of all numbers and ``shifts`` leave of v [m/s], with how long it lasts."""
+    left = (v - x - A @ np.linalg.lstsq(A, v - x)[0] for x in shifts)
+    square = min(float(r @ r) for r in left) / max(v.size - A.shape[1], 1)
+    return math.sqrt(_LASTING * square) + _FINEST
