@@ -91,7 +91,7 @@ def demo(
             ran[step] = got = _run(out, step)
             if not step.figure or not got.passed:
                 failed = "" if got.passed else "FAILED: "
-                say(f"\n{step.what}\n  {step.line}\n  {failed}{got.answer}")
+                say(f"\n{step.purpose}\n  {step.line}\n  {failed}{got.answer}")
             done()
     found = facts(ran)
     write_file(out / INDEX, page_of(found).encode())

@@ -21,13 +21,13 @@ _FOLDERS = {
 
 @dataclass(frozen=True)
 class Step:
-    """One command line: ``what`` it does, the page or picture that it ``leaves``, "" for none.
+    """One command line: its ``purpose``, the page or picture that it ``leaves``, "" for none.
 
     ``expected`` is in its answer if all is well; ``figure`` is what it draws of the paper.
     """
 
     figure: str
-    what: str
+    purpose: str
     leaves: str
     expected: str
     line: str
@@ -56,9 +56,9 @@ def facts(ran: Mapping[Step, Ran]) -> Facts:
         headline=f"{passed} of {counted(len(ran), 'command')} gave what was expected",
         tables=[
             _table("What was done; each command can be typed again in this folder.",
-                   {s.what: s for s in ran if not s.figure}, ran),
+                   {s.purpose: s for s in ran if not s.figure}, ran),
             _table("The paper's figures, drawn with these cars.",
-                   {f"Fig. {s.figure}: {s.what}": s for s in drawn}, ran),
+                   {f"Fig. {s.figure}: {s.purpose}": s for s in drawn}, ran),
             Table(("folder", "what is in it"), list(_FOLDERS.items()), links=list(_FOLDERS)),
         ],
     )  # fmt: skip

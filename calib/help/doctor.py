@@ -62,11 +62,11 @@ def packages() -> Iterator[tuple[Requirement, str, str]]:
 
 @dataclass(frozen=True)
 class _Finding:
-    """One thing that was looked at: its ``state``, what was found, and what to do if needed."""
+    """One thing that was looked at: its ``state`` in a ``text``, and what to ``do`` if needed."""
 
     name: str
     state: str
-    what: str
+    text: str
     do: str = ""
 
 
@@ -77,8 +77,8 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     usual = None
     try:
         project = find_project()
-        what = str(project.file or "no brake-cal.toml: the usual values")
-        settings, usual = _Finding("settings", FINE, what), project.settings["store"]
+        file = str(project.file or "no brake-cal.toml: the usual values")
+        settings, usual = _Finding("settings", FINE, file), project.settings["store"]
     except SettingsError as error:
         settings = _Finding("settings", WRONG, str(error), "mend the file")
     try:
@@ -88,16 +88,16 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     return (*map(_package, packages()), _store(store or usual or STORE), samples, settings)
 
 
-def _package(found: tuple[Requirement, str, str]) -> _Finding:
-    need, installed, extra = found
-    what = f"{installed or 'missing'} (needs {need.specifier})"
+def _package(package: tuple[Requirement, str, str]) -> _Finding:
+    need, installed, extra = package
+    text = f"{installed or 'missing'} (needs {need.specifier})"
     name = f"{need.name} [{extra}]" if extra else need.name
     if installed and need.specifier.contains(installed, prereleases=True):
-        return _Finding(name, FINE, what)
+        return _Finding(name, FINE, text)
     if extra:
         do = f"for {_EXTRAS[extra]}: pip install '{NAME}[{extra}]'"
-        return _Finding(name, NOTE, what, do)
-    return _Finding(name, WRONG, what, f"install it again: pip install --upgrade {NAME}")
+        return _Finding(name, NOTE, text, do)
+    return _Finding(name, WRONG, text, f"install it again: pip install --upgrade {NAME}")
 
 
 def _store(store: Path) -> _Finding:
@@ -105,21 +105,21 @@ def _store(store: Path) -> _Finding:
         do = "the first `brake-cal fit` makes it"
         return _Finding("store", NOTE, f"{store} is not there", do)
     if not store.is_dir() or not os.access(store, os.R_OK | os.X_OK):
-        what = "cannot be read" if store.is_dir() else "is a file"
-        return _Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
+        fault = "cannot be read" if store.is_dir() else "is a file"
+        return _Finding("store", WRONG, f"{store} {fault}", "name another one: --store DIR")
     versions = [len(versions_in(store / name)) for name in names_in(store)]
-    what = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
-    what += f", {left} unfinished" if (left := len(unplaced(store))) else ""
+    text = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
+    text += f", {unfinished} unfinished" if (unfinished := len(unplaced(store))) else ""
     if os.access(store, os.W_OK):
-        return _Finding("store", FINE, what)
-    return _Finding("store", NOTE, f"{what}, read only", "no table can be stored or released here")
+        return _Finding("store", FINE, text)
+    return _Finding("store", NOTE, f"{text}, read only", "no table can be stored or released here")
 
 
 def facts(findings: Sequence[_Finding]) -> Facts:
     """What was found, the odd things first."""
     wrong = [finding.name for finding in findings if finding.state == WRONG]
     can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
-    rows = [(x.name, x.state, "; ".join(filter(None, (x.what, x.do)))) for x in findings]
+    rows = [(x.name, x.state, "; ".join(filter(None, (x.text, x.do)))) for x in findings]
     heads, odd = ("what", "state", "found"), [row for row in rows if row[1] != FINE]
     return Facts(
         headline=f"{PROGRAM} {can}",

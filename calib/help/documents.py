@@ -102,8 +102,8 @@ def section(name: str) -> "type[Section]":
     if name == "limits":
         return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
     module, _, kind = _FILES[name][0].partition(":")
-    found: type[Section] = getattr(import_module(f"calib.{module}"), kind)
-    return found
+    file: type[Section] = getattr(import_module(f"calib.{module}"), kind)
+    return file
 
 
 def kinds() -> list[str]:

@@ -53,22 +53,22 @@ def _pads() -> tuple[float, ...]:
 def _stops() -> tuple[float, ...]:
     """Pads and torque of a multi-body car in two stops."""
     table = fit(_car(_BODY), [_log(f"{_BODY}/cal_ramp.parquet")])
-    found = validate(table, [_log(f"{_BODY}/hold2_steps_muf25_mur33.parquet")])[0].estimate
-    pads = (found.best.pads_f, found.best.pads_r)
+    steps = validate(table, [_log(f"{_BODY}/hold2_steps_muf25_mur33.parquet")])[0].estimate
+    pads = (steps.best.pads_f, steps.best.pads_r)
     log = _log(f"{_BODY}/hold1_const_mu30.parquet")
-    other = validate(table, [log])[0].estimate
-    true = 0.5 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_fr"])[other.valid]
-    error = other.best.torque_f.value[other.valid] - true
+    constant = validate(table, [log])[0].estimate
+    true = 0.5 * (log.truth["true_Tb_fl"] + log.truth["true_Tb_fr"])[constant.valid]
+    error = constant.best.torque_f.value[constant.valid] - true
     rms = float(np.sqrt(np.mean(error**2) / np.mean(true**2)))
-    return *(float(np.mean(one.value[found.valid])) for one in pads), rms
+    return *(float(np.mean(friction.value[steps.valid])) for friction in pads), rms
 
 
 def _cause() -> tuple[float, ...]:
     """The cause of two logs, enough to see it, and one hold-out."""
-    searched = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
-    found = diagnose(_car(_HIDDEN), searched, [_log(f"{_HIDDEN}/holdout/stop_a.parquet")])
-    (drag,) = found.effects
-    named = found.verdict == "named" and drag.name == "aerodynamic_drag"
+    logs = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
+    diagnosis = diagnose(_car(_HIDDEN), logs, [_log(f"{_HIDDEN}/holdout/stop_a.parquet")])
+    (drag,) = diagnosis.effects
+    named = diagnosis.verdict == "named" and drag.name == "aerodynamic_drag"
     return float(named), drag.parameters["drag_area"].value
 
 
@@ -124,11 +124,11 @@ SUITE: _Suite = {
 
 
 def qualify(
-    suite: _Suite, date: str = "", done: Callable[[], None] = lambda: None
+    suite: _Suite, date: str = "", advance: Callable[[], None] = lambda: None
 ) -> dict[str, Any]:
     """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine.
 
-    All checks are made on the sample logs; ``done`` is called after each
+    All checks are made on the sample logs; ``advance`` is called after each
     measurement. Raises InputError without sample logs.
     """
     sample_logs()
@@ -140,10 +140,10 @@ def qualify(
         except Exception as error:  # a finding, which must not end the other checks
             wrong = f"{type(error).__name__}: {error}"
         for check, value in zip(checks, values, strict=True):
-            known = value if math.isfinite(value) else None
-            held = abs(value - check.expected) <= check.tolerance
-            rows.append({**vars(check), "value": known, "held": held, "error": wrong})
-        done()
+            finite = value if math.isfinite(value) else None
+            holds = abs(value - check.expected) <= check.tolerance
+            rows.append({**vars(check), "value": finite, "held": holds, "error": wrong})
+        advance()
     return {
         "schema": 1,
         "tool": NAME,
@@ -178,7 +178,8 @@ def facts(document: dict[str, Any]) -> Facts:
     )
 
 
-def _row(one: dict[str, Any]) -> tuple[str, ...]:
-    value = one["error"] if one["value"] is None else f"{one['value']:.6g}"
-    expected, tolerance = f"{one['expected']:.6g}", f"{one['tolerance']:.3g}"
-    return one["name"], value, expected, tolerance, one["unit"], one["quantity"], one["truth"]
+def _row(check: dict[str, Any]) -> tuple[str, ...]:
+    value = check["error"] if check["value"] is None else f"{check['value']:.6g}"
+    expected, tolerance = f"{check['expected']:.6g}", f"{check['tolerance']:.3g}"
+    texts = (check[key] for key in ("unit", "quantity", "truth"))
+    return check["name"], value, expected, tolerance, *texts
