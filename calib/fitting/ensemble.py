@@ -116,6 +116,10 @@ class LoadedTyres(NamedTuple):
     compliant: Array
     forms: Array
 
+    def take(self, which: Index) -> "LoadedTyres":
+        """The tyres of these draws alone."""
+        return LoadedTyres(*(np.take(x, which, axis=-2) for x in self))
+
     def slips(self, forces: Array) -> _UnitSlips:
         """Slips over compliance by (15), (16), with ``forces`` over the weight (2, n, k)."""
         use = forces / self.on_road / self.most

@@ -13,6 +13,7 @@ explains badly, none is named. Two mistakes at once are not considered, and a wr
 looks like other pads.
 """
 
+import copy
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +21,7 @@ from functools import cache
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Index
 from calib.base.names import AXLE_NAMES
 from calib.base.warning import Measured
 from calib.car.balance import brake_forces, front_share
@@ -62,6 +63,9 @@ _DEPARTS, _LENGTH = 0.015, 0.15
 """Discrepancy of pads from a constant friction [1], and its correlation length in z [1]."""
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
+_LIKELY, _FIRST, _SCREENING_ERROR = 32, 64, 4.0
+"""Draws by which mistakes are screened: the likeliest with other pads, and the first of all; and
+how far the ln of the odds of a mistake is off by them, at most, where all draws hardly name it."""
 _NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
 _NEAR = 6.0  # ln of the odds against a mistake from which no further sizes are tried
 
@@ -91,11 +95,26 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -
     usable block.
     """
     evidence = _Evidence(car, runs, other_road)
-    nothing = evidence.cause(Hypothesis("", 1.0), -math.inf)
-    base = nothing.log_odds
-    causes = (nothing, *(evidence.cause(h, base) for h in hypotheses(car, runs)))
+    every = (Hypothesis("", 1.0), *hypotheses(car, runs))
+    pads = [evidence.cause(h, -math.inf) for h in every if not h.code]
+    screened, base = evidence.screened([h for h in every if h.code], pads), pads[0].log_odds
+    least = _least(pads, screened, other_road)
+    mistakes = (evidence.cause(c.hypothesis, base) if c.log_odds > least else c for c in screened)
+    causes = (*pads, *mistakes)
     compared = (replace(cause, log_odds=cause.log_odds - base) for cause in causes)
     return tuple(sorted(compared, key=lambda cause: -cause.log_odds))
+
+
+def _least(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -> float:
+    """ln of the odds from which a screened mistake may be a candidate.
+
+    On an ``other_road`` there is none unless a mistake explains the run better than other pads do.
+    """
+    best = max(pads, key=lambda cause: cause.log_odds)
+    most = max((cause.log_odds for cause in screened), default=_NEVER)
+    if other_road and most < best.log_odds + SURE - _SCREENING_ERROR:
+        return math.inf
+    return max(best.log_odds, most) - SURE * max(best.misfit, 1.0) - _SCREENING_ERROR
 
 
 def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
@@ -203,6 +222,56 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
     return e, centre, root
 
 
+def _log_mean(x: Array) -> float:
+    """ln of the mean of exp ``x`` (n,)."""
+    most = float(np.max(x))
+    return most + math.log(np.mean(np.exp(x - most))) if math.isfinite(most) else most
+
+
+class _Sum:
+    """The sum of forces of a run, by means of groups of its braked blocks.
+
+    brakes = level N(pressure) (1 + discrepancy + trend), from the zero on the lead-in.
+    """
+
+    def __init__(self, car: Vehicle, run: RampRun) -> None:
+        b, self.car, self.run, self.braked = run.blocks, car, run, np.flatnonzero(run.braked)
+        groups = np.array_split(self.braked, min(_POINTS, self.braked.size))
+        self.sizes = np.array([g.size for g in groups])
+        self.z, time, length = self._means(b.z), self._means(b.end), self.sizes * b.length
+        along = (time - time.mean()) / max(float(np.ptp(time)), b.length)
+        near = np.exp(-0.5 * ((self.z[:, None] - self.z) / _LENGTH) ** 2)
+        self.relative = _DEPARTS**2 * near + np.outer(along, along) * _TREND**2
+        self.absolute = np.diag(run.noise.z**2 / length) + _ZERO**2
+        self._read_pressures(run)
+
+    def _means(self, x: Array) -> Array:
+        first = np.cumsum(self.sizes) - self.sizes
+        return np.asarray(np.add.reduceat(x[self.braked], first) / self.sizes)
+
+    def _read_pressures(self, run: RampRun) -> None:
+        front, rear = brake_forces(self.car, run.blocks.p_f, run.blocks.p_r)
+        N = self._means(front + rear) / self.car.weight
+        root = np.linalg.cholesky(self.absolute + np.outer(N, N) * self.relative)
+        self.white = np.linalg.inv(root)
+        self.unit = self.white @ N
+        self.log = -0.5 * math.log(self.unit @ self.unit) - float(np.log(np.diag(root)).sum())
+
+    def evidence(self, run: RampRun) -> tuple[float, float, float]:
+        """ln of the evidence of ``run``, ln of the pads' level, and the misfit."""
+        own = self
+        if run.blocks.p_r is not self.run.blocks.p_r:
+            own = copy.copy(self)
+            own._read_pressures(run)
+        rolling = self.run.rolling
+        zero = np.mean(run.brake_sum[rolling]) if rolling.size else 0.0
+        forces = own.white @ ((self._means(run.brake_sum) - zero) / self.car.weight)
+        level = float(own.unit @ forces / (own.unit @ own.unit))
+        residual = forces - level * own.unit
+        square = float(residual @ residual)
+        return own.log - 0.5 * square, math.log(max(level, 1e-2)), square
+
+
 class _Evidence:
     """Evidence of hypotheses on the ramps of a car."""
 
@@ -210,44 +279,64 @@ class _Evidence:
         self.car, self.runs, self.draws = car, runs, _draws(other_road)
         self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
         self.loaded = self.regression.loaded(self.draws[0])
+        self.sums = [_Sum(car, run) for run in runs]
         self.as_read = self._evidence(runs)  # the same whatever the pads
+
+    def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
+        """Mistakes by a part of the draws, by which the best ``pads`` have the odds of all draws.
+
+        The part are the draws by which other pads explain the runs best, and the first of all.
+        """
+        level = float(np.mean([level for _, level, _ in self.as_read[0]]))
+        priors = [self._prior(level, self.draws[0].log_pad_ratio, c.hypothesis.pads) for c in pads]
+        likely = np.argsort(-self.as_read[1].log_evidence - np.max(priors, axis=0), kind="stable")
+        part = self._by(np.union1d(likely[:_LIKELY], np.arange(_FIRST)))
+        nothing, *others = (part.cause(c.hypothesis, -math.inf).log_odds for c in pads)
+        more = max(c.log_odds for c in pads) - max(nothing, *others)
+        causes = (part.cause(h, nothing - _SCREENING_ERROR) for h in mistakes)
+        return [replace(cause, log_odds=cause.log_odds + more) for cause in causes]
+
+    def _by(self, draws: Index) -> "_Evidence":
+        """The evidence by some of the draws alone."""
+        other, (e, centre, root) = copy.copy(self), self.draws
+        other.draws = e.take(draws), centre[draws], root[draws]
+        other.loaded = [tyres.take(draws) for tyres in self.loaded]
+        other.as_read = self.as_read[0], self.as_read[1].take(draws)
+        return other
 
     def cause(self, h: Hypothesis, nothing: float) -> Cause:
         """The hypothesis with ln of (odds times evidence), and its best size.
 
         ``nothing`` ln of the evidence of "nothing wrong".
         """
-        from scipy.special import logsumexp
-
         fits = {size: self._size_evidence(h, size) for size in h.first}
         if h.sizes != h.first and max(fits.values())[0] > nothing - _NEAR:
             fits = {size: fits.get(size) or self._size_evidence(h, size) for size in h.sizes}
         sizes, each = tuple(fits), np.array([log for log, _ in fits.values()])
         best = int(np.argmax(each))
-        log = float(logsumexp(each)) - math.log(each.size) + math.log(h.odds)
+        log = _log_mean(each) + math.log(h.odds)
         size = (_top(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
         log = max(log, _NEVER)  # of what no draw explains
         return Cause(h, log, size, fits[sizes[best]][1])
 
     def _size_evidence(self, h: Hypothesis, size: Size) -> tuple[float, float]:
         """ln of the evidence of one size, and the mean square residual of its best draw."""
-        from scipy.special import logsumexp
-
         undo = h.undo
         sums, split = self._evidence([undo(r, size) for r in self.runs]) if undo else self.as_read
         level = float(np.mean([level for _, level, _ in sums]))
         each = split.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
         residual = split.residual(int(np.argmax(each)))
         square = sum(square for _, _, square in sums) + float(residual @ residual)
-        log = float(logsumexp(each)) - math.log(each.size) + sum(log for log, _, _ in sums)
+        log = _log_mean(each) + sum(log for log, _, _ in sums)
         return log, square / (residual.size + _POINTS * len(self.runs))
 
     def _evidence(
         self, runs: Sequence[RampRun]
     ) -> tuple[list[tuple[float, float, float]], Solution]:
-        """`_sum` of each run, and the split of all by the draws."""
+        """`_Sum.evidence` of each run, and the split of all by the draws."""
         regression = self.regression.with_forces_of(runs)
-        return [self._sum(run) for run in runs], regression.solve(*self.draws, self.loaded)
+        sums = [of_run.evidence(run) for of_run, run in zip(self.sums, runs, strict=True)]
+        return sums, regression.solve(*self.draws, self.loaded)
 
     def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
         """ln of the density of pads with this ``level`` and ``ratio`` (n,) over the draws'."""
@@ -255,24 +344,3 @@ class _Evidence:
         rear = (level - self.share * ratio) / pads[1]
         less = 0.5 * (ratio / _BROAD) ** 2 + math.log(_BROAD)
         return np.asarray(less - 0.5 * (front**2 + rear**2) - math.log(pads[0] * pads[1]))
-
-    def _sum(self, run: RampRun) -> tuple[float, float, float]:
-        """ln of the evidence of the sum of forces, ln of the pads' level, and the misfit."""
-        b, braked = run.blocks, np.flatnonzero(run.braked)
-        groups = np.array_split(braked, min(_POINTS, braked.size))
-        sizes = np.array([g.size for g in groups])
-        front, rear = brake_forces(self.car, b.p_f, b.p_r)
-        columns = np.stack([front + rear, run.braking, b.z * self.car.weight, b.end])[:, braked]
-        means = np.add.reduceat(columns, np.cumsum(sizes) - sizes, axis=1) / sizes
-        (N, y, z), time, length = means[:3] / self.car.weight, means[3], sizes * b.length
-        near = np.exp(-0.5 * ((z[:, None] - z) / _LENGTH) ** 2)
-        along = (time - time.mean()) / max(float(np.ptp(time)), b.length) * N
-        covariance = np.diag(run.noise.z**2 / length) + np.outer(N, N) * _DEPARTS**2 * near
-        covariance += np.outer(along, along) * _TREND**2 + _ZERO**2
-        root = np.linalg.cholesky(covariance)
-        w, v = np.linalg.solve(root, np.stack([N, y], axis=1)).T
-        level = float(w @ v / (w @ w))
-        residual = v - level * w
-        square = float(residual @ residual)
-        log = -0.5 * (square + math.log(w @ w)) - float(np.log(np.diag(root)).sum())
-        return log, math.log(max(level, 1e-2)), square

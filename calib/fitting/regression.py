@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array, Index, Mask
 from calib.base.names import G
 from calib.car.balance import front_share
 from calib.car.beliefs import CAR, LOG
@@ -80,6 +80,7 @@ class _Ramp:
         groups = [lead, *np.array_split(braked, min(most or braked.size, braked.size))]
         self._sizes = np.array([g.size for g in groups])
         self._places, self._first = np.concatenate(groups), np.cumsum(self._sizes) - self._sizes
+        self.z = self._mean(run.quasi_static(car))
         self._read_forces(car, run)
         self._read_wheels(car, run)
 
@@ -97,7 +98,7 @@ class _Ramp:
     def _read_forces(self, car: Vehicle, run: RampRun) -> None:
         pressures = (self._mean(np.maximum(p, 1.0)) for p in (run.blocks.p_f, run.blocks.p_r))
         brake = self._mean(run.brake_sum)
-        self.z, self.brake = self._mean(run.quasi_static(car)), (brake - brake[0]) / car.weight
+        self.brake = (brake - brake[0]) / car.weight
         moments = [self._mean(x / car.weight) for x in (run.moment_f, run.moment_r)]
         self.moments = np.stack(moments)
         self.log_odds, self.only = run.log_odds(*pressures), run.only
@@ -137,6 +138,11 @@ class Solution(NamedTuple):
     precision: Array
     design: Array
     data: Array
+
+    def take(self, which: Index) -> "Solution":
+        """The posterior of these draws alone."""
+        axes = (0, 0, 0, 1, 0)
+        return Solution(*(np.take(x, which, axis) for x, axis in zip(self, axes, strict=True)))
 
     def residual(self, draw: int) -> Array:
         """Residual of one draw at its mean, in standard deviations (k,)."""
@@ -229,7 +235,7 @@ class Regression:
         log = -0.5 * (square + np.log(np.linalg.det(A)))
         linear = centre + np.einsum("nij,nj->ni", root, mean)
         log = np.where(rolls & np.all(linear[:, :2] > 0.0, axis=1), log, -np.inf)
-        return Solution(log, mean, A, H, y)
+        return Solution(log, mean, A, np.asarray(H), y)
 
     def residuals(self, e: Ensemble) -> Array:
         """Residuals of the rows, by draw, (n, k) [1]."""
