@@ -193,15 +193,19 @@ def _keep(
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
     for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in which), strict=True):
         s.age += c.block
-        grown, (middle, _, low, _, high, *_) = held_variance(c, s, a), s.held_ratio
-        more = Z95 * math.sqrt(grown)
-        known = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-        share = 1.0 if new else share_of(c, row[4] - row[2], known) if adds else 0.0
-        if share > 0.0:
-            s.held_ratio = [
-                (1.0 - share) * x + share * y for x, y in zip(s.held_ratio, row, strict=True)
-            ]
-            grown = reset_held(c, s, a, share)
+        if new:
+            s.held_ratio, grown = row, reset_held(c, s, a, 1.0)
+        else:
+            grown = held_variance(c, s, a)
+        if adds and not new:
+            middle, _, low, _, high, *_ = s.held_ratio
+            more = Z95 * math.sqrt(grown)
+            width = math.hypot(middle - low, more) + math.hypot(high - middle, more)
+            share = share_of(c, row[4] - row[2], width)
+            if share > 0.0:
+                pairs = zip(s.held_ratio, row, strict=True)
+                s.held_ratio = [(1.0 - share) * x + share * y for x, y in pairs]
+                grown = reset_held(c, s, a, share)
         kept.append(s.held_ratio)
         more_variance.append(grown)
     out, variance = np.array(kept).T, np.array(more_variance)

@@ -76,12 +76,9 @@ class Reader:
     """Reader of columns of a map: linear along each axis, held beyond its ends."""
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
-        from scipy.interpolate import RegularGridInterpolator
-
         self.axes, names = list(m.axes.values()), np.array(columns)
-        cells = np.stack([getattr(m, name) for name in names.flat], axis=-1)
-        cells = cells.reshape(*(axis.size for axis in self.axes), -1)
-        self._read, self._shape = RegularGridInterpolator(self.axes, cells), names.shape
+        self._cells = np.stack([getattr(m, name) for name in names.flat])
+        self._shape = names.shape
 
     def width(self, axis: int, x: Array) -> Array:
         """Width of the cell of an axis in which ``x`` lies."""
@@ -91,10 +88,23 @@ class Reader:
 
     def __call__(self, *points: ArrayLike) -> Array:
         """Return the columns at ``points``, an array (...) for each axis; shape (c, ...)."""
-        axes = zip(np.broadcast_arrays(*points), self.axes, strict=True)
-        clipped = [np.clip(x, axis[0], axis[-1]) for x, axis in axes]
-        read = np.moveaxis(self._read(np.stack(clipped, axis=-1)), -1, 0)
-        return np.asarray(read.reshape(*self._shape, *read.shape[1:]))
+        each = np.broadcast_arrays(*points)
+        corners = [(np.zeros(each[0].shape, np.intp), np.ones(each[0].shape))]
+        for axis, x in zip(self.axes, each, strict=True):
+            low = np.clip(np.searchsorted(axis, x, "right") - 1, 0, max(axis.size - 2, 0))
+            high = np.minimum(low + 1, axis.size - 1)
+            width = np.where(high > low, axis[high] - axis[low], 1.0)  # an axis may be one point
+            share = np.clip((x - axis[low]) / width, 0.0, 1.0)
+            ends = (low, 1.0 - share), (high, share)
+            corners = [
+                (row * axis.size + place, weight * part)
+                for row, weight in corners
+                for place, part in ends
+            ]
+        read = np.zeros((self._cells.shape[0], *each[0].shape))
+        for row, weight in corners:
+            read += self._cells.take(row, axis=1) * weight
+        return read.reshape(*self._shape, *read.shape[1:])
 
 
 @dataclass(frozen=True)
