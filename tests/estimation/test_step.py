@@ -33,7 +33,7 @@ def constants(**changed):
             "pads": Reader(made_map(), PADS),
             "slip": Reader(made_map(), SLIP),
             "level": Reader(before_eta(), LEVEL),
-            "before": Reader(before_eta(), PADS),
+            "prior": Reader(before_eta(), PADS),
             "noise_rim": 3e-4,
             "noise_z": 1e-4,
             "noise_v": 1e-3,
