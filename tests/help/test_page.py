@@ -6,7 +6,6 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
-import typer.main
 from rich.cells import cell_len
 from rich.console import Console
 from rich.markdown import Markdown
@@ -18,7 +17,6 @@ from calib.estimation.limits import DEFAULTS
 from calib.estimation.online import ANSWERS, CHANNELS
 from calib.help.page import FOLDER, contents, for_terminal
 from calib.table.maps import LevelMap, PadMap
-from cli.main import app
 from tests.support.gallery import PAGE, PICTURES
 from tests.support.manual import PAGES
 from tests.test_layers import ROOMS
@@ -80,28 +78,6 @@ def test_what_contributing_names_is_there():
     house = text.partition("```text\n")[2].partition("```")[0]
     floors = [row.split() for row in ROOMS.strip().splitlines()]
     assert [line[:27].split() for line in house.splitlines()] == floors
-
-
-REFERENCE = (FOLDER / "reference.md").read_text()
-
-
-def rows() -> set[str]:
-    """The commands of the first table: `tables list`, `show` is `tables list` and `tables show`."""
-    table = REFERENCE.partition("## Exit codes")[0]
-    found: set[str] = set()
-    for cell in re.findall(r"^\| (`.*?) \|", table, flags=re.MULTILINE):
-        words = re.findall(r"`([^`]+)`", cell)
-        group = words[0].split()[0] if " " in words[0] else ""
-        found |= {words[0], *(f"{group} {word}".strip() for word in words[1:])}
-    return found
-
-
-def test_every_command_is_in_the_table():
-    known = rows()
-    for name, command in typer.main.get_command(app).every():
-        parts = getattr(command, "commands", {})
-        assert name in known or {f"{name} {part}" for part in parts} <= known, name
-        assert name in known or parts, name
 
 
 VALIDATION = (FOLDER / "validation.md").read_text()
