@@ -103,10 +103,11 @@ class _UnitSlips(NamedTuple):
 
 
 class LoadedTyres(NamedTuple):
-    """Tyres of draws under axle loads, (2, n, k) [1] but for their ``forms`` (n, 5).
+    """Tyres of draws under their axle loads, (2, n, k) [1], and their ``forms`` (n, 5).
 
-    ``load`` over the weight, and ``on_road`` at least `_LEAST_LOAD`; ``grown`` by what share of the
-    load at rest; ``most`` normalised force; ``compliant`` slip over that at half the weight.
+    ``load`` over the weight, ``on_road`` the same but at least `_LEAST_LOAD`; ``grown`` change of
+    the load over that at rest; ``most`` peak of the normalised force; ``compliant`` compliance over
+    that at half the weight.
     """
 
     load: Array

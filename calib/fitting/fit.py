@@ -20,11 +20,11 @@ from calib.car.braking import BITE
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle, mass_used, weighed
 from calib.fitting.curves import difference_curves, ramp_path, readable_up_to, tyre_curve
-from calib.fitting.ensemble import draws_of
+from calib.fitting.ensemble import SlipPrediction, draws_of
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.mistakes import Cause, causes_of, certain, measured, other_than_pads
 from calib.fitting.pads import calibration_of, level_of, pad_ratio_prior, ratio_by_levels
-from calib.fitting.posterior import parts_of
+from calib.fitting.posterior import Posterior, parts_of
 from calib.fitting.prior import informative_priors
 from calib.fitting.quality import MOVE_ETA, explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
@@ -40,7 +40,15 @@ from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
 from calib.run.same_run import fingerprint_of
 from calib.table.invariants import require_finite
-from calib.table.table import LogReference, Provenance, Table, TableReference, Value
+from calib.table.table import (
+    Calibration,
+    LogReference,
+    Provenance,
+    Table,
+    TableBudget,
+    TableReference,
+    Value,
+)
 
 _CONTRADICT = "v or a_x, which contradict each other: the clock, the scale or a filter of one"
 
@@ -93,69 +101,45 @@ def fit(
     0.4 is what the simulation had [1].
     """
     driven, used = weighed(vehicle, mass), mass_used(vehicle, mass)
-    pad_prior, priors = (
-        pad_ratio_prior(driven, bench),
-        informative_priors(driven, tyre, fleet or {}),
-    )
+    pad_prior = pad_ratio_prior(driven, bench)
+    priors = informative_priors(driven, tyre, fleet or {})
     ramps, coasts = sort_runs([Run(log, driven) for log in logs])
     car = ramps[0].car
     runs, resistance = _ready(car, ramps, coasts)
     warnings = tuple(warnings_of(vehicle, ramps, coasts, resistance))
     where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
-    ratio_by_level = ratio_by_levels(car, runs, resistance, pad_prior)
-    full_ramps = [run for run in runs if run.only is None]
-    causes = causes_of(car, full_ramps)
-    mistakes = _mistakes(causes, full_ramps, refused)
-    moves_eta = [one for one in warnings if one.code in MOVE_ETA]
-    ensemble, figures = explained(
-        car, runs, ratio_by_level, priors, refused, [*mistakes, *moves_eta]
-    )
-    support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
+    ratio_prior = ratio_by_levels(car, runs, resistance, pad_prior)
     # curves over eta, and the level of both axles' pads, come from ramps on which both axles brake
+    full = [run for run in runs if run.only is None]
+    causes = causes_of(car, full)
+    mistakes = _mistakes(causes, full, refused)
+    moves_eta = [warning for warning in warnings if warning.code in MOVE_ETA]
+    ensemble, figures = explained(car, runs, ratio_prior, priors, refused, [*mistakes, *moves_eta])
+    support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
     some = ensemble.thinned(4)
-    z_max = max(float(np.max(run.blocks.z[run.use])) for run in full_ramps)
-    path = ramp_path(car, some, np.linspace(0.0, z_max, 201))
-    z_end = readable_up_to(path)
-    if z_end <= 0.0:
-        raise refused(
-            "eta does not rise under braking: the rear axle brakes as hard for its load, or harder",
-            expected=f"a front-biased car; by its file {car.name} is so up to "
-            f"{front_biased_up_to(car):.2f} g",
-            do="check areas and radii of the brakes in the vehicle file",
-        )
-    log_values = np.stack([ensemble.log_pad_ratio, ensemble.log_stiffness])
-    sigmas = np.sqrt(np.diag(np.cov(log_values, bias=True))).tolist()
-    ratio, stiffness = map(Value, np.mean(log_values, axis=1).tolist(), sigmas)
-    scale, level = level_of(car, full_ramps, resistance, ratio.value)
-    parts = {name: x.tolist() for name, x in parts_of(log_values, ensemble.pulls).items()}
-    variances = {
-        "level": level,
-        "ratio": {name: x[0] for name, x in parts.items()},
-        "stiffness": {name: x[1] for name, x in parts.items()},
-    }
-    pads, budget = calibration_of(car, scale, ratio, stiffness, variances)
-    contradict = any(one.code in ("a_x_scale", "a_x_against_v") for one in warnings)
-    require_possible_pads(
-        car, pads, warnings, _CONTRADICT if contradict else other_than_pads(causes)
-    )
-    difference, paper = difference_curves(car, some, full_ramps, z_end)
-    pad_map, level_map = maps(car, ensemble, pressure_odds(full_ramps))
+    path, z_end = _path(car, some, full, refused)
+    pads, budget = _calibration(car, ensemble, full, resistance)
+    contradict = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
+    likely = _CONTRADICT if contradict else other_than_pads(causes)
+    require_possible_pads(car, pads, warnings, likely)
+    difference, paper = difference_curves(car, some, full, z_end)
+    pad_map, level_map = maps(car, ensemble, pressure_odds(full))
+    share_of_prior = min((pads.pad_log_ratio.sigma / ratio_prior.sigma) ** 2, 1.0)
     table = Table(
         name=vehicle.name,
         vehicle=vehicle,
         difference=difference,
         paper=paper,
-        tyre=tyre_curve(some, path, full_ramps),
+        tyre=tyre_curve(some, path, full),
         calibration=pads,
         effects=resistance.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
-        quality=metrics(car, runs, path, min((ratio.sigma / ratio_by_level.sigma) ** 2, 1.0))
-        | figures,
+        quality=metrics(car, runs, path, share_of_prior) | figures,
         remarks=tuple(remarks(driven, used, runs, support)),
         provenance=_provenance({"ramp": ramps, "coast": coasts}, bench, tyre, fleet or {}),
         warnings=(
-            *judged(vehicle.name, [Measured(one.code, p) for one, p in support], FIT),
+            *judged(vehicle.name, [Measured(prior.code, p) for prior, p in support], FIT),
             *mistakes,
             *judged(car.name, of_calibration(car, pads, pad_prior), FIT),
             *warnings,
@@ -197,6 +181,37 @@ def _ready(
     return [_without_disturbances(car, run) for run in ready], resistance
 
 
+def _path(
+    car: Vehicle, e: Posterior, runs: list[RampRun], refused: Callable[..., LogError]
+) -> tuple[SlipPrediction, float]:
+    """Eta and slips of the draws up to the highest z, and the z up to which eta rises [1]."""
+    z_max = max(float(np.max(run.blocks.z[run.use])) for run in runs)
+    path = ramp_path(car, e, np.linspace(0.0, z_max, 201))
+    z_end = readable_up_to(path)
+    if z_end > 0.0:
+        return path, z_end
+    raise refused(
+        "eta does not rise under braking: the rear axle brakes as hard for its load, or harder",
+        expected=f"a front-biased car; by its file {car.name} is so up to "
+        f"{front_biased_up_to(car):.2f} g",
+        do="check areas and radii of the brakes in the vehicle file",
+    )
+
+
+def _calibration(
+    car: Vehicle, e: Posterior, runs: list[RampRun], resistance: Resistance
+) -> tuple[Calibration, TableBudget]:
+    """Ratio of the pads and stiffness from the draws, level of the pads from the sum of forces."""
+    logs = np.stack([e.log_pad_ratio, e.log_stiffness])
+    sigmas = np.sqrt(np.diag(np.cov(logs, bias=True))).tolist()
+    ratio, stiffness = map(Value, np.mean(logs, axis=1).tolist(), sigmas)
+    scale, level = level_of(car, runs, resistance, ratio.value)
+    parts = {part: x.tolist() for part, x in parts_of(logs, e.pulls).items()}
+    by_ratio, by_stiffness = ({part: x[i] for part, x in parts.items()} for i in (0, 1))
+    variances = {"level": level, "ratio": by_ratio, "stiffness": by_stiffness}
+    return calibration_of(car, scale, ratio, stiffness, variances)
+
+
 def _provenance(
     roles: Mapping[str, Sequence[Run]],
     bench: RollerBench | None,
@@ -208,8 +223,8 @@ def _provenance(
     return Provenance(
         logs=(
             *(LogReference(x.name, x.digest, r, x.notes, fingerprint_of(x)) for x, r in logs_read),
-            *(LogReference(one.name, one.digest, "bench") for one in [bench] if one),
-            *(LogReference(one.name, one.digest, "tyre") for one in tyres),
+            *([LogReference(bench.name, bench.digest, "bench")] if bench else []),
+            *(LogReference(tyre.name, tyre.digest, "tyre") for tyre in tyres),
         ),
         settings={
             "block": BLOCK,

@@ -2,8 +2,7 @@
 
 Drag:   F at the height of the road               load_share = 1: (6) and (7) as in the paper
         F at that of the centre of gravity        load_share = 0: only tyre forces move load
-Where F acts, and the lift that comes with it, differ from car to car; a share below 0 or above 1 is
-lift at one axle.
+A share below 0 or above 1 stands for lift at one axle.
 
 Pitch:  z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
         load transfer: (1 - e) z at once through the links, e z_b through the springs
@@ -29,61 +28,60 @@ def _drag(parameters: Parameters, v: Array) -> Array:
 
 
 def _above_the_road(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """(1 - s) F h/(W L): what (6) has too much if F does not act at the road."""
+    """(1 - s) F h/(W L) [1]: load that (6) adds in front for an F at the road."""
     less = 1.0 - parameters.get("load_share", 1.0)
     lever = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)
     return less * lever * _drag(parameters, history.v)
 
 
 def _grade(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-    """Constant over the run, loads of a flat road; the sine is within 0.5 % of 10 % of grade."""
+    """W times the grade [N], constant over the run; within 0.5 % up to a grade of 10 %."""
     return np.full_like(motion.v, vehicle.weight * parameters["grade"])
 
 
 def _felt(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """A sensor reads specific force (f = 1), a log may hold dv/dt."""
+    """Reading on a grade: specific force for ``felt`` = 1, dv/dt for 0."""
     return a_x + parameters["felt"] * G * parameters["grade"]
 
 
 def _lagging_load(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """Share e (z - z_b) h/L of W [1] by which load transfer through the springs lags, (n,).
+    """Lag e (z - z_b) h/L of the load transfer through the springs, over W [1] (n,).
 
-    A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5); the elastic share is zero on a
-    stiff car, nearly 1 without anti-dive (ch. 7). Springs and dampers of both axles as one mode;
-    steady state at the first sample. Not valid where a wheel lifts or the suspension reaches its
-    stops.
+    A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5); the elastic share e is 0 on a
+    stiff car, nearly 1 without anti-dive (ch. 7). Both axles are one mode, in steady state at the
+    first sample. Not valid where a wheel lifts or the suspension reaches its stops.
     """
     late = history.z - _body_mode(parameters, history)
     return np.asarray(parameters["elastic_share"] * late * vehicle.cg_height / vehicle.wheelbase)
 
 
 def _body_mode(parameters: Parameters, history: RunHistory) -> Array:
-    """z_b [1] (n,)."""
+    """Deceleration z_b of the body on its springs [1] (n,)."""
     frequency, damping = parameters["natural_frequency"], parameters["damping"]
     return second_order(history.time, history.z, frequency, damping)
 
 
 def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Nose down, the reading contains gravity; small angles."""
+    """Reading of a sensor that pitches nose down with the body, and feels gravity; small angles."""
     share = parameters["elastic_share"] * parameters["pitch_gradient"]
     return a_x - G * (share * _body_mode(parameters, history))
 
 
 def _filtered(parameters: Parameters) -> tuple[float, float]:
-    """T, and q T^2; q, ``filter_bend``, is 0 where it is not given: first order.
+    """T [s] and q T^2 [s^2]; without ``filter_bend`` q is 0, first order.
 
-    A filter of a higher order is close to one of second order with the same delay.
+    A filter of higher order is close to one of second order with the same delay.
     """
     T = parameters["filter_time"]
     return T, parameters.get("filter_bend", 0.0) * T**2
 
 
 def _off_centre(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
-    """``runout_side`` is 1 when only the left ring runs out, -1 only the right one, 0 both in step.
+    """Factors on the front wheel speeds of tone rings that run out, once a turn.
 
-    The angle counts from the first sample, unless its origin was set by the ripple of the run: low
-    where a disc of uneven thickness would slow the wheel. Not valid for a ring with a damaged
-    tooth: that is a spike once a turn.
+    ``runout_side`` is 1 for the left ring only, -1 for the right one, 0 for both in step. The angle
+    counts from the first sample, or from the origin that the ripple of the run sets. Not valid for
+    a damaged tooth, which gives a spike.
     """
     a, side = parameters["runout"], parameters["runout_side"]
     turned = a * motion.history.ripple(parameters["runout_phase"])

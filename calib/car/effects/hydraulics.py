@@ -45,19 +45,19 @@ _WOBBLE = 0.25e5
 
 
 def _delayed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Linear between samples; outside the log the pressure is that of the nearest sample.
+    """Pressures of ``delay`` earlier, linear between samples and constant beyond the log.
 
-    A ``delay`` below zero is that of a pressure which is logged late against all other channels.
+    A negative delay stands for a pressure that is logged late against all other channels.
     """
     then = history.time - parameters["delay"]
     return np.interp(then, history.time, p_f), np.interp(then, history.time, p_r)
 
 
 def _lagging(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """A lag that does not overshoot, the same on both axles; steady state at the first sample.
+    """Pressures after a lag without overshoot, from steady state at the first sample.
 
-    q, ``lag_bend``, is 0 where it is not given: first order; 1/4 is two lags of T/2 in a row, more
-    would swing. Not valid for a line that fills faster than it empties.
+    ``lag_bend`` q is 0 by default, first order; 1/4 is two lags of T/2 in a row, and more would
+    overshoot. Not valid for a line that fills faster than it empties.
     """
     T = parameters["time_constant"]
     if T <= 0.0:
@@ -68,10 +68,10 @@ def _lagging(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
 
 
 def _oscillating(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """A second-order lag that overshoots, the same on both axles; T = 1/w of the undamped mode.
+    """Pressures after a second-order lag that overshoots, with T = 1/w of the undamped mode.
 
-    Steady state at the first sample. It does not swing below zero, where nothing clamps. Not valid
-    for a strongly damped line: that is a lag.
+    From steady state at the first sample, and not below zero. Not valid for a strongly damped line:
+    that is a lag.
     """
     T, damping = parameters["response_time"], parameters["line_damping"]
     if T <= 0.0:
@@ -85,7 +85,7 @@ def _swinging(time: Array, p: Array, frequency: float, damping: float) -> Array:
 
 
 def _proportioned(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """For a valve without hysteresis, whose knee does not depend on load or deceleration."""
+    """Pressures behind a valve in the rear line, without hysteresis and with a fixed knee."""
     return p_f, limited(p_r, parameters["knee"], parameters["knee_slope"])
 
 
@@ -113,10 +113,10 @@ def _less(p: Array, threshold: float) -> Array:
 
 
 def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure that would give the same clamping without hysteresis; begins on the loading line.
+    """Pressures that would clamp alike without hysteresis, from the loading line on.
 
-    No play where the pressure is negative (sensor noise). Both calipers have the same width, all
-    of it relative without ``fixed_share``. Not valid for a caliper whose seals pull the pads back.
+    Both calipers have the same width, all of it relative without ``fixed_share``. A negative
+    pressure (sensor noise) has no play. Not valid for a caliper whose seals pull the pads back.
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
     play = ((1.0 - share) * width, 0.5 * share * width * _REFERENCE)

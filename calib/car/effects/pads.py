@@ -17,23 +17,22 @@ from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import DISCS, RunHistory, heated
 
 _REFERENCE_PRESSURE = 20e5
-"""Pressure [Pa] at which the pad friction is that of the model; the middle of usual braking."""
+"""Pressure [Pa] at which the pad friction is that of the model: the middle of usual braking."""
 
 _REFERENCE_SPEED = 20.0
-"""Speed [m/s] at which the pad friction is that of the model; the middle of a usual stop, where
-the estimates of slope and level are least correlated."""
+"""Speed [m/s] at which the pad friction is that of the model: in the middle of a stop, slope and
+level are least correlated."""
 
 _STRAIGHT = 1e-10
-"""Bend [1/Pa] below which the curve is a straight line to the last digits."""
+"""Bend [1/Pa] below which the curve is a straight line."""
 
 
 def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factors 1 - k max(T - T_0, 0) [1] on both axles.
 
-    T is that of the disc [degC]: as logged, else of an assumed disc that is at
-    ``history.start_heat`` at the first sample and is heated by the brake
-    (`calib.car.history`). There k is per kelvin of that disc, and T_0 counts from that
-    start. A straight line: not valid where little friction is left.
+    T of the disc [degC] is logged, or that of an assumed disc which the brake heats from
+    ``history.start_heat`` on (`calib.car.history`); k and T_0 are then those of that disc. A
+    straight line: not valid where little friction is left.
     """
     slope, onset = parameters["fade_slope"], parameters["fade_onset"]
     start_f, start_r = history.start_heat
@@ -47,17 +46,17 @@ def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) 
 
 
 def _by_speed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """A straight line, wrong far from 20 m/s."""
+    """Factor 1 + k (v - 20 m/s) [1] on both axles: a straight line, wrong far from 20 m/s."""
     factor = 1.0 + parameters["speed_slope"] * (history.v - _REFERENCE_SPEED)
     return factor, factor
 
 
 def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factor 1 + k (p - 20 bar), p of the caliper, bent with the ``pressure_bend`` b.
+    """Factors 1 + k (p - 20 bar) [1] with p of the caliper, or bent by the ``pressure_bend`` b.
 
-    Instead of p - 20 bar, 40 bar (exp(-20 bar b) - exp(-p b))/(1 - exp(-40 bar b)), so that k is
-    the mean slope from 0 to 40 bar. A bend of 0 to 0.2/bar covers the powers of p by which linings
-    are described: p^-0.1 within 3.5 % from 3 to 60 bar.
+    With b, 40 bar (exp(-20 bar b) - exp(-p b))/(1 - exp(-40 bar b)) is in the place of p - 20 bar:
+    k is then the mean slope from 0 to 40 bar. A bend of 0 to 0.2/bar covers the powers of p in
+    which linings are described: p^-0.1 within 3.5 % from 3 to 60 bar.
     """
     slope, bend = parameters["pressure_slope"], parameters.get("pressure_bend", 0.0)
     return 1.0 + slope * _beyond(p_f, bend), 1.0 + slope * _beyond(p_r, bend)
@@ -72,10 +71,10 @@ def _beyond(p: Array, bend: float) -> Array:
 
 
 def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Each axle with the heat of its own; ``wet_loss`` at the first sample of every run.
+    """Factors 1 - k exp(-E/E_d) [1] with the energy E of each axle's brake since the first sample.
 
-    A rear brake has less to dry: ``dry_rear_share`` of the energy, all of it where it is not given.
-    Not valid if water comes later.
+    ``dry_rear_share`` of E_d dries the rear brake, by default all of it. Not valid if water comes
+    later.
     """
     loss, dry = parameters["wet_loss"], parameters["dry_energy"]
     dry_rear = dry * parameters.get("dry_rear_share", 1.0)
@@ -84,7 +83,7 @@ def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array)
 
 
 def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
-    """The driver keeps the car straight; side forces are neglected."""
+    """Factors on the torques of left and right wheels; side forces are neglected."""
     ones, x = np.ones_like(history.time), parameters["imbalance"]
     y = parameters["rear_share"] * x
     left_right = {"fl": 1.0 + x, "fr": 1.0 - x, "rl": 1.0 + y, "rr": 1.0 - y}
@@ -94,9 +93,10 @@ def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
 
 
 def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
-    """``side`` is 0 when both discs pulse in step, 1 when only the left one does, -1 the right one.
+    """Factors on the torques of front discs of uneven thickness, once a turn.
 
-    The angle counts from the first sample, unless its origin was set by the ripple of the run.
+    ``side`` is 0 for both discs in step, 1 for the left one only, -1 for the right one. The angle
+    counts from the first sample, or from the origin that the ripple of the run sets.
     """
     turned = history.ripple(parameters["phase"])
     a, side = parameters["amplitude"], parameters["side"]

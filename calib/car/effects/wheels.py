@@ -30,7 +30,7 @@ FADE_OUT = 3.0
 
 
 def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-    """No dependence on temperature; ``rolling_growth`` is 0 where it is not given."""
+    """c_rr F_z R [N m per axle], growing with v^2 by ``rolling_growth``, by default 0."""
     grown = 1.0 + parameters.get("rolling_growth", 0.0) * ((motion.v / _SPEED) ** 2 - 1.0)
     c_rr = parameters["coefficient"] * grown
     return (
@@ -40,10 +40,10 @@ def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 
 
 def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-    """Friction and pumping of an engine grow with its speed; valid for one gear.
+    """Moment of friction and pumping of an engine [N m per axle], which grows with its speed.
 
-    ``drag_growth`` and ``drag_rear_share`` are 0 where they are not given: a car with driven front
-    wheels. Negative while the engine or a torque converter still drives the car.
+    ``drag_growth`` and ``drag_rear_share`` are 0 by default: driven front wheels. Negative while
+    the engine or a torque converter still drives the car. Valid for one gear.
     """
     grown = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _SPEED)
     moment, share = parameters["drag_torque"] * grown, parameters.get("drag_rear_share", 0.0)
