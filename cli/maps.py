@@ -58,7 +58,7 @@ def map_(
     told = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
     with open_log(log, channel_map) as opened:
         source = opened.table()
-    found = tried(suggest(source, str(log), told=told, radii=radii), log, channel_map)
+    found = tried(suggest(source, str(log), user_specified=told, radii=radii), log, channel_map)
     toml = to_toml(found, channel_map, None if out is None else out.absolute().parent)
     certain = not found.doubts and bool(found.proposals)
     if certain and out is not None:
@@ -71,7 +71,9 @@ def map_(
         complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
     if certain and found.missing:
         complain(f"{log}: {', '.join(found.missing)} missing: no table can be made of this log")
-    document = {"certain": not found.doubts, **asdict(found), "toml": toml if certain else None}
+    record = asdict(found)
+    record["left"] = record.pop("unused")
+    document = {"certain": not found.doubts, **record, "toml": toml if certain else None}
     return Answer(
         document,
         toml.rstrip("\n") if certain and out is None else "",

@@ -81,8 +81,8 @@ def settings() -> Answer:
 
     found = find_project()
     if found.file is None:
-        searched = f"no {SETTINGS_FILE} in {', '.join(map(str, found.searched))}"
-        say(searched if found.searched else f"no settings file: {SETTINGS_VARIABLE} is empty")
+        searched = f"no {SETTINGS_FILE} in {', '.join(map(str, found.folders))}"
+        say(searched if found.folders else f"no settings file: {SETTINGS_VARIABLE} is empty")
     unset = {"store": (STORE, "built-in"), "require_signed": (False, "built-in"),
              "by": (user(), "environment")}  # fmt: skip
     rows: list[tuple[str, object, str]] = []
@@ -93,7 +93,7 @@ def settings() -> Answer:
         rows.append((key, value, source))
     document = {
         "file": found.file,
-        "searched": found.searched,
+        "searched": found.folders,
         "settings": {key: {"value": value, "source": source} for key, value, source in rows},
     }
     cells = [(key, _written(value), source) for key, value, source in rows]

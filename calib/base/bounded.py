@@ -47,10 +47,10 @@ class FileKind:
             )
         return int(megabytes * _MEGA)
 
-    def excess(self, what: str = "it has") -> str:
+    def excess(self, subject: str = "it has") -> str:
         """Words for a file that is too large, and what to do if it is meant."""
         most = f"{self.most / _MEGA:g} MB"
-        return f"{what} more than {most}; if it is meant, set {self.variable} to more MB"
+        return f"{subject} more than {most}; if it is meant, set {self.variable} to more MB"
 
 
 # Text and Parquet, as unpacked: an hour of 13 channels at 200 Hz has 100 MB of text.
@@ -89,8 +89,8 @@ def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
     try:
         state = os.fstat(handle)
         if not stat.S_ISREG(state.st_mode):
-            what = "a directory" if stat.S_ISDIR(state.st_mode) else "a pipe or a device"
-            raise OSError(errno.EINVAL, f"{what} is not a file", str(path))
+            kind_of_node = "a directory" if stat.S_ISDIR(state.st_mode) else "a pipe or a device"
+            raise OSError(errno.EINVAL, f"{kind_of_node} is not a file", str(path))
         if state.st_size > kind.most:
             raise OSError(errno.EFBIG, kind.excess(), str(path))
     except BaseException:

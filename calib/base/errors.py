@@ -40,7 +40,7 @@ class BrakeCalError(Exception):
 
     def __init__(
         self,
-        what: str,
+        problem: str,
         *,
         where: object = None,
         expected: str = "",
@@ -49,14 +49,15 @@ class BrakeCalError(Exception):
     ):
         """Build the message: one line, whatever libraries and files put into its parts.
 
-        ``what`` was wrong, with the value given; ``where``: file, channel or key; ``expected`` what
+        ``problem``, with the value given; ``where``: file, channel or key; ``expected`` what
         would have been valid; ``do`` the next step; ``lines`` further mistakes, a line each.
         """
-        self.what, self.expected, self.do = map(one_line, (what, expected, do or self.advice))
+        parts = (problem, expected, do or self.advice)
+        self.problem, self.expected, self.do = map(one_line, parts)
         self.where = where
-        head = self.what if where is None else f"{printable(str(where))}: {self.what}"
-        parts = [head, f"expected {self.expected}" if expected else "", self.do]
-        whole = "; ".join(part for part in parts if part)
+        head = self.problem if where is None else f"{printable(str(where))}: {self.problem}"
+        sentences = (head, f"expected {self.expected}" if expected else "", self.do)
+        whole = "; ".join(filter(None, sentences))
         self.lines = tuple(map(one_line, lines))
         super().__init__("\n  ".join([whole, *self.lines]))
 
@@ -76,7 +77,7 @@ class BrakeCalError(Exception):
             "kind": self.kind,
             "message": str(self),
             "exit_code": self.exit_code,
-            "what": self.what,
+            "what": self.problem,
             "where": "" if self.where is None else str(self.where),
             "expected": self.expected,
             "do": self.do,

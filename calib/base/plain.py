@@ -15,13 +15,13 @@ NBSP = "\xa0"
 """Space at which no line ends."""
 
 
-def counted(number: int, what: str) -> str:
+def counted(number: int, noun: str) -> str:
     """A number of things.
 
     >>> counted(1, "log"), counted(2, "log")
     ('1 log', '2 logs')
     """
-    return f"{number} {what}{'s' * (number != 1)}"
+    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def quoted(names: Sequence[str], most: int = 10) -> str:
@@ -74,10 +74,10 @@ _OPEN = Ends()
 class _Plain:
     """A metric; None where an end is open.
 
-    ``of``: "car" for one of the station, "stop" for one of a validation, else "". ``unit`` is the
-    one that is shown ("" without one), ``factor`` from SI to it. ``step``: the smallest difference
-    that matters [SI], 0 if not known; the decimals of a shown value follow from it. ``least`` and
-    ``most`` are the values that it can have; ``cut`` is one that stands for all larger ones.
+    ``scope``: "car" for one of the station, "stop" for one of a validation, else "". ``unit`` is
+    the one that is shown, "" without one, and ``factor`` leads from SI to it. ``step``: the
+    smallest difference that matters [SI], 0 if not known; the decimals of a shown value follow from
+    it. ``least`` and ``most`` are the values that it can have; ``cut`` stands for all larger ones.
 
     The station fails outside ``low`` to ``high`` and warns outside ``warn_low`` to ``warn_high``;
     ``judged`` is the place among those that it judges, 0 of all others. ``stop`` are the limits
@@ -88,7 +88,7 @@ class _Plain:
     unit: str = ""
     factor: float = 1.0
     step: float = 0.0
-    of: str = ""
+    scope: str = ""
     least: float | None = None
     most: float | None = None
     cut: float | None = None
@@ -156,24 +156,24 @@ def listed(cell: str) -> tuple[str, ...]:
 
 
 def _read(row: dict[str, str]) -> _Plain:
-    texts = ("of", "name", "unit", "meaning", "reason", "action")
-    given: dict[str, Any] = {
+    texts = ("scope", "name", "unit", "meaning", "reason", "action")
+    cells: dict[str, Any] = {
         name: row[name] if name in texts else float(row[name])
         for name in row
         if row[name] and name not in ("key", "judged", "required")
     }
-    stop = Ends(**{end: given.pop(f"stop_{end}", None) for end in Ends._fields})
+    stop = Ends(**{end: cells.pop(f"stop_{end}", None) for end in Ends._fields})
     judged, required = int(row["judged"] or 0), row["required"] == "yes"
-    return _Plain(**given, stop=stop, judged=judged, required=required)
+    return _Plain(**cells, stop=stop, judged=judged, required=required)
 
 
 METRICS: dict[str, _Plain] = {row["key"]: _read(row) for row in rows("metrics.csv")}
 """Each metric by its key."""
 
 
-def meanings(of: str) -> dict[str, str]:
+def meanings(scope: str) -> dict[str, str]:
     """Keys and meanings of the metrics of a "car" or of a "stop", in their order."""
-    return {key: one.meaning for key, one in METRICS.items() if one.of == of}
+    return {key: one.meaning for key, one in METRICS.items() if one.scope == scope}
 
 
 def bound(key: str, end: str, *, of_stop: bool = False) -> float:

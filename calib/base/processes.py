@@ -78,8 +78,8 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
         pool.submit(os.getpid)  # a process starts with its first work: let it import meanwhile
 
     def mapped(function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
-        given = list(items)
-        return pool.map(function, given, chunksize=max(1, len(given) // (3 * count)))
+        listed_items = list(items)
+        return pool.map(function, listed_items, chunksize=max(1, len(listed_items) // (3 * count)))
 
     try:
         yield mapped

@@ -32,14 +32,14 @@ class RandomEffects:
     """Mean of k things, for each of n quantities. Shapes (n,), in the quantities' units.
 
     ``sigma`` standard error of the mean, to be used with Student's t of ``freedom`` = k - 1;
-    ``between`` variance between the things; ``own`` mean of their own variances; ``weights``
+    ``between`` variance between the things; ``within`` mean of their own variances; ``weights``
     (k, n), their sum is 1.
     """
 
     mean: Array
     sigma: Array
     between: Array
-    own: Array
+    within: Array
     weights: Array
     freedom: int
 
@@ -55,7 +55,7 @@ class RandomEffects:
         With Student's t of ``freedom`` it is exact where all v_i are equal. For the true value of
         the thing it is too wide: how much of the scatter is noise is not well known.
         """
-        return np.sqrt(self.between + self.sigma**2 + self.own)
+        return np.sqrt(self.between + self.sigma**2 + self.within)
 
 
 def random_effects(values: Array, variances: Array, weights: Array | None = None) -> RandomEffects:
@@ -79,9 +79,9 @@ def random_effects(values: Array, variances: Array, weights: Array | None = None
     w = best if weights is None else np.broadcast_to(weights[:, None] / weights.sum(), x.shape)
     mean = (w * x).sum(axis=0)
     square = (x - (best * x).sum(axis=0)) ** 2
-    seen = np.divide(square, variance, out=np.zeros_like(x), where=variance > 0.0).sum(axis=0)
+    chi2 = np.divide(square, variance, out=np.zeros_like(x), where=variance > 0.0).sum(axis=0)
     # Hartung and Knapp; at least so much that Student's interval is the normal one
-    scatter = np.maximum(seen / freedom, (Z95 / quantile95(freedom)) ** 2)
+    scatter = np.maximum(chi2 / freedom, (Z95 / quantile95(freedom)) ** 2)
     sigma = np.sqrt(scatter * (w**2 * variance).sum(axis=0))
     return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, freedom)
 
@@ -97,9 +97,9 @@ def between_variance(values: Array, variances: Array) -> Array:
         # the fixed point of the restricted likelihood
         new = (w**2 * ((x - mean) ** 2 - v)).sum(axis=0) / (w**2).sum(axis=0) + 1.0 / w.sum(axis=0)
         new = np.maximum(new, 0.0)
-        done = np.all(np.abs(new - between) <= _SETTLED * scale)
+        converged = np.all(np.abs(new - between) <= _SETTLED * scale)
         between = new
-        if done:
+        if converged:
             break
     return np.where(x.var(axis=0) > 0.0, between, 0.0)
 

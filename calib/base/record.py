@@ -108,7 +108,7 @@ class QuantityMark:
         try:
             value = quantity(written, self.si, None, InputError)
         except InputError as cause:
-            raise wrong(cause.what, cause.expected, cause.do) from cause
+            raise wrong(cause.problem, cause.expected, cause.do) from cause
         if not self.low <= value <= self.high:
             raise wrong(
                 f"{value:g}{behind(self.si or '1')} is not believable",
@@ -150,17 +150,17 @@ def quantity_pattern(*si: str | None) -> str:
 
 @dataclass(frozen=True)
 class OneOf:
-    """Marks a value of a file that must be one of ``known``."""
+    """Marks a value of a file that must be one of ``choices``."""
 
-    known: tuple[str, ...]
+    choices: tuple[str, ...]
 
     def read(self, written: object) -> Any:
         """The value itself. Raises `wrong` for any other."""
-        if not isinstance(written, str) or written not in self.known:
+        if not isinstance(written, str) or written not in self.choices:
             raise wrong(
                 shown(written),
-                f"one of {', '.join(map(repr, self.known))}",
-                did_you_mean(written, self.known) if isinstance(written, str) else "",
+                f"one of {', '.join(map(repr, self.choices))}",
+                did_you_mean(written, self.choices) if isinstance(written, str) else "",
             )
         return written
 
@@ -170,7 +170,7 @@ class OneOf:
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        return {"enum": list(self.known)}
+        return {"enum": list(self.choices)}
 
 
 def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:

@@ -30,9 +30,9 @@ _Place = tuple[int | str, ...]
 """Keys and indices from the top of a file to a value."""
 
 
-def wrong(what: str, expected: str = "", do: str = "") -> PydanticCustomError:
+def wrong(problem: str, expected: str = "", do: str = "") -> PydanticCustomError:
     """Return the error for a validator to raise: value given, value expected, what to do."""
-    return PydanticCustomError("wrong", "{what}", {"what": what, "expected": expected, "do": do})
+    return PydanticCustomError("wrong", "{what}", {"what": problem, "expected": expected, "do": do})
 
 
 def one_error(
@@ -43,7 +43,7 @@ def one_error(
     details, more = every[:_LISTED], max(len(every) - _LISTED, 0)
     version = [d for d in details if d["loc"] == ("schema",)]
     # A misspelt key is also reported as missing; only the spelling error is kept.
-    meant = [
+    intended = [
         (*d["loc"][:-1], nearest(str(d["loc"][-1]), _keys(schema, d["loc"][:-1])))
         for d in details
         if d["type"] in _UNKNOWN
@@ -51,53 +51,53 @@ def one_error(
     mistakes = [
         _mistake(detail, schema)
         for detail in version or details
-        if detail["type"] not in _MISSING or detail["loc"] not in meant
+        if detail["type"] not in _MISSING or detail["loc"] not in intended
     ]
     if len(mistakes) == 1:
-        place, what, expected, do = mistakes[0]
-        at = ": ".join(str(part) for part in (where, place) if part)
-        return error(what, where=at or None, expected=expected, do=do)
+        place, problem, expected, do = mistakes[0]
+        location = ": ".join(str(part) for part in (where, place) if part)
+        return error(problem, where=location or None, expected=expected, do=do)
     lines = [
-        str(error(what, where=place or None, expected=expected, do=do))
-        for place, what, expected, do in mistakes
+        str(error(problem, where=place or None, expected=expected, do=do))
+        for place, problem, expected, do in mistakes
     ]
-    rest = [f"and {more} more"] if more else []
-    return error(f"{len(mistakes) + more} errors", where=where, lines=(*lines, *rest))
+    unlisted = [f"and {more} more"] if more else []
+    return error(f"{len(mistakes) + more} errors", where=where, lines=(*lines, *unlisted))
 
 
 def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, str, str]:
     """Its place, what is wrong, what is expected there, and what to do."""
-    kind, loc, given = detail["type"], detail["loc"], shown(detail["input"])
-    here, above = _path(loc), _path(loc[:-1])
+    kind, loc, value = detail["type"], detail["loc"], shown(detail["input"])
+    path, parent = _path(loc), _path(loc[:-1])
     context = detail.get("ctx", {})
     if loc == ("schema",):
         if kind in _MISSING:
-            return above, "no schema", "a line 'schema = 1' at the top", ""
-        return above, f"schema {given}", "schema = 1", ""
+            return parent, "no schema", "a line 'schema = 1' at the top", ""
+        return parent, f"schema {value}", "schema = 1", ""
     if kind == "wrong":
-        return here, context["what"], context["expected"], context["do"]
+        return path, context["what"], context["expected"], context["do"]
     if kind == "json_invalid":
         return "", f"not JSON ({context['error']})", "", ""
     if kind == "literal_error":
-        return here, given, context["expected"], ""
+        return path, value, context["expected"], ""
     if kind in _MISSING:
-        return above, f"key {loc[-1]!r} is missing", f"a value for {loc[-1]!r}", ""
+        return parent, f"key {loc[-1]!r} is missing", f"a value for {loc[-1]!r}", ""
     if kind in _UNKNOWN:
-        known = _keys(schema, loc[:-1])
-        hint = did_you_mean(str(loc[-1]), known)
+        keys = _keys(schema, loc[:-1])
+        hint = did_you_mean(str(loc[-1]), keys)
         return (
-            above,
+            parent,
             f"unknown key {shown(loc[-1])}",
-            "" if hint else f"one of {', '.join(known)}",
+            "" if hint else f"one of {', '.join(keys)}",
             hint,
         )
     wanted = _kind_at(schema, loc)
     if kind in _NO_TABLE:
-        written_as = getattr(wanted, "written_as", "") or (here and f"[{here}]")
-        return here, f"{given} is not a table", written_as, ""
+        written_as = getattr(wanted, "written_as", "") or (path and f"[{path}]")
+        return path, f"{value} is not a table", written_as, ""
     if kind == "list_type" and _is_section(_plain((*get_args(wanted), None)[0])):
-        return here, given, f"[[{here}]] with double brackets", ""
-    return here, given, _EXPECTED.get(kind, detail["msg"]), ""
+        return path, value, f"[[{path}]] with double brackets", ""
+    return path, value, _EXPECTED.get(kind, detail["msg"]), ""
 
 
 def _path(loc: _Place) -> str:

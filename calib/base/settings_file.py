@@ -87,23 +87,25 @@ def read_settings(path: Path | None) -> dict[str, Any]:
 class Project:
     """The settings that count here, see `read_settings`.
 
-    ``file`` is None where none was found; ``searched``: the folders that were looked into, none
+    ``file`` is None where none was found; ``folders``: the folders that were looked into, none
     where the environment names the file.
     """
 
     settings: dict[str, Any]
     file: Path | None
-    searched: tuple[Path, ...]
+    folders: tuple[Path, ...]
 
 
 def find_project() -> Project:
     """Find and read the settings file. Raises SettingsError if it is not valid."""
     named = os.environ.get(SETTINGS_VARIABLE)
-    searched: tuple[Path, ...] = ()
+    folders: tuple[Path, ...] = ()
     file = Path(named) if named else None
     if named is None:
         with suppress(FileNotFoundError):  # somebody has deleted the working folder
-            searched = (Path.cwd(), *Path.cwd().parents)
-        found = (folder / SETTINGS_FILE for folder in searched)
-        file = next((Path(os.path.relpath(path)) for path in found if os.path.isfile(path)), None)
-    return Project(read_settings(file), file, searched)
+            folders = (Path.cwd(), *Path.cwd().parents)
+        candidates = (folder / SETTINGS_FILE for folder in folders)
+        file = next(
+            (Path(os.path.relpath(path)) for path in candidates if os.path.isfile(path)), None
+        )
+    return Project(read_settings(file), file, folders)

@@ -48,7 +48,7 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
         ) from cause
 
 
-def nearest(word: str, known: Collection[str]) -> str | None:
+def nearest(word: str, words: Collection[str]) -> str | None:
     """Return the known word that is most like ``word``; None if none is similar.
 
     Of similar words, one of the same letters in another order is nearer: two were exchanged; so is
@@ -61,7 +61,7 @@ def nearest(word: str, known: Collection[str]) -> str | None:
     """
     if len(word) > _LONGEST:  # the comparison takes time with the square of its length
         return None
-    close = difflib.get_close_matches(word, known, n=len(known)) if known else []
+    close = difflib.get_close_matches(word, words, n=len(words)) if words else []
     parts = set(word.split("_"))
     return min(
         close,
@@ -70,9 +70,9 @@ def nearest(word: str, known: Collection[str]) -> str | None:
     )
 
 
-def did_you_mean(word: str, known: Collection[str]) -> str:
+def did_you_mean(word: str, words: Collection[str]) -> str:
     """``did you mean 'mass'?``, or "" if no known word is similar."""
-    close = nearest(word, known)
+    close = nearest(word, words)
     return f"did you mean {close!r}?" if close else ""
 
 

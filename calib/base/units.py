@@ -113,10 +113,10 @@ def unit_of(unit: str, si: str) -> Unit:
     if written in table:
         return table[written]
     owners = [other for other, units in QUANTITIES.values() if written in units]
-    what = f"unknown unit {unit!r} for {quantity}"
+    message = f"unknown unit {unit!r} for {quantity}"
     if owners:
-        what = f"unit {unit!r} is a unit of {owners[0]}, not of {quantity}"
-    raise UnknownUnit(f"{what}; known: {', '.join(table)}")
+        message = f"unit {unit!r} is a unit of {owners[0]}, not of {quantity}"
+    raise UnknownUnit(f"{message}; known: {', '.join(table)}")
 
 
 def behind(unit: str) -> str:
@@ -131,8 +131,8 @@ def behind(unit: str) -> str:
 def spellings(si: str | None) -> list[str]:
     """Return all spellings of the units of one quantity, or of all if ``si`` is None."""
     tables = [table for key, (_, table) in QUANTITIES.items() if si in (key, None)]
-    known = [unit for table in tables for unit in table]
-    return [*known, *(other for other, unit in _SPELLINGS.items() if unit in known)]
+    units = [unit for table in tables for unit in table]
+    return [*units, *(other for other, unit in _SPELLINGS.items() if unit in units)]
 
 
 def si_of(unit: str) -> str:
@@ -144,8 +144,8 @@ def si_of(unit: str) -> str:
     for si, (_, table) in QUANTITIES.items():
         if written in table:
             return si
-    known = sorted({name for _, table in QUANTITIES.values() for name in table})
-    raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(known)}")
+    names = sorted({name for _, table in QUANTITIES.values() for name in table})
+    raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(names)}")
 
 
 def to_si(values: Number, unit: str, si: str) -> Number:

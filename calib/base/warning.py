@@ -24,7 +24,7 @@ REFUSE, VOID, WARN = "refuse", "void", "warn"
 class _Rule(NamedTuple):
     """A row: what the ``figure`` named so gives as ``code`` is to lie from ``low`` to ``high``.
 
-    The range is no narrower than zero give or take ``sure`` of the sigmas. ``asked`` by these
+    The range is no narrower than zero give or take ``sure`` of the sigmas. ``purposes`` by these
     purposes; ``needs`` a vehicle, other logs, a table or a fit; "" of a log alone. ``causes`` the
     most likely first, ``below`` those of what is below the range. It ``makes`` other codes.
     """
@@ -33,7 +33,7 @@ class _Rule(NamedTuple):
     means: str
     figure: str
     unit: str
-    asked: tuple[str, ...]
+    purposes: tuple[str, ...]
     does: str
     needs: str
     low: float
@@ -53,7 +53,7 @@ def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
         row["means"] or first["means"],
         row["figure"],
         first["unit"],
-        tuple(row["asked"].split()),
+        tuple(row["purposes"].split()),
         row["does"],
         row["needs"],
         float(ends["low"] or -math.inf),
@@ -172,7 +172,7 @@ def judged(
             if sure := rule.sure * m.sigma:
                 low, high = min(low, -sure), max(high, sure)
             outside = m.value < low or m.value > high
-            if outside and rule.does in does and purpose in (None, *rule.asked):
+            if outside and rule.does in does and purpose in (None, *rule.purposes):
                 warnings.append(_warned(rule, log, m, low, high))
                 break
     return tuple(warnings)
@@ -198,9 +198,9 @@ def unexplained(
     Units, signs and zeros stand first there: what a log with a wrong one shows further, as wheels
     that seem to lock, has that cause and no other.
     """
-    told = tuple(warnings)
-    made = {code for one in (*told, *beside) for code in _OF[one.code][0].makes}
-    return tuple(sorted((one for one in told if one.code not in made), key=_place))
+    every = tuple(warnings)
+    explained = {code for one in (*every, *beside) for code in _OF[one.code][0].makes}
+    return tuple(sorted((one for one in every if one.code not in explained), key=_place))
 
 
 def _place(warning: PlausibilityWarning) -> int:

@@ -65,12 +65,12 @@ def locked_folder(folder: Path) -> Iterator[None]:
     A folder that stays empty and was made here is removed. The lock holds between processes of one
     computer, and between computers where the file system passes locks on. Raises OSError.
     """
-    made = not folder.exists()
+    is_new = not folder.exists()
     try:
         with _locked(folder / _LOCK):
             yield
     finally:
-        if made:
+        if is_new:
             with suppress(OSError):
                 folder.rmdir()
 
@@ -131,7 +131,7 @@ def workshop(out: Path) -> Iterator[Path]:
     runs are deleted. If ``out`` did not exist before and stays empty, it is deleted too. Raises
     OSError at once if ``out`` cannot be written.
     """
-    made = not out.exists()
+    is_new = not out.exists()
     out.mkdir(parents=True, exist_ok=True)
     try:
         for name in {path.name.removesuffix(_LOCK) for path in out.glob(f"{_WORK}*")}:
@@ -148,7 +148,7 @@ def workshop(out: Path) -> Iterator[Path]:
             finally:
                 shutil.rmtree(work, ignore_errors=True)
     finally:
-        if made:
+        if is_new:
             with suppress(OSError):
                 out.rmdir()
 

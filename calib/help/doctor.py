@@ -84,7 +84,7 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     try:
         samples = _Finding("sample logs", FINE, str(sample_logs()))
     except InputError as error:
-        samples = _Finding("sample logs", NOTE, error.what, "`demo` and `qualify` need them")
+        samples = _Finding("sample logs", NOTE, error.problem, "`demo` and `qualify` need them")
     return (*map(_package, packages()), _store(store or usual or STORE), samples, settings)
 
 

@@ -84,7 +84,7 @@ def read_whole(
     names = {item.channel for item in by_index.values()}
     for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
         if isinstance(values, LogError) or column.name in ignore:
-            why = values.what if isinstance(values, LogError) else "the map ignores it"
+            why = values.problem if isinstance(values, LogError) else "the map ignores it"
             notes.append(f"{column.full_name} was left out: {why}")
             continue
         name, unit, number = column.name, column.unit, 1

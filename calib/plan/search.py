@@ -239,7 +239,7 @@ def _why_not_driven(known: Knowledge, measure: Measure) -> str:
         if measure.driven:
             drive(cars(known, 1)[0], measure, known.track, known.sensors)
     except ModelError as error:
-        return error.what
+        return error.problem
     return ""
 
 
@@ -278,4 +278,4 @@ def _outcome(known: Knowledge, asked: tuple[int, Sequel]) -> HalfWidths | str:
     try:
         return half_widths(known, cars(known)[number], done, SEED + 100 * number)
     except BrakeCalError as error:
-        return error.what
+        return error.problem

@@ -47,22 +47,22 @@ def marked(e: Evidence) -> Iterator[Measured]:
 
 def sensors(e: Evidence) -> Iterator[Measured]:
     """Ranges, values that hang, and time at the end of a range."""
-    for one in e.run.sensors:
-        name, words = one.channel, {"channel": one.channel}
-        longest = max((end - start for start, end in one.stuck), default=0.0)
+    for sensor in e.run.sensors:
+        name, words = sensor.channel, {"channel": sensor.channel}
+        longest = max((end - start for start, end in sensor.stuck), default=0.0)
         if name == "v":
             yield Measured("v_stuck", longest)
         elif name in _NEEDED:
-            times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in one.stuck)
+            times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
             yield Measured("stuck", longest, words={**words, "times": times})
-            yield Measured("end_of_range", one.saturated, words=words)
-        yield Measured("saturated", one.saturated, words=words)
+            yield Measured("end_of_range", sensor.saturated, words=words)
+        yield Measured("saturated", sensor.saturated, words=words)
         kind = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars"}.get(name.split("_")[0])
         if kind:
-            yield Measured(kind, max(one.high, one.low, key=abs), words=words)
+            yield Measured(kind, max(sensor.high, sensor.low, key=abs), words=words)
         if name.startswith("p_"):
-            yield Measured("pressure_high", from_si(one.high, "bar", "Pa"), words=words)
-            yield Measured("pressure_low", from_si(one.low, "bar", "Pa"), words=words)
+            yield Measured("pressure_high", from_si(sensor.high, "bar", "Pa"), words=words)
+            yield Measured("pressure_low", from_si(sensor.low, "bar", "Pa"), words=words)
 
 
 def noise(e: Evidence) -> Iterator[Measured]:
@@ -91,10 +91,10 @@ def pressure(e: Evidence) -> Iterator[Measured]:
         return
     pressures = run.pressures
 
-    def told(name: str) -> tuple[float, str, str]:
+    def group(name: str) -> tuple[float, str, str]:
         return pressures[name].surely, pressures[name].words, pressures[name].entry
 
-    for (surely, words, entry), names in groupby(pressures, told):
+    for (surely, words, entry), names in groupby(pressures, group):
         all_of = ", ".join(names)
         how = f"{all_of} {'are' if ',' in all_of else 'is'} {words}"
         yield Measured("pressure_late", surely, words={"how": how, "entry": f"{entry} to {all_of}"})
@@ -120,7 +120,7 @@ def copied(e: Evidence) -> Iterator[Measured]:
         yield Measured("a_x_of_speed", share, words={"source": source})
 
 
-def held(e: Evidence) -> Iterator[Measured]:
+def held_values(e: Evidence) -> Iterator[Measured]:
     """Values that a bus or a receiver repeats."""
     yield Measured("v_held", held_time(e.run.log))
     yield Measured("wheels_held", e.run.wheels_held)

@@ -38,13 +38,13 @@ class Findings:
     verdicts : one for each purpose.
     """
 
-    seen: Run
+    run: Run
     warnings: tuple[PlausibilityWarning, ...]
     verdicts: tuple[_Verdict, ...]
 
     def __repr__(self) -> str:
         lines = [f"  {v.purpose:<12} {'; '.join(v.reasons) or 'usable'}" for v in self.verdicts]
-        return "\n".join([self.seen.log.source, *lines])
+        return "\n".join([self.run.log.source, *lines])
 
     @property
     def usable(self) -> bool:
@@ -65,11 +65,11 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     >>> findings.verdicts[0].reasons[0].partition(";")[0]
     'no braking (no_braking)'
     """
-    seen = Run(log, vehicle)
-    refused = {name: unusable(seen, name) for name in PURPOSES}
-    warnings = warnings_on(Evidence(seen), CHECK, whole=not all(refused.values()))
+    run = Run(log, vehicle)
+    refused = {name: unusable(run, name) for name in PURPOSES}
+    warnings = warnings_on(Evidence(run), CHECK, whole=not all(refused.values()))
     return Findings(
-        seen,
+        run,
         unexplained(warnings, (one for each in refused.values() for one in each)),
         tuple(
             _Verdict(name, not reasons, tuple(one.text for one in reasons))
@@ -78,9 +78,9 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     )
 
 
-def uses(seen: Run) -> Iterator[str]:
+def uses(run: Run) -> Iterator[str]:
     """What can be determined from a log, also if it is not usable, with its accuracy, in words."""
-    axles = seen.axles
+    axles = run.axles
     if axles is None:
         return
     zero = axles.front_rear
@@ -90,19 +90,19 @@ def uses(seen: Run) -> Iterator[str]:
         yield f"the zero of eta {sharp}, if the car rolled without its engine"
     if axles.slope is not None and axles.slope > 0:
         yield f"sign and size of a_x: with the wheels it makes a radius of {axles.slope:.2f} m"
-    logged = [name for name in ("T_drive_f", "T_drive_r") if name in seen.present]
+    logged = [name for name in ("T_drive_f", "T_drive_r") if name in run.present]
     if logged:
         yield f"brake forces less the torque of engine or motor: {', '.join(logged)}"
-    if seen.alone:
-        what = f"the {AXLE_NAMES[seen.alone]} tyres' stiffness, and the pads' ratio"
-        yield f"{what}, in a fit with a ramp of both axles: the other axle has no pressure"
-    if seen.events and "p_mc" in seen.missing:
-        yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"
+    if run.alone:
+        subject = f"the {AXLE_NAMES[run.alone]} tyres' stiffness, and the pads' ratio"
+        yield f"{subject}, in a fit with a ramp of both axles: the other axle has no pressure"
+    if run.events and "p_mc" in run.missing:
+        yield f"deceleration and slip of {len(run.events)} braking(s); without pressure no torque"
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
     """The findings as plain data, numbers in SI; ``figures`` as in the results of a batch."""
-    run, log = findings.seen, findings.seen.log
+    run, log = findings.run, findings.run.log
     return {
         "usable": findings.usable,
         "log": log.name,
@@ -113,7 +113,7 @@ def to_dict(findings: Findings) -> dict[str, Any]:
         "notes": log.notes,
         "warnings": _plain(findings.warnings),
         "verdicts": _plain(findings.verdicts),
-        "taken": _plain(tuple(_taken(log))),
+        "taken": _plain(tuple(_canonical_origins(log))),
         "uses": list(uses(run)),
         "bridged": _plain(log.bridged),
         "seen": {name: _plain(getattr(run, name)) for name in _SEEN},
@@ -122,7 +122,7 @@ def to_dict(findings: Findings) -> dict[str, Any]:
     }
 
 
-def _taken(log: Log) -> Iterator[Origin]:
+def _canonical_origins(log: Log) -> Iterator[Origin]:
     """Sources of the canonical channels."""
     return (origin for origin in log.origins if origin.channel in CHANNELS)
 
@@ -130,8 +130,8 @@ def _taken(log: Log) -> Iterator[Origin]:
 def _as_it_stands(origin: Origin) -> bool:
     """Whether the file has a channel under its canonical name and unit."""
     q = CHANNELS[origin.channel]
-    zero, one = (to_si(x, q.unit, q.si) for x in (0.0, 1.0))
-    same = origin.source == origin.channel and math.isclose(origin.factor, one - zero)
+    zero, unit = (to_si(x, q.unit, q.si) for x in (0.0, 1.0))
+    same = origin.source == origin.channel and math.isclose(origin.factor, unit - zero)
     return same and origin.offset == zero
 
 
@@ -156,32 +156,35 @@ def _plain(x: Any) -> Any:
 
 def facts(findings: Findings) -> Iterator[tuple[str, str]]:
     """Label and text of each finding except warnings and verdicts; units of a log file."""
-    seen, clock, log = findings.seen, findings.seen.clock, findings.seen.log
-    yield "channels", ", ".join(seen.present) + (" + truth" if log.truth else "")
-    absent = [q.name for q in CHANNELS.values() if not q.required and q.name not in seen.present]
-    if seen.missing:
-        yield "missing", ", ".join(seen.missing)
+    run, clock, log = findings.run, findings.run.clock, findings.run.log
+    yield "channels", ", ".join(run.present) + (" + truth" if log.truth else "")
+    absent = [q.name for q in CHANNELS.values() if not q.required and q.name not in run.present]
+    if run.missing:
+        yield "missing", ", ".join(run.missing)
     yield "not there", ", ".join(absent) or "-"
     if log.ignored:
         yield "ignored", ", ".join(log.ignored)
-    if not all(map(_as_it_stands, _taken(log))):
-        for one in _taken(log):
-            offset = f" {one.offset:+.6g}" if one.offset else ""
-            yield one.channel, f"from {one.source!r} [{one.unit}] x {one.factor:.6g}{offset}"
+    if not all(map(_as_it_stands, _canonical_origins(log))):
+        for origin in _canonical_origins(log):
+            offset = f" {origin.offset:+.6g}" if origin.offset else ""
+            yield (
+                origin.channel,
+                f"from {origin.source!r} [{origin.unit}] x {origin.factor:.6g}{offset}",
+            )
     jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
     yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
-    for sensor in seen.sensors:
+    for sensor in run.sensors:
         yield sensor.channel, _sensor(sensor)
-    if seen.axles is None:
+    if run.axles is None:
         return
-    yield "driven", f"up to {3.6 * seen.speed:.0f} km/h, up to {seen.z:.2f} g"
-    yield "lead-in", f"{seen.lead_in:.2f} s of steady rolling"
-    for number, event in enumerate(seen.events, start=1):
+    yield "driven", f"up to {3.6 * run.speed:.0f} km/h, up to {run.z:.2f} g"
+    yield "lead-in", f"{run.lead_in:.2f} s of steady rolling"
+    for number, event in enumerate(run.events, start=1):
         yield f"braking {number}", _event(event)
-    yield "eta - 1", _percent(seen.axles.front_rear) + " without braking"
-    sides = (seen.axles.left_right_f, seen.axles.left_right_r)
+    yield "eta - 1", _percent(run.axles.front_rear) + " without braking"
+    sides = (run.axles.left_right_f, run.axles.left_right_r)
     yield "right/left", f"front {_percent(sides[0])}, rear {_percent(sides[1])}"
-    for text in uses(seen):
+    for text in uses(run):
         yield "good for", text
 
 

@@ -13,11 +13,11 @@ from calib.run.wheels import Slipping
 
 def clock(e: Evidence) -> Iterator[Measured]:
     """Rate, jitter, and samples that are missing: what is between them is no measurement."""
-    of = e.run.clock
-    yield Measured("clock_rate", of.rate)
-    yield Measured("clock_jitter", of.jitter * of.rate)
-    when, length = max(of.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
-    yield Measured("clock_gaps", length, words={"when": when, "count": len(of.gaps)})
+    sampling = e.run.clock
+    yield Measured("clock_rate", sampling.rate)
+    yield Measured("clock_jitter", sampling.jitter * sampling.rate)
+    when, length = max(sampling.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
+    yield Measured("clock_gaps", length, words={"when": when, "count": len(sampling.gaps)})
 
 
 def driving(e: Evidence) -> Iterator[Measured]:

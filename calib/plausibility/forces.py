@@ -37,13 +37,13 @@ def bend(e: Evidence) -> Iterator[Measured]:
     Without such runs a bend and wheels of unlike radius look the same.
     """
     s = e.run.signals
-    told = (s.speed > MOVING) & (s.z < _UPRIGHT)
-    if e.straight and told.any():
+    upright = (s.speed > MOVING) & (s.z < _UPRIGHT)
+    if e.straight and upright.any():
         fast, logs = 2.0 * MOVING / NOMINAL_RADIUS, (run.log for run in e.straight)
         equal = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in logs]
         straight = float(np.mean(np.concatenate(equal)))
         turned = lateral(e.run.log, s, e.run.car.track_width, straight)
-        yield Measured("bend", float(np.mean(turned[told])))
+        yield Measured("bend", float(np.mean(turned[upright])))
 
 
 def accelerometer(e: Evidence) -> Iterator[Measured]:
@@ -71,15 +71,15 @@ def brakes(e: Evidence) -> Iterator[Measured]:
     response = e.response
     if response is None or e.run.vehicle is None:
         return
-    share, late = response.share, response.fading
-    one = likelihood_ratio(share, math.hypot(response.share_sigma, _USUAL), _FORCE)
-    other = likelihood_ratio(late, math.hypot(response.fading_sigma, _FADING), _FORCE)
+    share, fading_share = response.share, response.fading
+    early = likelihood_ratio(share, math.hypot(response.share_sigma, _USUAL), _FORCE)
+    fading = likelihood_ratio(fading_share, math.hypot(response.fading_sigma, _FADING), _FORCE)
     odds = max(e.run.vehicle.motor_odds, LEAST_ODDS)
-    if odds * (one + other + one * other) / 3.0 > _MOTOR:
-        yield Measured("unexplained_braking_force", share if one > other else late)
+    if odds * (early + fading + early * fading) / 3.0 > _MOTOR:
+        yield Measured("unexplained_braking_force", share if early > fading else fading_share)
     yield Measured("braking_force_missing", share, response.share_sigma)
-    at, step, scatter = response.step
-    yield Measured("force_step", step, scatter, words={"at": at})
+    time, step, scatter = response.step
+    yield Measured("force_step", step, scatter, words={"at": time})
     yield Measured("pressure_lag", response.delay, response.delay_sigma)
 
 

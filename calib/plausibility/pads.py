@@ -30,7 +30,7 @@ seats and the boot are a quarter of a car's mass. Pads that are soaked lose half
 
 def require_possible_pads(
     vehicle: Vehicle,
-    found: Calibration,
+    fitted: Calibration,
     warnings: tuple[PlausibilityWarning, ...],
     motor: str = "",
 ) -> None:
@@ -39,12 +39,12 @@ def require_possible_pads(
     The interval of the ratio counts. ``warnings`` on file and logs are told beside it; so is a
     ``motor``, in words, that explains the ramps as well.
     """
-    pads = (found.pad_friction_f.value, found.pad_friction_r.value)
-    (low, high), rho = _POSSIBLE, found.pad_log_ratio
+    pads = (fitted.pad_friction_f.value, fitted.pad_friction_r.value)
+    (low, high), rho = _POSSIBLE, fitted.pad_log_ratio
     apart = abs(rho.value) - Z95 * rho.sigma > _GRADES
     if not apart and low <= min(pads) and max(pads) <= high:
         return
-    entry = likely_entry(vehicle, found) if apart else ""
+    entry = likely_entry(vehicle, fitted) if apart else ""
     cause = "the unit or the scale of p_mc or a_x, areas, faces, radii or mass in the file"
     raise VehicleError(
         f"the pads come out at {pads[0]:.3g} in front and {pads[1]:.3g} behind, and the file has "
@@ -59,10 +59,10 @@ def require_possible_pads(
     )
 
 
-def likely_entry(vehicle: Vehicle, found: Calibration) -> str:
+def likely_entry(vehicle: Vehicle, fitted: Calibration) -> str:
     """What in the file may be wrong, in words."""
-    share, (level, apart) = front_share(vehicle, 0.0), pad_levels(vehicle, found)
-    a = math.log(found.pad_friction_f.value / vehicle.front.pad_friction)
+    share, (level, apart) = front_share(vehicle, 0.0), pad_levels(vehicle, fitted)
+    a = math.log(fitted.pad_friction_f.value / vehicle.front.pad_friction)
     b = a - apart
     if math.hypot(level, apart - 2.0 * math.log((1.0 - share) / share)) < min(abs(a), abs(b)):
         return "[front] and [rear] are exchanged"
@@ -76,25 +76,25 @@ def likely_entry(vehicle: Vehicle, found: Calibration) -> str:
 
 
 def of_calibration(
-    vehicle: Vehicle, found: Calibration, stated: Value | None = None
+    vehicle: Vehicle, fitted: Calibration, user_specified: Value | None = None
 ) -> Iterator[Measured]:
     """Pads against the file's, their ratio, the stiffness of the tyres.
 
-    ``stated`` what the user says of the logarithm of the ratio: it is to be near that.
+    ``user_specified`` what the user says of the logarithm of the ratio: it is to be near that.
     """
     axles = [
-        relative("pads_off_file_f", found.pad_friction_f.value, vehicle.front.pad_friction),
-        relative("pads_off_file_r", found.pad_friction_r.value, vehicle.rear.pad_friction),
+        relative("pads_off_file_f", fitted.pad_friction_f.value, vehicle.front.pad_friction),
+        relative("pads_off_file_r", fitted.pad_friction_r.value, vehicle.rear.pad_friction),
     ]
     yield from axles
     low, high = bounds_of("pads_off_file_f")
     if all(low <= axle.value <= high for axle in axles):
-        scale = found.pad_scale
+        scale = fitted.pad_scale
         sigma = math.hypot(grade(vehicle), scale.sigma / scale.value)
-        yield Measured("pads_off_file", pad_levels(vehicle, found).level, sigma, math.expm1)
-    rho, known = found.pad_log_ratio, stated.value if stated else 0.0
-    yield Measured("pad_ratio", rho.value - known, rho.sigma, lambda x: math.expm1(known + x))
-    yield Measured("tyre_stiffness", found.slip_stiffness.value)
+        yield Measured("pads_off_file", pad_levels(vehicle, fitted).level, sigma, math.expm1)
+    rho, expected = fitted.pad_log_ratio, user_specified.value if user_specified else 0.0
+    yield Measured("pad_ratio", rho.value - expected, rho.sigma, lambda x: math.expm1(expected + x))
+    yield Measured("tyre_stiffness", fitted.slip_stiffness.value)
 
 
 def of_changes(level: tuple[float, float], apart: tuple[float, float]) -> Iterator[Measured]:

@@ -44,7 +44,7 @@ _OF_LOG: tuple[Figure, ...] = (
 """Figures of any log; the rules have them by their names."""
 _OF_MOTION: tuple[Figure, ...] = (
     *(wheels.wheel_sign, driving.driving, driving.use, wheels.wheels, wheels.radii),
-    *(channels.noise, channels.at_rest, channels.pressure, channels.speed, channels.held),
+    *(channels.noise, channels.at_rest, channels.pressure, channels.speed, channels.held_values),
 )
 """Those that need a_x and the wheel speeds."""
 _OF_SIGNALS: tuple[Figure, ...] = (
@@ -74,8 +74,8 @@ def unusable(
 def require(run: Run, purpose: str) -> None:
     """Raise LogError with every reason for a run that will not do for a purpose."""
     if why := unusable(run, purpose, (REFUSE,)):
-        what = f"{_CALLED[purpose]}: {'; '.join(one.text for one in why)}"
-        raise LogError(what, where=run.log.source, do="see `brake-cal check`")
+        message = f"{_CALLED[purpose]}: {'; '.join(one.text for one in why)}"
+        raise LogError(message, where=run.log.source, do="see `brake-cal check`")
 
 
 def warnings_on(
@@ -102,19 +102,21 @@ def _broken(
     e: Evidence, groups: tuple[tuple[Figure, ...], ...], purpose: str, does: Collection[str]
 ) -> tuple[PlausibilityWarning, ...]:
     figures = {figure.__name__: figure for group in groups for figure in group}
-    asked = [figures[name] for name in _asked(purpose, tuple(does)) if name in figures]
+    to_compute = [figures[name] for name in _figure_names(purpose, tuple(does)) if name in figures]
     name = e.run.log.name
-    return unexplained(w for figure in asked for w in judged(name, figure(e), purpose, does))
+    return unexplained(w for figure in to_compute for w in judged(name, figure(e), purpose, does))
 
 
 @cache
-def _asked(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
+def _figure_names(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the figures that rules ask, by the order of the rules."""
-    asked = (rule.figure for rule in RULES if purpose in rule.asked and rule.does in does)
-    return tuple(dict.fromkeys(asked))
+    figures = (rule.figure for rule in RULES if purpose in rule.purposes and rule.does in does)
+    return tuple(dict.fromkeys(figures))
 
 
 def makes_void(warning: PlausibilityWarning, purpose: str) -> bool:
     """Whether nothing counts of a result with this warning."""
-    rules = (r for r in RULES if r.code == warning.code and r.does == VOID and purpose in r.asked)
+    rules = (
+        r for r in RULES if r.code == warning.code and r.does == VOID and purpose in r.purposes
+    )
     return any(not rule.low <= warning.measured <= rule.high for rule in rules)

@@ -92,7 +92,7 @@ def _mistakes(run: Run, axle: str, radius: float | None) -> list[SpeedMistake]:
     """
     if run.alone == axle:
         return []
-    speed = _AxleSpeed.of(run, axle, radius or NOMINAL_RADIUS)
+    speed = _AxleSpeed.of_axle(run, axle, radius or NOMINAL_RADIUS)
     if speed.v.size < _FEWEST:
         return []
     fits = [speed.fit(belief) for belief in _beliefs(_FILE if radius else _USUAL)]
@@ -171,7 +171,7 @@ class _AxleSpeed:
     slip: Array
 
     @classmethod
-    def of(cls, run: Run, axle: str, radius: float) -> "_AxleSpeed":
+    def of_axle(cls, run: Run, axle: str, radius: float) -> "_AxleSpeed":
         """By the wheels of an axle."""
         d, size = run.driving, max(1, round(SMOOTH / run.driving.step))
         inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST)
@@ -183,11 +183,11 @@ class _AxleSpeed:
         signals = (run.log["v"], omega, d.z, time, lost, *shifts)
         v, omega, z, time, lost, *shifts = (block_mean(x, size)[use] for x in signals)
         slips = (z * omega, z**2 * omega, z**3 * omega, 1e-4 * omega**3)
-        one = np.ones_like(v)
-        wheels = radius * np.stack([omega, -one, *slips], axis=1)
-        a_x = np.stack([one, time, 0.5 * time**2, -z * v, -lost], axis=1)
+        ones = np.ones_like(v)
+        wheels = radius * np.stack([omega, -ones, *slips], axis=1)
+        a_x = np.stack([ones, time, 0.5 * time**2, -z * v, -lost], axis=1)
         late = np.stack([G * z, G * z * time], axis=1)
-        noise = [_noise(np.hstack([A, late]), v, shifts) * one for A in (wheels, a_x)]
+        noise = [_noise(np.hstack([A, late]), v, shifts) * ones for A in (wheels, a_x)]
         columns = np.block([[wheels, 0.0 * a_x, late], [0.0 * wheels, a_x, late]])
         by_shift = dict(zip(pairs, shifts, strict=True))
         slip = np.array(_SLIP) * (1.0 if run.alone is None else np.array([0.0, _ROLLS]))
@@ -206,14 +206,14 @@ class _AxleSpeed:
         r = y - rows @ mean
         x, covariance, evidence = posterior(rows.T @ rows, rows.T @ r, sigma)
         log = belief.odds + float(evidence - 0.5 * r @ r)
-        left = (r - rows @ x)[: self.v.size]
+        residual = (r - rows @ x)[: self.v.size]
         x = mean + x
         x[-1] += belief.rate
-        return _Fit(belief, log, x, covariance, float(left @ left))
+        return _Fit(belief, log, x, covariance, float(residual @ residual))
 
 
 def _noise(A: Array, v: Array, shifts: list[Array]) -> float:
     """What the best of all numbers and ``shifts`` leave of v [m/s], with how long it lasts."""
-    left = (v - x - A @ np.linalg.lstsq(A, v - x)[0] for x in shifts)
-    square = min(float(r @ r) for r in left) / max(v.size - A.shape[1], 1)
+    residuals = (v - x - A @ np.linalg.lstsq(A, v - x)[0] for x in shifts)
+    square = min(float(r @ r) for r in residuals) / max(v.size - A.shape[1], 1)
     return math.sqrt(_LASTING * square) + _FINEST

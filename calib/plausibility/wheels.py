@@ -96,10 +96,10 @@ def _causes(axle: str, mistake: SpeedMistake) -> Iterator[str]:
 def _of_v(radius: float, by_a_x: float) -> Iterator[Measured]:
     """The unit of v."""
     low, high = bounds_of("v_unit")
-    known = low <= by_a_x <= high
-    words = {"unit": _read_as(radius / (by_a_x if known else NOMINAL_RADIUS))}
+    a_x_is_plausible = low <= by_a_x <= high
+    words = {"unit": _read_as(radius / (by_a_x if a_x_is_plausible else NOMINAL_RADIUS))}
     yield Measured("v_unit", radius, words=words)
-    if known:
+    if a_x_is_plausible:
         yield Measured("v_unit_by_a_x", radius / by_a_x, words=words)
 
 
@@ -176,11 +176,11 @@ def car_wheels(e: Evidence) -> Iterator[Measured]:
     if e.run.vehicle is None or (rolling := e.run.rolling_radii) is None:
         return
     car = e.run.car
-    both = [
+    radii = [
         relative("rolling_radius_f", rolling[0], car.front.rolling_radius),
         relative("rolling_radius_r", rolling[1], car.rear.rolling_radius),
     ]
-    off = min((one.value for one in both), key=abs)
+    off = min((radius.value for radius in radii), key=abs)
     likely = "a log of another vehicle"
     if abs(off) > bounds_of("a_x_scale")[1]:
         sensor = e.run.accelerometer(identify(car, ()))
@@ -188,7 +188,7 @@ def car_wheels(e: Evidence) -> Iterator[Measured]:
             likely = "the scale of v, or a log of another vehicle"
         elif -_MOST_OF_IT > sensor.scale / off > -1.0 / _MOST_OF_IT:
             likely = "the scale of v, by which a_x and v differ as much"
-    yield from (replace(one, words={"likely": likely}) for one in both)
+    yield from (replace(radius, words={"likely": likely}) for radius in radii)
 
 
 def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:
@@ -206,10 +206,10 @@ def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:
     car, (mean, sigma, *_) = e.run.car, CAR.compliance
     rim = 0.5 * (car.front.rolling_radius * b.omega_f + car.rear.rolling_radius * b.omega_r)
     time = b.end - b.end[rolled[-1]]
-    slope, before = np.polyfit(time[rolled], rim[rolled], 1)
+    slope, rim_at_first = np.polyfit(time[rolled], rim[rolled], 1)
     z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) - slope / G, 0.0)
     gained = G * b.length * np.cumsum(z)
-    lost = before - rim / (1.0 - mean * np.clip(z, 0.0, 1.0))
+    lost = rim_at_first - rim / (1.0 - mean * np.clip(z, 0.0, 1.0))
     ends = e.run.slipping.first if e.run.slipping else np.inf
     use = np.flatnonzero((time > 0.0) & (b.end < ends) & (rim > MOVING) & (lost > MOVING))
     if use.size:
@@ -228,21 +228,21 @@ def slip_of_v(e: Evidence) -> Iterator[Measured]:
     three. An axle that is not braked for long says nothing. The force of one that brakes is the
     deceleration times its load, within a third, or more.
     """
-    rolling, b, found = e.run.rolling_radii, e.run.blocks, []
+    rolling, b, shares = e.run.rolling_radii, e.run.blocks, []
     if rolling is None:
         return
-    told = (b.speed > MOVING) & (b.drive_f == 0.0) & (b.drive_r == 0.0)
-    told &= (b.z > _BRAKED) & (b.z < GREATEST)
+    braking = (b.speed > MOVING) & (b.drive_f == 0.0) & (b.drive_r == 0.0)
+    braking &= (b.z > _BRAKED) & (b.z < GREATEST)
     rims = np.stack([rolling[0] * b.omega_f, rolling[1] * b.omega_r])
     slips = 1.0 - rims / np.maximum(b.speed, MOVING)
     pressed = np.stack([b.p_f, b.p_r]) > BITE
     for source, weights in _MADE_OF.items():
-        use = told & np.all(pressed[np.array(weights) > 0.0], axis=0)
+        use = braking & np.all(pressed[np.array(weights) > 0.0], axis=0)
         if np.count_nonzero(use) * b.length >= _TIME:
             rms = float(np.sqrt(np.mean((weights @ slips[:, use]) ** 2)))
-            found.append((_STIFFEST * rms / float(np.mean(b.z[use])), source))
-    if found:
-        share, source = min(found)
+            shares.append((_STIFFEST * rms / float(np.mean(b.z[use])), source))
+    if shares:
+        share, source = min(shares)
         yield Measured("v_of_wheels", share, words={"source": f"the {source} wheels"})
 
 

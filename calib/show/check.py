@@ -17,7 +17,7 @@ _FOR = {
 
 def facts(found: Sequence[Findings]) -> Facts:
     """A line for each log, and what it contains."""
-    parts = [Facts(title=one.seen.log.source, rows=_rows(one)) for one in found]
+    parts = [Facts(title=one.run.log.source, rows=_rows(one)) for one in found]
     return Facts(notes=[line(one) for one in found], parts=parts)
 
 
@@ -29,16 +29,16 @@ def line(findings: Findings) -> str:
         parts.append(f"warning{'s' * (len(codes) > 1)}: {', '.join(codes)}")
     told = [_FOR[one.purpose] for one in findings.verdicts if one.usable]
     verdict = f"usable for {', '.join(told)}" if told else "not usable"
-    return "; ".join([f"{verdict}: {findings.seen.log.source}", *parts])
+    return "; ".join([f"{verdict}: {findings.run.log.source}", *parts])
 
 
 def _why(findings: Findings) -> str:
     """Why a run with a braking makes no table, or why a log serves for nothing; may be empty."""
     fit = next(one for one in findings.verdicts if one.purpose == "fit")
-    if fit.usable or (findings.usable and not findings.seen.events):
+    if fit.usable or (findings.usable and not findings.run.events):
         return ""
     fewest = min((one.reasons for one in findings.verdicts), key=len)
-    reasons = fit.reasons if findings.seen.events else fewest
+    reasons = fit.reasons if findings.run.events else fewest
     more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
     if findings.usable:  # what is missing for a table, not what to do about it
         return f"no fit: {reasons[0].partition('; ')[0]}{more}"
@@ -48,7 +48,7 @@ def _why(findings: Findings) -> str:
 def _rows(findings: Findings) -> list[Row]:
     return [
         *contents(findings),
-        *(("read", note) for note in findings.seen.log.notes),
+        *(("read", note) for note in findings.run.log.notes),
         *(("warning", warning.text) for warning in findings.warnings),
         ("usable", "as far as can be told without a vehicle file"),
         *(

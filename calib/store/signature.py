@@ -199,7 +199,7 @@ def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> Stor
     try:
         return replace(entry, signed=_valid(now, entry.stored, public).statement.state)
     except SignatureRefused as error:
-        flaw = error.what if error.where == entry.id else f"{error.where}: {error.what}"
+        flaw = error.problem if error.where == entry.id else f"{error.where}: {error.problem}"
         return replace(entry, violations=(*entry.violations, flaw))
 
 

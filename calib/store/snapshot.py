@@ -160,7 +160,7 @@ class Snapshot:
         try:
             return StoreEntry(name, version, state, self.load(name, version))
         except StoreError as error:
-            return StoreEntry(name, version, state, None, (error.what,))
+            return StoreEntry(name, version, state, None, (error.problem,))
 
     def verified(self, name: str, version: int) -> StoreEntry:
         """`entry` with the violations of its table; a withdrawn version may be missing."""

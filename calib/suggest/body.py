@@ -83,8 +83,8 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
         else:
             passed.append((item, points))
     chosen = _choose(search, "v", passed, "more than one speed of the car")
-    if "v" in search.told:
-        return search.given("v")
+    if "v" in search.user_specified:
+        return search.values_of_user("v")
     if chosen is None:
         return None
     agrees = ["agrees with the wheels"] if moves else []
@@ -135,13 +135,13 @@ def _wrong_size(
     search: Search, item: Series, rate: Array, clock: ColumnClock, metres: bool
 ) -> bool:
     slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
-    off, what = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
+    off, derivative_of = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
     low, high = _SLOPES if metres else bounds_of("a_x_unit")
     if low <= off <= high:
         return False
-    meant = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if _SLOPES[0] < off / f < _SLOPES[1]]
-    hint = f": is it in {meant[0]}?" if meant else ""
-    why = f"in {item.column.unit} it is {off:.3g} times the derivative of {what}{hint}"
+    other_units = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if _SLOPES[0] < off / f < _SLOPES[1]]
+    hint = f": is it in {other_units[0]}?" if other_units else ""
+    why = f"in {item.column.unit} it is {off:.3g} times the derivative of {derivative_of}{hint}"
     search.doubt("a_x", [item], why, "give its unit: --take 'a_x=NAME [UNIT]'")
     return True
 
@@ -152,8 +152,8 @@ def refuse_computed(search: Search) -> None:
     for item in search.free():
         for other in others if item.si == "Pa" else []:
             if factor_between(item.values, other.values) is not None:
-                of = f"{other.name} [{other.column.unit}]"
-                search.left[item.name] = f"computed: a fixed number times {of}"
+                origin = f"{other.name} [{other.column.unit}]"
+                search.unused[item.name] = f"computed: a fixed number times {origin}"
 
 
 def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> None:
@@ -175,10 +175,10 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
                 search.refuse(item, reason)
             else:
                 passed.append((item, points))
-    before = len(search.doubts)
+    doubts_before_it = len(search.doubts)
     chosen = _choose(search, "p_mc", passed, "more than one brake pressure")
     if chosen is None:
-        if unnamed and len(search.doubts) == before:
+        if unnamed and len(search.doubts) == doubts_before_it:
             why = "named a brake pressure, but it has no unit that is known"
             search.doubt("p_mc", unnamed, why, "give its unit: --take 'p_mc=NAME [bar]'")
         return
@@ -198,21 +198,21 @@ def find_by_name(search: Search) -> None:
     """Find the channels that are not tested with physics."""
     for channel, (si, side, quantities) in _BY_NAME.items():
         free = search.free()
-        found = [s for s in free if s.name == channel] or [
+        fitting = [s for s in free if s.name == channel] or [
             s
             for s in free
             if s.si == si
             and side in (None, axle(s.name))
             and all(score(s.name, quantity) > 0 for quantity in quantities)
         ]
-        if len(found) > 1:
+        if len(fitting) > 1:
             do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
-            search.doubt(channel, found, "several columns fit by name", do)
-        elif found:
-            reasons = ["name", f"unit {found[0].column.unit}", "not tested"]
+            search.doubt(channel, fitting, "several columns fit by name", do)
+        elif fitting:
+            reasons = ["name", f"unit {fitting[0].column.unit}", "not tested"]
             if channel.startswith("T_drive"):
                 reasons.append("it must be that at the wheels, negative when it slows the car")
-            search.propose(channel, Mapping(found[0].name), False, *reasons)
+            search.propose(channel, Mapping(fitting[0].name), False, *reasons)
 
 
 def _brake_score(name: str) -> int:

@@ -40,26 +40,26 @@ _ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
 
 def find_clock(search: Search) -> None:
     """Not decreasing, named as a time, with a unit of time, or with one that its rate can have."""
-    if "time" not in search.told:
+    if "time" not in search.user_specified:
         _propose_clock(search)
-    elif (given := search.given("time")) is not None:
-        given = given[rising(given)]
-        search.clock = ColumnClock(given, step_of(given))
+    elif (time := search.values_of_user("time")) is not None:
+        time = time[rising(time)]
+        search.clock = ColumnClock(time, step_of(time))
     if search.clock is None:
         return
     try:
         check_steps(search.clock.time, "time")
     except LogError as error:
-        search.doubt("time", [], error.what, error.do or "record the log again")
+        search.doubt("time", [], error.problem, error.do or "record the log again")
         search.proposals.pop("time", None)
         search.clock = None
         return
     source = search.proposals["time"].mapping.source
     written = next((s.values for s in search.series if s.name == source), None)
     if written is not None:
-        kept = rising(written)
-        search.series = [replace(s, values=s.values[kept]) for s in search.series]
-        search.gapped = [replace(s, values=s.values[kept]) for s in search.gapped]
+        increasing = rising(written)
+        search.series = [replace(s, values=s.values[increasing]) for s in search.series]
+        search.gapped = [replace(s, values=s.values[increasing]) for s in search.gapped]
 
 
 def _propose_clock(search: Search) -> None:
@@ -72,7 +72,7 @@ def _propose_clock(search: Search) -> None:
         running += [item] if steps.size and np.all(steps >= 0.0) and few else []
     named = [s for s in running if _is_time(s.name)]
     fit = [s for s in named if s.name == "time"] or named
-    unread = [(name, why) for name, why in search.left.items() if _is_time(name)]
+    unread = [(name, why) for name, why in search.unused.items() if _is_time(name)]
     if len(fit) > 1:
         search.doubt("time", fit, "more than one column is a time", "choose one: --take time=NAME")
     elif fit:
@@ -123,12 +123,12 @@ def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
     time = clock.time
     columns = {s.name: s.values for s in (*search.series, *search.gapped)}
     if of_several_clocks(time, columns):
-        found = on_one_clock(traces_of(time, columns), "the log")
-        put = dict(zip(columns, found.values, strict=True))
+        resampled = on_one_clock(traces_of(time, columns), "the log")
+        put = dict(zip(columns, resampled.values, strict=True))
         every = [replace(s, values=put[s.name]) for s in (*search.series, *search.gapped)]
         search.series = [s for s in every if not np.isnan(s.values).any()]
         search.gapped = [s for s in every if np.isnan(s.values).any()]
-        search.clock = clock = ColumnClock(found.time, step_of(found.time))
+        search.clock = clock = ColumnClock(resampled.time, step_of(resampled.time))
         time = clock.time
     for item in search.gapped:
         filled, _, _ = fill_rows({item.name: item.values}, time)
@@ -136,7 +136,7 @@ def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
         missing = np.flatnonzero(np.isnan(values))
         if missing.size:
             first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
-            search.left[item.name] = f"no value in {first}; gaps are bridged {ONLY}"
+            search.unused[item.name] = f"no value in {first}; gaps are bridged {ONLY}"
         else:
             search.series.append(replace(item, values=values, rate=item.rate or rate))
     search.series = [replace(s, rate=s.rate or 1.0 / clock.step) for s in search.series]
@@ -163,23 +163,23 @@ def _is_time(name: str) -> bool:
 
 def _disorder(time: Array) -> str:
     steps = np.diff(time)
-    for what, wrong in (
+    for flaw, wrong in (
         ("has no value", np.flatnonzero(np.isnan(time))),
         ("goes back", np.flatnonzero(steps < 0.0) + 1),
         ("repeats a time", np.flatnonzero(steps == 0.0) + 1),
     ):
         if wrong.size:
-            return f"{what} in {wrong.size} rows, first in row {wrong[0] + 1}"
+            return f"{flaw} in {wrong.size} rows, first in row {wrong[0] + 1}"
     return "has one row"
 
 
 def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
-    found: dict[tuple[str, str | None], dict[str, Series]] = {}
+    fours: dict[tuple[str, str | None], dict[str, Series]] = {}
     for item in search.free():
-        wheel, rest = loose_corner(item.name)
+        wheel, name = loose_corner(item.name)
         if wheel and item.si in quantities:
-            found.setdefault((rest, item.si), {}).setdefault(wheel, item)
-    return [four for four in found.values() if len(four) == 4]
+            fours.setdefault((name, item.si), {}).setdefault(wheel, item)
+    return [four for four in fours.values() if len(four) == 4]
 
 
 def find_wheels(search: Search) -> tuple[Array | None, bool]:
@@ -204,8 +204,8 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
             names = [" ".join(item.name for item in each) for each in fit]
             do = "choose one: --take omega_fl=NAME, and the same for the others"
             _doubt_wheels(search, names, "several sets of four", do)
-        given = [x for w in WHEELS if (x := search.given(f"omega_{w}")) is not None]
-        return (np.mean(given, axis=0) if len(given) == 4 else None), False
+        specified = [x for w in WHEELS if (x := search.values_of_user(f"omega_{w}")) is not None]
+        return (np.mean(specified, axis=0) if len(specified) == 4 else None), False
     (chosen,) = fit
     mean = np.mean([x.values for x in chosen], axis=0)
     unit, si = chosen[0].column.unit, chosen[0].si
@@ -220,11 +220,11 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     if why:
         _doubt_wheels(search, names, why, do)
         return mean, False
-    if not set(_ALL_WHEELS) & set(search.told):
-        for channel, one in zip(_ALL_WHEELS, chosen, strict=True):
-            at_rim = rim_mapping(channel, one.name, unit, search.radii) or Mapping(one.name)
+    if not set(_ALL_WHEELS) & set(search.user_specified):
+        for channel, wheel in zip(_ALL_WHEELS, chosen, strict=True):
+            at_rim = rim_mapping(channel, wheel.name, unit, search.radii) or Mapping(wheel.name)
             reasons = ["name", f"unit {unit}", "the four wheels agree"]
-            if one.name in mirrored:
+            if wheel.name in mirrored:
                 at_rim = replace(at_rim, sign=-1)
                 reasons.append("counts backwards: sign reversed")
             search.propose(channel, at_rim, True, *reasons)
@@ -232,15 +232,15 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
 
 
 def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
-    if not set(_ALL_WHEELS) & set(search.told):
+    if not set(_ALL_WHEELS) & set(search.user_specified):
         channel = f"{_ALL_WHEELS[0]} ... {_ALL_WHEELS[-1]}"
         search.doubts.append(Doubt(channel, tuple(names), why, do))
 
 
 def find_wheel_pressures(search: Search) -> None:
     """Four columns of pressures that are named for the wheels."""
-    found, most = _fours(search, "Pa"), 1e5 * bounds_of("pressure_high")[1]
-    if len(found) == 1 and all(item.values.max() <= most for item in found[0].values()):
-        for wheel, item in found[0].items():
+    fours, most = _fours(search, "Pa"), 1e5 * bounds_of("pressure_high")[1]
+    if len(fours) == 1 and all(item.values.max() <= most for item in fours[0].values()):
+        for wheel, item in fours[0].items():
             unit = f"unit {item.column.unit}"
             search.propose(f"p_{wheel}", Mapping(item.name), False, "name", unit)

@@ -42,29 +42,33 @@ class Series:
 
 def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[str, str]]:
     """The columns with a number in every row, those with gaps, and for the others the reason."""
-    found, gapped, left = list[Series](), list[Series](), dict[str, str]()
+    complete, gapped, unused = list[Series](), list[Series](), dict[str, str]()
     for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
         name = address_of(column, source.columns)
         if isinstance(values, LogError):
-            left[name] = values.what
+            unused[name] = values.problem
         elif column.name.startswith("true_"):
-            left[name] = "truth of a simulation"
+            unused[name] = "truth of a simulation"
         elif np.isnan(values).all():
-            left[name] = "empty"
+            unused[name] = "empty"
         elif np.isinf(values).any():
-            left[name] = "has infinite values"
+            unused[name] = "has infinite values"
         else:
-            si, own = None, CHANNELS.get(column.name)
+            si, canonical = None, CHANNELS.get(column.name)
             if column.unit:
                 try:
                     # Of a canonical channel: `Hz` on a wheel is an angular speed.
-                    si = own.si if own and is_unit(column.unit, own.si) else si_of(column.unit)
+                    si = (
+                        canonical.si
+                        if canonical and is_unit(column.unit, canonical.si)
+                        else si_of(column.unit)
+                    )
                     values = to_si(values, column.unit, si)
                 except UnknownUnit:
                     si = "?"
             item = Series(name, column, values, si, source.rates.get(index))
-            (gapped if np.isnan(values).any() else found).append(item)
-    return found, gapped, left
+            (gapped if np.isnan(values).any() else complete).append(item)
+    return complete, gapped, unused
 
 
 def rising(time: Array) -> NDArray[np.bool_]:
@@ -167,12 +171,12 @@ def rim_mapping(channel: str, source: str, unit: str | None, radii: Radii | None
 
 @dataclass
 class Search:
-    """What is known so far; a column that is proposed or in ``left`` is not looked at again."""
+    """What is known so far; a column that is proposed or in ``unused`` is not looked at again."""
 
     series: list[Series]
     gapped: list[Series]
-    left: dict[str, str]
-    told: dict[str, str]
+    unused: dict[str, str]
+    user_specified: dict[str, str]
     radii: Radii | None
     proposals: dict[str, Proposal] = field(default_factory=dict)
     doubts: list[Doubt] = field(default_factory=list)
@@ -180,24 +184,24 @@ class Search:
 
     def free(self) -> list[Series]:
         """Columns that are neither proposed nor refused."""
-        taken = {p.mapping.source for p in self.proposals.values()}
-        return [s for s in self.series if s.name not in taken and s.name not in self.left]
+        proposed = {p.mapping.source for p in self.proposals.values()}
+        return [s for s in self.series if s.name not in proposed and s.name not in self.unused]
 
     def refuse(self, item: Series, why: str) -> None:
         """Leave a column, with the reason."""
-        self.left.setdefault(item.name, why)
+        self.unused.setdefault(item.name, why)
 
     def propose(self, channel: str, mapping: Mapping, sure: bool, *reasons: str) -> None:
         """Propose a channel that the user did not give."""
-        if channel not in self.told:
+        if channel not in self.user_specified:
             self.proposals[channel] = Proposal(channel, mapping, SURE if sure else LIKELY, reasons)
 
     def doubt(self, channel: str, candidates: list[Series], why: str, do: str) -> None:
         """Ask about a channel that the user did not give."""
-        if channel not in self.told:
+        if channel not in self.user_specified:
             self.doubts.append(Doubt(channel, tuple(s.name for s in candidates), why, do))
 
-    def given(self, channel: str) -> Array | None:
+    def values_of_user(self, channel: str) -> Array | None:
         """The values [SI] of the column that the user gave for a channel, or None."""
         proposal = self.proposals.get(channel)
         source = proposal.mapping.source if proposal else None

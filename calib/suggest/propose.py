@@ -54,7 +54,7 @@ class Suggestion:
     proposals: tuple[Proposal, ...]
     doubts: tuple[Doubt, ...]
     missing: dict[str, str]
-    left: dict[str, str]
+    unused: dict[str, str]
     ignore: tuple[str, ...]
 
 
@@ -62,39 +62,41 @@ def suggest(
     source: ColumnSource,
     where: str,
     *,
-    told: Named[str, str] | None = None,
+    user_specified: Named[str, str] | None = None,
     radii: Radii | None = None,
 ) -> Suggestion:
     """Propose a channel map for an opened log.
 
-    ``told`` are sources given by the user, by channel, such as ``Brake [bar]``; empty for a channel
-    without one. ``radii`` [m] of front and rear turn speeds at the rim into wheel speeds. Raises
-    InputError for a channel or column in ``told`` that does not exist.
+    ``user_specified`` are sources by channel, such as ``Brake [bar]``; empty for a channel that is
+    to have none. ``radii`` [m] of front and rear turn speeds at the rim into wheel speeds. Raises
+    InputError for a channel or column in ``user_specified`` that does not exist.
     """
-    search = Search(*read_series(source), dict(told or {}), radii)
-    for channel, cell in search.told.items():
-        if proposal := _told(channel, cell, source, where, radii):
+    search = Search(*read_series(source), dict(user_specified or {}), radii)
+    for channel, cell in search.user_specified.items():
+        if proposal := _proposal_of_user(channel, cell, source, where, radii):
             search.proposals[channel] = proposal
     find_clock(search)
     if search.clock is None:
         others = (*search.series, *search.gapped)
-        search.left.update({s.name: _NO_CLOCK for s in others if s.name not in search.left})
+        search.unused.update({s.name: _NO_CLOCK for s in others if s.name not in search.unused})
     else:
         _find(search, search.clock)
     proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
-    taken = {p.mapping.source for p in proposals}
-    left = {s.name: search.left.get(s.name, "not a known channel") for s in search.series}
-    left = {name: why for name, why in {**search.left, **left}.items() if name not in taken}
-    asked = {doubt.channel[:6] for doubt in search.doubts}  # a doubt of one wheel is of all
+    proposed = {p.mapping.source for p in proposals}
+    unused = {s.name: search.unused.get(s.name, "not a known channel") for s in search.series}
+    unused = {
+        name: why for name, why in {**search.unused, **unused}.items() if name not in proposed
+    }
+    doubtful = {doubt.channel[:6] for doubt in search.doubts}  # a doubt of one wheel is of all
     none = "no column fits by name, unit and values"
     none = none if search.clock else _NO_CLOCK
     missing = {
-        name: f"its column: {left[name]}" if name in left and search.clock else none
+        name: f"its column: {unused[name]}" if name in unused and search.clock else none
         for name in REQUIRED
-        if name not in search.proposals and name[:6] not in asked
+        if name not in search.proposals and name[:6] not in doubtful
     }
-    ignore = tuple(n for n in left if n in CHANNELS and n not in search.proposals)
-    return Suggestion(where, proposals, tuple(search.doubts), missing, left, ignore)
+    ignore = tuple(n for n in unused if n in CHANNELS and n not in search.proposals)
+    return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
 
 _NO_CLOCK = "not looked for, since the time is not known"
@@ -104,7 +106,7 @@ def _find(search: Search, clock: ColumnClock) -> None:
     clock = bridge(search, clock)
     mean, angular = find_wheels(search)
     speed = find_speed(search, mean)
-    metres = speed is not None or not (angular or "omega_fl" in search.told)
+    metres = speed is not None or not (angular or "omega_fl" in search.user_specified)
     rate = while_moving(search, speed if speed is not None else mean, clock)
     clock = search.clock or clock
     find_acceleration(search, rate, clock, metres)
@@ -115,7 +117,7 @@ def _find(search: Search, clock: ColumnClock) -> None:
     find_by_name(search)
 
 
-def _told(
+def _proposal_of_user(
     channel: str, cell: str, source: ColumnSource, where: str, radii: Radii | None
 ) -> Proposal | None:
     """The proposal for a channel whose source the user names; None for an empty name."""
@@ -123,15 +125,15 @@ def _told(
         raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
     if not cell:
         return None
-    columns, given, si = source.columns, column_from_cell(cell), CHANNELS[channel].si
-    indices = indices_of(cell, columns) or indices_of(given.name, columns)
+    columns, from_user, si = source.columns, column_from_cell(cell), CHANNELS[channel].si
+    indices = indices_of(cell, columns) or indices_of(from_user.name, columns)
     if len(indices) != 1:
-        has = f"{where} has {len(indices) or 'no'} column{'s' * bool(indices)} {cell!r}"
+        message = f"{where} has {len(indices) or 'no'} column{'s' * bool(indices)} {cell!r}"
         names = [address_of(columns[i], columns) for i in indices] or [c.name for c in columns]
-        raise InputError(has, expected=f"one of {quoted(names)}")
+        raise InputError(message, expected=f"one of {quoted(names)}")
     column = columns[indices[0]]
     address = address_of(column, columns)
-    unit = given.unit if column.name != cell and given.unit != column.unit else None
+    unit = from_user.unit if column.name != cell and from_user.unit != column.unit else None
     written = unit or column.unit
     mapping = rim_mapping(channel, address, written, radii)
     if mapping is not None:
@@ -149,39 +151,39 @@ def _told(
     return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
 
-def tried(found: Suggestion, path: Path, read_with: ChannelMap | None = None) -> Suggestion:
+def tried(suggestion: Suggestion, path: Path, read_with: ChannelMap | None = None) -> Suggestion:
     """The suggestion, with a doubt if the log cannot be read with it."""
-    if found.doubts or not found.proposals:
-        return found
-    channels = {proposal.channel: proposal.mapping for proposal in found.proposals}
+    if suggestion.doubts or not suggestion.proposals:
+        return suggestion
+    channels = {proposal.channel: proposal.mapping for proposal in suggestion.proposals}
     begun = read_with or ChannelMap(str(path), {})
-    proposed = replace(begun, where="the proposed map", channels=channels, ignore=found.ignore)
+    proposed = replace(begun, where="the proposed map", channels=channels, ignore=suggestion.ignore)
     try:
         read_log(path, proposed, require=tuple(channels))
     except BrakeCalError as error:
         do = "correct the log, or choose other columns: --take CHANNEL=NAME"
         doubt = Doubt("map", (), f"the log cannot be read with it: {error}", do)
-        unsure = tuple(replace(proposal, sure=LIKELY) for proposal in found.proposals)
-        return replace(found, proposals=unsure, doubts=(doubt,))
-    return found
+        unsure = tuple(replace(proposal, sure=LIKELY) for proposal in suggestion.proposals)
+        return replace(suggestion, proposals=unsure, doubts=(doubt,))
+    return suggestion
 
 
 def to_toml(
-    found: Suggestion, read_with: ChannelMap | None = None, folder: Path | None = None
+    suggestion: Suggestion, read_with: ChannelMap | None = None, folder: Path | None = None
 ) -> str:
     """The channel map as TOML; comments say how sure each entry is.
 
     DBC files and text format are those of ``read_with``; paths lead from ``folder``, if given.
     """
-    lines = [f"# proposed from {one_line(found.log)}", "schema = 1"]
+    lines = [f"# proposed from {one_line(suggestion.log)}", "schema = 1"]
     databases = read_with.databases if read_with else {}
     if files := {bus: _paths(paths, folder) for bus, paths in databases.items() if paths}:
         lines.append(f"dbc = {_written(files.get('', files))}")
-    if found.ignore:
-        lines.append(f"ignore = {_written(list(found.ignore))}")
-    lines += [f"# {name}: {one_line(why)}" for name, why in found.missing.items()]
+    if suggestion.ignore:
+        lines.append(f"ignore = {_written(list(suggestion.ignore))}")
+    lines += [f"# {name}: {one_line(why)}" for name, why in suggestion.missing.items()]
     usual = asdict(Mapping(""))
-    for proposal in found.proposals:
+    for proposal in suggestion.proposals:
         why = one_line("; ".join(proposal.reasons))
         lines += ["", f"[channels.{proposal.channel}]  # {proposal.sure}: {why}"]
         lines += _rows(asdict(proposal.mapping), usual)
@@ -205,26 +207,26 @@ def _written(value: object) -> str:
 
 
 def _paths(paths: Iterable[Path], folder: Path | None) -> list[str]:
-    found = []
+    texts = []
     for path in paths:
         with suppress(ValueError):  # on another drive
             path = Path(os.path.relpath(path, folder)) if folder else path
-        found.append(path.as_posix())
-    return found
+        texts.append(path.as_posix())
+    return texts
 
 
-def to_lines(found: Suggestion) -> Iterator[tuple[str, str]]:
+def to_lines(suggestion: Suggestion) -> Iterator[tuple[str, str]]:
     """Channel and text for each proposal, doubt, missing channel and unused column."""
-    for proposal in found.proposals:
+    for proposal in suggestion.proposals:
         mapping = proposal.mapping
         extra = "" if mapping.sign == 1 else ", sign -1"
         extra += "" if mapping.scale == 1.0 else f", scale {mapping.scale:.6g}"
         extra += f" [{mapping.unit}]" if mapping.unit else ""
         why = "; ".join(proposal.reasons)
         yield proposal.channel, f"{mapping.source}{extra} ({proposal.sure}: {why})"
-    for doubt in found.doubts:
+    for doubt in suggestion.doubts:
         yield doubt.channel, f"uncertain: {doubt}"
-    for name, why in found.missing.items():
+    for name, why in suggestion.missing.items():
         yield name, f"missing: {why}"
-    for name, why in found.left.items():
+    for name, why in suggestion.unused.items():
         yield "left", f"{name}: {why}"

@@ -48,7 +48,7 @@ class Words(NamedTuple):
     unwanted: frozenset[str] = frozenset()
 
 
-def _of(wanted: str, unwanted: str = "") -> Words:
+def _quantity(wanted: str, unwanted: str = "") -> Words:
     return Words(_words(wanted), _words(unwanted))
 
 
@@ -56,40 +56,40 @@ _NO_BRAKE = (
     "tire tyre reifen oil oel öl fuel boost booster manifold rail baro ambient vacuum intake "
     "turbo clutch air park parking hand"
 )
-BRAKE = _of("brake brk pbk brakes bremse brems bremsdruck bremskraft", _NO_BRAKE)
-MASTER = _of(
+BRAKE = _quantity("brake brk pbk brakes bremse brems bremsdruck bremskraft", _NO_BRAKE)
+MASTER = _quantity(
     "mc tmc master mastercylinder hz thz hbz hauptbremszylinder hauptzylinder vordruck pmc phz "
     "pthz phbz mcp",
     _NO_BRAKE,
 )
-LONG = _of(
+LONG = _quantity(
     "decel deceleration verzoegerung verzögerung x ax long lon lgt longitudinal laengs längs "
     "longacc forward",
     "y z ay az lat lateral quer querbeschl vert vertical pedal latacc yaw roll pitch gier wank "
     "nick",
 )
-SPEED = _of(
+SPEED = _quantity(
     "v vx speed spd velocity vel vehicle veh car ego gps gnss ground geschwindigkeit geschw "
     "fahrzeug fzg kfz vveh vfzg vehspd",
     "engine wheel rad motor wind fan turbine vertical vert target set lateral lat limit cruise "
     "vy vz quer soll wunsch ziel sollgeschw wunschgeschw zielgeschw radgeschw drehzahl tempomat "
     "whl",
 )
-STEERING = _of(
+STEERING = _quantity(
     "steering steer swa strg lenk lenkwinkel lenkrad lws delta",
     "yaw heading slip pitch roll rate road rear",
 )
-DRIVE = _of(
+DRIVE = _quantity(
     "drive drv motor mot engine eng emotor antrieb antriebsmoment regen rekuperation powertrain"
 )
-TORQUE = _of(
+TORQUE = _quantity(
     "torque trq tq moment mom drehmoment radmoment",
     "brake brk brakes bremse bremsmoment steering steer lenk yaw target set setpoint soll "
     "request req requested max min limit lim available avail driver fahrer hand",
 )
 """Not another torque, nor one that is only asked for or possible."""
-ABS = _of("abs esc esp dsc", "lamp lampe warn fault fehler error off pressure druck")
-DISC = _of("disc disk rotor scheibe bremsscheibe")
+ABS = _quantity("abs esc esp dsc", "lamp lampe warn fault fehler error off pressure druck")
+DISC = _quantity("disc disk rotor scheibe bremsscheibe")
 _WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
 
@@ -118,21 +118,21 @@ def loose_corner(name: str) -> tuple[str | None, str]:
     >>> loose_corner("WSFL"), loose_corner("WheelSpeed_RR")
     (('fl', 'ws'), ('rr', 'wheel speed'))
     """
-    found = corner(name)
-    if found is not None or not words(name):
-        return found, " ".join(word for word in words(name) if word not in _SIDES)
-    *before, last = words(name)
+    wheel_by_words = corner(name)
+    if wheel_by_words is not None or not words(name):
+        return wheel_by_words, " ".join(word for word in words(name) if word not in _SIDES)
+    *others, last = words(name)
     wheel = _corner([last[-2:]]) if len(last) > 2 else None
-    return wheel, " ".join([*before, last[:-2]])
+    return wheel, " ".join([*others, last[:-2]])
 
 
-def _corner(found: list[str]) -> str | None:
-    one = [wheel for wheel, names in _CORNERS.items() if names & set(found)]
-    if len(one) == 1:
-        return one[0]
-    if one:
+def _corner(in_order: list[str]) -> str | None:
+    wheels = [wheel for wheel, names in _CORNERS.items() if names & set(in_order)]
+    if len(wheels) == 1:
+        return wheels[0]
+    if wheels:
         return None
-    for first, second in pairwise(found):
+    for first, second in pairwise(in_order):
         turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is not a wheel
         for a, b in [(first, second), *turned]:
             if a in _FRONT | _REAR_OF_WHEEL and b in _LEFT | _RIGHT:
@@ -142,23 +142,23 @@ def _corner(found: list[str]) -> str | None:
 
 def axle(name: str) -> str | None:
     """The axle in a name, ``f`` or ``r``, or None; None also for the name of a wheel."""
-    found = set(words(name))
-    if corner(name) is not None or bool(found & _FRONT) == bool(found & _REAR):
+    in_name = set(words(name))
+    if corner(name) is not None or bool(in_name & _FRONT) == bool(in_name & _REAR):
         return None
-    return "f" if found & _FRONT else "r"
+    return "f" if in_name & _FRONT else "r"
 
 
-def score(name: str, of: Words) -> int:
+def score(name: str, quantity: Words) -> int:
     """How well a name fits a quantity: wanted words, less one if computed; -1 if unwanted.
 
     >>> score("a_x", LONG), score("a_y", LONG), score("a_x_est", LONG)
     (2, -1, 1)
     """
-    found = set(words(name))
-    if _matching(found, of.unwanted):
+    in_name = set(words(name))
+    if _matching(in_name, quantity.unwanted):
         return -1
-    return 2 * len(_matching(found, of.wanted)) - (1 if found & DERIVED else 0)
+    return 2 * len(_matching(in_name, quantity.wanted)) - (1 if in_name & DERIVED else 0)
 
 
-def _matching(found: set[str], wanted: frozenset[str]) -> set[str]:
-    return {w for w in found if w in wanted or any(len(x) >= _WHOLE and x in w for x in wanted)}
+def _matching(in_name: set[str], wanted: frozenset[str]) -> set[str]:
+    return {w for w in in_name if w in wanted or any(len(x) >= _WHOLE and x in w for x in wanted)}

@@ -50,7 +50,7 @@ def test_the_nearest_file_counts(written, tmp_path):
     written("schema = 1")
     (sub / SETTINGS_FILE).mkdir()  # a folder is no file
     assert find_project().file == Path("..") / SETTINGS_FILE
-    assert find_project().searched[:3] == (sub, sub.parent, tmp_path)
+    assert find_project().folders[:3] == (sub, sub.parent, tmp_path)
 
 
 def test_every_key_is_read_and_paths_lead_from_the_file(written):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.base.warning import REFUSE, RULES
-from calib.plausibility.channels import at_rest, copied, held, late, pressure_sides
+from calib.plausibility.channels import at_rest, copied, held_values, late, pressure_sides
 from calib.plausibility.check import check
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import FIT, unusable
@@ -27,7 +27,7 @@ def found(log):
 
 
 def of(log, *more):
-    figures = copied, held, late, at_rest, pressure_sides
+    figures = copied, held_values, late, at_rest, pressure_sides
     return broken((*figures, *more), Evidence(Run(log, CAR)))
 
 

@@ -33,7 +33,7 @@ def test_rate_jitter_and_gaps_of_a_clock():
 
 def test_the_figures_are_the_columns_of_a_batch():
     columns = [c.name for c in columns_of(Command.CHECK) if c.kind is float]
-    assert list(figures(check(RUN).seen)) == columns
+    assert list(figures(check(RUN).run)) == columns
 
 
 def share(log):

@@ -62,7 +62,7 @@ def test_line_ends_that_git_changed_are_named(store, name):
     path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
     with pytest.raises(DamagedTable) as error:
         store.load("sedan@1")
-    assert "CRLF" in error.value.what
+    assert "CRLF" in error.value.problem
 
 
 def test_a_listing_reads_only_the_states_that_are_asked_for(store, monkeypatch):

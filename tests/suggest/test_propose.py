@@ -69,7 +69,7 @@ def test_a_foreign_log_is_found_out():
     assert {p.sure for p in result.proposals} == {"sure"}
     assert not result.doubts
     assert not result.missing
-    assert set(result.left) == {
+    assert set(result.unused) == {
         *("Yaw rate", "Engine speed", "Lateral acceleration", "Tyre pressure", "Driver")
     }
 
@@ -148,7 +148,7 @@ def test_what_is_not_there_is_not_invented(columns, channel, left):
     result = suggestion(columns)
     assert channel not in {p.channel for p in result.proposals}
     assert channel in ("v", "T_drive_f") or channel in result.missing
-    assert left in result.left
+    assert left in result.unused
 
 
 def test_a_pressure_that_was_computed_from_a_torque_is_none():
@@ -170,13 +170,13 @@ RIM = without(foreign(), *(f"nRad_{w}" for w in ("VL", "VR", "HL", "HR"))) | {
         (
             foreign() | {("Bremsdruck HZ 2", "bar"): RUN["p_mc"] / 1e5},
             "p_mc",
-            {"told": {"p_mc": "Bremsdruck HZ 2"}},
+            {"user_specified": {"p_mc": "Bremsdruck HZ 2"}},
             ("Bremsdruck HZ 2", None, 1.0),
         ),
         (
             without(foreign(), P) | {("Brake pressure", None): RUN["p_mc"] / 1e5},
             "p_mc",
-            {"told": {"p_mc": "Brake pressure [bar]"}},
+            {"user_specified": {"p_mc": "Brake pressure [bar]"}},
             ("Brake pressure", "bar", 1.0),
         ),
         (RIM, "omega_fl", {}, None),
@@ -204,12 +204,12 @@ def test_wheels_that_are_told_respect_the_radius():
     columns = {(n.replace("WheelSpeed", "Rim"), unit): x for (n, unit), x in RIM.items()}
     told = {f"omega_{wheel}": f"Rim_{wheel.upper()}" for wheel in WHEELS}
     for said in ({}, told):  # each axle may have a radius
-        proposals = found(columns if said else RIM, told=said, radii=(0.3, 0.315))
+        proposals = found(columns if said else RIM, user_specified=said, radii=(0.3, 0.315))
         mappings = [proposals[f"omega_{wheel}"].mapping for wheel in ("fl", "rr")]
         assert [mapping.unit for mapping in mappings] == ["rad/s", "rad/s"]
         assert [m.scale for m in mappings] == pytest.approx([1 / 3.6 / 0.3, 1 / 3.6 / 0.315])
     with pytest.raises(InputError):
-        suggestion(columns, told=told)
+        suggestion(columns, user_specified=told)
 
 
 @pytest.mark.parametrize(
@@ -218,7 +218,7 @@ def test_wheels_that_are_told_respect_the_radius():
 )
 def test_telling_what_cannot_be(told):
     with pytest.raises(InputError):
-        suggestion(foreign(), told=told)
+        suggestion(foreign(), user_specified=told)
 
 
 COARSE = np.where((np.arange(N) % 11 == 0) | (np.arange(N) == N - 1), 3.6 * RUN["v"], np.nan)

@@ -108,7 +108,7 @@ def disagreements(log: Log, table: Table) -> list[str]:
     They may know more: their vehicle, the other logs, the table.
     """
     found = check(log)
-    coasts = not found.seen.events
+    coasts = not found.run.events
     with_ramp = [log, OTHERS[0]] if coasts else [log]
     uses: dict[str, Callable[[], object]] = {
         "coast" if coasts else "fit": lambda: fit(CAR, with_ramp),
@@ -159,7 +159,7 @@ def _flaws(work: Callable[[Path], list[str]], path: Path) -> list[str]:
     try:
         told = work(path)
     except NotFiniteError as error:
-        return [f"not finite: {error.what}"]
+        return [f"not finite: {error.problem}"]
     except BrakeCalError as error:
         told = [str(error)]
     except Exception as error:

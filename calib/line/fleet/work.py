@@ -187,7 +187,7 @@ def _check(job: Job, item: WorkItem, files: Files) -> Answer:
         log = read_opened(opened, job.channel_map, require=())
         found = check(log)
     usable = (verdict.usable for verdict in found.verdicts)
-    metrics = map(finite, figures(found.seen).values())
+    metrics = map(finite, figures(found.run).values())
     cells = (*usable, *metrics, _codes(found.warnings))
     return Status.PASSED if found.usable else Status.FAILED, cells
 

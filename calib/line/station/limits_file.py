@@ -75,14 +75,14 @@ def limits_file() -> str:
         fail, warn = _range(limit.low, limit.high), _range(limit.warn_low, limit.warn_high)
         required = ", required = true" * limit.required
         lines += [
-            f"# {'each stop: ' * (one.of == 'stop')}{one.meaning}",
+            f"# {'each stop: ' * (one.scope == 'stop')}{one.meaning}",
             f"# why: {one.reason}",
             f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}",
             "",
         ]
     lines.append(f"# Not judged unless a line is added, such as `{_EXAMPLE}`:")
     others = ((figure, one) for figure, one in METRICS.items() if not one.judged)
-    lines += [f"# {figure}: {one.meaning}" for figure, one in others if one.of == "stop"]
+    lines += [f"# {figure}: {one.meaning}" for figure, one in others if one.scope == "stop"]
     return "\n".join(lines) + "\n"
 
 
