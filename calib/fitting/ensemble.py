@@ -117,9 +117,9 @@ class LoadedTyres(NamedTuple):
     compliant: Array
     forms: Array
 
-    def take(self, which: Index) -> "LoadedTyres":
-        """The tyres of these draws alone."""
-        return LoadedTyres(*(np.take(x, which, axis=-2) for x in self))
+    def take(self, draws: Index) -> "LoadedTyres":
+        """The tyres of some ``draws``."""
+        return LoadedTyres(*(np.take(x, draws, axis=-2) for x in self))
 
     def slips(self, forces: Array) -> _UnitSlips:
         """Slips over compliance by (15), (16), with ``forces`` over the weight (2, n, k)."""

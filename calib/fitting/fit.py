@@ -21,8 +21,9 @@ from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle, mass_used, weighed
 from calib.fitting.curves import difference_curves, ramp_path, readable_up_to, tyre_curve
 from calib.fitting.ensemble import SlipPrediction, draws_of
+from calib.fitting.evidence import Cause
 from calib.fitting.maps import maps, pressure_odds
-from calib.fitting.mistakes import Cause, causes_of, certain, measured, other_than_pads
+from calib.fitting.mistakes import causes_of, certain, measured, other_than_pads
 from calib.fitting.pads import calibration_of, level_of, pad_ratio_prior, ratio_by_levels
 from calib.fitting.posterior import Posterior, parts_of
 from calib.fitting.prior import informative_priors

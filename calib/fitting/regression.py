@@ -139,10 +139,10 @@ class Solution(NamedTuple):
     design: Array
     data: Array
 
-    def take(self, which: Index) -> "Solution":
-        """The posterior of these draws alone."""
+    def take(self, draws: Index) -> "Solution":
+        """The posterior of some ``draws``."""
         axes = (0, 0, 0, 1, 0)
-        return Solution(*(np.take(x, which, axis) for x, axis in zip(self, axes, strict=True)))
+        return Solution(*(np.take(x, draws, axis) for x, axis in zip(self, axes, strict=True)))
 
     def residual(self, draw: int) -> Array:
         """Residual of one draw at its mean, in standard deviations (k,)."""

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calib.fitting import mistakes
+from calib.fitting.evidence import Evidence
 from calib.fitting.mistakes import causes_of, named
 from calib.logs.log import Log
 from tests.support.plant import as_log, drive
@@ -118,9 +118,9 @@ def test_nothing_is_named_where_nothing_explains_the_ramp():
 
 
 def test_what_no_draw_explains_is_no_reason_to_end(monkeypatch):
-    of = mistakes._Evidence._size_evidence
+    of = Evidence._size_evidence
     monkeypatch.setattr(
-        mistakes._Evidence,
+        Evidence,
         "_size_evidence",
         lambda e, h, size: (-np.inf, np.nan) if not h.code else of(e, h, size),
     )

@@ -1,0 +1,215 @@
+"""The evidence of a hypothesis on ramps or stops: how well it predicts eta, slip and forces.
+
+    brakes = level N(pressure) (1 + discrepancy) + force of the mistake     the sum, (5), (17)
+    tyres of the axles -> slips -> eta                                      the split, (13) to (22)
+
+Both evidences are multiplied, averaged over the draws of pads and tyres and over the sizes of the
+mistake, and weighed by its odds before.
+"""
+
+import copy
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from calib.base.arrays import Array, Index
+from calib.car.balance import brake_forces, front_share
+from calib.car.beliefs import CAR, STOP
+from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import Ensemble, spread_evenly
+from calib.fitting.hypotheses import Hypothesis, Size
+from calib.fitting.prior import DRAWN, draw_cars
+from calib.fitting.regression import Regression, Solution
+from calib.model.ramp import RampRun
+
+_DRAWS = 512
+_BROAD = 0.5  # standard deviation of ln of the pads' ratio of the draws: any pads
+_POINTS = 14  # of the sum of forces of a ramp
+_TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
+_DEPARTS, _LENGTH = 0.015, 0.15
+"""Discrepancy of pads from a constant friction [1], and its correlation length in z [1]."""
+_ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
+
+_LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest with other pads, the first
+SCREENING_ERROR = 4.0  # largest error of ln of the odds by them, where all draws hardly name it
+NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
+_NEAR = 6.0  # ln of the odds against a mistake from which no further sizes are tried
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A hypothesis with its ``log_odds`` over "nothing wrong", and the likeliest ``size``.
+
+    ``misfit`` mean square of its residuals over their errors [1].
+    """
+
+    hypothesis: Hypothesis
+    log_odds: float
+    size: Size
+    misfit: float
+
+
+def _top(sizes: Sequence[Size], log: Array, best: int) -> float:
+    """The first parameter of the best size, refined by a parabola through its neighbours."""
+    first, *others = sizes[best]
+    line = sorted(
+        (size[0], each)
+        for size, each in zip(sizes, log.tolist(), strict=True)
+        if [*size[1:]] == others
+    )
+    middle = line.index((first, float(log[best])))
+    near = np.array(line[max(middle - 1, 0) : middle + 2])
+    if len(near) < 3:
+        return first
+    bend, slope, _ = np.polyfit(near[:, 0] - first, near[:, 1], 2)
+    return float(first - 0.5 * slope / bend) if bend < 0.0 else first
+
+
+@cache
+def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
+    """Draws of the default prior, with any pads' ratio; see `draw_cars`.
+
+    With ``other_road`` every second one is on another road, as a stop may be.
+    """
+    from scipy.special import ndtri
+
+    x = ndtri(spread_evenly(_DRAWS, DRAWN + 1))
+    e, centre, root = draw_cars(x[:, :DRAWN], ())
+    e = replace(e, log_pad_ratio=_BROAD * x[:, -1])
+    if other_road:
+        (_, mean), (_, sigma) = STOP.log_peak.mean, STOP.log_peak.sigma
+        place = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
+        log_peak = np.where(np.arange(e.size) % 2, mean + sigma * place, np.log(e.peak))
+        stiff = STOP.log_stiffness.mean[1] + 0.25 * (log_peak - math.log(0.9))
+        softer = np.where(np.arange(e.size) % 2, np.exp(-stiff), 1.0)
+        centre[:, :2] *= softer[:, None]
+        root[:, :2] *= softer[:, None, None]
+        e = replace(e, peak=np.exp(log_peak))
+    return e, centre, root
+
+
+def _log_mean(x: Array) -> float:
+    """ln of the mean of exp ``x`` (n,)."""
+    most = float(np.max(x))
+    return most + math.log(np.mean(np.exp(x - most))) if math.isfinite(most) else most
+
+
+class _Sum:
+    """The sum of forces of a run, by means of groups of its braked blocks.
+
+    brakes = level N(pressure) (1 + discrepancy + trend), from the zero on the lead-in.
+    """
+
+    def __init__(self, car: Vehicle, run: RampRun) -> None:
+        b, self.car, self.run, self.braked = run.blocks, car, run, np.flatnonzero(run.braked)
+        groups = np.array_split(self.braked, min(_POINTS, self.braked.size))
+        self.sizes = np.array([g.size for g in groups])
+        self.z, time, length = self._means(b.z), self._means(b.end), self.sizes * b.length
+        along = (time - time.mean()) / max(float(np.ptp(time)), b.length)
+        near = np.exp(-0.5 * ((self.z[:, None] - self.z) / _LENGTH) ** 2)
+        self.relative = _DEPARTS**2 * near + np.outer(along, along) * _TREND**2
+        self.absolute = np.diag(run.noise.z**2 / length) + _ZERO**2
+        self._read_pressures(run)
+
+    def _means(self, x: Array) -> Array:
+        first = np.cumsum(self.sizes) - self.sizes
+        return np.asarray(np.add.reduceat(x[self.braked], first) / self.sizes)
+
+    def _read_pressures(self, run: RampRun) -> None:
+        front, rear = brake_forces(self.car, run.blocks.p_f, run.blocks.p_r)
+        N = self._means(front + rear) / self.car.weight
+        root = np.linalg.cholesky(self.absolute + np.outer(N, N) * self.relative)
+        self.white = np.linalg.inv(root)
+        self.unit = self.white @ N
+        self.log = -0.5 * math.log(self.unit @ self.unit) - float(np.log(np.diag(root)).sum())
+
+    def evidence(self, run: RampRun) -> tuple[float, float, float]:
+        """ln of the evidence of ``run``, ln of the pads' level, and the misfit."""
+        sums = self
+        if run.blocks.p_r is not self.run.blocks.p_r:
+            sums = copy.copy(self)
+            sums._read_pressures(run)
+        rolling = self.run.rolling
+        zero = np.mean(run.brake_sum[rolling]) if rolling.size else 0.0
+        forces = sums.white @ ((self._means(run.brake_sum) - zero) / self.car.weight)
+        level = float(sums.unit @ forces / (sums.unit @ sums.unit))
+        residual = forces - level * sums.unit
+        square = float(residual @ residual)
+        return sums.log - 0.5 * square, math.log(max(level, 1e-2)), square
+
+
+class Evidence:
+    """Evidence of hypotheses on the ramps of a car."""
+
+    def __init__(self, car: Vehicle, runs: Sequence[RampRun], other_road: bool) -> None:
+        self.car, self.runs, self.draws = car, runs, _draws(other_road)
+        self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
+        self.loaded = self.regression.loaded(self.draws[0])
+        self.sums = [_Sum(car, run) for run in runs]
+        self.as_read = self._evidence(runs)  # the same whatever the pads
+
+    def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
+        """Mistakes by a part of the draws, by which the best ``pads`` have the odds of all draws.
+
+        The part are the draws by which other pads explain the runs best, and the first of all.
+        """
+        level = float(np.mean([level for _, level, _ in self.as_read[0]]))
+        priors = [self._prior(level, self.draws[0].log_pad_ratio, c.hypothesis.pads) for c in pads]
+        likely = np.argsort(-self.as_read[1].log_evidence - np.max(priors, axis=0), kind="stable")
+        part = self._by(np.union1d(likely[:_LIKELY], np.arange(_FIRST)))
+        nothing, *others = (part.cause(c.hypothesis, -math.inf).log_odds for c in pads)
+        more = max(c.log_odds for c in pads) - max(nothing, *others)
+        causes = (part.cause(h, nothing - SCREENING_ERROR) for h in mistakes)
+        return [replace(cause, log_odds=cause.log_odds + more) for cause in causes]
+
+    def _by(self, draws: Index) -> "Evidence":
+        """The evidence by some of the draws alone."""
+        other, (e, centre, root) = copy.copy(self), self.draws
+        other.draws = e.take(draws), centre[draws], root[draws]
+        other.loaded = [tyres.take(draws) for tyres in self.loaded]
+        other.as_read = self.as_read[0], self.as_read[1].take(draws)
+        return other
+
+    def cause(self, h: Hypothesis, nothing: float) -> Cause:
+        """The hypothesis with ln of (odds times evidence), and its best size.
+
+        ``nothing`` ln of the evidence of "nothing wrong".
+        """
+        fits = {size: self._size_evidence(h, size) for size in h.first}
+        if h.sizes != h.first and max(fits.values())[0] > nothing - _NEAR:
+            fits = {size: fits.get(size) or self._size_evidence(h, size) for size in h.sizes}
+        sizes, each = tuple(fits), np.array([log for log, _ in fits.values()])
+        best = int(np.argmax(each))
+        log = _log_mean(each) + math.log(h.odds)
+        size = (_top(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
+        log = max(log, NEVER)  # of what no draw explains
+        return Cause(h, log, size, fits[sizes[best]][1])
+
+    def _size_evidence(self, h: Hypothesis, size: Size) -> tuple[float, float]:
+        """ln of the evidence of one size, and the mean square residual of its best draw."""
+        undo = h.undo
+        sums, split = self._evidence([undo(r, size) for r in self.runs]) if undo else self.as_read
+        level = float(np.mean([level for _, level, _ in sums]))
+        each = split.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
+        residual = split.residual(int(np.argmax(each)))
+        square = sum(square for _, _, square in sums) + float(residual @ residual)
+        log = _log_mean(each) + sum(log for log, _, _ in sums)
+        return log, square / (residual.size + _POINTS * len(self.runs))
+
+    def _evidence(
+        self, runs: Sequence[RampRun]
+    ) -> tuple[list[tuple[float, float, float]], Solution]:
+        """`_Sum.evidence` of each run, and the split of all by the draws."""
+        regression = self.regression.with_forces_of(runs)
+        sums = [of_run.evidence(run) for of_run, run in zip(self.sums, runs, strict=True)]
+        return sums, regression.solve(*self.draws, self.loaded)
+
+    def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
+        """ln of the density of pads with this ``level`` and ``ratio`` (n,) over the draws'."""
+        front = (level + (1.0 - self.share) * ratio) / pads[0]
+        rear = (level - self.share * ratio) / pads[1]
+        less = 0.5 * (ratio / _BROAD) ** 2 + math.log(_BROAD)
+        return np.asarray(less - 0.5 * (front**2 + rear**2) - math.log(pads[0] * pads[1]))
