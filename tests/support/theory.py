@@ -239,7 +239,7 @@ def stopped() -> list[str]:
     torque = (bounded([x[i] for x in getattr(ecu, f"torque_{axle}")], ".1f") for axle in "fr")
     pads = (bounded([x[i] for x in getattr(ecu, f"pads_{axle}")]) for axle in "fr")
     return [
-        f"means of y and eps/y        {seen.z:.3f}, {seen.shift / seen.z:.4f}",
+        f"means of y and xi/y         {seen.z:.3f}, {seen.shift / seen.z:.4f}",
         f"level, (S13)                {bounded(level)}",
         f"ratio, (S12)                {bounded(ratio)}",
         f"n, (S14)                    1 + {share:.4f} (exp({ratio[0]:.3f}) - 1) = {n:.4f}",
