@@ -46,9 +46,9 @@ PICTURES = ROOT / "sample_logs" / "figures" / "theory"
 ROADS = {
     "dry asphalt": ((25.0, 0.9), BODY),
     "wet asphalt": ((20.0, 0.75), IDENTIFIED),
-    "wet tile": ((17.0, 0.35), LAW),
+    "wet tile": ((17.5, 0.25), LAW),
 }
-"""Stiffness and peak [1] of the tyres on each road; tile of the list of `beliefs.csv`."""
+"""Stiffness and peak [1] of the tyres on each road; of tile 0.7 and a quarter of dry asphalt."""
 TILE = (ROADS["wet tile"][0][0] / 25.0, ROADS["wet tile"][0][1] / 0.9)
 """The same over those of the plant's dry asphalt."""
 _STEP, _PRESSURE, _DT = -0.1, 20e5, 0.005
