@@ -43,8 +43,8 @@ _FEW = 50
 
 
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Ascending times [s], on the line of `evened` where there is one, with a note."""
-    line = evened(time) if time.size >= _FEW else None
+    """Ascending times [s], on the line of `_evened` where there is one, with a note."""
+    line = _evened(time) if time.size >= _FEW else None
     if line is None:
         return time, ()
     values, rounding = line
@@ -55,7 +55,7 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     return values, (note,)
 
 
-def evened(time: Array) -> tuple[Array, float] | None:
+def _evened(time: Array) -> tuple[Array, float] | None:
     """Times of an even clock that was written with few digits, and its rounding [s].
 
     ``time`` [s], (n,), ascends and may have gaps. None for a clock with jitter of more than its
@@ -150,10 +150,10 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
     likely = [other for other, size in _UNITS.items() if low <= written * size <= high]
     if likely and not 0.2 * low <= usual <= 5.0 * high:
         raise LogError(
-            f"the unit of the time is {unit}: the step would be {usual:.3g} s",
+            f"is the time in {likely[0]}, not {unit}? the step would be {_duration(usual)}",
             where=f"{where}: time",
             expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
-            do=f"is it in {likely[0]}? correct the header, or give the unit in a channel map",
+            do="correct the header, or give the unit in a channel map",
         )
     # milliseconds with four digits count a tenth of each second, and jump
     jumps = np.flatnonzero(steps > 10.0 * usual)
@@ -161,7 +161,7 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
     if often and np.allclose(np.diff(time[jumps]), 1.0, atol=0.05):
         jump = float(np.median(steps[jumps]))
         raise LogError(
-            f"the clock counts {1.0 - jump:.2g} s of every second, and jumps by {jump:.2g} s",
+            f"the clock jumps by {jump:.2g} s in every second, and counts only the rest",
             where=f"{where}: time",
             expected="parts of a second that go up to the next one",
             do="are its milliseconds written with more than three digits? export the time in s",
@@ -169,12 +169,22 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
     if np.mean(steps < _BURST * mean) > _BURSTS:
         long = float(np.median(steps[steps > mean]))
         raise LogError(
-            f"samples come in bursts, every {1e3 * long:.3g} ms: their times are those at which an "
+            f"samples come in bursts, every {_duration(long)}: their times are those at which an "
             "adapter handed them out",
             where=f"{where}: time",
             expected="the time at which each was sent or measured",
             do="record with time stamps of the hardware, or lower the latency of the adapter",
         )
+
+
+def _duration(seconds: float) -> str:
+    """A duration in the largest unit of which it has one or more.
+
+    >>> _duration(5e-6), _duration(0.0251), _duration(1000.0)
+    ('5 us', '25.1 ms', '16.7 min')
+    """
+    unit, size = [("us", 1e-6), *((u, s) for u, s in _UNITS.items() if s <= seconds)][-1]
+    return f"{seconds / size:.3g} {unit}"
 
 
 def check_increasing(time: Array, where: str) -> None:

@@ -185,12 +185,13 @@ _ABSURD_ELSE = 1e12
 def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
     """Raise LogError for a value so large that the file must be damaged; channels in SI by name."""
     for name, values in channels.items():
-        most = _ABSURD.get(CHANNELS[name].si, _ABSURD_ELSE) if name in CHANNELS else _ABSURD_ELSE
+        si = CHANNELS[name].si if name in CHANNELS else ""
+        most = _ABSURD.get(si, _ABSURD_ELSE)
         absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
         if absurd.size:
             row = int(absurd[0])
             raise LogError(
-                f"row {row + 1} holds {values[row]:.3g} (SI)",
+                f"row {row + 1} holds {values[row]:.3g} {si or 'in SI'}",
                 where=f"{where}: {name}",
                 expected="a value that can be measured",
                 do="the file is damaged or the unit is wrong: export it again",

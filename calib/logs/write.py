@@ -27,7 +27,7 @@ from calib.logs.whole import TIME, WholeColumn, WholeLog
 
 # Decimals of the CSV file, in canonical units: each step is below a tenth of a usual sensor's
 # resolution, so that rounding adds no noise.
-DECIMALS = {
+_DECIMALS = {
     "time": 6,
     "p": 4,
     "a": 5,
@@ -44,7 +44,7 @@ DECIMALS = {
 
 
 def write_csv(log: Log, path: Path) -> None:
-    """Write ``log`` as CSV in canonical units, truth channels last, rounded to `DECIMALS`.
+    """Write ``log`` as CSV in canonical units, truth channels last, rounded to `_DECIMALS`.
 
     Raises ValueError for a value that is not finite, OSError if ``path`` cannot be written.
     """
@@ -77,7 +77,7 @@ def _in_canonical_units(log: Log) -> WholeLog:
 
 def _decimals(name: str) -> int:
     stem = name.split("_")[0] if not name.startswith(TRUTH) else name.rpartition("_")[0]
-    return DECIMALS[stem]
+    return _DECIMALS[stem]
 
 
 def _to_csv(log: WholeLog) -> bytes:

@@ -4,9 +4,9 @@
     tables/sedan/v0001.KEYID.minisig   of another one
 
 A signature is minisign's, of the record file, which holds the SHA-256 of every curve file. Its
-trusted comment is a `Statement`: it holds of a version whose state has been that one ever since, in
-a store whose journal contains that head. Whether a line with the event `signed` stands in the
-journal does not matter: minisign writes none.
+trusted comment states table, version, state, digest and head of the journal. It is valid while the
+version has that state, in a store whose journal contains that head. The journal need not have a
+line with the event `signed`: minisign itself writes none.
 """
 
 import hashlib
@@ -35,7 +35,7 @@ _STATEMENT = re.compile(
 )
 
 
-class Statement(NamedTuple):
+class _Statement(NamedTuple):
     """The state of a version when it was signed; ``head`` hash of the journal's newest line."""
 
     table: str
@@ -53,7 +53,7 @@ class Statement(NamedTuple):
         )
 
 
-def parse_statement(line: str, where: object = None) -> Statement:
+def _parse_statement(line: str, where: object = None) -> _Statement:
     """The statement in a trusted comment.
 
     Raises SignatureRefused for every line that is not the one spelling of a statement.
@@ -62,7 +62,7 @@ def parse_statement(line: str, where: object = None) -> Statement:
     if not match:
         raise SignatureRefused("its trusted comment is not that of a table", where=where)
     table, version, *words = match.groups()
-    return Statement(table, int(version), *words)
+    return _Statement(table, int(version), *words)
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class _Signed:
     stored: Stored
     path: Path
     key_id: str
-    statement: Statement
+    statement: _Statement
     note: str = ""
 
     def to_dict(self) -> dict[str, object]:
@@ -106,7 +106,7 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     with store.changing(reference) as (now, stored):
         _check_anchors(now, public)
         state, head = stored.state.word, now.journal.head
-        statement = Statement(stored.name, stored.version, state, stored.digest, head)
+        statement = _Statement(stored.name, stored.version, state, stored.digest, head)
         path = _path(stored, public)
         previous = path.read_bytes() if path.exists() else None
         write_whole(path, key.sign(_record(stored), statement.line))
@@ -228,10 +228,10 @@ def _refused(stored: Stored, flaw: str) -> SignatureRefused:
 
 def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
-) -> Statement:
+) -> _Statement:
     """The statement of a signature, after it was verified and compared with version and journal."""
     # the wrong table is a better reason than a signature that does not hold
-    statement = parse_statement(signature.trusted_comment, path)
+    statement = _parse_statement(signature.trusted_comment, path)
     if statement[:2] != (stored.name, stored.version) or statement.digest != stored.digest:
         raise SignatureRefused(
             f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}",
@@ -263,13 +263,13 @@ def _check_anchors(now: Snapshot, public: PublicKey) -> None:
         try:
             signature = read_signature(path)
             verify(public, read_bounded(record, TABLE), signature, path)
-            statement = parse_statement(signature.trusted_comment, path)
+            statement = _parse_statement(signature.trusted_comment, path)
         except (SignatureRefused, OSError):
             continue
         _line(now, statement, path)
 
 
-def _line(now: Snapshot, statement: Statement, path: Path) -> int:
+def _line(now: Snapshot, statement: _Statement, path: Path) -> int:
     """Number of the line of the journal that a signature covers as its head."""
     number = next((e.number for e in now.journal.entries if e.hash == statement.head), 0)
     if not number:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.clock import check_running, evened, is_ascending, on_line, step_of
+from calib.logs.clock import _evened, check_running, is_ascending, on_line, step_of
 from calib.logs.read import read_log
 from tests.support.made_runs import made_run, stop
 
@@ -78,8 +78,8 @@ HANDED_OUT = np.ceil(RUN.time / 0.016) * 0.016
 BURSTS = HANDED_OUT + 1.2e-4 * np.append(0, np.diff(HANDED_OUT) == 0.0)
 
 REFUSED = {
-    "ms that are s": ([f"{t:.3f}" for t in RUN.time], "time [ms]", "is it in s?"),
-    "s that are ms": ([f"{1e3 * t:.0f}" for t in RUN.time], "time [s]", "is it in ms?"),
+    "ms that are s": ([f"{t:.3f}" for t in RUN.time], "time [ms]", "in s, not ms"),
+    "s that are ms": ([f"{1e3 * t:.0f}" for t in RUN.time], "time [s]", "in ms, not s"),
     "four digits": ([four_digits(t) for t in RUN.time + 1e-6], "time [s]", "digits"),
     "bursts": ([f"{t:.5f}" for t in BURSTS], "time [s]", "adapter"),
 }
@@ -90,7 +90,7 @@ def test_a_clock_that_cannot_be_is_named_before_anything_else(tmp_path, kind):
     cells, head, names = REFUSED[kind]
     with pytest.raises(LogError) as error:
         read_log(write(tmp_path, cells, head))
-    assert names in error.value.do
+    assert names in str(error.value)
     assert str(error.value.where).endswith("time")
 
 
@@ -116,7 +116,7 @@ def kept(size, lost=()):
 @pytest.mark.parametrize("written", [np.round, np.floor], ids=["rounded", "cut"])
 def test_whole_milliseconds_are_put_on_their_line(rate, lost, written):
     true = 3.0 + kept(2000, lost) / rate
-    line, rounding = evened(written(1e3 * true) / 1e3)
+    line, rounding = _evened(written(1e3 * true) / 1e3)
     assert rounding == pytest.approx(1e-3, rel=1e-3)
     assert np.median(np.diff(line)) == pytest.approx(1.0 / rate, rel=2e-5)
     shift = line - true
@@ -136,13 +136,13 @@ def test_float32_seconds_of_the_day(start, rate):
 def test_a_clock_that_jitters_stays_as_it_is(jitter):
     rng = np.random.default_rng(3)
     time = np.arange(2000) / 100 + rng.uniform(-jitter, jitter, 2000)
-    assert evened(time) is None
+    assert _evened(time) is None
     assert step_of(time) == pytest.approx(0.01, rel=3e-4)
 
 
 def test_a_clock_that_changes_its_rate_stays_as_it_is():
     true = np.cumsum(np.where(np.arange(2000) < 1000, 1 / 150, 1 / 155))
-    assert evened(np.round(true, 3)) is None
+    assert _evened(np.round(true, 3)) is None
 
 
 def test_a_gap_is_no_part_of_the_step():

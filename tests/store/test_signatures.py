@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 import calib.store.journal
 from calib.base.errors import DamagedTable, SignatureRefused, StoreError
 from calib.store.signature import (
-    Statement,
-    parse_statement,
+    _parse_statement,
+    _Statement,
     require_signed,
     sign,
     verify_signed,
@@ -70,7 +70,7 @@ def by_hand(store, version, line, key=ADA):
 
 # What a signature says
 
-SEDAN = Statement("sedan-2up", 3, "released", "0123456789abcdef" * 4, "f" * 64)
+SEDAN = _Statement("sedan-2up", 3, "released", "0123456789abcdef" * 4, "f" * 64)
 LINE = (
     "brake-cal table=sedan-2up version=3 state=released"
     f" digest={'0123456789abcdef' * 4} journal={'f' * 64}"
@@ -84,7 +84,7 @@ SIGNS = st.characters() | st.sampled_from(" =\n\r\t0123456789abcdefABCDEF٣")
 def test_a_changed_line_is_refused_or_says_exactly_what_it_says(place, cut, put):
     line = LINE[:place] + put + LINE[place + cut :]
     try:
-        assert parse_statement(line).line == line
+        assert _parse_statement(line).line == line
     except SignatureRefused:
         assert line != LINE
 
@@ -99,7 +99,7 @@ def test_a_signature_is_checked_by_minisign_and_made_by_minisign(store, keys):
     assert ran.returncode == 0, ran.stderr
     lines = len(store.journal().entries)
     stored = store.load("sedan@2")
-    line = Statement("sedan", 2, "released", stored.digest, store.journal().head).line
+    line = _Statement("sedan", 2, "released", stored.digest, store.journal().head).line
     beside.unlink()
     ran = minisign("-S", "-W", "-s", secret, "-m", record, "-x", beside, "-t", line)
     assert ran.returncode == 0, ran.stderr

@@ -34,11 +34,11 @@ _NEXT = 8
 
 
 def open_blf(path: Path, dbc: Databases) -> Recording:
-    """Open a BLF file. Raises LogError as `check_whole` and `open_text_log`."""
+    """Open a BLF file. Raises LogError as `_check_whole` and `open_text_log`."""
     where = str(path)
     can = need("can", "can", where)
     database = require_dbc(dbc, "can", where)
-    count, notes = check_whole(path)
+    count, notes = _check_whole(path)
     with path.open("rb") as file, can.BLFReader(file) as reader:
         frames = captured(reader, database, where)
     if len(frames.times) != count:
@@ -46,7 +46,7 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
     return recording(frames, database, notes, where)
 
 
-def check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
+def _check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
     """Compare the sizes in the header and in the containers with what the file contains.
 
     Returns the number of frames, and a note if the header counts another number of objects. Raises

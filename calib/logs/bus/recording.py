@@ -98,7 +98,7 @@ def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture
     return capture
 
 
-def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
+def _frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
     """Make `Frames` from the bytes of each frame."""
     length = np.fromiter(map(len, data), np.uint16, len(data))
     width = int(length.max(initial=0))
@@ -124,7 +124,7 @@ def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) ->
     check_running(time, where)
     begin = float(time.min())
     frames = [
-        frames_of(*origin, time[np.asarray(described[0], np.int64)] - begin, described[1])
+        _frames_of(*origin, time[np.asarray(described[0], np.int64)] - begin, described[1])
         for origin, described in sorted(capture.frames.items())
         if described and described[0]
     ]

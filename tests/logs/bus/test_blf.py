@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
-from calib.logs.bus.blf import check_whole, open_blf
+from calib.logs.bus.blf import _check_whole, open_blf
 from calib.logs.read import read_log
 from tests.support.blf import HEADER, RESTORE, blf, block, container, frame, header
 from tests.support.recordings import messages, write_bus
@@ -80,7 +80,7 @@ def test_other_objects_are_counted_but_are_no_frames(folder):
                 log.log_event("brakes on", at)
                 log.on_message_received(can.Message(timestamp=at, is_error_frame=True))
                 log.on_message_received(can.Message(timestamp=at, **remote))
-    assert check_whole(path) == (len(known) + 2, ())
+    assert _check_whole(path) == (len(known) + 2, ())
     log = read_log(path, folder / "map.toml")
     assert "1 error frames were ignored" in log.notes
     whole = read_log(folder / "whole.blf", folder / "map.toml")
@@ -110,7 +110,7 @@ def test_objects_that_the_writer_does_not_count(folder, compressed):
     np.testing.assert_allclose(wheel.time, 0.01 * np.arange(300), atol=5e-7)
     np.testing.assert_allclose(wheel.values, 0.005 * (np.arange(300) % 200))
     assert any("300" in note and "302" in note for note in notes)
-    assert check_whole(folder / "made.blf")[0] == 300
+    assert _check_whole(folder / "made.blf")[0] == 300
 
 
 ONE = frame(0.0, 256, bytes(8))
