@@ -89,7 +89,7 @@ class TyreFile:
         return load / k["VERTICAL_STIFFNESS"] * slope / k["UNLOADED_RADIUS"]
 
 
-def read_tyre(path: Path | str) -> TyreFile:
+def _read(path: Path | str) -> TyreFile:
     """Read a tyre property file. Raises TyreError with all that is wrong."""
     from calib.base.record import OneOf, QuantityMark, section, validated  # pydantic
 
@@ -113,4 +113,4 @@ def read_tyres(paths: Sequence[Path]) -> tuple[TyreFile, ...]:
     """The tyres of both axles, or of the front and the rear axle. Raises TyreError."""
     if len(paths) > 2:
         raise TyreError(f"{len(paths)} files of tyres", expected="one, or front and rear")
-    return tuple(read_tyre(path) for path in paths)
+    return tuple(_read(path) for path in paths)

@@ -30,7 +30,7 @@ _TYPES = {
 }
 """The type of a value or, after "list of", of each item, by the words of `documents.toml`."""
 
-SEVERAL = " ..."
+_SEVERAL = " ..."
 """End of a key that stands for any number of keys which begin alike."""
 
 
@@ -45,7 +45,7 @@ class Document:
     def schema(self) -> dict[str, Any]:
         """Its JSON Schema, draft 2020-12; further keys are allowed."""
         values = {name: _value(*says.split(": ", 1)) for name, says in self.keys.items()}
-        single = {name: one for name, one in values.items() if not name.endswith(SEVERAL)}
+        single = {name: one for name, one in values.items() if not name.endswith(_SEVERAL)}
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": self.title,

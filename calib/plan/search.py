@@ -34,10 +34,10 @@ _CARS = 3
 _TURN = 20.0
 """Time [s] to turn and to come back up to speed before another run."""
 
-WORTH = 0.02
+_WORTH = 0.02
 """Gain [1] below which a measure is not worth its time: 2 % of one width."""
 
-Sequel = tuple[Measure, ...]
+_Sequel = tuple[Measure, ...]
 """Measures in the order in which they are done."""
 
 
@@ -81,10 +81,10 @@ class Plan:
     """What to do, in this order, and what it will bring.
 
     ``before`` the widths by what is known now; ``not_worth`` the measures that would gain less than
-    `WORTH` beside the steps, each with its gain [1]; ``impossible`` those that cannot be done here,
-    each with the reason; ``floor`` the widths after all that can be done here, whatever its time,
-    ``floor_of_runs`` after all runs without a workshop; ``with_speed`` those of the steps with
-    ``v`` logged as well, None where it is logged.
+    `_WORTH` beside the steps, each with its gain [1]; ``impossible`` those that cannot be done
+    here, each with the reason; ``floor`` the widths after all that can be done here, whatever its
+    time, ``floor_of_runs`` after all runs without a workshop; ``with_speed`` those of the steps
+    with ``v`` logged as well, None where it is logged.
     """
 
     known: Knowledge
@@ -126,13 +126,13 @@ def plan(known: Knowledge, want: Want, workers: int = 1) -> Plan:
         after = _medians(mapped, known, [chosen[: i + 1] for i in range(len(chosen))], _CARS)
         faster = replace(known, sensors=known.sensors | {"v"})
         with_speed = None if "v" in known.sensors else _medians(mapped, faster, [chosen], _CARS)[0]
-    seconds = [seconds_of(measure, i == 0) for i, measure in enumerate(chosen)]
+    seconds = [_seconds_of(measure, i == 0) for i, measure in enumerate(chosen)]
     return Plan(
         known=known,
         want=want,
         before=before,
         steps=tuple(map(Step, chosen, seconds, after)),
-        not_worth={m: x for m, x in search.gains.items() if m not in chosen and x < WORTH},
+        not_worth={m: x for m, x in search.gains.items() if m not in chosen and x < _WORTH},
         impossible=search.impossible,
         floor=floor,
         floor_of_runs=floor_of_runs,
@@ -140,7 +140,7 @@ def plan(known: Knowledge, want: Want, workers: int = 1) -> Plan:
     )
 
 
-def seconds_of(measure: Measure, first: bool) -> float:
+def _seconds_of(measure: Measure, first: bool) -> float:
     """Time that a measure takes [s]; a run that is not the ``first`` one with its turn."""
     if not measure.driven:
         return measure.seconds
@@ -162,52 +162,52 @@ class _Search:
         reasons = {measure: _why_not_driven(known, measure) for measure in measures()}
         self.impossible = {measure: reason for measure, reason in reasons.items() if reason}
 
-    def run(self, now: HalfWidths) -> Sequel:
+    def run(self, now: HalfWidths) -> _Sequel:
         """The measures in their order. Raises LogError where there can be no ramp."""
-        chosen: Sequel = ()
+        chosen: _Sequel = ()
         spent, first = 0.0, not self.known.logs
         while not self.want.met_by(now):
             options = [m for m in measures() if self._is_option(m, chosen, first, spent)]
             widths = self._tried(chosen, options, now, _CARS if first else 1)
-            worthy = {m: w for m, w in widths.items() if first or self.gains[m] >= WORTH}
+            worthy = {m: w for m, w in widths.items() if first or self.gains[m] >= _WORTH}
             if first and not worthy:
                 raise self._no_ramp()
             if not worthy:
                 break
             best = max(worthy, key=lambda m: self._rate(m, first))
             chosen, now = (*chosen, best), worthy[best]
-            spent, first = spent + seconds_of(best, len(chosen) == 1), False
+            spent, first = spent + _seconds_of(best, len(chosen) == 1), False
         return self._pruned(chosen, now)
 
-    def _pruned(self, chosen: Sequel, now: HalfWidths) -> Sequel:
+    def _pruned(self, chosen: _Sequel, now: HalfWidths) -> _Sequel:
         """The steps without those that later ones made superfluous, the longest first."""
         kept = 0 if self.known.logs else 1  # the first ramp makes the table
         shorter = {m: tuple(x for x in chosen if x != m) for m in chosen[kept:]}
         outcomes = _outcomes(self.mapped, self.known, list(shorter.values()), 1)
         for measure, of_cars in sorted(
-            zip(shorter, outcomes, strict=True), key=lambda pair: -seconds_of(pair[0], False)
+            zip(shorter, outcomes, strict=True), key=lambda pair: -_seconds_of(pair[0], False)
         ):
             if isinstance(of_cars, str):
                 continue
             (widths,) = of_cars
-            if self.want.met_by(widths) or self.want.gain(widths, now) < WORTH:
+            if self.want.met_by(widths) or self.want.gain(widths, now) < _WORTH:
                 return self._pruned(shorter[measure], now)
         return chosen
 
     def _rate(self, measure: Measure, first: bool) -> float:
         """Gain of the first ramp, gain per second of what follows."""
-        return self.gains[measure] / (1.0 if first else seconds_of(measure, first=False))
+        return self.gains[measure] / (1.0 if first else _seconds_of(measure, first=False))
 
-    def _is_option(self, measure: Measure, chosen: Sequel, first: bool, spent: float) -> bool:
+    def _is_option(self, measure: Measure, chosen: _Sequel, first: bool, spent: float) -> bool:
         """Whether a measure can come next: once, in the time left, if it gained before."""
         if (first and not _is_whole_ramp(measure)) or measure in self.impossible:
             return False
-        if measure in chosen or self.gains.get(measure, WORTH) < WORTH:
+        if measure in chosen or self.gains.get(measure, _WORTH) < _WORTH:
             return False
-        return spent + seconds_of(measure, not chosen) <= self.want.seconds
+        return spent + _seconds_of(measure, not chosen) <= self.want.seconds
 
     def _tried(
-        self, chosen: Sequel, options: Sequence[Measure], now: HalfWidths, count: int
+        self, chosen: _Sequel, options: Sequence[Measure], now: HalfWidths, count: int
     ) -> dict[Measure, HalfWidths]:
         """Median widths of ``count`` cars after each option, but for impossible ones.
 
@@ -244,7 +244,7 @@ def _why_not_driven(known: Knowledge, measure: Measure) -> str:
 
 
 def _medians(
-    mapped: Mapped, known: Knowledge, sequels: Sequence[Sequel], count: int
+    mapped: Mapped, known: Knowledge, sequels: Sequence[_Sequel], count: int
 ) -> list[HalfWidths]:
     """Median widths over ``count`` cars after each of the sequels.
 
@@ -259,7 +259,7 @@ def _medians(
 
 
 def _outcomes(
-    mapped: Mapped, known: Knowledge, sequels: Sequence[Sequel], count: int
+    mapped: Mapped, known: Knowledge, sequels: Sequence[_Sequel], count: int
 ) -> list[list[HalfWidths] | str]:
     """Widths of ``count`` cars after each sequel, or why one of them cannot be driven or fitted."""
     asked = [(number, done) for done in sequels for number in range(count)]
@@ -272,7 +272,7 @@ def _outcomes(
     return found
 
 
-def _outcome(known: Knowledge, asked: tuple[int, Sequel]) -> HalfWidths | str:
+def _outcome(known: Knowledge, asked: tuple[int, _Sequel]) -> HalfWidths | str:
     """Widths of the car of that number after the measures, or why it has none."""
     number, done = asked
     try:

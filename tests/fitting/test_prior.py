@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import norm
 
 from calib.base.warning import Measured, judged
-from calib.car.tyre_file import read_tyre
+from calib.car.tyre_file import read_tyres
 from calib.fitting import prior as module
 from calib.fitting.ensemble import draws_of
 from calib.fitting.pads import DEFAULT_PRIOR
@@ -48,7 +48,7 @@ def tyre(tmp_path_factory):
     def of(factor=1.0):
         path = folder / f"tyre_{factor}.tir"
         load = 0.25 * CAR.weight
-        return read_tyre(written(path, FNOMIN=load, PKX1=factor * STIFFNESS))
+        return read_tyres([written(path, FNOMIN=load, PKX1=factor * STIFFNESS)])[0]
 
     return of
 

@@ -5,7 +5,7 @@ import time
 import pytest
 
 from calib.base.errors import BrakeCalError
-from calib.car.tyre_file import read_tyre
+from calib.car.tyre_file import read_tyres
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
 
@@ -43,7 +43,7 @@ def test_a_table_of_a_megabyte_is_refused_within_two_seconds(tmp_path, kind):
     assert cpu_of(read_log, path) < 2.0
 
 
-@pytest.mark.parametrize("reader", [read_tyre, read_channel_map])
+@pytest.mark.parametrize("reader", [lambda path: read_tyres([path]), read_channel_map])
 @pytest.mark.parametrize(
     "text", ["\n" * MEGABYTE, "a" * MEGABYTE, " " * MEGABYTE + "=", "[" * 9999]
 )

@@ -2,14 +2,14 @@
 
 from jsonschema import Draft202012Validator
 
-from calib.help.documents import SEVERAL, documents
+from calib.help.documents import documents
 
 
 def missing_and_unknown(name: str, document: dict[str, object]) -> list[str]:
     """What is wrong with a document, in the judgement of another program's validator."""
     one = documents()[name]
     errors = [error.message for error in Draft202012Validator(one.schema).iter_errors(document)]
-    starts = tuple(key.removesuffix(SEVERAL) for key in one.keys if SEVERAL in key)
+    starts = tuple(key.removesuffix(" ...") for key in one.keys if " ..." in key)
     known = {"schema", *one.keys}
     left = {key for key in document if key not in known and not key.startswith(starts or ("\0",))}
     return errors + [f"{name}: the page has no key {key}" for key in sorted(left)]
