@@ -33,13 +33,13 @@ FAILED, UNREADABLE, DAMAGED = 1, 3, 4
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command found.
+    """Result of a command.
 
     Attributes
     ----------
-    document : of --json, but for its "schema".
-    result : for people: a text, facts, or what `calib.show.facts` tells as facts. Their warnings
-        go to stderr, with --json too.
+    document : of --json, without its "schema".
+    result : a text, facts, or a result that `calib.show.facts` knows. Its warnings go to stderr,
+        with --json too.
     exit_code : 0 if it passed.
     out : the folder that was written, which the next step names.
     live : whether the pictures on the page of --report may be live.
@@ -53,7 +53,7 @@ class Answer:
 
     @property
     def facts(self) -> "Facts | str":
-        """The result as it is told."""
+        """The result in words."""
         if isinstance(self.result, str):
             return self.result
         from calib.show.facts import facts_of
@@ -61,10 +61,10 @@ class Answer:
         return facts_of(self.result).written(self.out)
 
 
-def _ask(context: typer.Context, asked: typer.CallbackParam, given: bool) -> None:
+def _ask(context: typer.Context, option: typer.CallbackParam, is_set: bool) -> None:
     run = this_run()
-    if given and not context.resilient_parsing:
-        setattr(run, str(asked.name), True)
+    if is_set and not context.resilient_parsing:
+        setattr(run, str(option.name), True)
     if run.quiet and run.verbose:
         raise misuse("-q and -v exclude each other", "--quiet, --verbose")
 
@@ -95,36 +95,38 @@ def command(
         groups: dict[str, Any] = {
             p.name: p.annotation for p in declared if is_dataclass(p.annotation)
         }
-        own = {p.name: _parameter(p) for one in declared for p in _parts(one)}
+        parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
         more: dict[str, Any] = {"report": _Report} if report else {}
-        more |= {"quiet": Quiet, "verbose": Verbose} | ({} if "json" in own else {"json": _Json})
-        every = [*own.values(), *(_added(name, hint) for name, hint in more.items())]
+        more |= {"quiet": Quiet, "verbose": Verbose} | (
+            {} if "json" in parameters else {"json": _Json}
+        )
+        every = [*parameters.values(), *(_added(name, hint) for name, hint in more.items())]
         infos = {p.name: get_args(p.annotation)[1] for p in every}
         writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
         if any(i.writes != "folder" for i in writes.values()):
             every.append(_added("force", Force))
 
         @wraps(body)
-        def run(**given: Any) -> None:
+        def run(**values: Any) -> None:
             for name, info in infos.items():
-                if getattr(info, "setting", "") and not given[name]:
-                    found = from_settings(info.setting) if info.when(given) else None
-                    if found is None:
-                        found = info.built_in if given[name] is None else given[name]
-                    given[name] = found
-            for name in given.keys() - writes:
-                value = given[name] if isinstance(given[name], list) else [given[name]]
+                if getattr(info, "setting", "") and not values[name]:
+                    setting = from_settings(info.setting) if info.when(values) else None
+                    if setting is None:
+                        setting = info.built_in if values[name] is None else values[name]
+                    values[name] = setting
+            for name in values.keys() - writes:
+                value = values[name] if isinstance(values[name], list) else [values[name]]
                 if files := [one for one in value if isinstance(one, Path)]:
                     this_run().inputs[name] = files
             for name, info in writes.items():
-                if given[name] is not None and info.writes != "folder":
-                    check_file(given[name], info.writes, _flag_of(name, info))
-            made = {name: _made(name, infos[name], given[name]) for name in own}
+                if values[name] is not None and info.writes != "folder":
+                    check_file(values[name], info.writes, _flag_of(name, info))
+            arguments = {name: _converted(name, infos[name], values[name]) for name in parameters}
             for name, kind in groups.items():
-                made[name] = kind(**{f.name: made.pop(f.name) for f in fields(kind)})
-            answer = body(**made)
-            if "json" not in own:
-                _tell(answer, given["json"], given.get("report"))
+                arguments[name] = kind(**{f.name: arguments.pop(f.name) for f in fields(kind)})
+            answer = body(**arguments)
+            if "json" not in parameters:
+                _tell(answer, values["json"], values.get("report"))
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 
@@ -155,8 +157,8 @@ class Group(TyperGroup):
 
     def rows(self) -> list[Row]:
         """Every command in the order of the help."""
-        found: dict[str, Any] = dict(self.commands)
-        return [Row(one.rich_help_panel, name, one.short_help) for name, one in found.items()]
+        commands: dict[str, Any] = dict(self.commands)
+        return [Row(one.rich_help_panel, name, one.short_help) for name, one in commands.items()]
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names of the commands in the order of the help."""
@@ -182,20 +184,20 @@ def first_sentence(text: str) -> str:
 
 def add(app: typer.Typer, heading: str, *commands: Any) -> None:
     """Add commands to a group under a heading of its help."""
-    for one in commands:
+    for function in commands:
         app.command(
-            one.__name__.rstrip("_"),
-            cls=one.cls,
-            short_help=first_sentence(one.__doc__),
-            epilog=example(*one.examples),
+            function.__name__.rstrip("_"),
+            cls=function.cls,
+            short_help=first_sentence(function.__doc__),
+            epilog=example(*function.examples),
             rich_help_panel=heading,
-        )(one)
+        )(function)
 
 
 def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -> typer.Typer:
     """Return a group without commands: its help and examples."""
     # Plain help: typer's boxes import rich, which takes half of the time that --help may take.
-    made = typer.Typer(
+    app = typer.Typer(
         name=name,
         cls=cls,
         rich_markup_mode=None,
@@ -205,12 +207,12 @@ def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -
         epilog=example(*examples),
         **more,
     )
-    made.callback(help=text)(_nothing)
-    return made
+    app.callback(help=text)(_nothing)
+    return app
 
 
 def _nothing(quiet: Quiet = False, verbose: Verbose = False) -> None:
-    """Stand for the group itself."""
+    """Do nothing: a group needs a callback for its options."""
 
 
 def example(*lines: str) -> str:
@@ -218,24 +220,24 @@ def example(*lines: str) -> str:
     return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
 
 
-def _parts(given: Parameter) -> list[Parameter]:
+def _parts(parameter: Parameter) -> list[Parameter]:
     """A parameter, or the fields of a dataclass in its place: options that commands share."""
-    if not is_dataclass(given.annotation):
-        return [given]
+    if not is_dataclass(parameter.annotation):
+        return [parameter]
     return [
         Parameter(f.name, Parameter.KEYWORD_ONLY, annotation=f.type)
-        for f in fields(given.annotation)
+        for f in fields(parameter.annotation)
     ]
 
 
-def _parameter(given: Parameter) -> Parameter:
-    """A parameter as typer reads it; what is typed may be another type than what the body gets."""
-    kind, info = given.annotation, given.default
+def _parameter(parameter: Parameter) -> Parameter:
+    """A parameter as typer reads it, of the type that is typed."""
+    kind, info = parameter.annotation, parameter.default
     if get_origin(kind) is Annotated:
         kind, info = get_args(kind)
     hint: Any = Annotated[getattr(info, "typed", None) or kind, info]
-    default = _default(hint, given.kind == Parameter.KEYWORD_ONLY)
-    return given.replace(annotation=hint, default=default)
+    default = _default(hint, parameter.kind == Parameter.KEYWORD_ONLY)
+    return parameter.replace(annotation=hint, default=default)
 
 
 def _default(hint: Any, optional: bool = True) -> Any:
@@ -251,8 +253,8 @@ def _default(hint: Any, optional: bool = True) -> Any:
     return [] if optional and getattr(kind, "__origin__", None) is list else Parameter.empty
 
 
-def _made(name: str, info: Any, value: Any) -> Any:
-    """What a value becomes; a refusal or a ValueError that names no option is of this one."""
+def _converted(name: str, info: Any, value: Any) -> Any:
+    """The value of an option, converted; an error that names no option is of this one."""
     make = getattr(info, "make", None)
     if make is None or (value is None and not info.always):
         return value

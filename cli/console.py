@@ -31,7 +31,7 @@ _PIPED_WIDTH = 120
 
 @dataclass
 class _CommandRun:
-    """One run of the program: what was asked for, and what it answered.
+    """Options and state of one run of the program.
 
     ``inputs`` are the files that were given, by the name of their parameter; ``documents`` counts
     the JSON documents that were printed; ``project`` has the settings, once they were asked for;
@@ -61,7 +61,7 @@ def begin() -> None:
 
 
 def this_run() -> _CommandRun:
-    """The run that goes on; one that asks for nothing where none was begun."""
+    """The current run; a default one where none was begun."""
     return _RUN.get(_CommandRun())
 
 
@@ -99,13 +99,13 @@ def at_option(option: str | None, error: type[Exception]) -> Iterator[None]:
 
 
 def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
-    """Print a result on stdout, without markup; of facts the details only with -v."""
+    """Print a result on stdout; details of facts only with -v."""
     from calib.show.terminal import drawn
 
     stream, run = to or sys.stdout, this_run()
     console, piped = _console(stream), _piped(stream)
-    told = {"quiet": run.quiet, "details": run.verbose}
-    for part in [result] if isinstance(result, str) else drawn(result, **told):
+    shown = {"quiet": run.quiet, "details": run.verbose}
+    for part in [result] if isinstance(result, str) else drawn(result, **shown):
         console.print(part, soft_wrap=piped or isinstance(part, str))
 
 
@@ -164,7 +164,7 @@ Step = Callable[..., None]
 
 @contextmanager
 def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
-    """Say what is done, and show a bar of its steps on a terminal; yields a `Step`."""
+    """Show the progress of a task, as a bar on a terminal; yields a `Step`."""
     console = _console(sys.stderr)
     if this_run().quiet or not (sys.stderr.isatty() and console.is_interactive):
         if task:
@@ -182,13 +182,13 @@ def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
     text = TextColumn("{task.description}", style="progress.description", markup=False)
     columns = (text, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
-        one = bar.add_task(printable(task), total=total)
+        task_id = bar.add_task(printable(task), total=total)
 
-        def step(stage: str = "", done: int = -1, of: int = 0) -> None:
-            if done < 0:
-                bar.advance(one)
+        def step(stage: str = "", completed: int = -1, count: int = 0) -> None:
+            if completed < 0:
+                bar.advance(task_id)
             else:
-                bar.update(one, description=printable(stage), completed=done, total=of)
+                bar.update(task_id, description=printable(stage), completed=completed, total=count)
 
         yield step
 
@@ -198,7 +198,7 @@ def _piped(stream: IO[str]) -> bool:
 
 
 def _console(stream: IO[str]) -> "Console":
-    """A console that shows text and obeys none of it, also in the cells of a grid."""
+    """A console that escapes control characters, also in the cells of a grid."""
     from rich.console import Console
     from rich.text import Text
 

@@ -18,11 +18,11 @@ class _Greedy(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Repeat ``--holdout`` before each of its logs, then parse as usual."""
         repeated: list[str] = []
-        held = False
+        is_holdout = False
         for arg in args:
             if arg.startswith("-"):
-                held = arg == "--holdout"
-            elif held and repeated[-1] != "--holdout":
+                is_holdout = arg == "--holdout"
+            elif is_holdout and repeated[-1] != "--holdout":
                 repeated.append("--holdout")
             repeated.append(arg)
         return super().parse_args(ctx, repeated)
@@ -68,10 +68,10 @@ def diagnose(
             runs = read_all([*logs, *holdout], channel_map, step)
         say(f"searching {counted(len(logs), 'log')}, confirming on {len(holdout)}")
         with progress() as step:
-            found = find(car, runs[: len(logs)], runs[len(logs) :], step, mapped)
+            diagnosis = find(car, runs[: len(logs)], runs[len(logs) :], step, mapped)
     with progress("drawing the report"):
-        page = page_of(facts_of(found))
+        page = page_of(facts_of(diagnosis))
     with writing(out):
-        write_folder(found, text_of(found), page, out)
+        write_folder(diagnosis, text_of(diagnosis), page, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
-    return Answer(to_dict(found), found, out=out)
+    return Answer(to_dict(diagnosis), diagnosis, out=out)

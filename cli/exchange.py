@@ -22,7 +22,7 @@ _SINGLE = "In single precision; for c-header, a2l, ecu and FMUs."
 
 @dataclass(frozen=True)
 class Shape:
-    """How the numbers of a table are handed out."""
+    """Breakpoints and precision of an exported table."""
 
     points: Annotated[
         int | None, option("Breakpoints on each axis, least error; else all rows.", "N")
@@ -32,7 +32,7 @@ class Shape:
     double: Annotated[bool, option("In double precision: the code for an ECU else is in single.")]
 
     def precision(self, code: bool = False) -> "Precision | None":
-        """What is asked for, for C ``code`` or not; None for the full table."""
+        """The precision typed, of C ``code`` or not; None for the full table."""
         from calib.base.errors import ExchangeError
         from calib.table.exported import Precision
 
@@ -92,7 +92,7 @@ def export(
     signed.check(table, stored)
     kind = (form or "").lower()
     _check_out(out, stored, prefix, kind == FOLDER)
-    asked: dict[str, Any] = {
+    choices: dict[str, Any] = {
         "elf": elf,
         "quality": read_quality(validation, stored) if validation else UNPROVED,
         "without_effects": without_effect,
@@ -104,20 +104,20 @@ def export(
             how = shape.precision(kind == FOLDER) or Precision()
             if sample_time is None:
                 raise misuse("needed: the time from call to call of your ECU", "--sample-time")
-            asked["compiled"] = compiled
-            written = write_code(stored, out, kind, how, sample_time, prefix, **asked)
+            choices["compiled"] = compiled
+            written = write_code(stored, out, kind, how, sample_time, prefix, **choices)
         elif sample_time is not None or compiled:
             raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time, --compiled")
         else:
-            asked |= {"points": shape.points, "bits": shape.bits, "single": shape.single}
-            written = write(stored, out, form, prefix=prefix, **asked)
+            choices |= {"points": shape.points, "bits": shape.bits, "single": shape.single}
+            written = write(stored, out, form, prefix=prefix, **choices)
     for note in written.notes:
         say(note)
     return Answer(written.to_dict(), repr(written))
 
 
 def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) -> None:
-    """Refuse a place that holds what is not an export of this version."""
+    """Refuse a place that holds anything but an export of this version."""
     from calib.ecu.code import OURS, files_of
 
     digest = stored.digest.encode()
@@ -142,11 +142,13 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     from calib.exports.read import read_back
     from calib.show.store import returned, returned_document
 
-    found = read_back(file)
-    stored = parent(found, store)
-    told = difference(found, stored)
-    document = returned_document(found, stored, told)
-    return Answer(document, returned(found, stored, told), DAMAGED * bool(told.wrong))
+    returned_file = read_back(file)
+    stored = parent(returned_file, store)
+    differences = difference(returned_file, stored)
+    document = returned_document(returned_file, stored, differences)
+    return Answer(
+        document, returned(returned_file, stored, differences), DAMAGED * bool(differences.wrong)
+    )
 
 
 def _name(name: str) -> str:

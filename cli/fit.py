@@ -67,8 +67,8 @@ def fit(
     with progress() as step:
         runs = read_all(logs, channel_map, step, more=1)
         step(f"fitting {car.name}", len(logs), len(logs) + 1)
-        known = [run.digest for run in runs]
-        cars = released_cars(store, car, known) if fleet_prior else {}
+        digests = [run.digest for run in runs]
+        cars = released_cars(store, car, digests) if fleet_prior else {}
         table = fit_table(car, runs, mass=mass, bench=bench, tyre=tyre, fleet=cars)
     stored = store.save(table)
     braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
@@ -76,8 +76,8 @@ def fit(
     files = files_of("vehicle", "model", "bench", "tyre")
     used = mass_used(car, mass)
     reached = compare(plan, table, runs, used) if plan else None
-    found = Fitted(stored, used, ramps, files, reached)
-    return Answer(document(found), found, live=True)
+    fitted = Fitted(stored, used, ramps, files, reached)
+    return Answer(document(fitted), fitted, live=True)
 
 
 def files_of(*options: str) -> dict[str, Path]:

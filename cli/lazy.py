@@ -23,7 +23,7 @@ class LazyGroup(Group):
         """The command of a name, None for another name."""
         place = next((at for row, at in self.places.items() if row.name == name), None)
         if name not in self.commands and place is not None:
-            self.commands[name] = _made(name, place)
+            self.commands[name] = _load(name, place)
         return super().get_command(ctx, name)
 
     def every(self) -> Iterator[tuple[str, Any]]:
@@ -31,7 +31,7 @@ class LazyGroup(Group):
         return ((row.name, self.get_command(None, row.name)) for row in self.rows())
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """The command that was typed; one that stands in a group below is named with its group."""
+        """The command that was typed; the error for one of a subgroup names that group."""
         typed = args[0]
         if typed not in self.list_commands(ctx):
             groups = {name: one for name, one in self.every() if isinstance(one, Group)}
@@ -41,13 +41,13 @@ class LazyGroup(Group):
         return super().resolve_command(ctx, args)
 
 
-def _made(name: str, place: str) -> Any:
-    """A command, or a group of them, from where it is."""
+def _load(name: str, place: str) -> Any:
+    """Import a command or a group from its place."""
     module, _, attribute = place.partition(":")
-    found = getattr(import_module(module), attribute)
-    if not isinstance(found, typer.Typer):
-        command, found = found, typer.Typer(rich_markup_mode=None, add_completion=False)
-        add(found, "", command)
-    made: Any = typer.main.get_command(found)
-    made.name = name
-    return made
+    group = getattr(import_module(module), attribute)
+    if not isinstance(group, typer.Typer):
+        command, group = group, typer.Typer(rich_markup_mode=None, add_completion=False)
+        add(group, "", command)
+    loaded: Any = typer.main.get_command(group)
+    loaded.name = name
+    return loaded

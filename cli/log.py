@@ -26,9 +26,9 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
     from calib.logs.read import open_log, read_opened
     from calib.plausibility.check import check as look_at
     from calib.plausibility.check import to_dict
-    from calib.show.check import facts
+    from calib.show.check import check_facts
 
-    found: list[Findings] = []
+    findings: list[Findings] = []
     failed: list[tuple[Path, InputError]] = []
     with progress() as step:  # a log that cannot be read does not stop the check of the others
         for i, (path, name) in enumerate(zip(logs, named(logs), strict=True)):
@@ -38,18 +38,18 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
                 with open_log(file, channel_map, data=data) as source:
                     run = read_opened(source, channel_map, require=())
                 tell(run)
-                found.append(look_at(run))
+                findings.append(look_at(run))
             except InputError as error:
                 failed.append((path, error))
     for _, wrong in failed:
         complain(str(wrong))
     document = {
         **({"error": failed[0][1].to_dict()} if failed else {}),
-        "logs": [to_dict(f) for f in found],
+        "logs": [to_dict(f) for f in findings],
         "unreadable": [{"source": path, "error": str(wrong)} for path, wrong in failed],
     }
-    useless = FAILED * (not all(one.usable for one in found))
-    return Answer(document, facts(found), UNREADABLE if failed else useless)
+    useless = FAILED * (not all(one.usable for one in findings))
+    return Answer(document, check_facts(findings), UNREADABLE if failed else useless)
 
 
 @command(
@@ -81,7 +81,7 @@ def log(
     from calib.logs.write import WRITERS
     from calib.run.events import run_events
     from calib.show.facts import Facts
-    from calib.show.log import document, facts, written
+    from calib.show.log import document, log_facts, written
 
     if start is not None and until is not None and start >= until:
         raise misuse(f"{start:g} s is not before {until:g} s", "--from")
@@ -98,15 +98,15 @@ def log(
             write_file(out, write(part))
             for note in part.notes:
                 say(f"{part.source}: {note}")
-            made = written(part, out)
-            said = f"{out}: {made['rows']} rows, {len(made['columns'])} columns"
-            return Answer({"logs": [made]}, said)
+            written_log = written(part, out)
+            message = f"{out}: {written_log['rows']} rows, {len(written_log['columns'])} columns"
+            return Answer({"logs": [written_log]}, message)
         looked.append((part, inventory(part), run_events(channels_log(whole))))
     if out is not None:
         _draw(*looked[0], out)
     return Answer(
         {"out": out, "logs": [document(*one) for one in looked]},
-        Facts(parts=[facts(*one) for one in looked]),
+        Facts(parts=[log_facts(*one) for one in looked]),
     )
 
 
@@ -119,12 +119,12 @@ def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
 def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
-    from calib.show.log import MOST, facts, panels_of, sheet
+    from calib.show.log import MOST, log_facts, log_sheet, panels_of
     from calib.show.sheet import render
 
     if not 0 < (count := len(panels_of(log))) <= MOST:
         raise misuse(f"{count} panels; 1 to {MOST} can be drawn: choose columns", "--channel")
     if (ending := out.suffix.lower()) in PAGES:
-        write_page(out, facts(log, columns, events))
+        write_page(out, log_facts(log, columns, events))
     else:
-        write_file(out, render(sheet(log, events).overview(), ending))
+        write_file(out, render(log_sheet(log, events).overview(), ending))

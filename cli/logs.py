@@ -28,12 +28,12 @@ def named(paths: Sequence[Path]) -> list[Path]:
 def read_all(
     paths: Sequence[Path], mapping: "ChannelMap | None", step: Step, more: int = 0
 ) -> "list[Log]":
-    """Read logs one by one, with a bar; ``more`` steps are to come."""
-    found = []
+    """Read logs one by one, with a progress bar that has ``more`` steps after them."""
+    runs = []
     for i, path in enumerate(paths):
         step(f"reading {path.name}", i, len(paths) + more)
-        found.append(read(path, mapping))
-    return found
+        runs.append(read(path, mapping))
+    return runs
 
 
 def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | None = None) -> "Log":
@@ -51,12 +51,12 @@ def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | No
 
 
 def source_of(path: Path) -> tuple[Path, bytes | None]:
-    """What names a log, and its bytes where they are on stdin."""
+    """Path of a log, and its bytes if it is on stdin."""
     return (NAMED, _stdin()) if is_stdin(path) else (path, None)
 
 
 def tell(log: "Log") -> None:
-    """Say with -v what was read."""
+    """Print with -v the size and channels of a log."""
     if this_run().verbose:
         say(
             f"read {log.source}: {log.time.size} samples, {log.time[-1] - log.time[0]:.2f} s, "

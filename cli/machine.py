@@ -39,20 +39,20 @@ def qualify(
     program is tried against known truths, and the checks are written with their results. Exit code
     1 if something that it needs is wrong, or a check does not hold.
     """
-    from calib.help.doctor import FINE, WRONG, examine, facts
+    from calib.help.doctor import FINE, WRONG, doctor_facts, examine
 
     if out is not None:
         return _qualified(out)
     findings = examine(store)
     works = all(finding.state != WRONG for finding in findings)
     document = {"version": VERSION, "verdict": FINE if works else WRONG, "findings": findings}
-    return Answer(document, facts(findings), FAILED * (not works))
+    return Answer(document, doctor_facts(findings), FAILED * (not works))
 
 
 def _qualified(out: Path) -> Answer:
     """What comes out where the program is tried against known truths."""
     from calib.base.plain import counted
-    from calib.help.qualify import SUITE, facts
+    from calib.help.qualify import SUITE, qualification_facts
     from calib.help.qualify import qualify as made
     from calib.show.html import page_of
 
@@ -60,10 +60,12 @@ def _qualified(out: Path) -> Answer:
     task = f"comparing {counted(sum(map(len, SUITE.values())), 'number')} of the sample logs"
     with progress(task, len(SUITE)) as step:
         document = made(SUITE, datetime.now(UTC).isoformat(timespec="seconds"), step)
-    page = page_of(facts(document)).encode()
+    page = page_of(qualification_facts(document)).encode()
     contents = [(REPORT, page), (DOCUMENT, json_text(document).encode())]
     write_folder(out, contents, DOCUMENT)
-    return Answer(document, facts(document), FAILED * (document["verdict"] == "failed"))
+    return Answer(
+        document, qualification_facts(document), FAILED * (document["verdict"] == "failed")
+    )
 
 
 @command("brake-cal demo", "brake-cal demo --out somewhere")
@@ -79,27 +81,27 @@ def demo(
     links the pages they wrote and the paper's figures. Exit code 1 if one gave another answer than
     expected.
     """
-    from calib.help.demo import INDEX, STEPS, facts
+    from calib.help.demo import INDEX, STEPS, demo_facts
     from calib.help.samples import sample_logs
     from calib.show.html import page_of
 
     check_folder(out, (INDEX,))
     shutil.copytree(sample_logs(), out / "sample_logs", dirs_exist_ok=True)
     ran = {}
-    with progress(f"running {len(STEPS)} commands in {out}", len(STEPS)) as done:
+    with progress(f"running {len(STEPS)} commands in {out}", len(STEPS)) as advance:
         for step in STEPS:
-            ran[step] = got = _run(out, step)
-            if not step.figure or not got.passed:
-                failed = "" if got.passed else "FAILED: "
-                say(f"\n{step.purpose}\n  {step.line}\n  {failed}{got.answer}")
-            done()
-    found = facts(ran)
-    write_file(out / INDEX, page_of(found).encode())
-    answers = [vars(step) | vars(got) for step, got in ran.items()]
+            ran[step] = answer = _run(out, step)
+            if not step.figure or not answer.passed:
+                failed = "" if answer.passed else "FAILED: "
+                say(f"\n{step.purpose}\n  {step.line}\n  {failed}{answer.answer}")
+            advance()
+    index = demo_facts(ran)
+    write_file(out / INDEX, page_of(index).encode())
+    answers = [vars(step) | vars(answer) for step, answer in ran.items()]
     return Answer(
-        {"folder": out, "index": out / INDEX, "verdict": found.verdict, "steps": answers},
-        replace(found, tables=[], next=f"open {out / INDEX}"),
-        FAILED * (found.verdict == "failed"),
+        {"folder": out, "index": out / INDEX, "verdict": index.verdict, "steps": answers},
+        replace(index, tables=[], next=f"open {out / INDEX}"),
+        FAILED * (index.verdict == "failed"),
     )
 
 
@@ -109,7 +111,7 @@ def _run(folder: Path, step: "Step") -> "Ran":
     from calib.help.demo import Ran
     from cli.main import main
 
-    kept, argv = dict(os.environ), sys.argv
+    environment, argv = dict(os.environ), sys.argv
     os.environ |= {SETTINGS_VARIABLE: ""}  # no settings of a project around it
     os.environ.pop("COLUMNS", None)  # lines stay whole
     out, err, code = io.StringIO(), io.StringIO(), 0
@@ -123,7 +125,7 @@ def _run(folder: Path, step: "Step") -> "Ran":
         finally:
             sys.argv = argv
             os.environ.clear()
-            os.environ.update(kept)
+            os.environ.update(environment)
     lines = (out.getvalue() or err.getvalue()).strip().splitlines()
     answer = lines[0] if lines else ""
     return Ran(answer, not code and step.expected in answer)

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar
 
 import typer
 
-from calib.base.errors import AnswerError, BrakeCalError, FolderGone, program_failure
+from calib.base.errors import AnswerError, BrakeCalError, FolderGone, UsageError, program_failure
 from calib.base.names import PROGRAM
 from cli.command import Quiet, Row, Verbose, group
 from cli.console import begin, complain, emit_json, say, this_run
@@ -52,7 +52,7 @@ _SUBJECTS = {
     },
     "Help": {
         "demo": "Try the program on the sample logs, in about half a minute",
-        "manual": "Show the pages of the manual, or one of them",
+        "manual": "Show the pages of the manual, one of them, or what a code means",
         "qualify": "Say whether the program works on this machine",
     },
 }
@@ -178,8 +178,12 @@ def _failed(words: Sequence[str], error: Any) -> int:
         _fail(words, error.to_dict())
         complain(str(error))
     elif isinstance(error, _UsageError):
-        _fail(words, _usage(error))
-        error.show()
+        usage = _usage(error)
+        _fail(words, usage)
+        if error.message.startswith("Usage:"):  # nothing was typed after a group: its help
+            error.show()
+        else:
+            complain(usage["message"])
     elif isinstance(error, typer.Abort):
         return _INTERRUPTED
     else:
@@ -206,25 +210,22 @@ def _crashed(words: Sequence[str], error: Exception) -> int:
 
 def _fail(words: Sequence[str], error: dict[str, Any]) -> None:
     """Print the error as JSON where it was asked for and no document is there yet."""
-    asked = words[: words.index("--")] if "--" in words else words
-    if "--json" in asked and not this_run().documents:
+    options = words[: words.index("--")] if "--" in words else words
+    if "--json" in options and not this_run().documents:
         emit_json({"schema": 1, "error": error})
 
 
 def _usage(error: Any) -> dict[str, Any]:
-    """A wrong command line as the errors of the library are, see `calib.base.record`."""
+    """A wrong command line in the form of the library's errors, `calib.base.errors`."""
     command = error.ctx.command_path if error.ctx else "brake-cal"
     hint = getattr(error, "param_hint", None) or ""
-    return {
-        "kind": "usage",
-        "message": error.format_message(),
-        "exit_code": error.exit_code,
-        "what": error.message,
-        "where": hint if isinstance(hint, str) else " ".join(hint),
-        "expected": "",
-        "do": f"see `{command} --help`",
-        "lines": (),
-    }
+    where = hint if isinstance(hint, str) else " ".join(hint)
+    # without a hint the parser names the option itself, and those that may be meant
+    message = (error.message if where else error.format_message()).removesuffix(".")
+    usage = UsageError(
+        message[:1].lower() + message[1:], where=where or None, do=f"see `{command} --help`"
+    )
+    return usage.to_dict()
 
 
 # What is printed arrives, or the run says that it did not: a full disk, a reader that went away.

@@ -67,14 +67,14 @@ class Inputs:
         from calib.line.fleet.work import Job
 
         validates, fits = command is Command.VALIDATE, command is Command.FIT
-        for name, value, taken, needed in (
+        for name, value, is_taken, needed in (
             ("--table", self.table, validates, "validate needs a table" * validates),
             ("--limits", self.limits, validates, ""),
             ("--vehicle", self.vehicle, fits or validates, options.NO_VEHICLE * fits),
         ):
             if value is None and needed:
                 raise misuse(needed, name)
-            if value is not None and not taken:
+            if value is not None and not is_taken:
                 raise misuse(f"{command.value} takes none", name)
         check_folder(self.out, (NAME,))
         stored = self.store.load(self.table) if self.table else None
@@ -99,7 +99,7 @@ def batch(
     command: _JobCommand,
     logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
     *,
-    given: Inputs,
+    inputs: Inputs,
     scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
 ) -> Answer:
     """Run one command on many logs, one row per log.
@@ -113,26 +113,26 @@ def batch(
     from calib.line.fleet.batch import run_batch
     from calib.line.fleet.workers import Cluster, Pool
 
-    if given.workers is not None and scheduler is not None:
+    if inputs.workers is not None and scheduler is not None:
         raise misuse("the scheduler has its own workers", "--workers")
-    job, out = given.job(command), given.out
-    executor = Cluster(scheduler) if scheduler else Pool(given.workers or cores())
+    job, out = inputs.job(command), inputs.out
+    executor = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
     say(f"{command.value} on {counted(executor.workers, 'worker')}")
     try:
         with progress() as step, writing(out):
-            done = run_batch(
+            result = run_batch(
                 *(job, logs, out, executor),
                 lambda b: step(f"{b.done} of {b.total} logs", b.done, b.total),
-                given.fresh,
+                inputs.fresh,
             )
     finally:
         executor.close()
-    counts = ", ".join(f"{n} {status.told(command)}" for status, n in sorted(done.counts.items()))
-    failed = done.counts[Status.FAILED] > 0
+    counts = ", ".join(f"{n} {status.told(command)}" for status, n in sorted(result.counts.items()))
+    failed = result.counts[Status.FAILED] > 0
     return Answer(
-        done.document(),
-        f"{counted(done.done, 'log')}: {counts}; {done.results}",
-        UNREADABLE if done.counts[Status.ERROR] == done.done else FAILED * failed,
+        result.document(),
+        f"{counted(result.done, 'log')}: {counts}; {result.results}",
+        UNREADABLE if result.counts[Status.ERROR] == result.done else FAILED * failed,
     )
 
 
@@ -141,7 +141,7 @@ def watch(
     command: _JobCommand,
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
-    given: Inputs,
+    inputs: Inputs,
     every: float = option("Seconds between scans.", "S", built_in=1.0, min=0.05),
     settle: float = option(
         "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
@@ -161,22 +161,22 @@ def watch(
 
     if command is Command.DIAGNOSE:
         raise misuse("diagnose takes folders: use `brake-cal batch`")
-    job, out = given.job(command), given.out
+    job, out = inputs.job(command), inputs.out
 
     def tell(row: "Row") -> None:
         as_json = json_module.dumps(row.to_dict(command), allow_nan=False) if json else ""
         emit_line(as_json or row.line(command))
 
-    pool = Pool(given.workers or cores())
+    pool = Pool(inputs.workers or cores())
     try:
         with writing(out), _stopped() as stop:
             say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-            scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": given.fresh}
-            done = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
+            scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": inputs.fresh}
+            result = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
     finally:
         pool.close()
-    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.items()))
-    say(f"{counts}; {out / NAME}" if done else "no log came")
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(result.items()))
+    say(f"{counts}; {out / NAME}" if result else "no log came")
     return Answer({})
 
 
@@ -184,17 +184,17 @@ def watch(
 def _stopped() -> Iterator[Event]:
     """An event that Ctrl-C and SIGTERM set; logs in work are finished. A second signal kills."""
     stop = Event()
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
     def restore() -> None:
-        for number, handler in before.items():
+        for number, handler in handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
 
     def end(number: int, frame: object) -> None:
         stop.set()
         restore()
 
-    for number in before:
+    for number in handlers:
         signal.signal(number, end)
     try:
         yield stop
@@ -235,14 +235,14 @@ def fleet(
     check_folder(out, ("fleet.json", "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
-    found = summarise(opened, tuple(metric))
+    summary = summarise(opened, tuple(metric))
     if out is not None:
         title = printable(f"{results.absolute().parent.name}/{results.name}")
         with progress("drawing the report"):
-            page = page_of(replace(facts_of(found), title=title)).encode()
-        contents = (("report.html", page), ("fleet.json", json_text(document(found)).encode()))
+            page = page_of(replace(facts_of(summary), title=title)).encode()
+        contents = (("report.html", page), ("fleet.json", json_text(document(summary)).encode()))
         write_folder(out, contents, "fleet.json")
-    return Answer(document(found), found)
+    return Answer(document(summary), summary)
 
 
 def _index(folder: Path) -> Answer:

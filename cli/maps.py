@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit, misuse, this_run
 from cli.options import argument, channel_map, option
-from cli.outputs import write_file
+from cli.outputs import sealed, write_file
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
@@ -38,7 +38,7 @@ def map_(
     channel_map: "ChannelMap | None" = channel_map(
         "Its file format and DBC; not that of the settings."
     ),
-    out: Path | None = option("Map file to write.", "M.toml", writes=""),
+    out: Path | None = option("Map file to write.", "M.toml", writes="map"),
 ) -> Answer:
     """Propose a channel map for a log of foreign names.
 
@@ -55,27 +55,29 @@ def map_(
     if len(radius) > 2:
         raise misuse(f"{len(radius)} radii; one, or one of front and one of rear", "--radius")
     radii = (radius[0], radius[-1]) if radius else None
-    told = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
+    sources = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
     with open_log(log, channel_map) as opened:
         source = opened.table()
-    found = tried(suggest(source, str(log), user_specified=told, radii=radii), log, channel_map)
-    toml = to_toml(found, channel_map, None if out is None else out.absolute().parent)
-    certain = not found.doubts and bool(found.proposals)
+    proposal = tried(
+        suggest(source, str(log), user_specified=sources, radii=radii), log, channel_map
+    )
+    toml = to_toml(proposal, channel_map, None if out is None else out.absolute().parent)
+    certain = not proposal.doubts and bool(proposal.proposals)
     if certain and out is not None:
-        write_file(out, toml.encode())
+        write_file(out, sealed(toml), kind="map")
     if not this_run().quiet:
-        emit(Facts(rows=list(to_lines(found))), sys.stderr)
-    for doubt in found.doubts:
+        emit(Facts(rows=list(to_lines(proposal))), sys.stderr)
+    for doubt in proposal.doubts:
         complain(f"{doubt.channel}: {doubt}")
-    if not found.doubts and not certain:
+    if not proposal.doubts and not certain:
         complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
-    if certain and found.missing:
-        complain(f"{log}: {', '.join(found.missing)} missing: no table can be made of this log")
-    record = asdict(found)
+    if certain and proposal.missing:
+        complain(f"{log}: {', '.join(proposal.missing)} missing: no table can be made of this log")
+    record = asdict(proposal)
     record["left"] = record.pop("unused")
-    document = {"certain": not found.doubts, **record, "toml": toml if certain else None}
+    document = {"certain": not proposal.doubts, **record, "toml": toml if certain else None}
     return Answer(
         document,
         toml.rstrip("\n") if certain and out is None else "",
-        FAILED * bool(found.missing) if certain else UNREADABLE,
+        FAILED * bool(proposal.missing) if certain else UNREADABLE,
     )

@@ -1,4 +1,4 @@
-"""Options and arguments: how each is written, and what becomes of it.
+"""Options and arguments: how each is typed, and its conversion.
 
 `option` and `argument` are typer's, with `make`: what the value becomes before a command gets it.
 Those that several commands share stand here once. To the type checker each is what the command
@@ -28,6 +28,8 @@ LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
 
+_LISTED = 60
+"""Names that are listed where another one was typed; of more the near ones alone are."""
 Make = Callable[[Any], Any] | str
 """What a value becomes: a function, or "module:NAME" of one that is imported when it is used."""
 
@@ -44,7 +46,7 @@ def option(
     ----------
     flags : how it is written, if not as its parameter.
     more : for typer, and: ``typed``, what is typed, if that is not what the command gets; ``make``,
-        what its value becomes, ``always`` of None, too; ``known``, "module:NAME" of a collection
+        what its value becomes, ``always`` of None, too; ``names``, "module:NAME" of a collection
         whose names are completed and others refused; ``writes``, the kind of the file that is
         written there, see `cli.outputs`, or "folder"; ``setting``, the key of the settings file
         whose value it has where it is not given, and where ``when`` allows it of all that was
@@ -66,7 +68,7 @@ def _declared(
     metavar: str | None,
     *,
     make: Make | None = None,
-    known: str = "",
+    names: str = "",
     typed: Any = None,
     always: bool = False,
     writes: str | None = None,
@@ -76,28 +78,28 @@ def _declared(
     when: Callable[[dict[str, Any]], bool] = lambda given: True,
     **more: Any,
 ) -> Any:
-    if known:
-        more["autocompletion"] = lambda incomplete: _known(known)
-    made = kind(*words, help=text, metavar=metavar, **more)
+    if names:
+        more["autocompletion"] = lambda incomplete: _names(names)
+    declared = kind(*words, help=text, metavar=metavar, **more)
     ours = {"typed": typed, "always": always, "writes": writes, "built_in": built_in}
-    vars(made).update(
+    vars(declared).update(
         ours,
         flags=flags,
         setting=setting,
         when=when,
-        make=_checked(make, known) if make or known else None,
+        make=_checked(make, names) if make or names else None,
     )
-    return made
+    return declared
 
 
-def _checked(make: Make | None, known: str) -> Callable[[Any], Any]:
+def _checked(make: Make | None, names: str) -> Callable[[Any], Any]:
     def checked(value: Any) -> Any:
-        if known and isinstance(value, list):
-            value = [require_known(one, _known(known)) for one in value]
-        elif known:
-            value = require_known(value, _known(known))
-        made = _named(make) if isinstance(make, str) else make
-        return made(value) if made else value
+        if names and isinstance(value, list):
+            value = [require_known(one, _names(names)) for one in value]
+        elif names:
+            value = require_known(value, _names(names))
+        convert = _named(make) if isinstance(make, str) else make
+        return convert(value) if convert else value
 
     return checked
 
@@ -107,20 +109,20 @@ def _named(place: str) -> Any:
     return getattr(import_module(module), name)
 
 
-def _known(place: str) -> list[str]:
-    found = _named(place)
-    return [str(one) for one in (found() if callable(found) else found)]
+def _names(place: str) -> list[str]:
+    names = _named(place)
+    return [str(one) for one in (names() if callable(names) else names)]
 
 
-def require_known(written: str, known: Collection[str], what: str = "") -> str:
-    """A name as it is known, written in capitals or not; refuse another, with the one meant."""
+def require_known(written: str, names: Collection[str], noun: str = "") -> str:
+    """A known name, in capitals or not; another one is refused with the nearest."""
     from calib.base.toml import did_you_mean
 
-    same = [written] if written in known else [x for x in known if x.lower() == written.lower()]
+    same = [written] if written in names else [x for x in names if x.lower() == written.lower()]
     if not same:
-        near = did_you_mean(written, known)
-        hint = f"{near} known:" if near else "known:"
-        raise misuse(f"unknown {what}{written!r}; {hint} {', '.join(known)}")
+        near = did_you_mean(written, names)
+        listing = f"known: {', '.join(names)}" if len(names) <= _LISTED else ""
+        raise misuse("; ".join(filter(None, (f"unknown {noun}{written!r}", near, listing))))
     return same[0]
 
 
@@ -167,10 +169,10 @@ def _mass(written: str) -> float:
     """A mass [kg] within what a vehicle file may say."""
     from calib.car.keys import KEYS
 
-    mass, known = quantity("kg")(written), next(key for key in KEYS if key.name == "mass")
-    if not known.least <= mass <= known.most:
+    mass, limits = quantity("kg")(written), next(key for key in KEYS if key.name == "mass")
+    if not limits.least <= mass <= limits.most:
         raise misuse(
-            f"{mass:g} kg is not believable; expected {known.least:g} to {known.most:g} kg"
+            f"{mass:g} kg is not believable; expected {limits.least:g} to {limits.most:g} kg"
         )
     return mass
 
@@ -181,7 +183,7 @@ def day(written: str) -> str:
 
 
 def words(written: str) -> str:
-    """A text that says something."""
+    """A text that is not empty."""
     if not written.strip():
         raise misuse("says nothing")
     return written

@@ -9,6 +9,7 @@ import errno
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from pathlib import Path
 
 import typer
@@ -18,7 +19,7 @@ from cli.console import misuse, say, this_run
 
 OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""What a disk says that takes no more; nothing is wrong with the command line."""
+"""Errors of a full disk: nothing is wrong with the command line."""
 PAGES = (".html", ".htm")
 EITHER = "either"
 """Kind of an output that is a file or a folder, by other options: the command looks at a folder."""
@@ -47,7 +48,7 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
 
 
 def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
-    """What tells a file of this program by its bytes; None where only an equal one is ours."""
+    """Test by which the bytes of a file are ours; None where only equal ones are."""
     from calib.show.html import is_page
     from calib.show.sheet import ENDINGS, is_picture
 
@@ -55,7 +56,20 @@ def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
         return is_page
     if out.suffix.lower() in ENDINGS:
         return is_picture
-    return (lambda data: b"true_" in data) if kind == "simulation" else None
+    return {"simulation": lambda data: b"true_" in data, "map": _is_sealed}.get(kind)
+
+
+_SEAL = "# unedited: "
+
+
+def sealed(text: str) -> bytes:
+    """A text that people edit, with a line by which it is known as long as nobody did."""
+    return f"{text}{_SEAL}{sha256(text.encode()).hexdigest()[:16]}\n".encode()
+
+
+def _is_sealed(data: bytes) -> bool:
+    text, seal, _ = data.decode(errors="replace").rpartition(_SEAL)
+    return bool(seal) and sealed(text) == data
 
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:
@@ -89,15 +103,15 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
     except OSError:
         mine = False
     if not mine:
-        what = f"{out} exists and is not what is written here; --force replaces it"
-        raise misuse(what, option)
+        message = f"{out} exists and is not what is written here; --force replaces it"
+        raise misuse(message, option)
 
 
-def write_file(out: Path, content: bytes, option: str = OUT) -> None:
-    """Write a file whole, and say so; a foreign one is refused, where none was before the work."""
+def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> None:
+    """Write a file whole; one that came meanwhile and is foreign is refused."""
     from calib.base.write import write_whole
 
-    if _ours(out) is None:
+    if _ours(out, kind) is None:
         refuse_foreign(out, content.__eq__, option)
     with writing(out, option):
         write_whole(out, content)
@@ -119,10 +133,7 @@ def write_page(out: Path, result: object, live: bool = True, option: str = OUT) 
 
 
 def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:
-    """Write all files into a folder, or none; ``last`` names the one that says that all are there.
-
-    Each is written as it comes.
-    """
+    """Write all files into a folder, or none; ``last`` is published after all others."""
     from calib.base.write import publish, workshop, write_whole
 
     with writing(out), workshop(out) as work:
@@ -149,11 +160,11 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
 
     A folder that was made here and stays empty is removed. Raises AnswerError for a full disk.
     """
-    made: list[Path] = []
+    folders: list[Path] = []
     try:
         if out is not None:
             above = out.absolute().parent
-            made = [path for path in (above, *above.parents) if not path.exists()]
+            folders = [path for path in (above, *above.parents) if not path.exists()]
             above.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
@@ -162,7 +173,7 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
         raise _unwritable(out, error, option) from error
     finally:
         with suppress(OSError):
-            for folder in made:
+            for folder in folders:
                 folder.rmdir()
 
 
@@ -184,5 +195,5 @@ def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:
 
 
 def _unwritable(out: Path | None, error: OSError, option: str) -> typer.BadParameter:
-    what = f"cannot be written ({error.strerror})"
-    return misuse(what if out is None else f"{out} {what}", option)
+    message = f"cannot be written ({error.strerror})"
+    return misuse(message if out is None else f"{out} {message}", option)

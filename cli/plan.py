@@ -37,9 +37,9 @@ def _quantities(units: dict[str, str]) -> Callable[[str], dict[str, float]]:
 def _sensors(written: str | None) -> frozenset[str]:
     from calib.base.names import WHEELS
 
-    known = ("v", *(f"p_{w}" for w in WHEELS))
+    sensors = ("v", *(f"p_{w}" for w in WHEELS))
     names = [name.strip() for name in written.split(",")] if written else []
-    return frozenset(require_known(name, known, "sensor ") for name in names)
+    return frozenset(require_known(name, sensors, "sensor ") for name in names)
 
 
 @command(
@@ -101,11 +101,11 @@ def plan(
         logs = read_all(have, channel_map, step, more=1)
         step(f"planning runs of {vehicle.name}", len(logs), len(logs) + 1)
         car = store.load(table).table if table else None
-        known = knowledge(vehicle, Track(**track), sensors, car, logs)
-        found = search(known, Want(**want, seconds=time or math.inf), workers or cores())
-    answer = document(found)
+        situation = knowledge(vehicle, Track(**track), sensors, car, logs)
+        result = search(situation, Want(**want, seconds=time or math.inf), workers or cores())
+    answer = document(result)
     if out is not None:
-        files = [*pressure_files(found), (DOCUMENT, json_text(answer).encode())]
+        files = [*pressure_files(result), (DOCUMENT, json_text(answer).encode())]
         write_folder(out, files, DOCUMENT)
     unmet = bool(want) and not answer["met"]
-    return Answer(answer, found, FAILED * unmet, out=out)
+    return Answer(answer, result, FAILED * unmet, out=out)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv",
 )
 def plot(
-    what: list[str] = argument(
+    sources: list[str] = argument(
         "A table (name, name@version or path), a log, a result of validate.", "TABLE|RESULT|LOG..."
     ),
     *,
@@ -48,26 +48,26 @@ def plot(
     """
     from dataclasses import replace
 
-    from calib.show.choose import facts
+    from calib.show.choose import sheet_facts
 
-    given = _read(what, store, vehicle, channel_map)
-    if given.tables and given.logs:
-        given = replace(given, limits=limits)
-    drawn = _chosen(given, figure)
+    inputs = _read(sources, store, vehicle, channel_map)
+    if inputs.tables and inputs.logs:
+        inputs = replace(inputs, limits=limits)
+    drawn = _chosen(inputs, figure)
     if out is not None and out.suffix.lower() in PAGES:
         files = [out]
-        write_page(out, facts(drawn, figure))
+        write_page(out, sheet_facts(drawn, figure))
     else:
         files = _draw(drawn, out, figure)
     for sheet in drawn:
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
     keys = ("kind", "name", "title", "result", "note")
-    told = [{k: getattr(s, k) for k in keys} | {"figures": s.names} for s in drawn]
-    return Answer({"files": files, "sheets": told}, "\n".join(map(str, files)))
+    documents = [{k: getattr(s, k) for k in keys} | {"figures": s.names} for s in drawn]
+    return Answer({"files": files, "sheets": documents}, "\n".join(map(str, files)))
 
 
 def _read(
-    what: list[str], store: options.Tables, vehicle: options.OtherPads, channel_map: options.Map
+    sources: list[str], store: options.Tables, vehicle: options.OtherPads, channel_map: options.Map
 ) -> "PlotInput":
     """Read all inputs; a name that is no log and no result is a table."""
     from calib.logs.formats import ending_of
@@ -75,10 +75,10 @@ def _read(
     from calib.show.choose import PlotInput
     from calib.show.result import is_result, read_result
 
-    files = [Path(w) for w in what]
+    files = [Path(name) for name in sources]
     results = [p for p in files if is_result(p)]
     logs = [p for p in files if p not in results and (is_stdin(p) or ending_of(p) in FORMATS)]
-    names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
+    names = [w for w, p in zip(sources, files, strict=True) if p not in results and p not in logs]
     if len(names) > 2 or (len(names) == 2 and logs):
         raise misuse("give one table with its logs, or two tables without logs", "TABLE")
     if vehicle and not (names and logs):
@@ -95,11 +95,11 @@ def _read(
     )
 
 
-def _chosen(given: "PlotInput", figure: str | None) -> "list[Sheet]":
+def _chosen(inputs: "PlotInput", figure: str | None) -> "list[Sheet]":
     """Every sheet; each has the one ``figure``, if it is given."""
     from calib.show.choose import sheets
 
-    drawn = list(sheets(given))
+    drawn = list(sheets(inputs))
     for sheet in drawn:
         if figure is not None:
             require_known(figure, sheet.names, "figure ")

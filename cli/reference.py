@@ -27,12 +27,12 @@ def effects(
     """
     from calib.show.vehicle import card, cards
 
-    known = {**_catalogue(), **{one.name: one.effect for one in effect}}
+    catalogue = {**_catalogue(), **{one.name: one.effect for one in effect}}
     if name is None:
-        found = [one.card for one in known.values()]
-        return Answer({"effects": found}, cards(found))
-    require_known(name, known, "effect ")
-    return Answer({"effects": [known[name].card]}, card(known[name].card))
+        chosen = [one.card for one in catalogue.values()]
+        return Answer({"effects": chosen}, cards(chosen))
+    require_known(name, catalogue, "effect ")
+    return Answer({"effects": [catalogue[name].card]}, card(catalogue[name].card))
 
 
 def _catalogue() -> "dict[str, Effect]":
@@ -44,7 +44,7 @@ def _catalogue() -> "dict[str, Effect]":
 @command("brake-cal schema vehicle", "brake-cal schema fit-json")
 def schema(
     name: str | None = argument(
-        "One kind of file; if not given, the list.", "NAME", known="calib.help.documents:kinds"
+        "One kind of file; if not given, the list.", "NAME", names="calib.help.documents:kinds"
     ),
     *,
     json: bool = option("Print one JSON document on stdout.", None, "--json"),
@@ -79,21 +79,21 @@ def settings() -> Answer:
     from calib.show.facts import Facts, Table
     from calib.store.state import user
 
-    found = find_project()
-    if found.file is None:
-        searched = f"no {SETTINGS_FILE} in {', '.join(map(str, found.folders))}"
-        say(searched if found.folders else f"no settings file: {SETTINGS_VARIABLE} is empty")
+    project = find_project()
+    if project.file is None:
+        folders = f"no {SETTINGS_FILE} in {', '.join(map(str, project.folders))}"
+        say(folders if project.folders else f"no settings file: {SETTINGS_VARIABLE} is empty")
     unset = {"store": (STORE, "built-in"), "require_signed": (False, "built-in"),
              "by": (user(), "environment")}  # fmt: skip
     rows: list[tuple[str, object, str]] = []
-    for key, value in found.settings.items():
-        source = f"file:{found.file}"
+    for key, value in project.settings.items():
+        source = f"file:{project.file}"
         if value is None:
             value, source = unset.get(key, (None, "built-in"))
         rows.append((key, value, source))
     document = {
-        "file": found.file,
-        "searched": found.folders,
+        "file": project.file,
+        "searched": project.folders,
         "settings": {key: {"value": value, "source": source} for key, value, source in rows},
     }
     cells = [(key, _written(value), source) for key, value, source in rows]
@@ -106,28 +106,49 @@ def _written(value: object) -> str:
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 
 
-@command("brake-cal manual", "brake-cal manual ramp")
+def _topics() -> list[str]:
+    from calib.help.explain import codes
+    from calib.help.page import contents
+
+    return [*contents(), *codes()]
+
+
+@command("brake-cal manual", "brake-cal manual ramp", "brake-cal manual a_x_scale")
 def manual(
-    page: str | None = argument("One page; else a list.", "PAGE", known="calib.help.page:contents"),
+    topic: str | None = argument(
+        "A page, or the code of a warning, a metric or a reason; else a list of the pages.",
+        "PAGE|CODE",
+        names=f"{__name__}:_topics",
+    ),
     *,
     json: bool = option("Print one JSON document on stdout.", None, "--json"),
 ) -> Answer:
-    """Show the pages of the manual, or one of them.
+    """Show the pages of the manual, one of them, or what a code means.
 
-    On a terminal a page is shown by the pager that PAGER names; a pipe gets its Markdown.
+    Codes are those of warnings and metrics in JSON documents and limits files, and the reasons of
+    an ECU for no valid answer. On a terminal a page is shown by the pager that PAGER names; a pipe
+    gets its Markdown.
     """
+    from calib.help.explain import explained
     from calib.help.page import contents
     from calib.show.facts import Facts, Table
 
     pages = contents()
-    if page is not None and json:
-        emit_json({"schema": 1, "page": pages[page], "text": pages[page].text})
-    elif page is not None:
-        show_page(pages[page].text)
-    elif json:
-        emit_json({"schema": 1, "pages": list(pages.values())})
-    else:
-        say("brake-cal manual PAGE shows one")
+    page = pages.get(topic or "")
+    if topic is None:
         rows = [(one.name, f"{one.title}: {one.about}") for one in pages.values()]
-        emit(Facts(tables=[Table(("page", "what it is about"), rows)]))
+        document: dict[str, object] = {"pages": list(pages.values())}
+        facts = Facts(tables=[Table(("page", "what it is about"), rows)])
+        say("brake-cal manual PAGE shows one; brake-cal manual CODE explains a warning")
+    elif page is not None:
+        document = {"page": page, "text": page.text}
+    else:
+        facts = explained(topic)
+        document = {"code": topic, "text": [": ".join(row) for row in facts.rows]}
+    if json:
+        emit_json({"schema": 1, **document})
+    elif page is not None:
+        show_page(page.text)
+    else:
+        emit(facts)
     return Answer({})

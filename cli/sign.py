@@ -50,14 +50,14 @@ def sign(
         raise misuse("give name@version, see `brake-cal tables list`")
     store.load(table)
     secret = read_secret_key(key, lambda: _typed("Password of the key: "))
-    made = signature.sign(store, table, secret, by or "")
-    if made.note:
-        say(made.note)
-    record = made.stored.path / RECORD
+    signed = signature.sign(store, table, secret, by or "")
+    if signed.note:
+        say(signed.note)
+    record = signed.stored.path / RECORD
     return Answer(
-        made.to_dict(),
-        f"{made.stored.id} is signed as {made.stored.state.word} by key {made.key_id}\n"
-        f"check it with: minisign -Vm {record} -x {made.path} -p PUBLIC",
+        signed.to_dict(),
+        f"{signed.stored.id} is signed as {signed.stored.state.word} by key {signed.key_id}\n"
+        f"check it with: minisign -Vm {record} -x {signed.path} -p PUBLIC",
     )
 
 
@@ -69,10 +69,10 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
     password = "" if no_password else _typed("Password of the new key (empty: none): ")
     if not no_password and password != _typed("The same once more: "):
         raise misuse("the two passwords differ; nothing was made")
-    made = generate(secret, public, password)
+    pair = generate(secret, public, password)
     document = {
-        "key_id": made.key_id,
-        "public_key": made.text,
+        "key_id": pair.key_id,
+        "public_key": pair.text,
         "secret": secret,
         "public": public,
         "password": bool(password),
@@ -80,9 +80,9 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
     protection = "protected by the password" if password else "without a password"
     return Answer(
         document,
-        f"key {made.key_id}\n"
+        f"key {pair.key_id}\n"
         f"secret key in {secret}, {protection}: who has it can sign in your name\n"
-        f"public key in {public}: {made.text}",
+        f"public key in {public}: {pair.text}",
     )
 
 
@@ -96,7 +96,7 @@ def _typed(prompt: str) -> str:
 
 @dataclass(frozen=True)
 class Signed:
-    """What a command asks of the signature of a table."""
+    """Signature that a command requires of a table."""
 
     require_signed: Required
     key: SignedBy
@@ -121,7 +121,7 @@ class Signed:
         from calib.store.signature import require_signed
 
         if public := self.public:
-            found = require_signed(stored, public, newest=table == stored.name)
-            say(f"{stored.id} is signed as {found.statement.state} by key {public.key_id}")
-            if found.note:
-                say(found.note)
+            signature = require_signed(stored, public, newest=table == stored.name)
+            say(f"{stored.id} is signed as {signature.statement.state} by key {public.key_id}")
+            if signature.note:
+                say(signature.note)

@@ -17,7 +17,7 @@ SPEED, RATE = 120 / 3.6, 200.0
 """First speed of a manoeuvre [m/s] and its samples per second, where none is given."""
 
 
-def _of(si: str, text: str) -> Any:
+def _quantity(si: str, text: str) -> Any:
     return option(text, typed=str | None, make=quantity(si))
 
 
@@ -34,11 +34,13 @@ def simulate(
     model: Path | None = option("Pads, tyre, effects; without it the vehicle's own.", "M.toml"),
     effect: OwnEffects,
     manoeuvre: str | None = option(
-        "ramp, stop, coast, step, wave or staircase.", "NAME", known="calib.model.manoeuvre:NAMES"
+        "ramp, stop, coast, step, wave or staircase.", "NAME", names="calib.model.manoeuvre:NAMES"
     ),
-    speed: float | None = _of("m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'),
-    pressure: float | None = _of("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
-    duration: float | None = _of("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
+    speed: float | None = _quantity(
+        "m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'
+    ),
+    pressure: float | None = _quantity("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
+    duration: float | None = _quantity("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
     rate: float | None = option(f"Samples per second of the manoeuvre, {RATE:g}."),
     noise: int | None = option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0),
     channel_map: "ChannelMap | None" = options.channel_map(
@@ -63,25 +65,30 @@ def simulate(
 
     car = with_own(vehicle, effect)
     driven = read_model(model, car) if model else default_model(car)
-    told = {"--speed": speed, "--pressure": pressure, "--duration": duration, "--rate": rate}
-    if log is not None and any(value is not None for value in told.values()):
-        raise misuse("only with --manoeuvre", ", ".join(told))
+    manoeuvre_options = {
+        "--speed": speed,
+        "--pressure": pressure,
+        "--duration": duration,
+        "--rate": rate,
+    }
+    if log is not None and any(value is not None for value in manoeuvre_options.values()):
+        raise misuse("only with --manoeuvre", ", ".join(manoeuvre_options))
     if log is not None and manoeuvre is None:
         say(f"replaying the pressure of {log} with {car.name}")
-        made = replay(driven, read(log, channel_map, require=("time", "p_mc")))
+        driven_log = replay(driven, read(log, channel_map, require=("time", "p_mc")))
     elif manoeuvre is not None and log is None:
         speed = speed or SPEED
         with at_option("--manoeuvre", ModelError):
             plan = make_plan(manoeuvre, speed, pressure, rate or RATE, duration)
         say(f"driving a {manoeuvre} with {car.name} from {speed:.1f} m/s")
-        made = drive(driven, plan.time, plan.pressure, speed, name=manoeuvre)
+        driven_log = drive(driven, plan.time, plan.pressure, speed, name=manoeuvre)
     else:
         raise misuse("give either a LOG or --manoeuvre", "LOG")
-    result = made if noise is None else add_noise(made, noise)
+    result = driven_log if noise is None else add_noise(driven_log, noise)
     with writing(out):
         (write_csv if out.suffix.lower() == ".csv" else write_parquet)(result, out)
     for note in result.notes:
         say(f"note: {note}")
-    document = simulated(result, made["v"], out, model)  # as driven: a reading has noise
+    document = simulated(result, driven_log["v"], out, model)  # as driven: a reading has noise
     first, last = document["first_speed"], document["last_speed"]
-    return Answer(document, f"{out}: {made.time.size} samples, {first:.1f} to {last:.1f} m/s")
+    return Answer(document, f"{out}: {driven_log.time.size} samples, {first:.1f} to {last:.1f} m/s")

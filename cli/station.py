@@ -25,7 +25,7 @@ GAUGE = "repeatability.json"
 
 @dataclass(frozen=True)
 class Who:
-    """What identifies a run at the line, as `calib.line.station.station.Identity` has it."""
+    """Identity of a run at the line, as `calib.line.station.station.Identity` has it."""
 
     serial: Annotated[str | None, option("Serial number.", "S", make=_ID)]
     vin: Annotated[str | None, option("Vehicle identification.", "V", make=_ID)]
@@ -61,7 +61,7 @@ def station(
     export: list[str] = option(
         "Export as `tables export`; repeatable.",
         "F",
-        known="calib.exports.export:ENDINGS",
+        names="calib.exports.export:ENDINGS",
         setting="station.export",
     ),
     date: str | None = option("Date of the report and in a cdfx.", "YYYY-MM-DD", make=day),
@@ -83,12 +83,12 @@ def station(
     from calib.line.station.station import Identity, judged_car
     from calib.show.station_page import StationRun, store_and_write
 
-    ramps, who = [ramp, *more], Identity(**vars(identity))
+    ramps, identification = [ramp, *more], Identity(**vars(identity))
     stems, forms = stems_of(holdouts, "HOLDOUT"), [] if signed.public else export
     if "table" in stems:
         raise misuse("a hold-out named table takes the export's place; rename it")
     check_folder(out, outputs_of(stems, forms))
-    with _telling_refusals(out, who, [*ramps, *coast, *holdouts]):
+    with _telling_refusals(out, identification, [*ramps, *coast, *holdouts]):
         reference = golden_table(store, golden) if golden else None
         if golden and reference:
             say(f"{reference.id} is {reference.state.words}")
@@ -98,13 +98,13 @@ def station(
             fitted, coasts, stops = (
                 [read(path, channel_map) for path in part] for part in (ramps, coast, holdouts)
             )
-            found = judged_car(
+            outcome = judged_car(
                 vehicle,
                 fitted,
                 coasts,
                 stops,
                 limits,
-                who,
+                identification,
                 mass=mass,
                 done=step,
                 golden=reference,
@@ -113,13 +113,13 @@ def station(
                 limits_file=_limits_file(),
             )
         with writing(out), workshop(out) as work:
-            stored, document = store_and_write(found, store, forms, date or "", work)
+            stored, document = store_and_write(outcome, store, forms, date or "", work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
     unsigned = "what is stored now is not signed; sign it, then `brake-cal tables export`"
     if export and (why := why_not_exported(stored) or unsigned * bool(signed.public)):
         say(f"no exports: {why}")
-    return Answer(document, StationRun(found, stored), FAILED * (not found.passed), out)
+    return Answer(document, StationRun(outcome, stored), FAILED * (not outcome.passed), out)
 
 
 def _limits_file() -> str:
@@ -132,9 +132,9 @@ def _limits_file() -> str:
 
 @contextmanager
 def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iterator[None]:
-    """Leave word in ``out`` of a car that cannot be judged, so that the index of the line has it.
+    """Write the refusal of a car into ``out``, for the index of the line.
 
-    Not of a mistake in what was typed, nor of a store that is damaged: they say nothing of a car.
+    A mistake in what was typed or a damaged store says nothing of a car.
     """
     from calib.base.errors import InputError, program_failure
     from calib.line.station.files import REFUSED, write_refusal
@@ -145,9 +145,9 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
         of_car = isinstance(error, InputError) or not hasattr(error, "exit_code")
         if this_run().interrupted or not of_car:
             raise
-        told = error if isinstance(error, InputError) else program_failure(error)
+        refusal = error if isinstance(error, InputError) else program_failure(error)
         with writing(out):
-            write_refusal(told, identity, logs, out)
+            write_refusal(refusal, identity, logs, out)
         say(f"no verdict; {out / REFUSED} tells the index why")
         raise
 
@@ -183,7 +183,7 @@ def repeatability(
     ),
     plan: Path = option("Columns log,car,station,road,vehicle.", "P.csv"),
     metric: list[str] = option(
-        "Judge only this metric; repeatable.", "NAME", known="calib.line.gauge.study:METRICS"
+        "Judge only this metric; repeatable.", "NAME", names="calib.line.gauge.study:METRICS"
     ),
     eta: float = option("eta - 1 where D, f1 and f2 are compared [%].", "PERCENT", built_in=0.15),
     limits: Path | None = option(
@@ -202,21 +202,23 @@ def repeatability(
     from calib.base.plain import counted
     from calib.line.gauge.plan import read_plan, readings
     from calib.line.gauge.study import METRICS, read_gauge_limits, study, to_dict
-    from calib.show.repeatability import sheet
+    from calib.show.repeatability import gauge_sheet
     from calib.show.sheet import render
 
     check_folder(out, (GAUGE, "repeatability.png"))
-    held = read_gauge_limits(limits)
+    gauge_limits = read_gauge_limits(limits)
     places, reference = read_plan(plan, logs or [], vehicle), eta / 100.0
     if any(place.vehicle is None for place in places):
         raise misuse("needed: not every log has one in the plan", "--vehicle")
     with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
-        found = study(
-            readings(places, channel_map, reference, metric or METRICS, step), held, reference
+        result = study(
+            readings(places, channel_map, reference, metric or METRICS, step),
+            gauge_limits,
+            reference,
         )
-    document = to_dict(found)
+    document = to_dict(result)
     if out is not None:
         written = json_text({"schema": 1, **document}).encode()
-        picture = render(sheet(found).overview(), ".png")
+        picture = render(gauge_sheet(result).overview(), ".png")
         write_folder(out, [(GAUGE, written), ("repeatability.png", picture)], GAUGE)
-    return Answer(document, found, FAILED * (not found.passed))
+    return Answer(document, result, FAILED * (not result.passed))

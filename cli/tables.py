@@ -16,7 +16,7 @@ from cli.sign import sign
 def list_(
     *,
     state: str | None = option(
-        "draft, released, rejected or withdrawn.", "S", known="calib.store.state:STATES"
+        "draft, released, rejected or withdrawn.", "S", names="calib.store.state:STATES"
     ),
     serial: str | None = option("Serial number.", "S"),
     vin: str | None = option("Vehicle identification.", "V"),
@@ -50,11 +50,11 @@ def log(
     """Print what happened to a table: when, by whom and why."""
     from calib.show.store import history
 
-    name, at, version = table.partition("@")
+    name, separator, version = table.partition("@")
     journal = store.journal(name)
-    known = [str(number) for number in journal.versions(name)]
-    if at and version not in known:
-        raise misuse(f"no version {version!r} of {name!r}; there is {', '.join(known)}", "TABLE")
+    versions = [str(number) for number in journal.versions(name)]
+    if separator and version not in versions:
+        raise misuse(f"no version {version!r} of {name!r}; there is {', '.join(versions)}", "TABLE")
     entries = [
         e.document for e in journal.entries if e.table == name and version in ("", str(e.version))
     ]
@@ -77,8 +77,8 @@ def diff(
     from calib.table.compare import diff as differ
 
     first, second = store.load(a), store.load(b)
-    both = differ(first.table, second.table), first, second
-    return Answer(compared_document(*both), compared(*both))
+    comparison = differ(first.table, second.table), first, second
+    return Answer(compared_document(*comparison), compared(*comparison))
 
 
 @command("brake-cal tables verify", "brake-cal tables verify sedan-2up")
@@ -124,7 +124,7 @@ _Proof = Annotated[
 
 @dataclass(frozen=True)
 class _Decision:
-    """What is said of a decision on the state of a version."""
+    """Reason and author of a decision on the state of a version."""
 
     reason: options.Reason
     by: options.By
@@ -174,11 +174,11 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     from calib.store.evidence import CONSISTENT, read_evidence
     from calib.store.state import StateDecision
 
-    before = decision.store.load(table)
-    proof, verdict = read_evidence(evidence, before) if evidence else (None, "")
+    stored = decision.store.load(table)
+    proof, verdict = read_evidence(evidence, stored) if evidence else (None, "")
     if word == "released" and verdict == "failed":
         raise misuse(f"{evidence} says that {table} failed, which releases nothing", "--evidence")
-    lost = before.table.not_sensed.get("wheel_pressures")
+    lost = stored.table.not_sensed.get("wheel_pressures")
     if word == "released" and lost:
         raise StoreError(
             f"is for no ECU: it would have to know {lost}",
@@ -189,16 +189,16 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     proofs = (proof,) if proof else ()
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)
-    same = "nothing to change" if before.state == after.state else f"it was {before.state.word}"
+    same = "nothing to change" if stored.state == after.state else f"it was {stored.state.word}"
     document = {
         "table": after.id,
         "digest": after.digest,
-        "before": before.state.word,
+        "before": stored.state.word,
         "state": after.state.word,
         "why": after.state.words,
     }
-    told = f"; the evidence: {verdict}" * (verdict in (CONSISTENT, "warning"))
-    return Answer(document, f"{after.id} is {after.state.words}; {same}{told}")
+    proof_text = f"; the evidence: {verdict}" * (verdict in (CONSISTENT, "warning"))
+    return Answer(document, f"{after.id} is {after.state.words}; {same}{proof_text}")
 
 
 app = group(

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from calib.table.table import Table
 
 CODES = ("ecu",)
-"""What may run in the place of the program's own estimator."""
+"""Code that may replace the program's own estimator."""
 
 
 @command(
@@ -41,7 +41,7 @@ def validate(
     limits: options.StopLimits,
     shape: Shape,
     code: str | None = option(
-        "Run the exported code, compiled here; `ecu`.", "ecu", "--as", known=f"{__name__}:CODES"
+        "Run the exported code, compiled here; `ecu`.", "ecu", "--as", names=f"{__name__}:CODES"
     ),
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: options.Map,
@@ -78,15 +78,15 @@ def validate(
     car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
     used = replace(stored.table, vehicle=car)
     how = shape.precision(code is not None)
-    asked: dict[str, Any] = {"mass": mass} | (_exported(used, how) if how else {})
+    choices: dict[str, Any] = {"mass": mass} | (_exported(used, how) if how else {})
     runs: list[Log] = []
     results: list[Validation] = []
-    told = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
-    with progress(told, len(logs)) as step:
+    task = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
+    with progress(task, len(logs)) as step:
         for path in logs:
             run = read(path, channel_map)
             refuse_copy(run, [], runs)
-            results.append(validate_one(used, run, vehicle, limits, **asked))
+            results.append(validate_one(used, run, vehicle, limits, **choices))
             runs.append(run)
             step()
     summary = to_dict(stored, results, how)
@@ -109,10 +109,10 @@ def _exported(table: "Table", how: "Precision") -> dict[str, Any]:
     from calib.table.exported import as_exported
 
     with at_option("--points, --fixed-point, --float", ExchangeError):
-        found: dict[str, Any] = {"exported": as_exported(table, how)}
+        choices: dict[str, Any] = {"exported": as_exported(table, how)}
     if how.code:
         from calib.ecu.native import coded
 
         with at_option("--as", ProgramError):
-            found["coded"] = coded(table, how)
-    return found
+            choices["coded"] = coded(table, how)
+    return choices

@@ -38,7 +38,7 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     from calib.car.figures import plausible, to_confirm
     from calib.car.vehicle_file import read_vehicle
 
-    found, failed, lines = [], [], []
+    judged, failed, lines = [], [], []
     for path in files:
         try:
             car = read_vehicle(path)
@@ -48,15 +48,15 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
             continue
         warnings, open_ = plausible(car), to_confirm(car)
         warn(warnings)
-        told = {"warnings": [to_dict(one) for one in warnings], "to_confirm": open_}
-        found.append({"source": path, "vehicle": car.name, "plausible": not warnings, **told})
+        details = {"warnings": [to_dict(one) for one in warnings], "to_confirm": open_}
+        judged.append({"source": path, "vehicle": car.name, "plausible": not warnings, **details})
         verdict = "plausible, if you can confirm this" if open_ else "plausible"
         if warnings:
             verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"
         lines += [f"{path}: {car.name}: {verdict}", *(f"to confirm: {one}" for one in open_)]
-    implausible = FAILED * any(not one["plausible"] for one in found)
+    implausible = FAILED * any(not one["plausible"] for one in judged)
     code = UNREADABLE if failed else implausible
-    return Answer({"vehicles": found, "unreadable": failed}, "\n".join(lines), code)
+    return Answer({"vehicles": judged, "unreadable": failed}, "\n".join(lines), code)
 
 
 @command(
@@ -78,11 +78,11 @@ def show(
     from calib.car.figures import plausible, what_follows
     from calib.car.vehicle_file import read_vehicle
     from calib.show.sheet import render
-    from calib.show.vehicle import sheet
+    from calib.show.vehicle import vehicle_sheet
 
     car = read_vehicle(file)
     if plot is not None:
-        write_file(plot, render(sheet(car).overview(), plot.suffix.lower()), "--plot")
+        write_file(plot, render(vehicle_sheet(car).overview(), plot.suffix.lower()), "--plot")
     warnings = [to_dict(warning) for warning in plausible(car)]
     return Answer({"name": car.name, "facts": what_follows(car), "warnings": warnings}, car)
 

@@ -149,6 +149,12 @@ class KeyFileError(InputError):
     """A key file cannot be used or made; the message never shows a secret."""
 
 
+class UsageError(BrakeCalError):
+    """What was typed is no command line of the program."""
+
+    exit_code = 2
+
+
 class BatchError(BrakeCalError):
     """A batch cannot start: other settings, folder in use, no scheduler, unfit workers."""
 

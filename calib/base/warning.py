@@ -112,11 +112,15 @@ class PlausibilityWarning:
     @property
     def text(self) -> str:
         """The warning as a sentence, without the log, and with the most likely cause alone."""
-        name = _MEANS.get(self.code) or plain(self.code).name
-        text = self.code if name == self.code else f"{name} ({self.code})"
+        text = f"{self.title} ({self.code})"
         if (UNITS.get(self.code), self.measured, self.expected) != ("1", 1.0, (0.0, 0.0)):
             text = f"{text}: {self.amount}, expected {self.bounds}"
         return "; ".join([text, *(f"likely {cause}" for cause in self.causes[:1]), self.do])
+
+    @property
+    def title(self) -> str:
+        """What was measured, in words."""
+        return _MEANS.get(self.code) or plain(self.code).name
 
     @property
     def amount(self) -> str:

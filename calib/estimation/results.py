@@ -33,7 +33,7 @@ def to_dict(
     Its warnings begin with those of the table, which speak against every estimate with it. ``how``
     the table was taken as exported, if not in full.
     """
-    together = agreement(results)
+    together, ramp = agreement(results), stored.table.calibration
     warnings = [*stored.table.warnings, *(w for r in results for w in r.all_warnings)]
     return {
         "schema": 1,
@@ -45,6 +45,7 @@ def to_dict(
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "proof": proof_of(results),
         "exported": how and asdict(how),
+        "ramp_pads": [ramp.pad_friction_f.value, ramp.pad_friction_r.value],
         "logs": [_of_log(r) for r in results],
         "agreement": together and asdict(together),
         "unseen": [one._asdict() for one in unseen_in(stored, results)],

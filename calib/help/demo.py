@@ -44,7 +44,7 @@ class Ran:
 STEPS = tuple(Step(**row) for row in rows("demo.csv", "calib.help"))
 
 
-def facts(ran: Mapping[Step, Ran]) -> Facts:
+def demo_facts(ran: Mapping[Step, Ran]) -> Facts:
     """The index; its links lead from the folder of the demo."""
     passed = sum(one.passed for one in ran.values())
     verdict = PASSED if passed == len(ran) else FAILED

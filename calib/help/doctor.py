@@ -115,7 +115,7 @@ def _store(store: Path) -> _Finding:
     return _Finding("store", NOTE, f"{text}, read only", "no table can be stored or released here")
 
 
-def facts(findings: Sequence[_Finding]) -> Facts:
+def doctor_facts(findings: Sequence[_Finding]) -> Facts:
     """What was found, the odd things first."""
     wrong = [finding.name for finding in findings if finding.state == WRONG]
     can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"

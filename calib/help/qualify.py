@@ -156,7 +156,7 @@ def qualify(
     }
 
 
-def facts(document: dict[str, Any]) -> Facts:
+def qualification_facts(document: dict[str, Any]) -> Facts:
     """The document of `qualify` for a terminal and for a page."""
     checks = document["checks"]
     failed = [one["name"] for one in checks if not one["held"]]

@@ -154,7 +154,7 @@ def _plain(x: Any) -> Any:
     return asdict(x) if is_dataclass(x) and not isinstance(x, type) else x
 
 
-def facts(findings: Findings) -> Iterator[tuple[str, str]]:
+def contents(findings: Findings) -> Iterator[tuple[str, str]]:
     """Label and text of each finding except warnings and verdicts; units of a log file."""
     run, clock, log = findings.run, findings.run.clock, findings.run.log
     yield "channels", ", ".join(run.present) + (" + truth" if log.truth else "")

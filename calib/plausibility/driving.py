@@ -13,11 +13,15 @@ from calib.run.wheels import Slipping
 
 def clock(e: Evidence) -> Iterator[Measured]:
     """Rate, jitter, and samples that are missing: what is between them is no measurement."""
-    sampling = e.run.clock
+    sampling, time = e.run.clock, e.run.log.time
     yield Measured("clock_rate", sampling.rate)
     yield Measured("clock_jitter", sampling.jitter * sampling.rate)
-    when, length = max(sampling.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
-    yield Measured("clock_gaps", length, words={"when": when, "count": len(sampling.gaps)})
+    longest = max((length for _, length in sampling.gaps), default=0.0)
+    gaps = [(start, start + length) for start, length in sampling.gaps]
+    starts, ends = [time[0], *(end for _, end in gaps)], [*(start for start, _ in gaps), time[-1]]
+    start, end = max(zip(starts, ends, strict=True), key=lambda part: part[1] - part[0])
+    words = {"count": len(gaps), "start": start, "end": end, "log": e.run.log.source}
+    yield Measured("clock_gaps", longest, words=words)
 
 
 def driving(e: Evidence) -> Iterator[Measured]:

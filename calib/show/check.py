@@ -1,9 +1,9 @@
-"""Facts of a check: for what each log is usable, and what is in it."""
+"""Facts of a check: the use of each log, and its content."""
 
 from collections.abc import Sequence
 
-from calib.plausibility.check import Findings
-from calib.plausibility.check import facts as contents
+from calib.base.plain import counted
+from calib.plausibility.check import Findings, contents
 from calib.show.facts import Facts, Row
 
 _FOR = {
@@ -12,28 +12,28 @@ _FOR = {
     "coast": "fit as a coast log",
     "diagnose": "diagnose",
 }
-"""Each purpose as it is told."""
+"""Each purpose in words."""
 
 
-def facts(found: Sequence[Findings]) -> Facts:
+def check_facts(findings: Sequence[Findings]) -> Facts:
     """A line for each log, and what it contains."""
-    parts = [Facts(title=one.run.log.source, rows=_rows(one)) for one in found]
-    return Facts(notes=[line(one) for one in found], parts=parts)
+    parts = [Facts(title=one.run.log.source, rows=_rows(one)) for one in findings]
+    return Facts(notes=[line(one) for one in findings], parts=parts)
 
 
 def line(findings: Findings) -> str:
-    """The verdict on a log, with the reason why it makes no table, and its warnings by code."""
-    why, codes = _why(findings), dict.fromkeys(one.code for one in findings.warnings)
+    """The verdict on a log, why it makes no table, and what its warnings are about."""
+    why, warned = _why(findings), dict.fromkeys(one.title for one in findings.warnings)
     parts = [why] if why else []
-    if codes:
-        parts.append(f"warning{'s' * (len(codes) > 1)}: {', '.join(codes)}")
-    told = [_FOR[one.purpose] for one in findings.verdicts if one.usable]
-    verdict = f"usable for {', '.join(told)}" if told else "not usable"
+    if warned:
+        parts.append(f"{counted(len(warned), 'warning')}: {', '.join(warned)}")
+    purposes = [_FOR[one.purpose] for one in findings.verdicts if one.usable]
+    verdict = f"usable for {', '.join(purposes)}" if purposes else "not usable"
     return "; ".join([f"{verdict}: {findings.run.log.source}", *parts])
 
 
 def _why(findings: Findings) -> str:
-    """Why a run with a braking makes no table, or why a log serves for nothing; may be empty."""
+    """Reason why a braking makes no table, or a log is useless; "" for none."""
     fit = next(one for one in findings.verdicts if one.purpose == "fit")
     if fit.usable or (findings.usable and not findings.run.events):
         return ""

@@ -25,10 +25,7 @@ from calib.store.version import Stored
 
 @dataclass(frozen=True)
 class PlotInput:
-    """The inputs of a drawing; ``vehicle`` gives nominal pads other than the table's.
-
-    A stop is judged by ``limits``.
-    """
+    """Inputs of a drawing; ``vehicle`` replaces the nominal pads, ``limits`` judge a stop."""
 
     tables: tuple[Stored, ...] = ()
     logs: tuple[Log, ...] = ()
@@ -37,21 +34,21 @@ class PlotInput:
     limits: tuple[Limit, ...] = DEFAULTS
 
 
-def sheets(given: PlotInput) -> Iterator[Sheet]:
-    """The sheets of at most two tables, of two without logs, one after the other.
+def sheets(inputs: PlotInput) -> Iterator[Sheet]:
+    """Yield the sheets of one table with its logs, or of two tables, and of each result.
 
     Raises LogError and VehicleError as `validate_one`.
     """
-    if len(given.tables) == 2:
-        yield table.two_tables({one.id: one.table for one in given.tables})
-    elif given.tables:
-        yield from _of_table(given.tables[0], given)
+    if len(inputs.tables) == 2:
+        yield table.two_tables({one.id: one.table for one in inputs.tables})
+    elif inputs.tables:
+        yield from _of_table(inputs.tables[0], inputs)
     else:
-        yield from map(_of_log, given.logs)
-    yield from map(stop.of_result, given.results)
+        yield from map(_of_log, inputs.logs)
+    yield from map(stop.of_result, inputs.results)
 
 
-def facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
+def sheet_facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
     """The sheets as facts of a page, each with the one ``figure`` or with all of its layout."""
     parts = [
         Facts(
@@ -66,19 +63,19 @@ def facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
     return parts[0] if len(parts) == 1 else Facts(f"{len(parts)} sheets", parts=parts)
 
 
-def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:
-    parents = [(run, stored.table.provenance.parent_of(run)) for run in given.logs]
+def _of_table(stored: Stored, inputs: PlotInput) -> Iterator[Sheet]:
+    parents = [(run, stored.table.provenance.parent_of(run)) for run in inputs.logs]
     ramps = [run for run, parent in parents if parent and parent.role == "ramp"]
-    if ramps or not given.logs:
+    if ramps or not inputs.logs:
         measured = tuple(measure(stored.table, ramp) for ramp in ramps)
-        yield table.sheet(stored.table, stored.id, measured)
+        yield table.table_sheet(stored.table, stored.id, measured)
     for run, parent in parents:
         if parent is None:
-            result = validate_one(stored.table, run, given.vehicle, given.limits)
-            yield stop.of_validation(stored.table, stored.id, run, result, given.vehicle)
+            result = validate_one(stored.table, run, inputs.vehicle, inputs.limits)
+            yield stop.of_validation(stored.table, stored.id, run, result, inputs.vehicle)
         elif parent.role != "ramp":
             yield _of_log(run)  # a coast has no braked sample
 
 
 def _of_log(run: Log) -> Sheet:
-    return log.sheet(log.whole_of(run), run_events(run))
+    return log.log_sheet(log.whole_of(run), run_events(run))

@@ -10,7 +10,7 @@ from calib.car.effects.catalogue import definition
 from calib.diagnosis.diagnosis import Confusion, Diagnosis, Named
 from calib.diagnosis.replays import CHANNELS, UNITS
 from calib.diagnosis.verdict import FREQUENCY, SLIP, WHEEL_ANGLE
-from calib.show.diagnosis_figure import moved, sheet, worst
+from calib.show.diagnosis_figure import diagnosis_sheet, moved, worst
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
 from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
 
@@ -55,57 +55,61 @@ _APART = "How far these logs tell each two of them apart, and the drive that wou
 _INNOVATION = "mean squared innovation (1 = noise)"
 
 
-def facts(found: Diagnosis) -> Facts:
+def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
     """The verdict on a car, a part for each effect that is named, and what the verdict rests on."""
-    word, verdict = KINDS[outcome(found)]
-    named = {effect.name for effect in found.effects}
+    word, verdict = KINDS[outcome(diagnosis)]
+    named = {effect.name for effect in diagnosis.effects}
     rows = (
-        ("gap", _closed(found)),
-        *((spaced(effect.name), _sizes(effect)) for effect in found.effects),
-        ("Left over", _something_else(found)),
-        ("Not named", _withdrawn(found)),
-        ("Unexplained", unexplained(found)),
+        ("gap", _closed(diagnosis)),
+        *((spaced(effect.name), _sizes(effect)) for effect in diagnosis.effects),
+        ("Left over", _something_else(diagnosis)),
+        ("Not named", _withdrawn(diagnosis)),
+        ("Unexplained", unexplained(diagnosis)),
         *(
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
-            for name, one in found.model_after.effects.user_defined.items()
+            for name, one in diagnosis.model_after.effects.user_defined.items()
         ),
     )
-    term = [Picture(_TERM, lambda: sheet(found), ["term"])] if found.unexplained else []
+    term = (
+        [Picture(_TERM, lambda: diagnosis_sheet(diagnosis), ["term"])]
+        if diagnosis.unexplained
+        else []
+    )
     return Facts(
-        found.model_before.vehicle.name,
-        headline=_verdict_of(found),
+        diagnosis.model_before.vehicle.name,
+        headline=_verdict_of(diagnosis),
         verdict=verdict,
         word=word,
         rows=[row for row in rows if row[1]],
-        next=_next(found),
-        warnings=found.warnings,
-        pictures=[Picture(_SPEED, lambda: sheet(found), ["speed"])],
+        next=_next(diagnosis),
+        warnings=diagnosis.warnings,
+        pictures=[Picture(_SPEED, lambda: diagnosis_sheet(diagnosis), ["speed"])],
         parts=[
-            *(_effect(effect, found) for effect in found.effects),
-            Facts("What these logs could not show", tables=[_unseen(found)]),
-            *([_confusion(found.confusion)] if found.confusion else []),
+            *(_effect(effect, diagnosis) for effect in diagnosis.effects),
+            Facts("What these logs could not show", tables=[_unseen(diagnosis)]),
+            *([_confusion(diagnosis.confusion)] if diagnosis.confusion else []),
             Facts("What no effect explains", pictures=term),
-            _gap(found),
-            Facts("What it rests on", tables=[_search(found), _base(found)]),
+            _gap(diagnosis),
+            Facts("What it rests on", tables=[_search(diagnosis), _base(diagnosis)]),
         ],
     )
 
 
-def _closed(found: Diagnosis) -> str:
+def _closed(diagnosis: Diagnosis) -> str:
     """The gap of the hold-outs before, and after what is named."""
-    gap, on = found.gap, counted(len(found.measured), "hold-out")
-    if found.verdict == "no_gap":
-        return f"{gap.before:.1f} times the noise, on {on}"
+    gap, hold_outs = diagnosis.gap, counted(len(diagnosis.measured), "hold-out")
+    if diagnosis.verdict == "no_gap":
+        return f"{gap.before:.1f} times the noise, on {hold_outs}"
     closed = f"{100.0 * gap.closed:.1f} % closed"
-    return f"{gap.before:.1f} to {gap.after:.1f} times the noise, {closed}, on {on}"
+    return f"{gap.before:.1f} to {gap.after:.1f} times the noise, {closed}, on {hold_outs}"
 
 
-def _next(found: Diagnosis) -> str:
+def _next(diagnosis: Diagnosis) -> str:
     """What follows: the drive that tells causes apart, or the table with the model."""
-    separate = [effect.separate_by for effect in found.effects if effect.separate_by]
-    if found.verdict == "ambiguous" and separate:
+    separate = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
+    if diagnosis.verdict == "ambiguous" and separate:
         return separate[0]
-    if found.verdict == "named":
+    if diagnosis.verdict == "named":
         return "brake-cal fit RAMP COAST --vehicle V.toml --model DIR/model.toml"
     return ""
 
@@ -118,41 +122,41 @@ def _sizes(effect: Named) -> str:
     )
 
 
-def outcome(found: Diagnosis) -> str:
+def outcome(diagnosis: Diagnosis) -> str:
     """The verdict as the hold-outs judge it, a key of `KINDS`.
 
     "named" only if the gap of the hold-outs is smaller than before and nothing significant is left;
     "unknown" only if they have a gap.
     """
-    if found.verdict == "unknown" and found.gap.before < _WITHIN:
+    if diagnosis.verdict == "unknown" and diagnosis.gap.before < _WITHIN:
         return "within_noise"
-    if found.verdict not in ("named", "ambiguous"):
-        return found.verdict
-    if found.gap.closed <= 0.0:
+    if diagnosis.verdict not in ("named", "ambiguous"):
+        return diagnosis.verdict
+    if diagnosis.gap.closed <= 0.0:
         return "worse"
-    left = found.unexplained is not None
-    if found.verdict == "ambiguous":
-        return "ambiguous_rest" if left else "ambiguous"
-    return "rest" if left else "named"
+    has_remainder = diagnosis.unexplained is not None
+    if diagnosis.verdict == "ambiguous":
+        return "ambiguous_rest" if has_remainder else "ambiguous"
+    return "rest" if has_remainder else "named"
 
 
-def _verdict_of(found: Diagnosis) -> str:
+def _verdict_of(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
-    names, left = [effect.name for effect in found.effects], found.unexplained
-    if found.verdict == "no_gap":
+    names, remainder = [effect.name for effect in diagnosis.effects], diagnosis.unexplained
+    if diagnosis.verdict == "no_gap":
         return "These logs show nothing that is missing from the model."
-    if found.verdict in ("named", "ambiguous"):
-        more = ", and something else" if left is not None else ""
-        of_file = [name for name in names if name in found.model_before.effects]
+    if diagnosis.verdict in ("named", "ambiguous"):
+        more = ", and something else" if remainder is not None else ""
+        of_file = [name for name in names if name in diagnosis.model_before.effects]
         missing = [name for name in names if name not in of_file]
-        told = [f"Missing from the model: {listed(missing)}"] if missing else []
-        told += [f"Of another size than in the file: {listed(of_file)}"] if of_file else []
-        if found.verdict == "named":
-            return f"{'. '.join(told)}{more}."
-        others = {n for effect in found.effects for n in effect.indistinguishable_from}
+        sentences = [f"Missing from the model: {listed(missing)}"] if missing else []
+        sentences += [f"Of another size than in the file: {listed(of_file)}"] if of_file else []
+        if diagnosis.verdict == "named":
+            return f"{'. '.join(sentences)}{more}."
+        others = {n for effect in diagnosis.effects for n in effect.indistinguishable_from}
         rivals = listed(sorted(others - set(names)), "or")
-        return f"{'. '.join(told)}, or else {rivals}; these logs cannot tell which{more}."
-    if outcome(found) == "within_noise":
+        return f"{'. '.join(sentences)}, or else {rivals}; these logs cannot tell which{more}."
+    if outcome(diagnosis) == "within_noise":
         return (
             "The hold-outs show no gap. What is left from step to step is quick, and not in the "
             "catalogue: look at the sensors first, one that filters, such as a_x, or channels that "
@@ -161,27 +165,30 @@ def _verdict_of(found: Diagnosis) -> str:
     return "The model lacks something that is not in the catalogue."
 
 
-def _effect(effect: Named, found: Diagnosis) -> Facts:
+def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
     """One named effect: its cause, its parameters, where it acts, its evidence and its rivals."""
-    card = definition(found.model_before.vehicle.effects, effect.name).card
-    at, seen = effect.where, [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
-    if at.temperature is not None:
-        seen.append(f"discs of {span(at.temperature, 'degC')}")
+    card = definition(diagnosis.model_before.vehicle.effects, effect.name).card
+    region, ranges = (
+        effect.where,
+        [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")],
+    )
+    if region.temperature is not None:
+        ranges.append(f"discs of {span(region.temperature, 'degC')}")
     parameters = [
         (spaced(name).capitalize(), "{}, 95 % {}".format(*estimate(value)))
         for name, value in effect.parameters.items()
     ]
-    without = found.reduced_after + effect.evidence.innovation_gain
+    without = diagnosis.reduced_after + effect.evidence.innovation_gain
     at_hold_outs = effect.evidence.innovation_gain_holdout
     evidence = f"without it the {_INNOVATION} is {without:.3f} instead of "
-    evidence += f"{found.reduced_after:.3f}, on the hold-outs {at_hold_outs:.2f} more"
+    evidence += f"{diagnosis.reduced_after:.3f}, on the hold-outs {at_hold_outs:.2f} more"
     if (other := effect.runner_up) is not None:
-        leaves = found.reduced_before - other.innovation_gain
+        leaves = diagnosis.reduced_before - other.innovation_gain
         evidence += f"; next best: {spaced(other.name)}, {leaves:.3f}"
     rows: list[Row] = [
         *parameters,
         ("Cause", card.cause),
-        ("Acts", f"{at.axle}; strongest in {at.channel}, at {', '.join(seen)}"),
+        ("Acts", f"{region.axle}; strongest in {region.channel}, at {', '.join(ranges)}"),
         ("Evidence", evidence),
     ]
     if effect.indistinguishable_from:
@@ -191,86 +198,88 @@ def _effect(effect: Named, found: Diagnosis) -> Facts:
     return Facts(spaced(effect.name).capitalize(), rows=rows)
 
 
-def _something_else(found: Diagnosis) -> str:
-    """What is left beside the effects that are named; empty if nothing is."""
-    if found.unexplained is None or not found.effects:
+def _something_else(diagnosis: Diagnosis) -> str:
+    """Remaining gap beside the named effects; "" without one."""
+    if diagnosis.unexplained is None or not diagnosis.effects:
         return ""
-    left = found.left
-    text = f"a {_INNOVATION} of {found.reduced_after:.2f}; in the replays "
-    text += f"errors of {left.size:.1f} times the sensors' noise"
-    at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
-    return f"{text}, largest in {left.channel} of {left.log}, at {at}"
+    gap = diagnosis.left
+    text = f"a {_INNOVATION} of {diagnosis.reduced_after:.2f}; in the replays "
+    text += f"errors of {gap.size:.1f} times the sensors' noise"
+    region = f"{span(gap.pressure, 'Pa')} and {span(gap.speed, 'm/s')}"
+    return f"{text}, largest in {gap.channel} of {gap.log}, at {region}"
 
 
-def _withdrawn(found: Diagnosis) -> str:
-    """What fits some logs, and is not the answer; empty if there is nothing."""
-    worse = [listed(names) for names in found.withdrawn]
-    told = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
-    if found.verdict == "unknown" and (last := found.steps[-1].names):
-        told.append(f"{listed(last)}: explains less than an empirical term alone")
-    return "; ".join(told)
+def _withdrawn(diagnosis: Diagnosis) -> str:
+    """Effects that fit some logs and were rejected, with the reason; "" without any."""
+    worse = [listed(names) for names in diagnosis.withdrawn]
+    reasons = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
+    if diagnosis.verdict == "unknown" and (last := diagnosis.steps[-1].names):
+        reasons.append(f"{listed(last)}: explains less than an empirical term alone")
+    return "; ".join(reasons)
 
 
-def unexplained(found: Diagnosis) -> str:
-    """Where a cause acts that is not in the catalogue, and on what it depends; else empty."""
-    left = found.unexplained
-    if left is None:
+def unexplained(diagnosis: Diagnosis) -> str:
+    """Place and dependence of a cause that is not in the catalogue; "" without one."""
+    cause = diagnosis.unexplained
+    if cause is None:
         return ""
-    explained, driver, place = 100.0 * left.explained, left.term.driver, spaced(left.term.place)
-    told = [
+    explained, driver, place = 100.0 * cause.explained, cause.term.driver, spaced(cause.term.place)
+    sentences = [
         f"{explained:.0f} % of the remaining gap by an empirical term on the {place} "
         f"over {_DRIVERS.get(driver, f'the {driver}')}: it describes the gap, not its cause"
     ]
-    if left.driver == FREQUENCY:
-        swing = left.oscillation
-        told.append(f"{100.0 * swing.share:.0f} % of it swings at {swing.frequency:.1f} Hz")
-    if left.driver == WHEEL_ANGLE:
-        told.append(f"{100.0 * left.turning:.0f} % of it turns with the {left.axle} wheels")
-    if left.wheel is not None:
-        told.append(f"the {spaced(left.wheel)} wheel is slower than the other one of its axle")
-    if (held := left.held_from) is not None and left.driver != FREQUENCY:
-        told.append(
-            f"above {held / 1e5:.0f} bar the brake torque hardly rises: brake control or a valve"
+    if cause.driver == FREQUENCY:
+        swing = cause.oscillation
+        sentences.append(f"{100.0 * swing.share:.0f} % of it swings at {swing.frequency:.1f} Hz")
+    if cause.driver == WHEEL_ANGLE:
+        sentences.append(f"{100.0 * cause.turning:.0f} % of it turns with the {cause.axle} wheels")
+    if cause.wheel is not None:
+        sentences.append(
+            f"the {spaced(cause.wheel)} wheel is slower than the other one of its axle"
         )
-    return "; ".join(told)
+    if (limit := cause.held_from) is not None and cause.driver != FREQUENCY:
+        sentences.append(
+            f"above {limit / 1e5:.0f} bar the brake torque hardly rises: brake control or a valve"
+        )
+    return "; ".join(sentences)
 
 
-def _unseen(found: Diagnosis) -> Table:
+def _unseen(diagnosis: Diagnosis) -> Table:
     """Effects that the logs could not show, and the drive that would."""
     rows = []
-    for drive in found.drives:
+    for drive in diagnosis.drives:
         name, size = next(iter(drive.usual_size.items()))
         usual = with_unit(f"{in_shown(size.value, size.unit):.3g}", size.unit)
-        there = drive.drive if drive.clear else f"none clearly; best: {drive.drive}"
+        manoeuvre = drive.drive if drive.clear else f"none clearly; best: {drive.drive}"
         rows.append(
-            (spaced(drive.effect), f"{spaced(name)} {usual}", there, f"{drive.sigma:.0f} sigma")
+            (spaced(drive.effect), f"{spaced(name)} {usual}", manoeuvre, f"{drive.sigma:.0f} sigma")
         )
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
 
 
-def _search(found: Diagnosis) -> Table:
-    """What each step added, what it left, and what that brought."""
-    rows = [("nothing", f"{found.steps[0].innovation:.3f}", "", "")]
-    for now in found.steps[1:]:
-        what = [listed(now.added)] if now.added else []
-        what += [f"without {listed(now.removed)}"] if now.removed else []
-        name = ", ".join(what) or "the same, fitted anew"
+def _search(diagnosis: Diagnosis) -> Table:
+    """Steps of the search: effects added, innovation left, odds gained."""
+    rows = [("nothing", f"{diagnosis.steps[0].innovation:.3f}", "", "")]
+    for now in diagnosis.steps[1:]:
+        changes = [listed(now.added)] if now.added else []
+        changes += [f"without {listed(now.removed)}"] if now.removed else []
+        name = ", ".join(changes) or "the same, fitted anew"
         rows.append((name, f"{now.innovation:.3f}", f"{now.calibration:.0f}", f"{now.holdout:.0f}"))
     return Table(("added", _INNOVATION, "log odds, searched", "log odds, hold-outs"), rows, _SEARCH)
 
 
-def _confusion(found: Confusion) -> Facts:
+def _confusion(confusion: Confusion) -> Facts:
     """The set, and the drive for each pair; explanations are called A, B ..."""
     letters = ascii_uppercase
     rows = [
         (f"{letters[i]}: {listed(one.effects)}", f"{one.innovation:.3f}",
          f"{one.behind:+.4f}" if i else "")
-        for i, one in enumerate(found.explanations)
+        for i, one in enumerate(confusion.explanations)
     ]  # fmt: skip
     drives = [
         (" or ".join(letters[i] for i in pair.between), f"{pair.apart_in_logs:.0f} sigma",
          pair.drive, f"{pair.apart_in_drive:.0f} sigma")
-        for pair in found.pairs
+        for pair in confusion.pairs
     ]  # fmt: skip
     return Facts(
         "What these logs cannot tell apart",
@@ -281,31 +290,31 @@ def _confusion(found: Confusion) -> Facts:
     )
 
 
-def _gap(found: Diagnosis) -> Facts:
+def _gap(diagnosis: Diagnosis) -> Facts:
     """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
-    both, gap = moved(found), found.gap
+    has_changed, gap = moved(diagnosis), diagnosis.gap
     rows: list[tuple[str, ...]] = []
     for i, log in enumerate(gap.logs, 1):
         ends = [gap.of(log, channel) for channel in (None, *CHANNELS)]
-        cells = (f"{a:.1f} to {b:.1f}" if both else f"{a:.1f}" for a, b in ends)
+        cells = (f"{a:.1f} to {b:.1f}" if has_changed else f"{a:.1f}" for a, b in ends)
         rows.append((f"{i} {log}", *cells))
     noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))
     rows.append(("noise", "1", *noises))
-    caption = _LARGEST.format(found.measured[worst(found)].name)
+    caption = _LARGEST.format(diagnosis.measured[worst(diagnosis)].name)
     return Facts(
-        "The gap on the hold-outs" + ", before to after" * both,
+        "The gap on the hold-outs" + ", before to after" * has_changed,
         tables=[Table(("log", "all", *CHANNELS), rows, _GAP)],
-        pictures=[Picture(caption, lambda: sheet(found), ["acceleration", "split"])],
+        pictures=[Picture(caption, lambda: diagnosis_sheet(diagnosis), ["acceleration", "split"])],
     )
 
 
-def _base(found: Diagnosis) -> Table:
+def _base(diagnosis: Diagnosis) -> Table:
     """The re-identified base parameters, beside those of the vehicle file."""
-    car = found.model_before.vehicle
+    car = diagnosis.model_before.vehicle
     nominal = {"pad_friction_f": car.front.pad_friction, "pad_friction_r": car.rear.pad_friction}
     rows = [
         (spaced(name), *estimate(x), f"{nominal[name]:g}" if name in nominal else "")
-        for name, x in found.base.items()
+        for name, x in diagnosis.base.items()
     ]
     heads = ("parameter", "value", "95 % interval", "vehicle file")
     return Table(heads, rows, _BASE)

@@ -32,16 +32,18 @@ _LETTERS = 30
 """Letters of a name that the smallest panel has room for."""
 
 
-def sheet(found: Diagnosis) -> Sheet:
+def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
     """Return the sheet of a diagnosis."""
-    logs, name = range(len(found.measured)), found.model_before.vehicle.name
-    largest = worst(found)
-    weights, words = _split_of(found)
+    logs, name = range(len(diagnosis.measured)), diagnosis.model_before.vehicle.name
+    largest = worst(diagnosis)
+    weights, words = _split_of(diagnosis)
     panels = (
-        _errors("speed", "Speed", found, logs, {"v": 1.0}, "v [m/s]"),
-        _errors("acceleration", "Acceleration", found, [largest], {"a_x": 1.0}, "a_x [m/s\u00b2]"),
-        _errors("split", f"Wheel speeds, {words}", found, [largest], weights, "[rad/s]"),
-        *([_term(found.unexplained.term)] if found.unexplained else []),
+        _errors("speed", "Speed", diagnosis, logs, {"v": 1.0}, "v [m/s]"),
+        _errors(
+            "acceleration", "Acceleration", diagnosis, [largest], {"a_x": 1.0}, "a_x [m/s\u00b2]"
+        ),
+        _errors("split", f"Wheel speeds, {words}", diagnosis, [largest], weights, "[rad/s]"),
+        *([_term(diagnosis.unexplained.term)] if diagnosis.unexplained else []),
     )
     return Sheet(
         kind="diagnosis",
@@ -57,19 +59,19 @@ def sheet(found: Diagnosis) -> Sheet:
     )
 
 
-def moved(found: Diagnosis) -> bool:
-    """Whether replays after the diagnosis are others than before."""
-    return found.gap.before != found.gap.after
+def moved(diagnosis: Diagnosis) -> bool:
+    """Whether the diagnosis changed the replays."""
+    return diagnosis.gap.before != diagnosis.gap.after
 
 
-def worst(found: Diagnosis) -> int:
-    """The place of the hold-out with the largest gap."""
-    gaps = [found.gap.of(log)[0] for log in found.gap.logs]
+def worst(diagnosis: Diagnosis) -> int:
+    """Index of the hold-out with the largest gap."""
+    gaps = [diagnosis.gap.of(log)[0] for log in diagnosis.gap.logs]
     return gaps.index(max(gaps))
 
 
 def _term(term: EmpiricalTerm) -> Panel:
-    """What the empirical term adds, over what it depends on."""
+    """Values of the empirical term over its driver."""
     unit = DRIVERS[term.driver]
     x = f"{term.driver} [{with_unit('', unit).strip() or '1'}]"
     y = f"change of {'brake torque' if term.on_brakes else 'force over weight'} [%]"
@@ -78,9 +80,9 @@ def _term(term: EmpiricalTerm) -> Panel:
     return Panel("term", f"On the {spaced(term.place)}", x, y, [line])
 
 
-def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
+def _split_of(diagnosis: Diagnosis) -> tuple[dict[str, float], str]:
     """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
-    channels = {effect.where.channel for effect in found.effects}
+    channels = {effect.where.channel for effect in diagnosis.effects}
     for axle in ("front", "rear"):
         if f"{axle}_sides" in channels:
             left, right = (f"omega_{axle[0]}{side}" for side in "lr")
@@ -92,7 +94,7 @@ def _split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
 def _errors(
     name: str,
     title: str,
-    found: Diagnosis,
+    diagnosis: Diagnosis,
     logs: Sequence[int],
     weights: dict[str, float],
     unit: str,
@@ -102,15 +104,15 @@ def _errors(
     A log has its number among the hold-outs and as much of its name as its part of the axis has
     room for: a text that is longer covers the next one, and the axes shrink to give it room.
     """
-    noise = sum((w * found.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
+    noise = sum((w * diagnosis.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
     half, start, names = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
-    replays = [("after", found.after, IDENTIFIED), ("before", found.before, NOMINAL)]
-    if not moved(found):
-        replays = [("replay", found.before, NOMINAL)]
-    whole = sum(float(found.measured[i].time[-1] - found.measured[i].time[0]) for i in logs)
+    replays = [("after", diagnosis.after, IDENTIFIED), ("before", diagnosis.before, NOMINAL)]
+    if not moved(diagnosis):
+        replays = [("replay", diagnosis.before, NOMINAL)]
+    whole = sum(float(diagnosis.measured[i].time[-1] - diagnosis.measured[i].time[0]) for i in logs)
     for i in logs:
-        measured, first = found.measured[i], not lines
+        measured, first = diagnosis.measured[i], not lines
         end = start + float(measured.time[-1] - measured.time[0])
         band = np.full(2, -half), np.full(2, half)
         lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))

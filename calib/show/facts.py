@@ -35,7 +35,7 @@ WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 class Table:
     """Cells as texts; the first cell of a row names it.
 
-    ``verdicts`` has one for each row; ``links``, one for each row or "", lead from its first cell.
+    ``verdicts`` and ``links`` of the first cell have one entry a row, "" for none.
     """
 
     heads: Sequence[str]
@@ -58,7 +58,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """What makes a sheet, once a page needs it; ``names`` of the panels shown, all without."""
+    """A sheet that is drawn when a page needs it; ``names`` of the panels shown, else all."""
 
     caption: str
     make: "Callable[[], Sheet]"
@@ -97,7 +97,7 @@ class Facts:
     folded: bool = False
 
     @property
-    def said(self) -> str:
+    def verdict_line(self) -> str:
         """The verdict and the headline in one line; "" without both."""
         return ": ".join(text for text in (self.word, self.headline) if text)
 
@@ -114,26 +114,23 @@ class Facts:
 
 
 _FACTS = {
-    "Diagnosis": "diagnosis:facts",
-    "Fitted": "fit:facts",
-    "GaugeStudy": "repeatability:facts",
-    "Plan": "plan:facts",
-    "StationRun": "station_page:facts",
-    "Stored": "store:shown",
-    "Summary": "fleet:facts",
-    "Validated": "validation:facts",
-    "Vehicle": "vehicle:facts",
+    "Diagnosis": "diagnosis:diagnosis_facts",
+    "Fitted": "fit:fit_facts",
+    "GaugeStudy": "repeatability:gauge_facts",
+    "Plan": "plan:plan_facts",
+    "StationRun": "station_page:station_facts",
+    "Stored": "store:table_facts",
+    "Summary": "fleet:fleet_facts",
+    "Validated": "validation:validation_facts",
+    "Vehicle": "vehicle:vehicle_facts",
 }
 """The function of each kind of result, by the name of its class."""
 
 
 def facts_of(result: object) -> Facts:
-    """The facts of a result, by the module of its kind, which is imported for such a result only.
-
-    Facts are their own. Raises KeyError for a kind that has none.
-    """
+    """Facts of a result; its module is imported here. Raises KeyError for another kind."""
     if isinstance(result, Facts):
         return result
     module, _, name = _FACTS[type(result).__name__].partition(":")
-    found: Facts = getattr(import_module(f"calib.show.{module}"), name)(result)
-    return found
+    facts: Facts = getattr(import_module(f"calib.show.{module}"), name)(result)
+    return facts

@@ -16,8 +16,8 @@ from calib.show.origin import origin
 from calib.show.plan import achieved_facts
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet
-from calib.show.store import shown
-from calib.show.table import sheet
+from calib.show.store import table_facts
+from calib.show.table import table_sheet
 from calib.store.figures import usability
 from calib.store.version import Stored
 from calib.table.budget import summary as budget_summary
@@ -40,14 +40,14 @@ class Fitted:
     reached: Achieved | None = None
 
 
-def facts(found: Fitted) -> Facts:
+def fit_facts(fitted: Fitted) -> Facts:
     """May the table be used, what limits it, what is it made of."""
-    stored, table = found.stored, found.stored.table
+    stored, table = fitted.stored, fitted.stored.table
     logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
-    count, of_table = len(table.warnings), shown(stored)
+    count, of_table = len(table.warnings), table_facts(stored)
 
     def curves() -> Sheet:
-        return sheet(table, stored.id, tuple(measure(table, log) for log in found.ramps))
+        return table_sheet(table, stored.id, tuple(measure(table, log) for log in fitted.ramps))
 
     return replace(
         of_table,
@@ -57,26 +57,26 @@ def facts(found: Fitted) -> Facts:
         warnings=table.warnings,
         pictures=[Picture(_CURVES, curves)],
         parts=[
-            *([achieved_facts(found.reached)] if found.reached else []),
+            *([achieved_facts(fitted.reached)] if fitted.reached else []),
             Facts(
                 "The car",
-                rows=[("mass", str(found.mass)), ("seen by", unseen_line(_unseen(found)))],
+                rows=[("mass", str(fitted.mass)), ("seen by", unseen_line(_unseen(fitted)))],
             ),
             *of_table.parts,
-            origin(stored, logs, date.today().isoformat(), found.files),
+            origin(stored, logs, date.today().isoformat(), fitted.files),
         ],
     )
 
 
-def _unseen(found: Fitted) -> list[Unseen]:
+def _unseen(fitted: Fitted) -> list[Unseen]:
     """What these ramps cannot show."""
-    v = any("v" in log for log in found.ramps)
-    return unseen(found.stored.table, v, found.mass.tolerance)
+    v = any("v" in log for log in fitted.ramps)
+    return unseen(fitted.stored.table, v, fitted.mass.tolerance)
 
 
-def document(found: Fitted) -> dict[str, object]:
+def document(fitted: Fitted) -> dict[str, object]:
     """The JSON document of a fit."""
-    stored, table = found.stored, found.stored.table
+    stored, table = fitted.stored, fitted.stored.table
     return {
         "table": stored.id,
         "digest": stored.digest,
@@ -86,11 +86,11 @@ def document(found: Fitted) -> dict[str, object]:
         "answer": usability(stored),
         "calibration": table.calibration,
         "budget": budget_summary(*table.budget.axles),
-        "unseen": [one._asdict() for one in _unseen(found)],
+        "unseen": [one._asdict() for one in _unseen(fitted)],
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,
         "warnings": [to_dict(warning) for warning in table.warnings],
-        "mass": found.mass,
-        "plan": achieved_document(found.reached) if found.reached else None,
+        "mass": fitted.mass,
+        "plan": achieved_document(fitted.reached) if fitted.reached else None,
     }

@@ -36,23 +36,28 @@ _TAIL, _FEWEST = 6.0, 10
 """Range of the axis about the median, in scales, of so many values."""
 
 
-def facts(found: Summary) -> Facts:
-    """A fleet, the logs that stand apart first."""
-    looks = [look for look in found.looks if look.spread.count]
-    drawn = [x for x in found.looks if x.values.size and (x.drifts or x.outlying.any())]
+def fleet_facts(summary: Summary) -> Facts:
+    """Facts of a fleet; the logs that stand apart come first."""
+    looks = [look for look in summary.looks if look.spread.count]
+    drawn = [x for x in summary.looks if x.values.size and (x.drifts or x.outlying.any())]
     drawn.sort(key=lambda look: not look.drifts)
-    apart = [(car.log, "; ".join(_reason(found, o) for o in car.reasons)) for car in found.apart]
-    errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
-    failed = [(log, _limits(why)) for log, why in found.failed.items()]
+    apart = [
+        (car.log, "; ".join(_reason(summary, o) for o in car.reasons)) for car in summary.apart
+    ]
+    errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in summary.failures]
+    failed = [(log, _limits(why)) for log, why in summary.failed.items()]
     more = f" and {len(failed) - _FIRST} more" if len(failed) > _FIRST else ""
     first: list[Row] = [("failed", ", ".join(log for log, _ in failed[:_FIRST]) + more)]
     return Facts(
         "Fleet",
-        headline=headline(found),
-        verdict=_verdict(found),
-        numbers=[("logs", str(len(found.logs))), *((k, str(n)) for k, n in found.status.items())],
+        headline=headline(summary),
+        verdict=_verdict(summary),
+        numbers=[
+            ("logs", str(len(summary.logs))),
+            *((k, str(n)) for k, n in summary.status.items()),
+        ],
         rows=[*(first if failed else []), *apart[:_FIRST]],
-        notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in found.copies],
+        notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in summary.copies],
         parts=[
             Facts("All that stands apart", rows=apart[:_NAMES] if len(apart) > _FIRST else ()),
             Facts(
@@ -62,8 +67,8 @@ def facts(found: Summary) -> Facts:
                     Table(("error", "logs", "such as"), errors, "Without a result."),
                 ],
             ),
-            Facts("All metrics", tables=[Table(_HEADS, [_row(found, look) for look in looks])]),
-            Facts("Metrics to look at", parts=[_metric(found, look) for look in drawn]),
+            Facts("All metrics", tables=[Table(_HEADS, [_row(summary, look) for look in looks])]),
+            Facts("Metrics to look at", parts=[_metric(summary, look) for look in drawn]),
         ],
     )
 
@@ -73,14 +78,14 @@ def _limits(keys: str) -> str:
     return ", ".join(plain(key.strip()).name for key in keys.split(",")) if keys else _ALONE
 
 
-def _metric(found: Summary, look: Look) -> Facts:
-    picture = Picture(f"{look.name}, log by log.", partial(sheet, found, look))
+def _metric(summary: Summary, look: Look) -> Facts:
+    picture = Picture(f"{look.name}, log by log.", partial(metric_sheet, summary, look))
     return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
 
 
-def _reason(found: Summary, o: Outlier) -> str:
+def _reason(summary: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
-    look = next(look for look in found.looks if look.metric.name == o.figure)
+    look = next(look for look in summary.looks if look.metric.name == o.figure)
     shown = _shown(look)
     low, high = map(shown, look.others)
     side = "above" if o.value > look.spread.median else "below"
@@ -98,22 +103,22 @@ def _shown(look: Look) -> Callable[[float], str]:
     return lambda value: number(metric.factor * value, step) + unit
 
 
-def _verdict(found: Summary) -> str:
+def _verdict(summary: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
-    calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
-    if found.too_few or (calm and not found.drift_tested):
+    calm = not (any(look.drifts for look in summary.looks) or summary.apart or summary.failures)
+    if summary.too_few or (calm and not summary.drift_tested):
         return UNJUDGED
     return PASSED if calm else WARNING
 
 
-def _row(found: Summary, look: Look) -> tuple[str, ...]:
+def _row(summary: Summary, look: Look) -> tuple[str, ...]:
     """One metric: its scatter, the logs that stand apart, and where its level changes."""
     s, shown, c = look.spread, _shown(look), look.change
     low, high = map(shown, look.others)
     judged = bool(np.isfinite(s.z).any())
     drift = "not tested" if c is None else "no"
     if look.drifts and c is not None:
-        place = f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
+        place = f"{summary.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
         drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
     return (
         look.name,
@@ -125,12 +130,12 @@ def _row(found: Summary, look: Look) -> tuple[str, ...]:
     )
 
 
-def sheet(found: Summary, look: Look) -> Sheet:
+def metric_sheet(summary: Summary, look: Look) -> Sheet:
     """Return the sheet of one metric, in the unit that is shown."""
     shown = plain(look.metric.name, look.metric.unit)
     k, x, ends = shown.factor, np.asarray(look.rows + 1, float), window(look)
     y: Array = k * np.clip(look.values, *ends)
-    few, whole = len(found.logs) <= _NAMED, (0.0, len(found.logs) + 1.0)
+    few, whole = len(summary.logs) <= _NAMED, (0.0, len(summary.logs) + 1.0)
     share = "90 % of the others" if look.outlying.any() else "90 % of the logs"
     low, high = (np.full(2, k * end) for end in look.others)
     lines = [
@@ -139,17 +144,20 @@ def sheet(found: Summary, look: Look) -> Sheet:
     ]
     if look.drifts and (change := look.change) is not None:
         parts = (x[: change.first], change.before, "level"), (x[change.first :], change.after, "")
-        lines += [Line(at[[0, -1]], [k * level] * 2, _LEVEL, label) for at, level, label in parts]
-    if (at := look.outlying).any():
-        lines.append(Line(x[at], y[at], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
-    names = [as_text(Path(log).stem) for log in found.logs]
+        lines += [
+            Line(outlying[[0, -1]], [k * level] * 2, _LEVEL, label)
+            for outlying, level, label in parts
+        ]
+    if (outlying := look.outlying).any():
+        lines.append(Line(x[outlying], y[outlying], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
+    names = [as_text(Path(log).stem) for log in summary.logs]
     away = np.argsort(-np.abs(look.values - look.spread.median), kind="stable")
     farthest = [i for i in away if look.outlying[i]][:_NAMED]
     room = 0.06 * (ends[1] - ends[0])
     panel = Panel(
         "order",
         as_text(look.name),
-        f"log, ordered by {as_text(found.ordered_by)}",
+        f"log, ordered by {as_text(summary.ordered_by)}",
         textwrap.fill(as_text(shown.heading), _LINE),
         lines,
         texts=[(names[look.rows[i]], x[i], y[i]) for i in farthest],

@@ -12,18 +12,18 @@ from functools import cache
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from calib.base.plain import plain
 from calib.base.templates import templates
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
 from calib.show.interactive import Drawn, drawn, source
+from calib.show.numbers import whole
 from calib.show.sheet import Sheet, render
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
 _GENERATOR = "brake-cal"
-"""What every page says of the program that wrote it."""
+"""Generator of every page, by which one is recognised."""
 _HEAD = 1000
 """Bytes at the begin of a page that hold its generator."""
 _PANEL = (4.6, 3.1)
@@ -31,9 +31,9 @@ _PANEL = (4.6, 3.1)
 _PARTS = 165
 """Parts of a long line in a panel: two points on paper each."""
 _UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n"
-"""What stands in a data URI as it is, and in HTML as well."""
+"""Characters that need no escape in a data URI within HTML."""
 _UNSEEN = re.compile(r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)", re.DOTALL)
-"""What a picture does not show: prologue, description, remarks, spaces between the elements."""
+"""Parts of an SVG that show nothing: prologue, metadata, comments, spaces."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
 _FONT = "'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif"
 """Font of the letters, and those as wide where a machine does not have it."""
@@ -42,7 +42,9 @@ _AGAINST = "What speaks against the result, although it is given."
 
 @cache
 def _template() -> "Template":
-    return templates("calib.show", markup=True).get_template("page.html.j2")
+    pages = templates("calib.show", markup=True)
+    pages.finalize = lambda value: whole(value) if type(value) is str else value
+    return pages.get_template("page.html.j2")
 
 
 def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
@@ -64,18 +66,18 @@ def is_page(data: bytes) -> bool:
 
 
 class _Pictures:
-    """The pictures of a page as panels; ``drawn`` are the live ones, with what fills them."""
+    """The pictures of a page as panels; ``drawn`` are the interactive ones."""
 
     def __init__(self, live: bool) -> None:
         self.live, self.drawn = live, list[Drawn]()
 
-    def of(self, one: Picture) -> list[tuple[str, str]]:
+    def panels(self, picture: Picture) -> list[tuple[str, str]]:
         """Each panel by itself, so that a narrow screen can show one below the other.
 
         Pairs of a drawing as SVG, and the place of the live one, or "".
         """
-        sheet = one.make()
-        names = one.names or sheet.names
+        sheet = picture.make()
+        names = picture.names or sheet.names
         places = dict.fromkeys(names, "")
         if self.live:
             self.drawn.append(drawn(sheet, names, f"sheet-{len(self.drawn)}"))
@@ -89,7 +91,7 @@ class _Pictures:
 
     @property
     def calls(self) -> list[str]:
-        """What fills each live picture, as it may stand in HTML."""
+        """Script that fills each interactive picture, escaped for HTML."""
         return [
             f"live({one.data}, {json.dumps(one.roots)});".replace("<", "\\u003c")
             for one in self.drawn
@@ -107,9 +109,9 @@ def _panel(sheet: Sheet, name: str) -> str:
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:
-    """What and where, measured and expected, likely causes, what to do."""
+    """One row a warning: log and quantity, value and range, causes, next step."""
     rows = [
-        (f"{w.log}: {plain(w.code).name.replace('_', ' ')}", f"{w.amount}; expected {w.bounds}",
+        (f"{w.log}: {w.title}", f"{w.amount}; expected {w.bounds}",
          ", or ".join(w.causes), w.do)
         for w in warnings
     ]  # fmt: skip

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from calib.show.panel import BAND, RAW, Line, Mark, Panel
+from calib.show.panel import RAW, Line, Mark, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import LINE_WIDTH, Array, Stroke, envelope
+from calib.show.style import LINE_WIDTH, Array, Stroke, envelope, pale
 
 EXTRA = "pages"
 """Extra of the package that brings Bokeh."""
@@ -78,7 +78,7 @@ def drawn(sheet: Sheet, names: Sequence[str], prefix: str) -> Drawn:
 
 
 class _Making:
-    """What the figures of a sheet share: sources by their x, axes by their names and ends."""
+    """Figures of a sheet that share data sources by their x, and axes by name and ends."""
 
     def __init__(self) -> None:
         self.sources: dict[int, Any] = {}
@@ -109,9 +109,10 @@ class _Making:
             fig.text([x], [y], [_plain(text)], **_TEXT)
         for axis in fig.axis:
             axis.update(minor_tick_line_color=None, axis_label_text_font_style="normal")
-        if panel.xticks:
-            fig.xaxis.ticker = list(range(len(panel.xticks)))
-            fig.xaxis.major_label_overrides = dict(enumerate(map(_plain, panel.xticks)))
+        for axis, words in ((fig.xaxis, panel.xticks), (fig.yaxis, panel.yticks)):
+            if words:
+                axis.ticker = list(range(len(words)))
+                axis.major_label_overrides = dict(enumerate(map(_plain, words)))
         for legend in fig.legend:
             legend.update(**_LEGEND, ncols=panel.columns)
             fig.add_layout(legend, "above")
@@ -131,31 +132,33 @@ class _Making:
         """The source of a line, and the names of its ``values`` there."""
         from bokeh.models import ColumnDataSource
 
-        at = envelope(line.shown, _PARTS)
-        key = id(line.x) if at.size == len(line.x) else id(line)
+        points = envelope(line.shown, _PARTS)
+        key = id(line.x) if points.size == len(line.x) else id(line)
         if key not in self.sources:
-            self.sources[key] = ColumnDataSource({"x": np.asarray(line.x, float)[at]})
+            self.sources[key] = ColumnDataSource({"x": np.asarray(line.x, float)[points]})
         source, names = self.sources[key], []
         for one in values:
             names.append(f"y{len(source.data)}")
-            source.data[names[-1]] = one[at].astype(np.float32)
+            source.data[names[-1]] = one[points].astype(np.float32)
         return source, names
 
     def _line(self, fig: Any, line: Line) -> tuple[Any, list[str], str, str]:
-        """Draw a line with its band, or its mean over what was measured.
+        """Draw a line with its band, or its mean over measured values.
 
-        Returns its glyph, columns and name, and what the cursor tells of it.
+        Returns its glyph, columns, name, and text under the cursor.
         """
-        values, told = [line.shown], "{}"
+        values, tooltip = [line.shown], "{}"
         if line.mean:
-            values, told = [np.asarray(line.y, float), line.shown], "{} (mean {})"
+            values, tooltip = [np.asarray(line.y, float), line.shown], "{} (mean {})"
         if line.band is not None:
             low, high = (np.asarray(end, float) for end in line.band)
-            values, told = [low, high, line.shown], "{2} ({0} to {1})"
+            values, tooltip = [low, high, line.shown], "{2} ({0} to {1})"
         source, names = self._columns(line, values)
         look, xy = _look(line.look), {"x": "x", "source": source}
         if line.band is not None:
-            fig.varea(**xy, y1=names[0], y2=names[1], fill_color=look["color"], fill_alpha=BAND)
+            fig.varea(
+                **xy, y1=names[0], y2=names[1], fill_color=pale(look["color"]), level="underlay"
+            )
         elif line.mean:
             fig.line(**xy, y=names[0], color=look["color"], line_alpha=RAW)
         name, glyph = _plain(line.label), None
@@ -164,23 +167,23 @@ class _Making:
             glyph = fig.line(**xy, **look)
         if "marker" in line.look:
             glyph = fig.scatter(**xy, **look | _marker(line.look))
-        return glyph, names, name, told.format(*(f"@{x}{{%.4g}}" for x in names))
+        return glyph, names, name, tooltip.format(*(f"@{x}{{%.4g}}" for x in names))
 
 
 def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str], str, str]]) -> list[Any]:
-    """What tells the values under the cursor: of the lines over the x that most lines have."""
+    """Tool that shows values under the cursor, of the lines over the commonest x."""
     from bokeh.models import HoverTool
 
     named = [one for one in shown if one[0] is not None and (one[2] or len(shown) == 1)]
     if not named:
         return []
     shared = Counter(id(glyph.data_source) for glyph, *_ in named).most_common(1)[0][0]
-    told = [one for one in named if id(one[0].data_source) == shared]
-    columns = ["x", *(column for _, columns, *_ in told for column in columns)]
-    rows = [(name or _plain(panel.y), text) for *_, name, text in told]
+    hovered = [one for one in named if id(one[0].data_source) == shared]
+    columns = ["x", *(column for _, columns, *_ in hovered for column in columns)]
+    rows = [(name or _plain(panel.y), text) for *_, name, text in hovered]
     return [
         HoverTool(
-            renderers=[told[0][0]],
+            renderers=[hovered[0][0]],
             mode="vline",
             tooltips=[(_plain(panel.x), "@x{%.6g}"), *rows],
             formatters={f"@{name}": "printf" for name in columns},

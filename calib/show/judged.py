@@ -7,6 +7,7 @@ from calib.base.plain import counted, plain, plus_minus
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
 from calib.estimation.validate import CALIBRATION, Validation
 from calib.show.facts import Row, Table
+from calib.show.torque import UNIT, per_bar
 from calib.table.budget import Parts, ramp_pads, words
 from calib.table.table import Table as LookUp
 
@@ -16,7 +17,7 @@ _HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
 
 
 def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, list[str]]:
-    """One row for each metric, judged once or stop by stop, and a note on what is not known."""
+    """Table with one row a metric, judged once or for each stop; notes on metrics not known."""
     rows, unknown = [], []
     for group in sorted(groups, key=lambda group: _WORST_FIRST.index(_worst(group))):
         first, shown = group[0], plain(group[0].figure)
@@ -28,8 +29,8 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
         alike = len({*values}) == 1
         text = shown.with_unit(first.value) if alike else ", ".join(values) + unit
         limits = shown.bounds(first.low, first.high), shown.bounds(first.warn_low, first.warn_high)
-        told = ["" if limit == "none" else limit for limit in limits]
-        rows.append((shown.name, text, *told, _worst(group), first.figure))
+        bounds = ["" if limit == "none" else limit for limit in limits]
+        rows.append((shown.name, text, *bounds, _worst(group), first.figure))
     table = Table(_HEADS, rows, caption, [row[4] for row in rows])
     return table, [f"Not known and so not judged: {', '.join(unknown)}."] * bool(unknown)
 
@@ -47,45 +48,43 @@ def stop_by_stop(results: Sequence[Validation]) -> tuple[Table, list[str]]:
 
 def word(r: Validation) -> str:
     """The verdict on one log in a word or two."""
-    if r.role == CALIBRATION:
+    return verdict_words(r.role, r.word, len(r.all_warnings))
+
+
+def verdict_words(role: str, verdict: str, warnings: int) -> str:
+    """A verdict with the number of ``warnings``; a log of the fit has none."""
+    if role == CALIBRATION:
         return "no hold-out"
-    count = len(r.all_warnings)
-    return f"{r.word}, {counted(count, 'warning')}" if count else r.word
+    return f"{verdict}, {counted(warnings, 'warning')}" if warnings else verdict
 
 
 def ramp_rows(table: LookUp) -> list[Row]:
-    """Pad friction of both axles on the ramp, with 95 % intervals."""
-    return list(zip(("front pads", "rear pads"), ramp_pads(table), strict=True))
+    """Brake torque per bar of both axles on the ramp, and their pads, with 95 % intervals."""
+    axles = zip(AXLE_NAMES.values(), per_bar(table), ramp_pads(table), strict=True)
+    return [(f"{axle} axle", f"{torque} {UNIT} per bar; pads {pad}") for axle, torque, pad in axles]
 
 
-def budget_rows(budgets: Iterable[Parts], before: str = "", after: str = "") -> list[Row]:
-    """What the intervals of the pads of both axles are made of."""
-    both = zip(AXLE_NAMES.values(), budgets, strict=False)
-    return [(f"{before}{axle} pads{after}", words(parts)) for axle, parts in both]
+def budget_rows(budgets: Iterable[Parts], prefix: str = "", suffix: str = "") -> list[Row]:
+    """Parts of the uncertainty of the pads of both axles."""
+    axles = zip(AXLE_NAMES.values(), budgets, strict=False)
+    return [(f"{prefix}{axle} pads{suffix}", words(parts)) for axle, parts in axles]
 
 
-def pads(figures: Mapping[str, float | None], axle: str, of: str = "") -> str:
+def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> str:
     """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval, where it is known.
 
-    ``of`` is the beginning of the metrics' names: "ecu_" of the ECU.
+    ``prefix`` is the beginning of the metrics' names: "ecu_" of the ECU.
     """
-    return mean_of(figures, f"{of}pad_friction_{axle}", f"{of}interval_{axle}")
+    mean, width = figures[f"{prefix}pad_friction_{axle}"], figures[f"{prefix}interval_{axle}"]
+    if not figures["valid_share"] or mean is None or width is None:
+        return UNKNOWN
+    return plus_minus(mean, mean * width)
 
 
 def valid(figures: Mapping[str, float | None]) -> str:
     """Share of the samples of a stop in which the ECU is valid; none where no sample counts."""
     share = figures["ecu_valid_share"] if figures["valid_share"] else 0.0
     return plain("valid_share").with_unit(share)
-
-
-def mean_of(figures: Mapping[str, float | None], key: str, interval: str) -> str:
-    """A mean with its 95 % interval, by the names of both metrics."""
-    mean, width = figures[key], figures[interval]
-    return (
-        UNKNOWN
-        if not figures["valid_share"] or mean is None or width is None
-        else plus_minus(mean, mean * width)
-    )
 
 
 def broken(r: Validation) -> list[str]:
@@ -98,5 +97,5 @@ def broken(r: Validation) -> list[str]:
 
 
 def _worst(group: Sequence[Judgement]) -> str:
-    """The verdict on all of them; what is known of one stop hides that another has no value."""
+    """Worst verdict; a metric that one stop lacks is judged by the others."""
     return min((j.verdict for j in group), key=_WORST_FIRST.index)

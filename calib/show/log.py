@@ -63,8 +63,8 @@ _TITLES = {
 """Titles of panels by the kind of their columns; a foreign column has its name."""
 
 
-def facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]) -> Facts:
-    """What is in a log."""
+def log_facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]) -> Facts:
+    """Columns and events of a log."""
     time = log.time
     rows = [(one.kind, f"{one.start:.2f} s", f"{one.end - one.start:.2f} s") for one in events]
     heads = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
@@ -79,7 +79,7 @@ def facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent
             Table(heads, [_cells(column) for column in columns], "What is in each column."),
             Table(("event", "from", "for"), rows, "Events in order of time."),
         ],
-        pictures=[Picture(_RAW, lambda: sheet(log, events))],
+        pictures=[Picture(_RAW, lambda: log_sheet(log, events))],
         notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
     )
 
@@ -98,12 +98,12 @@ def _cells(column: Inventory) -> tuple[str, ...]:
     )
 
 
-def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
+def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
     """Every column of a log over time, and eta. Raises ValueError for none, or over `MOST`."""
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
-    found, channels, panels = list(events), channels_log(log), list[Panel]()
+    marked, channels, panels = list(events), channels_log(log), list[Panel]()
     for axis, columns in groups.items():
         kind = _kind(columns[0].name)
         name = axis if kind in {panel.name for panel in panels} else kind
@@ -119,7 +119,7 @@ def sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         title = "Wheel speed rear over front, less 1"
         panels.append(Panel("eta", title, _TIME, ETA, [line]))
     drawn = [
-        replace(panel, marks=_marked(found, named=not i), xlim=(time[0], time[-1]))
+        replace(panel, marks=_marked(marked, named=not i), xlim=(time[0], time[-1]))
         for i, panel in enumerate(panels)
     ]
     names = [panel.name for panel in panels]
@@ -165,12 +165,12 @@ def _marked(events: Iterable[RunEvent], named: bool) -> list[Mark]:
 
 def panels_of(whole: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
     """The columns by panel, in the order of the log; the clock has none."""
-    found: dict[str, tuple[WholeColumn, ...]] = {}
+    groups: dict[str, tuple[WholeColumn, ...]] = {}
     for column in whole.columns:
         if column.name != TIME:
             key = f"{_kind(column.name)} [{column.unit or '?'}]"
-            found[key] = (*found.get(key, ()), column)
-    return found
+            groups[key] = (*groups.get(key, ()), column)
+    return groups
 
 
 def _kind(name: str) -> str:
@@ -181,12 +181,12 @@ def _kind(name: str) -> str:
 
 
 def _look(name: str, columns: tuple[WholeColumn, ...]) -> Stroke:
-    known = {**WHEEL_STROKES, "f": FRONT, "r": REAR} if len(columns) > 1 else {}
-    return {**known.get(name.rpartition("_")[2], BODY), "linewidth": 0.8}
+    strokes = {**WHEEL_STROKES, "f": FRONT, "r": REAR} if len(columns) > 1 else {}
+    return {**strokes.get(name.rpartition("_")[2], BODY), "linewidth": 0.8}
 
 
 def written(log: WholeLog, out: Path) -> dict[str, Any]:
-    """What the JSON document says of a log that was written to ``out``."""
+    """JSON document of a log that was written to ``out``."""
     return {
         "log": log.source,
         "out": out,
@@ -199,7 +199,7 @@ def written(log: WholeLog, out: Path) -> dict[str, Any]:
 def document(
     log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]
 ) -> dict[str, object]:
-    """What the JSON document says of a log and its columns."""
+    """JSON document of a log and its columns."""
     return {
         "log": log.name,
         "source": log.source,

@@ -1,8 +1,11 @@
-"""Numbers and names of a diagnosis as they are read: SI inside, here bar, km/h and degC."""
+"""Numbers and names as people read them: SI inside, here bar, km/h and degC."""
 
 import math
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
+
+from calib.base.plain import NBSP
 
 if TYPE_CHECKING:
     from calib.diagnosis.diagnosis import ParameterEstimate
@@ -19,6 +22,21 @@ _SHOWN = {
     "1": ("", 1.0),
 }
 """SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
+
+
+_UNIT = r"%|sigma|degC?|rad/s|bar|[cmukM]?(?:g|m|s|Pa|Hz|N|J|W)(?:[/*^]\w+)*"
+_BEFORE_UNIT = re.compile(rf"(?<=\d) (?=(?:{_UNIT})(?![\w*^]))")
+_METRES = re.compile(r"\b(k?N) (?=m\b)")
+
+
+def whole(text: str) -> str:
+    """The text with no-break spaces, so that no line ends between a number and its unit.
+
+    Not of a command, which is copied from.
+    """
+    if text.startswith("brake-cal "):
+        return text
+    return _BEFORE_UNIT.sub(NBSP, _METRES.sub(rf"\1{NBSP}", text.replace(" ± ", f"{NBSP}±{NBSP}")))
 
 
 def spaced(name: str) -> str:
@@ -38,24 +56,24 @@ def in_shown(value: float, unit: str) -> float:
 
 
 def with_unit(text: str, unit: str) -> str:
-    """A number, or what it is of, with the unit that is printed; a plain number alone."""
+    """A text with the printed unit of a quantity [SI ``unit``]."""
     return f"{text} {_SHOWN.get(unit, (unit, 1.0))[0]}".rstrip()
 
 
 def number(value: float, step: float) -> str:
-    """A value rounded to the second digit of ``step``, such as the half width of its interval."""
+    """A value to the second digit of ``step``, such as the half width of its interval."""
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
     first = math.floor(math.log10(step or 1e-3 * abs(value) or 1.0))
     return f"{value:z.{max(0, 1 - first)}f}"
 
 
-def estimate(found: "ParameterEstimate") -> tuple[str, str]:
+def estimate(parameter: "ParameterEstimate") -> tuple[str, str]:
     """A parameter with its unit, and its 95 % interval in the same."""
-    value, low, high = (in_shown(x, found.unit) for x in (found.value, *found.ci95))
+    value, low, high = (in_shown(x, parameter.unit) for x in (parameter.value, *parameter.ci95))
     half = 0.5 * (high - low)
     return with_unit(
-        number(value, half), found.unit
+        number(value, half), parameter.unit
     ), f"{number(low, half)} to {number(high, half)}"
 
 

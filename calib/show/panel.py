@@ -13,12 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from calib.show.style import Array, Axes, Mask, Stroke, envelope, reach, smooth
+from calib.show.style import Array, Axes, Mask, Stroke, envelope, pale, reach, smooth
 
 _POINTS = 72.0
 """Points to the inch."""
-BAND = 0.18
-"""Opacity of a 95 % band."""
 RAW = 0.3
 """Opacity of measured values behind their mean."""
 PARTS = 2000
@@ -48,18 +46,23 @@ class Line:
     def fill(self, ax: Axes, parts: int) -> None:
         """Draw it; of a long one the lowest and the highest value of each of its ``parts``."""
         x, colour = np.asarray(self.x, float), self.look["color"]
-        if self.band is not None:
-            low, high = (np.asarray(end, float) for end in self.band)
-            at = envelope(low, parts)
-            ax.fill_between(x[at], low[at], high[at], color=colour, alpha=BAND, lw=0.0, zorder=1)
-            for end in (low, high):  # where two bands overlap their ends tell them apart
-                ax.plot(x[at], end[at], color=colour, linewidth=0.5, alpha=0.6, zorder=1)
         if self.mean:
             y = np.asarray(self.y, float)
-            at = envelope(y, parts)
-            ax.plot(x[at], y[at], color=colour, linewidth=0.5, alpha=RAW)
-        at = envelope(self.shown, parts)
-        ax.plot(x[at], self.shown[at], label=self.label, **self.look)
+            points = envelope(y, parts)
+            ax.plot(x[points], y[points], color=colour, linewidth=0.5, alpha=RAW)
+        points = envelope(self.shown, parts)
+        ax.plot(x[points], self.shown[points], label=self.label, **self.look)
+
+    def fill_band(self, ax: Axes, parts: int) -> None:
+        """Draw its band in a pale colour that hides those before; the ends show where they are."""
+        if self.band is None:
+            return
+        x, (low, high) = np.asarray(self.x, float), (np.asarray(end, float) for end in self.band)
+        points, colour = envelope(low, parts), self.look["color"]
+        fill: Stroke = {"color": pale(colour), "lw": 0.0, "zorder": 1}
+        ax.fill_between(x[points], low[points], high[points], **fill)
+        for end in (low, high):
+            ax.plot(x[points], end[points], color=colour, linewidth=0.6, alpha=0.7, zorder=1.5)
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class Mark:
     def fill(self, ax: Axes) -> None:
         """Draw it behind the lines."""
         if self.start == self.end:
-            ax.axvline(self.start, label=self.label, **self.look)
+            ax.axvline(self.start, label=self.label, zorder=1, **self.look)
         else:
             ax.axvspan(self.start, self.end, label=self.label, lw=0.0, zorder=0, **self.look)
 
@@ -91,7 +94,7 @@ class Panel:
     texts : words, each beside a point of the axes.
     xlim, ylim : ends of the axes. Without ``ylim`` measured lines set it, by their means and zero,
         ``where`` it is true (n,).
-    xticks : words at 0, 1, 2 ... instead of numbers.
+    xticks, yticks : words at 0, 1, 2 ... instead of numbers.
     columns : entries in a row of the legend.
     """
 
@@ -106,6 +109,7 @@ class Panel:
     ylim: tuple[float, float] | None = None
     where: Mask | None = None
     xticks: Sequence[str] = ()
+    yticks: Sequence[str] = ()
     columns: int = 3
 
     def fill(self, ax: Axes, parts: int = PARTS) -> float:
@@ -113,28 +117,32 @@ class Panel:
 
         Of a long line the lowest and the highest value of each of its ``parts`` are drawn.
         """
-        for mark in self.marks:
-            mark.fill(ax)
         for line in self.lines:
             line.fill(ax, parts)
-        for text, *at in self.texts:
-            left = self.xlim is not None and at[0] > np.mean(self.xlim)  # there is room
-            shift: dict[str, Any] = {"xytext": (-4.0 if left else 4.0, -9.5), "fontsize": 7.0}
-            side = "right" if left else "left"
-            ax.annotate(text, (at[0], at[1]), textcoords="offset points", ha=side, **shift)
+        for line in reversed(self.lines):
+            line.fill_band(ax, parts)
+        for mark in self.marks:
+            mark.fill(ax)
+        for text, *point in self.texts:
+            is_left = self.xlim is not None and point[0] > np.mean(self.xlim)  # there is room
+            shift: dict[str, Any] = {"xytext": (-4.0 if is_left else 4.0, -9.5), "fontsize": 7.0}
+            side = "right" if is_left else "left"
+            ax.annotate(text, (point[0], point[1]), textcoords="offset points", ha=side, **shift)
         ax.set(xlabel=self.x, ylabel=self.y)
         for limit, set_to in ((self.xlim, ax.set_xlim), (self.height, ax.set_ylim)):
             if limit is not None:
                 set_to(*limit)
         if self.xticks:
             ax.set_xticks(range(len(self.xticks)), self.xticks)
+        if self.yticks:
+            ax.set_yticks(range(len(self.yticks)), self.yticks)
         if not ax.get_legend_handles_labels()[1]:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
         return _POINTS * legend.get_window_extent().height / legend.figure.dpi
 
     def shares(self, other: "Panel") -> bool:
-        """Whether both have the same x axis, so that it need not be told twice."""
+        """Whether both have the same x axis, which is then labelled once."""
         return self.xlim is not None and (self.x, self.xlim) == (other.x, other.xlim)
 
     @property

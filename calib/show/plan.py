@@ -10,7 +10,7 @@ from calib.show.facts import DIR, FAILED, PASSED, UNJUDGED, Facts, Table
 _HEADS = ("torque known to (95 %)", "front [%]", "rear [%]", "total [%]")
 
 
-def facts(plan: Plan) -> Facts:
+def plan_facts(plan: Plan) -> Facts:
     """What to do, what it brings, and what it cannot bring."""
     wanted, met = any(plan.want.widths), plan.want.met_by(plan.after)
     rows = [("before", *_cells(plan.before))]
@@ -26,7 +26,7 @@ def facts(plan: Plan) -> Facts:
         title=f"Plan for {plan.known.vehicle.name}",
         verdict=(PASSED if met else FAILED) if wanted else UNJUDGED,
         word=("Enough" if met else "Not enough") if wanted else "Planned",
-        headline=f"{_said(plan.after)} after {total}",
+        headline=f"{_in_words(plan.after)} after {total}",
         tables=[Table(_HEADS, rows)],
         notes=_notes(plan),
         next=f"brake-cal fit LOG... --vehicle V.toml --plan {DIR}/plan.json",
@@ -38,7 +38,7 @@ def _cells(widths: HalfWidths, none: str = "not known") -> tuple[str, ...]:
     return tuple(f"{100.0 * w:.1f}" if 0.0 < w < 10.0 else none for w in widths)
 
 
-def _said(widths: HalfWidths) -> str:
+def _in_words(widths: HalfWidths) -> str:
     parts = (f"{name} ±{100.0 * w:.1f}{NBSP}%" for name, w in widths._asdict().items())
     return ", ".join(parts)
 
@@ -66,8 +66,8 @@ def _card(plan: Plan, step: Step, number: int) -> Facts:
     return Facts(f"{number}. {measure.text}", headline=measure.driver, rows=rows)
 
 
-def achieved_facts(found: Achieved) -> Facts:
+def achieved_facts(result: Achieved) -> Facts:
     """Planned against achieved."""
-    rows = [("planned", *_cells(found.planned)), ("achieved", *_cells(found.achieved))]
-    word = "as planned" if found.reached else "wider than planned"
-    return Facts("Planned and achieved", word, tables=[Table(_HEADS, rows)], notes=found.reasons)
+    rows = [("planned", *_cells(result.planned)), ("achieved", *_cells(result.achieved))]
+    word = "as planned" if result.reached else "wider than planned"
+    return Facts("Planned and achieved", word, tables=[Table(_HEADS, rows)], notes=result.reasons)

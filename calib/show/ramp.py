@@ -39,7 +39,7 @@ class MeasuredRamp:
     As the table has it, without resistance: ``z_free``, ``eta``, ``D``, ``f1``, ``f2`` [1], NaN
     where nothing brakes.
 
-    ``braked`` blocks with enough pressure; ``both`` whether both axles brake.
+    ``braked`` blocks with enough pressure; ``is_two_axles`` whether both axles brake.
     """
 
     name: str
@@ -55,7 +55,7 @@ class MeasuredRamp:
     slip_f: Array | None
     slip_r: Array | None
     braked: Mask
-    both: bool
+    is_two_axles: bool
 
 
 def measure(table: Table, log: Log) -> MeasuredRamp:
@@ -70,7 +70,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     b = run.blocks
     F_f, F_r, scale = normalised_forces(car, run, table.calibration.pad_log_ratio.value)
     brake = scale * np.add(*nominal_forces(car, run, table.calibration.pad_log_ratio.value))
-    # what a tyre departs by from its form acts on both alike, with resistance and without
+    # the shape discrepancy of a tyre acts alike with resistance and without
     e = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
     ratio, share = e.log_pad_ratio[:, None] + run.log_odds(b.p_f, b.p_r), brake / car.weight
     slips, turning = _slips(car, e, run, ratio, share)
@@ -80,12 +80,14 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     # the same brake forces on the car of the table, which has no resistance
     z_free = np.where(brake > 0.0, share / (1.0 + sum(turning_shares(car))), np.nan)
-    of = predict_slips(car, e, ratio, share, z_free)
-    D = np.where(brake > 0.0, np.median(np.subtract(*of.forces), axis=0), np.nan)
+    curves = predict_slips(car, e, ratio, share, z_free)
+    D = np.where(brake > 0.0, np.median(np.subtract(*curves.forces), axis=0), np.nan)
     f1, f2 = paper_curves(car, z_free, D)
-    seen = _seen(run, np.median(turning, axis=1), float(np.mean(e.v_late)))
+    measured = _measured_slips(run, np.median(turning, axis=1), float(np.mean(e.v_late)))
     on_curve = (
-        None if seen is None else _on_the_curve(table, (F_f, F_r), slips, seen[:, None] - turning)
+        None
+        if measured is None
+        else _on_the_curve(table, (F_f, F_r), slips, measured[:, None] - turning)
     )
     return MeasuredRamp(
         name=log.name,
@@ -94,14 +96,14 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
         F_f=F_f,
         F_r=F_r,
         z_free=z_free,
-        eta=b.eta / zero / eta_model * of.eta,
+        eta=b.eta / zero / eta_model * curves.eta,
         D=D,
         f1=f1,
         f2=f2,
         slip_f=None if on_curve is None else on_curve[0],
         slip_r=None if on_curve is None else on_curve[1],
         braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
-        both=run.only is None,
+        is_two_axles=run.only is None,
     )
 
 
@@ -118,7 +120,7 @@ def _slips(
     return wheel_slips(e, unit_slips(car, e, run.quasi_static(car), forces))
 
 
-def _seen(run: RampRun, turning: Array, late: float) -> Array | None:
+def _measured_slips(run: RampRun, turning: Array, late: float) -> Array | None:
     """Slips (19), (20) that the wheels of the axles show, (2, k) [1]; None without v.
 
     The lead-in gives the radii: there a wheel has the slip of what slows it besides the brake, as
@@ -135,25 +137,25 @@ def _seen(run: RampRun, turning: Array, late: float) -> Array | None:
 
 
 def _on_the_curve(
-    table: Table, forces: tuple[Array, Array], slips: Array, left: Array
+    table: Table, forces: tuple[Array, Array], slips: Array, residual: Array
 ) -> tuple[Array, Array]:
     """Slips of the axles (k,) as the tyre of the table's curve would have them at the ``forces``.
 
-    What is ``left`` of the ``slips`` of the draws (2, n, k) is left of the curve in proportion.
+    The ``residual`` of the ``slips`` of the draws (2, n, k) is added in proportion.
     """
     curve = np.interp(np.stack(forces), table.tyre.force, table.tyre.slip)
-    front, rear = curve + np.median(left * curve[:, None] / slips, axis=1)
+    front, rear = curve + np.median(residual * curve[:, None] / slips, axis=1)
     return front, rear
 
 
 def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:
     """Braked blocks as means of `_GROUP` consecutive ones; an incomplete group is left out."""
-    kept = np.array([x, y])[:, ramp.braked]
-    count = kept.shape[1] // _GROUP
-    at = kept[:, : count * _GROUP].reshape(2, count, _GROUP).mean(axis=2)
+    braked = np.array([x, y])[:, ramp.braked]
+    count = braked.shape[1] // _GROUP
+    means = braked[:, : count * _GROUP].reshape(2, count, _GROUP).mean(axis=2)
     marker = "^" if stroke is REAR else "o"
     look = {"linestyle": "", "mfc": "white", "ms": 3.4, "mew": 0.8, "zorder": 3}
-    return Line(at[0], at[1], {"color": stroke["color"], "marker": marker, **look}, label)
+    return Line(means[0], means[1], {"color": stroke["color"], "marker": marker, **look}, label)
 
 
 def panel(ramp: MeasuredRamp, name: str) -> Panel:

@@ -14,7 +14,7 @@ from calib.show.sheet import Sheet
 from calib.show.style import BODY, WHEEL_STROKES, as_text, dots
 
 _SHOWN = 5
-"""Metrics in the head of the answer that break their limit; all are in the details."""
+"""Broken metrics in the head of the answer; all are in the details."""
 _HEADS = (
     *("metric", "repeatability", "reproducibility", "cars"),
     *("%GRR", "95 %", "ndc", "of tolerance", "verdict"),
@@ -25,30 +25,33 @@ _NAMED = 12
 """Above this number the cars are numbered, not named."""
 
 
-def facts(found: GaugeStudy) -> Facts:
-    """A gauge study: the verdict, and each metric with its causes of scatter."""
-    judged = [one for one in found.results if one.verdict != GaugeVerdict.NOT_JUDGED]
-    held = sum(one.verdict not in REFUSED for one in judged)
-    told = [f"{held} of {len(judged)} metrics within the limits"]
+def gauge_facts(study: GaugeStudy) -> Facts:
+    """Verdict of a gauge study, and each metric with its causes of scatter."""
+    judged = [one for one in study.results if one.verdict != GaugeVerdict.NOT_JUDGED]
+    within = sum(one.verdict not in REFUSED for one in judged)
+    sentences = [f"{within} of {len(judged)} metrics within the limits"]
     for verdict in REFUSED:
         bad = [one.name for one in judged if one.verdict == verdict]
-        told += [f"{verdict}: {', '.join(bad)}"] if bad else []
+        sentences += [f"{verdict}: {', '.join(bad)}"] if bad else []
     if not judged:
-        told = ["none of the metrics could be judged: their repeats do not scatter"]
-    rows = [(one.name, *_cells(one), one.verdict) for one in found.results]
+        sentences = ["none of the metrics could be judged: their repeats do not scatter"]
+    rows = [(one.name, *_cells(one), one.verdict) for one in study.results]
     worst = [(row[0], row[4], row[6], row[8]) for row in rows if row[8] in REFUSED]
     negative = [
         f"{one.name}: variances that came out negative count as zero: {', '.join(names)}"
-        for one in found.results
+        for one in study.results
         if one.gauge and (names := one.gauge.negative)
     ]
-    word = (PASSED if found.passed else FAILED) if judged else UNJUDGED
-    table, notes = Table(_HEADS, rows, _CAPTION), [*negative, *found.notes]
+    # cars that are alike show nothing of a gauge, good or bad
+    failed = any(one.verdict == GaugeVerdict.BAD for one in judged)
+    outcome = FAILED if failed else PASSED if judged and study.passed else UNJUDGED
+    word = WORDS.get(outcome, "Cannot tell" if judged else "Not judged")
+    table, notes = Table(_HEADS, rows, _CAPTION), [*negative, *study.notes]
     return Facts(
         "Gauge study",
-        headline="; ".join(told),
-        verdict=word,
-        word=WORDS.get(word, "Not judged"),
+        headline="; ".join(sentences),
+        verdict=outcome,
+        word=word,
         tables=[Table(("metric", "%GRR", "ndc", "verdict"), worst[:_SHOWN])],
         parts=[Facts("All metrics", tables=[table], notes=notes)],
     )
@@ -68,42 +71,45 @@ def _cells(result: GaugeResult) -> tuple[str, ...]:
     return *sds, *share, of_tolerance
 
 
-def sheet(found: GaugeStudy) -> Sheet:
+def gauge_sheet(study: GaugeStudy) -> Sheet:
     """The sheet of a gauge study: the first metric, and those that are not good enough."""
-    first, *others = found.results
+    first, *others = study.results
     drawn = [first, *(one for one in others if one.verdict == GaugeVerdict.BAD)]
-    summary = facts(found)
-    stations = f", {len(found.stations)} stations" if found.stations else ""
-    at = f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %"
-    notes = ["Points are single ramps, a line is the mean of a car", at, *found.notes]
+    summary = gauge_facts(study)
+    stations = f", {len(study.stations)} stations" if study.stations else ""
+    where = f"D, f1, f2 where eta - 1 is {100.0 * study.reference:g} %"
+    notes = ["Points are single ramps, a line is the mean of a car", where, *study.notes]
     return Sheet(
         kind="repeatability",
         name="repeatability",
-        panels=tuple(_panel(found, one) for one in drawn),
-        title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
+        panels=tuple(_panel(study, one) for one in drawn),
+        title=f"Gauge study: {len(study.cars)} cars{stations}, {len(study.readings)} ramps",
         note=". ".join(notes) + ".",
         result=f"{summary.word}: {summary.headline}",
     )
 
 
-def _panel(found: GaugeStudy, result: GaugeResult) -> Panel:
+def _panel(study: GaugeStudy, result: GaugeResult) -> Panel:
     """The values: one column for each car, with its stations side by side."""
-    cars, stations, one = found.cars, found.stations or ("",), plain(result.name)
-    x, y = np.array([float(cars.index(r.car)) for r in found.readings]), one.factor * result.values
+    cars, stations, metric = study.cars, study.stations or ("",), plain(result.name)
+    x, y = (
+        np.array([float(cars.index(r.car)) for r in study.readings]),
+        metric.factor * result.values,
+    )
     lines = []
     for k, station in enumerate(stations):
-        here = np.array([r.station == station for r in found.readings])
+        of_station = np.array([r.station == station for r in study.readings])
         aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
         look = dots(_COLOURS[k % len(_COLOURS)], 3.2, _MARKS[k % len(_MARKS)], alpha=0.8)
-        lines.append(Line(x[here] + aside, y[here], look, as_text(station)))
+        lines.append(Line(x[of_station] + aside, y[of_station], look, as_text(station)))
     lines += [
         Line([i - 0.35, i + 0.35], [float(np.mean(y[x == i]))] * 2, BODY) for i in range(len(cars))
     ]
     return Panel(
         f"{result.name}-values",
-        f"{as_text(one.name.replace('_', ' '))}: {result.verdict}",
+        f"{as_text(metric.name.replace('_', ' '))}: {result.verdict}",
         "car, in order of its name",
-        f"value [{one.unit or 1}]",
+        f"value [{metric.unit or 1}]",
         lines,
         xlim=(-0.6, len(cars) - 0.4),
         xticks=[as_text(car) for car in cars] if len(cars) <= _NAMED else (),

@@ -2,6 +2,7 @@
 
 import hashlib
 import io
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,11 +11,18 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
 from calib.base.errors import InputError
+from calib.estimation.limits import FAILED, PASSED
+from calib.estimation.results import SUMMARY
+from calib.estimation.validate import NONE
+from calib.show.judged import verdict_words
+from calib.show.torque import ENDS
+from calib.store.evidence import CONSISTENT
 
 COLUMNS = (
-    *("time", "z", "eta", "normalised_force_f", "normalised_force_r"),
-    *(f"ecu_pad_friction_{axle}{end}" for axle in "fr" for end in ("", "_lower", "_upper")),
-    *(f"ecu_brake_torque_{wheel}" for wheel in ("fl", "rl")),  # both of an axle have the same
+    *("time", "z", "eta", "normalised_force_f", "normalised_force_r", "ecu_reason"),
+    *("pad_friction_f", "pad_friction_r"),
+    *(f"ecu_pad_friction_{axle}{end}" for axle in "fr" for end in ENDS),
+    *(f"ecu_brake_torque_{part}{end}" for part in ("fl", "rl", "sum") for end in ENDS),
 )
 """Numeric columns of a result that are drawn."""
 _VALID = ("valid", "ecu_valid")
@@ -25,13 +33,16 @@ class StoredResult:
     """Answers of the ECU to one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
 
     Of a run of which no sample counts, none is valid. ``name`` is the stem of the log; ``digest``
-    the SHA-256 of the file.
+    the SHA-256 of the file. The ``verdict`` in words and the pad friction on the ramp [1] are those
+    of the summary beside it, and empty without one.
     """
 
     name: str
     digest: str
     values: dict[str, Array]
     valid: Mask
+    verdict: str = ""
+    ramp_pads: tuple[float, ...] = ()
 
 
 def is_result(path: Path) -> bool:
@@ -55,16 +66,30 @@ def read_result(path: Path) -> StoredResult:
 
     try:
         data = read_bounded(path, RESULT)
-        found = read_table(io.BytesIO(data))
-        missing = [name for name in (*COLUMNS, *_VALID) if name not in found.column_names]
-        if missing or found.num_rows < 2:
+        columns = read_table(io.BytesIO(data))
+        missing = [name for name in (*COLUMNS, *_VALID) if name not in columns.column_names]
+        if missing or columns.num_rows < 2:
             raise InputError(
                 f"no column {', '.join(missing)}" if missing else "fewer than two samples",
                 where=path,
                 expected="a result of `brake-cal validate --out`",
             )
-        values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
-        best, ecu = (np.asarray(found[x].to_numpy(zero_copy_only=False), bool) for x in _VALID)
+        values = {name: np.asarray(columns[name].to_numpy(), dtype=float) for name in COLUMNS}
+        best, ecu = (np.asarray(columns[x].to_numpy(zero_copy_only=False), bool) for x in _VALID)
     except (OSError, ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    return StoredResult(path.stem, hashlib.sha256(data).hexdigest(), values, ecu & best.any())
+    digest = hashlib.sha256(data).hexdigest()
+    return StoredResult(path.stem, digest, values, ecu & best.any(), *_summary_of(path))
+
+
+def _summary_of(path: Path) -> tuple[str, tuple[float, ...]]:
+    """The verdict on a result in words and the pads of the ramp, by the summary beside it."""
+    try:
+        summary = json.loads(path.with_name(SUMMARY).read_bytes())
+        (log,) = (one for one in summary["logs"] if one["log"] == path.stem)
+        proved = PASSED if log["proof"] != NONE else CONSISTENT
+        verdict = FAILED if log["verdict"] == FAILED else proved
+        warnings = sum(one["log"] == path.stem for one in summary["warnings"])
+        return verdict_words(log["role"], verdict, warnings), tuple(summary["ramp_pads"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return "", ()

@@ -10,6 +10,7 @@ from string import ascii_letters
 from typing import Any
 
 from calib.base.write import write_whole
+from calib.show.numbers import whole
 from calib.show.panel import PARTS, Panel
 from calib.show.style import HEIGHT, WIDTH, Figure, styled
 
@@ -112,11 +113,10 @@ def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
 
 def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
     """Title above and note below, both from the left edge."""
-    lines = (sheet.title, *textwrap.wrap(sheet.result, int(figure.get_figwidth() / _LETTER)))
+    lines = (sheet.title, *textwrap.wrap(whole(sheet.result), int(figure.get_figwidth() / _LETTER)))
     figure.suptitle("\n".join(lines), x=0.012, ha="left")
     if sheet.note:
-        whole = sheet.note.replace(" %", "\u00a0%")  # no line break between a number and its unit
-        text = "\n".join(textwrap.wrap(whole, width))
+        text = "\n".join(textwrap.wrap(whole(sheet.note), width))
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")
 
 
@@ -151,10 +151,10 @@ def render(figure: Figure, ending: str, text: bool = False) -> bytes:
         return buffer.getvalue()
 
 
-def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: None) -> None:
+def save(pages: dict[Path, list[Figure]], step: Callable[[], None] = lambda: None) -> None:
     """Write each file with its pages; all are drawn before the first is written.
 
-    ``done`` is called after each page is drawn. A file other than a PDF takes one page. Raises
+    ``step`` is called after each page is drawn. A file other than a PDF takes one page. Raises
     KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
     written.
     """
@@ -167,11 +167,11 @@ def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: Non
             with styled(), PdfPages(buffer, metadata=_METADATA[ending]) as book:
                 for figure in figures:
                     figure.savefig(book, format="pdf")
-                    done()
+                    step()
             ready[path] = buffer.getvalue()
         else:
             (figure,) = figures
             ready[path] = render(figure, ending)
-            done()
+            step()
     for path, content in ready.items():
         write_whole(path, content)

@@ -34,7 +34,7 @@ _NUMBERED = 12
 """Runs that have room for their numbers below the axis."""
 _EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
-_PADS = ("pad_friction_f", "pad_friction_r")
+_TORQUES = ("torque_per_bar_f", "torque_per_bar_r")
 
 
 def write_index(folder: Path) -> int:
@@ -44,17 +44,17 @@ def write_index(folder: Path) -> int:
     """
     runs = runs_below(folder)
     for name, every in ((INDEX, 0), (LIVE, _EVERY)):
-        page = page_of(facts(runs, folder.absolute().name, every), every)
+        page = page_of(index_facts(runs, folder.absolute().name, every), every)
         write_whole(folder / name, page.encode())
     return len(runs)
 
 
-def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
+def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
     """The ``runs``, the last first; ``every`` [s]: of the page that loads itself again."""
     last = runs[0] if runs else None
     words = (PASSED, WARNING, FAILED, NO_VERDICT, UNREADABLE)
     counts = {word: sum(run.verdict == word for run in runs) for word in words}
-    this, other = ("loads itself again", INDEX) if every else ("stays as it is", LIVE)
+    page, other = ("This page", INDEX) if every else (LIVE, "this page")
     ranks = (FAILED, WARNING, PASSED)  # of equal ones the last is first
     shown = sorted(runs[:_LAST], key=lambda run: ranks.index(_verdict(run)))
     return Facts(
@@ -67,14 +67,14 @@ def facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
             *((w, str(n)) for w, n in counts.items() if n),
         ],
         tables=[_table(shown, "The last cars, failed and refused ones on top.")],
-        notes=[f"This page {this}; {other} is the other one."],
+        notes=[f"{page} reloads itself every {_EVERY} s; {other} stays as it is."],
         pictures=_trends(runs[:_DRAWN]),
         parts=[Facts("Earlier cars", tables=[_table(runs[_LAST:])], folded=True)],
     )
 
 
 def _verdict(run: IndexedRun) -> str:
-    """The verdict as which a run is drawn and sorted."""
+    """Verdict by which a run is coloured and sorted."""
     return run.verdict if run.verdict in (PASSED, WARNING) else FAILED
 
 
@@ -83,33 +83,35 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
     panels = []
     for key in TRENDS:
         values = [(run.trend or {}).get(key) for run in reversed(runs)]
-        known = np.array([value for value in values if value is not None])
-        if known.size < 2:
+        measured = np.array([value for value in values if value is not None])
+        if measured.size < 2:
             continue
-        shown, x = plain(key), np.arange(1.0, known.size + 1.0)
-        given = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
-        ends = [shown.factor * end for end in given if end is not None]
-        title = f"{shown.name}: {shown.value(float(known[-1]))} {shown.unit}"
-        points = Line(x, shown.factor * known, {**FRONT, "marker": "."})
+        shown, x = plain(key), np.arange(1.0, measured.size + 1.0)
+        interval = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
+        ends = [shown.factor * end for end in interval if end is not None]
+        title = f"{shown.name}: {shown.value(float(measured[-1]))} {shown.unit}"
+        points = Line(x, shown.factor * measured, {**FRONT, "marker": "."})
         limits = [Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends]
         title, unit = textwrap.fill(as_text(title), _TITLE), as_text(f"[{shown.unit or '1'}]")
         ticks = ["", *map(str, range(1, x.size + 1))] if x.size <= _NUMBERED else ()
         heads = title, "car, the last on the right", unit
         panels.append(Panel(key, *heads, [points, *limits], xticks=ticks))
-    told = f"Pads of the ramp, and the zero, of the last {_DRAWN} cars at most; grey: the limits."
+    caption = (
+        f"Brakes of the ramp, and the zero, of the last {_DRAWN} cars at most; grey: the limits."
+    )
     drawn = tuple(panels)
-    return [Picture(told, lambda: Sheet("trend", "trend", drawn))] if panels else []
+    return [Picture(caption, lambda: Sheet("trend", "trend", drawn))] if panels else []
 
 
 def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
     rows = []
     for run in runs:
         trend = run.trend or {}
-        pads = " / ".join(plain(name).value(trend.get(name)) for name in _PADS) if trend else ""
-        at = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M")
-        rows.append((run.car or run.place, _heading(run), _why(run), pads, run.station, at))
+        pads = " / ".join(plain(name).value(trend.get(name)) for name in _TORQUES) if trend else ""
+        date = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M")
+        rows.append((run.car or run.place, _heading(run), _why(run), pads, run.station, date))
     return Table(
-        ("car", "verdict", "what to do", "ramp pads f / r", "station", "time"),
+        ("car", "verdict", "what to do", "torque per bar f / r [N m]", "station", "time"),
         rows,
         caption,
         list(map(_verdict, runs)),
@@ -122,7 +124,7 @@ def _heading(run: IndexedRun) -> str:
 
 
 def _why(run: IndexedRun) -> str:
-    """The first metric that is not held and the next step; how many more there are."""
+    """First broken limit with its next step, and the number of others."""
     if run.verdict == UNREADABLE:
         return "what the run wrote is damaged: run the car again"
     if run.verdict == NO_VERDICT:
@@ -131,6 +133,6 @@ def _why(run: IndexedRun) -> str:
         return f"see the report: {counted(run.bad, 'warning')}" if run.bad else ""
     figure, scope, value, action = run.why
     shown = plain(figure)
-    of = "" if scope == "car" else f"stop {scope}, "
+    prefix = "" if scope == "car" else f"stop {scope}, "
     more = f" And {run.bad - 1} more." if run.bad > 1 else ""
-    return f"{of}{shown.name}: {shown.with_unit(value)}. {action}{more}"
+    return f"{prefix}{shown.name}: {shown.with_unit(value)}. {action}{more}"

@@ -28,9 +28,9 @@ from calib.show.facts import Table as Cells
 from calib.show.html import page_of
 from calib.show.judged import budget_rows, judged, ramp_rows, stop_by_stop
 from calib.show.origin import origin
-from calib.show.stop import pads_over_time
-from calib.show.table import sheet
-from calib.show.validation import by_stop
+from calib.show.stop import torque_and_pads
+from calib.show.table import table_sheet
+from calib.show.validation import beside_best, by_stop
 from calib.store.evidence import read_quality
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
@@ -39,9 +39,9 @@ from calib.table.budget import advice_lines
 
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
 _SHOWN = 3
-"""Limits that are not held, in the head of the answer; all are in the details."""
+"""Broken limits, in the head of the answer; all are in the details."""
 _CURVES = "f1 and f2 of the ramp, and the map that an ECU looks up, with their 95 % bands."
-_PADS = "What an ECU makes of each stop; pad friction with 95 % intervals."
+_TORQUES = "What an ECU makes of each stop: mean brake torque with 95 % intervals."
 _MISSED = "What fails the car, and what lets it pass with a warning."
 
 
@@ -49,90 +49,93 @@ _MISSED = "What fails the car, and what lets it pass with a warning."
 class StationRun:
     """A car that was judged, its stored table, and the ``date`` that was stated, "" for none."""
 
-    found: StationOutcome
+    outcome: StationOutcome
     stored: Stored
     date: str = ""
 
 
-def facts(run: StationRun) -> Facts:
-    """The verdict on a car, what is not held and what to do, and all metrics, without a path.
+def station_facts(run: StationRun) -> Facts:
+    """Verdict on a car, broken limits with their next steps, and all metrics.
 
-    Equal inputs give equal facts: a clock would change the bytes of the page.
+    Equal inputs give equal bytes of the page: no path and no clock is in it.
     """
-    found, stored, date = run.found, run.stored, run.date
-    identity = found.identity
-    curves = Picture(_CURVES, lambda: sheet(found.table, stored.id), ("f1-f2", "map"))
-    remarks = [*found.table.remarks, *map(str, found.caveats)]
-    bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
-    advice = "" if found.passed else "find the cause, and run the car again"
+    outcome, stored, date = run.outcome, run.stored, run.date
+    identity = outcome.identity
+    curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
+    remarks = [*outcome.table.remarks, *map(str, outcome.caveats)]
+    bad = outcome.with_verdict(FAILED) + outcome.with_verdict(WARNING)
+    advice = "" if outcome.passed else "find the cause, and run the car again"
     if stored.state.word == DRAFT:
         advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
     return Facts(
         title=f"Brake torque calibration of {identity.vin or identity.serial or stored.name}",
-        headline=f"{stored.id} is {_AS[stored.state.word]}; {found.headline}",
-        verdict=found.verdict,
-        word=WORDS[found.verdict],
+        headline=f"{stored.id} is {_AS[stored.state.word]}; {outcome.headline}",
+        verdict=outcome.verdict,
+        word=WORDS[outcome.verdict],
         rows=[
-            *ramp_rows(found.table),
+            *ramp_rows(outcome.table),
             *((check.verdict, f"{check.text}. {check.action}") for check in bad[:_SHOWN]),
         ],
         notes=[f"{len(bad) - _SHOWN} more are not held (-v)"] * (len(bad) > _SHOWN),
         next=advice,
-        warnings=found.warnings,
+        warnings=outcome.warnings,
         parts=[
-            _pads(found, stored),
-            _metrics(found),
-            _run(found, date),
+            _torques(outcome, stored),
+            _metrics(outcome),
+            _run(outcome, date),
             Facts("The table", pictures=[curves]),
-            Facts("The stops", pictures=[pads_over_time(r) for r in found.results]),
+            Facts("The stops", pictures=[torque_and_pads(r) for r in outcome.results]),
             Facts("Remarks", notes=remarks, folded=True),
-            origin(stored, found.logs, date),
+            origin(stored, outcome.logs, date),
         ],
     )
 
 
-def _metrics(found: StationOutcome) -> Facts:
+def _metrics(outcome: StationOutcome) -> Facts:
     """Every metric with its limit, the worst first."""
-    of_car = [[check.judgement] for check in found.checks if check.stop is None]
+    of_car = [[check.judgement] for check in outcome.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
-    by_stop, unknown_too = stop_by_stop(found.results)
-    bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
+    by_stop, unknown_too = stop_by_stop(outcome.results)
+    bad = outcome.with_verdict(FAILED) + outcome.with_verdict(WARNING)
     steps = [(check.verdict, check.text, check.action) for check in bad]
     colours = [step[0] for step in steps]
     missed = Cells(("verdict", "result", "next step"), steps, _MISSED, colours)
     return Facts("Metrics", tables=[missed, car, by_stop], notes=[*unknown, *unknown_too])
 
 
-def _run(found: StationOutcome, date: str) -> Facts:
-    """Who, when, on which car, by which limits."""
-    mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
+def _run(outcome: StationOutcome, date: str) -> Facts:
+    """Identity of the car, date, operator, limits and golden table."""
+    mean = f", mean of {outcome.golden_cars} cars" if outcome.golden_cars else ""
     return Facts(
         "The run",
         rows=[
-            ("Vehicle", found.table.vehicle.name),
-            *((TITLES[name], value) for name, value in found.identity.given().items()),
-            ("Mass", str(found.results[0].mass)),
+            ("Vehicle", outcome.table.vehicle.name),
+            *((TITLES[name], value) for name, value in outcome.identity.given().items()),
+            ("Mass", str(outcome.results[0].mass)),
             ("Date", date or "not stated (--date)"),
-            ("Operator", found.by or "not stated (--by)"),
-            ("Limits file", found.limits_file or "none: those of the program"),
-            ("Golden table", f"{found.golden.id}{mean}" if found.golden else "none given"),
+            ("Operator", outcome.by or "not stated (--by)"),
+            ("Limits file", outcome.limits_file or "none: those of the program"),
+            ("Golden table", f"{outcome.golden.id}{mean}" if outcome.golden else "none given"),
         ],
     )
 
 
-def _pads(found: StationOutcome, stored: Stored) -> Facts:
-    """What an ECU makes of each stop, and what the intervals of the ramp are made of."""
-    budgets = found.table.budget.axles
+def _torques(outcome: StationOutcome, stored: Stored) -> Facts:
+    """Torques and pads of each stop, and the uncertainty of the ramp by its causes."""
+    budgets = outcome.table.budget.axles
     return Facts(
-        "Pads",
-        tables=[replace(by_stop(stored, found.results), caption=_PADS)],
-        rows=budget_rows(budgets, after=" of the ramp"),
+        "Brake torque and pads",
+        tables=[
+            replace(by_stop(outcome.results), caption=_TORQUES),
+            beside_best(stored, outcome.results),
+        ],
+        rows=budget_rows(budgets, suffix=" of the ramp"),
         notes=advice_lines(budgets),
     )
 
 
 def store_and_write(
-    found: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
+    outcome: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and `station.json`.
 
@@ -144,22 +147,24 @@ def store_and_write(
     run has taken the version number meanwhile, the files are written again. Raises OSError,
     ExchangeError, StoreError.
     """
-    results = list(found.results)
+    results = list(outcome.results)
     while True:
-        stored = store.foreseen(found.table, found.decision("to be written"))
+        stored = store.foreseen(outcome.table, outcome.decision("to be written"))
         day = date or stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
         fill(results, validation_dict(stored, results), work)
         if not why_not_exported(stored):
             quality = read_quality(work / SUMMARY, stored)
             for form in dict.fromkeys(forms):
                 export(stored, work / export_name(form), form, quality=quality, date=day)
-        write_whole(work / JUNIT, junit_xml(found, stored))
-        write_whole(work / REPORT, page_of(facts(StationRun(found, stored, day))).encode())
+        write_whole(work / JUNIT, junit_xml(outcome, stored))
+        write_whole(
+            work / REPORT, page_of(station_facts(StationRun(outcome, stored, day))).encode()
+        )
         names = sorted(path.name for path in work.iterdir() if path.name != DOCUMENT)
-        document = to_dict(found, stored, names)
+        document = to_dict(outcome, stored, names)
         written = to_text(document).encode()
         write_whole(work / DOCUMENT, written)
         expected = stored
-        stored = store.save(found.table, found.decision(hashlib.sha256(written).hexdigest()))
+        stored = store.save(outcome.table, outcome.decision(hashlib.sha256(written).hexdigest()))
         if (stored.id, stored.state.word) == (expected.id, expected.state.word):
             return stored, document

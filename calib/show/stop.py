@@ -1,22 +1,28 @@
-"""A stop with the answer of its ECU, pads first, as in Figs. 13 to 16; with truth as in 9 to 11."""
+"""A stop over time: the brake torques of its ECU, then the pads, forces and slip behind them.
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
-from typing import Any
+    columns of an estimate or of a stored result --> torques, pads, forces, slip (Figs. 9 to 16)
+
+Drawn is the braking, from before the first bite to after the last release.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import plain, plus_minus
-from calib.car.forces import brake_torque
+from calib.base.plain import NBSP
+from calib.car.effects.effect import Pair
 from calib.car.vehicle import Vehicle
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import Truth, truth_of
+from calib.estimation.reasons import Reason
 from calib.estimation.validate import Validation
 from calib.logs.log import Log
 from calib.run.filters import runs
 from calib.show.facts import Picture
-from calib.show.judged import UNKNOWN, broken, pads, word
+from calib.show.judged import broken, word
 from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
@@ -26,9 +32,9 @@ from calib.show.style import (
     ETA,
     FRONT,
     IDENTIFIED,
+    LONG,
     MEAN,
     REAR,
-    SHADE,
     TRUTH,
     Array,
     Mask,
@@ -36,36 +42,83 @@ from calib.show.style import (
     reach,
     smooth,
 )
+from calib.show.torque import AGAINST, ENDS, SIDES, Columns, errors, in_words, means, torques
 from calib.table.table import Table
 
 _STROKES = {"f": FRONT, "r": REAR}
+_TOTAL: Stroke = {**IDENTIFIED, "linestyle": LONG}
 _BEFORE: Stroke = {"linestyle": DASH_DOT, "linewidth": 0.9}
-"""Look of the pads of the ramp, or of a vehicle file, in the colour of the axle."""
-_PADS, _FORCE = "pad friction [1]", "force over load [1]"
-_GREY = "Grey: no valid answer"
-_ENDS = ("", "_lower", "_upper")
+"""Look of the pads before the stop, in the colour of the axle."""
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 _LEAST = 0.05
-"""Shortest time without a valid answer that is told [s]."""
+"""Shortest time without a valid answer that is named [s]."""
+_BRAKES, _AROUND = 0.02, 0.5
+"""Share of the largest torque from which a sample brakes; time drawn before and after [s]."""
+_GREYS = ("#EFEFEF", "#DEDEDE", "#CFCFCF")
+"""Shades of the reasons for no valid answer, the longest first; the last one is of all others."""
+_NO_SAMPLE = "no sample of this run counts"
 
-_Values = Mapping[str, Any]
-"""Columns of an estimate, (n,) each."""
-_Lines = Sequence[Line]
-_Over = Callable[..., Panel]
+
+@dataclass(frozen=True)
+class _Stop:
+    """What is drawn of a stop.
+
+    Attributes
+    ----------
+    columns, valid : of an estimate (n,), and where the ECU has a valid answer that counts.
+    source, pads : where the pads before the stop are from, and their friction [1], if known.
+    truth, slips : (2, n), None where they are not known.
+    """
+
+    columns: Columns
+    valid: Mask
+    source: str
+    pads: Sequence[float]
+    truth: Truth | None = None
+    slips: Pair | None = None
+
+    @property
+    def time(self) -> Array:
+        """Clock of the log [s] (n,)."""
+        return np.asarray(self.columns["time"])
+
+    @cached_property
+    def drawn(self) -> Mask:
+        """Samples of the braking (n,), with some time before and after it."""
+        torque = np.asarray(self.columns["ecu_brake_torque_sum"])
+        brakes = self.time[torque > _BRAKES * np.max(torque)]
+        if brakes.size == 0:
+            return np.ones(self.time.size, bool)
+        time = self.time
+        return np.asarray((time >= brakes[0] - _AROUND) & (time <= brakes[-1] + _AROUND))
+
+    @cached_property
+    def refused(self) -> dict[str, tuple[Mask, float]]:
+        """Samples without a valid answer (n,) and their time in the braking [s], by reason.
+
+        The longest comes first.
+        """
+        if not self.valid.any():
+            masks = {_NO_SAMPLE: ~self.valid}
+        else:
+            number = np.asarray(self.columns["ecu_reason"])
+            masks = {reason.words: ~self.valid & (number == reason) for reason in Reason}
+        step = float(np.median(np.diff(self.time)))
+        timed = [(why, x, step * np.count_nonzero(x & self.drawn)) for why, x in masks.items()]
+        timed.sort(key=lambda one: -one[2])
+        return {why: (mask, time) for why, mask, time in timed if mask.any()}
+
+    def where_valid(self, name: str) -> Array:
+        """A column (n,), NaN where the ECU has no valid answer."""
+        return np.where(self.valid, self.columns[name], np.nan)
 
 
 def of_result(result: StoredResult) -> Sheet:
-    """The sheet of a stored result."""
-    values, valid = result.values, result.valid
-    means = [UNKNOWN, UNKNOWN]
-    if valid.any():  # as the validation counts them
-        known = {name: column[valid] for name, column in values.items()}
-        means = [_mean(*(known[f"ecu_pad_friction_{x}{end}"] for end in _ENDS)) for x in _STROKES]
-    over = _over(values["time"], valid)
-    panels = [_pads(values, valid, over), *_signals(values, valid, over)]
-    note = f"Result {result.name}, digest {result.digest[:16]}. Bands are 95 %. {_GREY}."
-    return _sheet("stop", result.name, panels, note, [_in_words(means)])
+    """The sheet of a stored result, with the verdict of the summary beside it."""
+    stop = _Stop(result.values, result.valid, "on the ramp", result.ramp_pads)
+    note = f"Result {result.name}, digest {result.digest[:16]}."
+    return _sheet("stop", result.name, stop, note, [result.verdict] * bool(result.verdict))
 
 
 def of_validation(
@@ -75,163 +128,156 @@ def of_validation(
 
     Beside the estimate are the pads of the ramp, or those of ``vehicle``.
     """
-    e, values = result.estimate, result.estimate.columns()
-    valid = _counts(e)
-    over = _over(e.time, valid)
-    panels = [
-        _pads(values, valid, over, _other_pads(e, vehicle)),
-        *_signals(values, valid, over, _other_torques(e, vehicle), _slips(e)),
-    ]
-    lost = {why: log.sample_time * np.count_nonzero(x) for why, x in e.refused.items()}
-    refused = [f"{lasts:.1f}\u00a0s {why}" for why, lasts in lost.items() if lasts >= _LEAST]
-    warned = ", ".join(plain(warning.code).name for warning in result.all_warnings)
-    notes = (
-        f"Table {name}, digest {table.digest[:16]}. Bands are 95 %.",
-        f"{_GREY}{': ' * bool(refused)}{', '.join(refused)}.",
-        *([f"Warnings, which brake-cal validate explains: {warned}."] if warned else ()),
-    )
-    told = [
-        word(result),
-        *broken(result),
-        _in_words([pads(result.figures, x, "ecu_") for x in _STROKES]),
-    ]
-    kind = "stop" if truth_of(e) is None else "simulation"
-    return _sheet(kind, log.name, panels, " ".join(notes), told)
+    stop = _of_estimate(result.estimate, vehicle)
+    warned = dict.fromkeys(warning.title for warning in result.all_warnings)
+    note = f"Table {name}, digest {table.digest[:16]}."
+    note += f" Warnings, which brake-cal validate explains: {', '.join(warned)}." * bool(warned)
+    verdict = [word(result), *broken(result)]
+    if (error := errors(result)).values:
+        verdict.append(f"error front / rear {error.of_axles} against {AGAINST[error.against]}")
+    kind = "stop" if stop.truth is None else "simulation"
+    return _sheet(kind, log.name, stop, note, verdict)
 
 
-def pads_over_time(result: Validation) -> Picture:
-    """Pad friction of both axles of a stop, for a page."""
+def torque_and_pads(result: Validation) -> Picture:
+    """Brake torque and pad friction of a stop, for a page."""
 
-    def made() -> Sheet:
-        e = result.estimate
-        valid = _counts(e)
-        panel = _pads(e.columns(), valid, _over(e.time, valid), _other_pads(e, None))
-        return Sheet("stop", result.log, (panel,))
+    def draw() -> Sheet:
+        stop = _of_estimate(result.estimate, None)
+        return Sheet("stop", result.log, (_torque_panel(stop), _pad_panel(stop)))
 
-    return Picture(f"{result.log}: pad friction with its 95 % band; grey: no valid answer.", made)
+    return Picture(f"{result.log}: what the ECU makes of it; bands are 95 %.", draw)
 
 
-def _sheet(kind: str, name: str, panels: list[Panel], note: str, told: Sequence[str]) -> Sheet:
-    """One panel a row. Pads, which are the answer, have most room."""
-    text = "; ".join(told)
+def _of_estimate(e: Estimate, vehicle: Vehicle | None) -> _Stop:
+    ramp = e.table.calibration
+    source, pads = "on the ramp", (ramp.pad_friction_f.value, ramp.pad_friction_r.value)
+    if vehicle is not None:
+        source, pads = "by the file", (vehicle.front.pad_friction, vehicle.rear.pad_friction)
+    valid = e.ecu.valid & (not e.unfit)
+    return _Stop(e.columns(), valid, source, pads, truth_of(e), e.slips)
+
+
+def _sheet(kind: str, name: str, stop: _Stop, note: str, verdict: Sequence[str]) -> Sheet:
+    """One panel a row; torque and pads, which are the answer, have most room."""
+    panels = _torque_panel(stop), _pad_panel(stop), _force_panel(stop), _slip_panel(stop)
+    lost = [f"{t:.1f}{NBSP}s {why}" for why, (_, t) in stop.refused.items() if t >= _LEAST]
+    grey = f" Grey, no valid answer: {', '.join(lost)}." if lost else ""
+    answer = in_words(means(stop.columns, stop.valid)) or "no valid answer"
     return Sheet(
         kind=kind,
         name=name,
-        panels=tuple(panels),
-        heights=(1.2, *(0.85,) * (len(panels) - 1)),
-        title=f"{kind.capitalize()} {name}",
-        note=note,
-        result=text[0].upper() + text[1:],
+        panels=panels,
+        heights=(1.2, 1.0, 0.8, 0.8),
+        title=": ".join([f"{kind.capitalize()} {name}", *verdict[:1]]),
+        note=f"{note} Bands are 95 %.{grey}",
+        result="; ".join([answer[0].upper() + answer[1:], *verdict[1:]]),
     )
 
 
-def _counts(e: Estimate) -> Mask:
-    """Where the ECU has a valid answer to a run that counts (n,)."""
-    return e.ecu.valid & (not e.unfit)
+def _panel(
+    stop: _Stop,
+    name: str,
+    title: str,
+    y: str,
+    lines: Sequence[Line],
+    shown: Iterable[Array],
+    named: bool = False,
+) -> Panel:
+    """A panel over the time of the braking, as high as the values that are ``shown``.
+
+    It is grey where no answer is valid; the reasons are ``named`` in the legend.
+    """
+    marks = list[Mark]()
+    for i, (why, (mask, lasts)) in enumerate(stop.refused.items()):
+        look: Stroke = {"color": _GREYS[min(i, len(_GREYS) - 1)]}
+        label = f"not valid: {why}" if named and lasts >= _LEAST else ""
+        for start, end in runs(mask):
+            last = stop.time[min(end, stop.time.size - 1)]
+            marks.append(Mark(stop.time[start], last, look, label))
+            label = ""
+    drawn = stop.time[stop.drawn]
+    ends = reach(*(np.asarray(x)[stop.drawn] for x in shown), zero=name != "pads")
+    return Panel(name, title, "time [s]", y, lines, marks,
+                 xlim=(drawn[0], drawn[-1]), ylim=ends, columns=2)  # fmt: skip
 
 
-def _over(time: Array, valid: Mask) -> _Over:
-    """The maker of a panel over ``time`` (n,), grey where it is not ``valid``."""
-    last = time.size - 1
-    grey = [Mark(time[a], time[min(b, last)], {"color": SHADE}) for a, b in runs(~valid)]
-    return partial(Panel, x="time [s]", marks=grey, xlim=(time[0], time[-1]), columns=2)
-
-
-def _in_words(means: Iterable[str]) -> str:
-    told = (f"{x} {mean}" for x, mean in zip(AXLE_NAMES.values(), means, strict=True))
-    return f"pad friction {', '.join(told)} (95 %)"
-
-
-def _mean(mu: Array, lower: Array, upper: Array) -> str:
-    mean = float(np.mean(mu))
-    return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
-
-
-def _pads(values: _Values, valid: Mask, over: _Over, beside: _Lines = ()) -> Panel:
-    """Panel (d) and Fig. 9: the valid estimates with their intervals over the pads as they were."""
-    lines, ends = [], []
-    for line in beside:  # they may leave the panel, but widen it so far
-        known = np.asarray(line.y)[np.isfinite(line.y)]
-        ends.append(np.percentile(known, [2, 98]) if known.size else known)
-    for axle, look in _STROKES.items():
-        pad, lower, upper = (
-            np.where(valid, values[f"ecu_pad_friction_{axle}{end}"], np.nan) for end in _ENDS
+def _torque_panel(stop: _Stop) -> Panel:
+    """Torques of the axles and of both, those of the pads before the stop, and the true ones."""
+    lines, beside = list[Line](), list[Line]()
+    answers = torques(stop.columns)
+    for side, look, torque in zip(SIDES, (FRONT, REAR, _TOTAL), answers, strict=True):
+        low, high = (np.where(stop.valid, end / 1e3, np.nan) for end in torque[1:])
+        lines.append(
+            Line(stop.time, torque.value / 1e3, look, f"{side}, with 95 % band", (low, high))
         )
-        thick, label = {**look, "linewidth": 1.8}, f"{AXLE_NAMES[axle]}, with 95 % band"
-        lines.append(Line(values["time"], pad, thick, label, (lower, upper)))
-        ends += [lower, upper]
-    return over("pads", "Pad friction", y=_PADS, lines=[*lines, *beside], ylim=reach(*ends))
+    for (axle, look), torque, pad in zip(_STROKES.items(), answers, stop.pads, strict=False):
+        per_pad = torque.value / np.asarray(stop.columns[f"ecu_pad_friction_{axle}"])
+        label = f"{AXLE_NAMES[axle]} pads {stop.source}"
+        ramp_look = {**_BEFORE, "color": look["color"]}
+        beside.append(Line(stop.time, pad * per_pad / 1e3, ramp_look, label, mean=MEAN))
+    if stop.truth:
+        true = 2.0 * stop.truth.torque / 1e3
+        beside += _true(stop, [*true, true.sum(axis=0)])
+    bounds = [np.asarray(x) for line in lines for x in (line.y, *(line.band or ()))]
+    torque_unit = "brake torque [kN m]"
+    return _panel(stop, "axle-torques", "Brake torque of the axles and of both", torque_unit,
+                  [*lines, *beside], bounds, named=True)  # fmt: skip
 
 
-def _before(e: Estimate, vehicle: Vehicle | None) -> list[tuple[str, float]]:
-    """Pad friction of both axles [1] on the ramp or in the file of a ``vehicle``, and in words."""
-    then = e.table.calibration
-    whose, both = "on the ramp", (then.pad_friction_f.value, then.pad_friction_r.value)
-    if vehicle is not None:
-        whose, both = "by the file", (vehicle.front.pad_friction, vehicle.rear.pad_friction)
-    return [(f"{x} {whose}", mu) for x, mu in zip(AXLE_NAMES.values(), both, strict=True)]
+def _pad_panel(stop: _Stop) -> Panel:
+    """Fig. 9 and panel (d): the valid estimates over the best ones, the pads before, the truth."""
+    lines, beside, shown = list[Line](), list[Line](), list[Array]()
+    for axle, look in _STROKES.items():
+        pad, low, high = (stop.where_valid(f"ecu_pad_friction_{axle}{end}") for end in ENDS)
+        thick = {**look, "linewidth": 1.8}
+        lines.append(
+            Line(stop.time, pad, thick, f"{AXLE_NAMES[axle]}, with 95 % band", (low, high))
+        )
+        shown += [low, high]
+        best = stop.where_valid(f"pad_friction_{axle}")
+        if not np.array_equal(best, pad, equal_nan=True):
+            thin = {**look, "linewidth": 0.9}
+            beside.append(Line(stop.time, best, thin, f"{AXLE_NAMES[axle]}, best estimate"))
+    for (axle, look), mu in zip(_STROKES.items(), stop.pads, strict=False):
+        label = f"{AXLE_NAMES[axle]} {stop.source}, {mu:.3f}"
+        ramp_look = {**_BEFORE, "color": look["color"]}
+        beside.append(Line(stop.time[[0, -1]], [mu, mu], ramp_look, label))
+        shown.append(np.full(stop.time.size, mu))
+    if stop.truth:
+        true = [smooth(stop.time, mu) for mu in stop.truth.pad_friction]
+        beside += _true(stop, true)
+        shown += true
+    return _panel(stop, "pads", "Pad friction", "pad friction [1]", [*lines, *beside], shown)
 
 
-def _other_pads(e: Estimate, vehicle: Vehicle | None) -> list[Line]:
-    """Pads by the speed, which no ECU has, as they were before the stop, and the true ones."""
-    by_v = zip((e.best.pads_f, e.best.pads_r), AXLE_NAMES.values(), _STROKES.values(), strict=True)
+def _true(stop: _Stop, values: Iterable[Array]) -> list[Line]:
+    """Lines of the truth, named once."""
+    return [Line(stop.time, y, TRUTH, "truth" * (not i)) for i, y in enumerate(values)]
+
+
+def _force_panel(stop: _Stop) -> Panel:
+    """Normalised forces of the axles around the deceleration."""
+    strokes = {"normalised_force_f": FRONT, "normalised_force_r": REAR, "z": BODY}
+    names = (*AXLE_NAMES.values(), "deceleration over g")
     lines = [
-        Line(
-            e.time,
-            np.where(e.valid, x.value, np.nan),
-            {**look, "linewidth": 0.9},
-            f"{name}, with v",
-        )
-        for x, name, look in by_v
-        if e.read.v is not None
+        Line(stop.time, stop.columns[key], look, name, mean=MEAN)
+        for (key, look), name in zip(strokes.items(), names, strict=True)
     ]
-    ends = e.time[[0, -1]]
-    lines += [
-        Line(ends, [mu, mu], {**_BEFORE, "color": look["color"]}, f"{whose}, {mu:.3f}")
-        for (whose, mu), look in zip(_before(e, vehicle), _STROKES.values(), strict=True)
+    shown = [line.shown for line in lines]
+    return _panel(stop, "normalised-forces", "Force over load, best estimate",
+                  "force over load [1]", lines, shown)  # fmt: skip
+
+
+def _slip_panel(stop: _Stop) -> Panel:
+    """Slip of the axles where v is known, and eta; as high as their noise while they are valid."""
+    axles = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
+    eta = "\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, IDENTIFIED
+    lines = [
+        Line(stop.time, 100.0 * y, look, name, mean=_SLIP_MEAN)
+        for name, y, look in (*((f"{name} slip", y, look) for name, y, look in axles), eta)
     ]
-    return lines + _true(e, lambda truth: [smooth(e.time, mu) for mu in truth.pad_friction])
-
-
-def _true(e: Estimate, of: Callable[[Truth], Iterable[Array]]) -> list[Line]:
-    """What is true of both axles, where it is known."""
-    truth = truth_of(e)
-    both = zip(of(truth) if truth else (), ("truth", ""), strict=False)
-    return [Line(e.time, y, TRUTH, label) for y, label in both]
-
-
-def _other_torques(e: Estimate, vehicle: Vehicle | None) -> list[Line]:
-    """What the pads as they were would make of the pressure, and the true torques [kN m]."""
-    lines, axles = [], ((e.car.front, e.read.p_f, FRONT), (e.car.rear, e.read.p_r, REAR))
-    for (whose, mu), (axle, p, of) in zip(_before(e, vehicle), axles, strict=True):
-        torque = 2.0 * brake_torque(axle, mu, np.maximum(p, 0.0)) / 1e3
-        look = {**_BEFORE, "color": of["color"]}
-        lines.append(Line(e.time, torque, look, whose.replace(" ", " pads ", 1), mean=MEAN))
-    return lines + _true(e, lambda truth: 2.0 * truth.torque / 1e3)
-
-
-def _slips(e: Estimate) -> list[Line]:
-    """Slip of both axles [%]; none without v."""
-    told = zip(e.slips or (), AXLE_NAMES.values(), _STROKES.values(), strict=False)
-    return [
-        Line(e.time, 100.0 * s, look, f"{name} slip", mean=_SLIP_MEAN) for s, name, look in told
-    ]
-
-
-def _signals(
-    values: _Values, valid: Mask, over: _Over, torques: _Lines = (), slips: _Lines = ()
-) -> list[Panel]:
-    """Torques, forces and slip, from which the pads follow, over other lines."""
-    time, forces, brakes = values["time"], [], []
-    for axle, look in _STROKES.items():
-        name = AXLE_NAMES[axle]
-        forces.append(Line(time, values[f"normalised_force_{axle}"], look, name, mean=MEAN))
-        torque = 2.0 * values[f"ecu_brake_torque_{axle}l"] / 1e3
-        brakes.append(Line(time, torque, look, name, mean=MEAN))
-    z = Line(time, values["z"], BODY, "deceleration over g", mean=MEAN)
-    eta = Line(time, 100.0 * (values["eta"] - 1.0), IDENTIFIED, "\u03b7 - 1", mean=_SLIP_MEAN)
-    return [
-        over("axle-torques", "Brake torque", y="axle torque [kN m]", lines=[*brakes, *torques]),
-        over("normalised-forces", "Force over load", y=_FORCE, lines=[*forces, z], columns=3),
-        over("slip", "Slip", y=f"slip, {ETA}", lines=[*slips, eta], where=valid, columns=3),
-    ]
+    use = stop.valid if stop.valid.any() else stop.drawn
+    noise = [np.quantile(np.asarray(line.y)[use], [0.005, 0.995]) for line in lines]
+    panel = _panel(stop, "slip", "Slip", f"slip, {ETA}", lines, [])
+    return replace(panel, ylim=reach(np.zeros(1), *noise))

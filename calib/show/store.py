@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from calib.base.plain import counted, plain
+from calib.base.intervals import Z95
+from calib.base.plain import NBSP, counted, plain
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.judged import budget_rows, ramp_rows
 from calib.store.figures import (
@@ -29,19 +30,19 @@ _ROWS = 12
 
 
 def listed(rows: Sequence[ListedVersion]) -> Facts:
-    """Versions of tables, told apart; those that cannot be used last, with the reason."""
+    """Versions of tables, one a row; notes say which cannot be used, and why."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
     return Facts(tables=[Table(heads, list(map(_listed, rows)))], notes=flaws)
 
 
 def _listed(row: ListedVersion) -> Sequence[str]:
-    known = (row["id"], row["state"], row["date"][:10])
+    cells = (row["id"], row["state"], row["date"][:10])
     if row["flaw"]:
-        return *known, *[""] * 6
+        return *cells, *[""] * 6
     warned = counted(row["warnings"], "warning") if row["warnings"] else ""
     return (
-        *known,
+        *cells,
         " ".join(filter(None, (row["serial"], row["vin"]))),
         str(len(row["logs"])),
         "/".join(f"{x:.3f}" for x in row["pads"]),
@@ -51,31 +52,31 @@ def _listed(row: ListedVersion) -> Sequence[str]:
     )
 
 
-def shown(stored: Stored) -> Facts:
-    """Whether a table may be used, how good it is, and what it is made of."""
-    table, said = stored.table, usability(stored)
+def table_facts(stored: Stored) -> Facts:
+    """Use, quality and origin of a table."""
+    table, use = stored.table, usability(stored)
     budgets = table.budget.axles
     advice = advice_lines(budgets)
     logs = ", ".join(log.name for log in table.provenance.logs)
     parents = ", ".join(parent.id for parent in table.provenance.parents)
     return Facts(
         headline=verdict(stored),
-        verdict=PASSED if said.usable else WARNING,
+        verdict=PASSED if use.usable else WARNING,
         numbers=ramp_rows(table),
         rows=[
             ("state", stored.state.words),
-            ("range", said.ends),
-            ("limited by", limiting(budgets)),
+            ("range", use.ends),
+            ("largest uncertainty", limiting(budgets)),
             ("made of", parents or logs),
         ],
         notes=advice[:1],
-        next=said.next,
+        next=use.next,
         parts=[_made_of(stored), Facts("Curves", tables=[_curves(table)])],
     )
 
 
 def _made_of(stored: Stored) -> Facts:
-    """What the record of a table holds, but for its curves."""
+    """Record of a table without its curves."""
     table, car, keys = stored.table, stored.table.vehicle, ", ".join(key_ids(stored))
     scale = table.calibration.pad_scale
     rows: list[Row] = [
@@ -86,7 +87,7 @@ def _made_of(stored: Stored) -> Facts:
         *table.provenance.identity.items(),
         *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
         *(
-            (f"spread of {one.name}", f"{100.0 * one.between:.2f} % between the cars, one sigma")
+            (f"spread of {one.name}", f"± {100.0 * Z95 * one.between:.2f} % of the cars (95 %)")
             for one in mean_figures(table)
         ),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
@@ -139,7 +140,7 @@ def history(entries: Sequence[dict[str, Any]]) -> Facts:
 
 
 def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
-    """Which versions are damaged, and, with a key, which are signed as what."""
+    """Damage of each version, and its signature where a key is given."""
     rows = []
     for one in verdicts:
         by = f"signed as {one.signed}" if one.signed else "not signed by this key"
@@ -152,14 +153,16 @@ def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
 def merged(stored: Stored) -> Facts:
     """The mean of several cars, with the spread between them."""
     cells = []
-    for one in mean_figures(stored.table):
-        half, between = (f"{100.0 * share:.2f} %" for share in (one.half_width, one.between))
+    for figure in mean_figures(stored.table):
+        half, between = (
+            f"{100.0 * share:.2f}{NBSP}%" for share in (figure.half_width, Z95 * figure.between)
+        )
         # zero is what is left where the cars differ by no more than their own noise
-        seen = between if one.between > 0.0 else "less than noise"
-        cells.append((one.name, f"{one.value:.4g}", f"+- {half}", seen))
+        spread = between if figure.between > 0.0 else "less than noise"
+        cells.append((figure.name, f"{figure.value:.4g}", f"±{NBSP}{half}", spread))
     return Facts(
         headline=f"stored {stored.id}",
-        tables=[Table(("of the mean", "value", "95 % of the mean", "sigma between cars"), cells)],
+        tables=[Table(("of the mean", "value", "95 % of the mean", "95 % between cars"), cells)],
         rows=[("parent", f"{p.id} ({p.digest[:12]})") for p in stored.table.provenance.parents],
         notes=stored.table.remarks,
     )
@@ -179,70 +182,70 @@ def merged_document(stored: Stored) -> dict[str, Any]:
     }
 
 
-def compared_document(found: "Difference", first: Stored, second: Stored) -> dict[str, Any]:
+def compared_document(difference: "Difference", first: Stored, second: Stored) -> dict[str, Any]:
     """The JSON document of two tables."""
     return {
         "a": first.id,
         "b": second.id,
         "states": {"a": first.state.word, "b": second.state.word},
-        "verdict": found.verdict,
-        "identical": found.identical,
-        **vars(found),
+        "verdict": difference.verdict,
+        "identical": difference.identical,
+        **vars(difference),
     }
 
 
-def compared(found: "Difference", first: Stored, second: Stored) -> Facts:
+def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
     """Whether and where two tables differ."""
-    one, other = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
-    headline = f"{one} and {other} are {found.verdict}"
-    if found.identical:
+    a, b = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
+    headline = f"{a} and {b} are {difference.verdict}"
+    if difference.identical:
         return Facts(headline=headline)
     curves = [
         (gap.curve, f"{gap.start:.5f}", f"{gap.end:.5f}", f"{gap.largest:+.5f}", f"{gap.at:.5f}",
          f"{gap.rms:.5f}", f"{gap.in_bands:.2f}")
-        for gap in found.curves
+        for gap in difference.curves
     ]  # fmt: skip
-    values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in found.values]
-    changed = [f"{len(keys)} of {section}" for section, keys in found.changes.items()]
+    values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in difference.values]
+    changed = [f"{len(keys)} of {section}" for section, keys in difference.changes.items()]
     heads = ("value", first.id, second.id, "in 95 % bands")
     return Facts(
         headline=headline,
         tables=[Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves)],
         parts=[Facts("Values", tables=[Table(heads, values)])],
         notes=[
-            *(f"{curve}: no common axis" for curve in found.apart),
+            *(f"{curve}: no common axis" for curve in difference.apart),
             *([f"different: {', '.join(changed)}; --json prints them"] if changed else []),
         ],
     )
 
 
 def returned_document(
-    found: "Returned", stored: Stored | None, difference: "FromFile"
+    file: "Returned", stored: Stored | None, difference: "FromFile"
 ) -> dict[str, Any]:
     """The JSON document of a file of a calibration tool."""
-    grids = found.content.grids
+    grids = file.content.grids
     return {
-        "format": found.format,
-        "facts": found.facts,
-        "axes": found.content.axes,
+        "format": file.format,
+        "facts": file.facts,
+        "axes": file.content.axes,
         "curves": {n: {"x": x[0], "y": y} for n, (x, y) in grids.items() if len(x) == 1},
         "maps": {n: {"axes": x, "y": y} for n, (x, y) in grids.items() if len(x) > 1},
-        "scalars": found.content.scalars,
-        "units": found.units,
+        "scalars": file.content.scalars,
+        "units": file.units,
         "in_store": stored is not None,
-        "unchanged": found.unchanged,
+        "unchanged": file.unchanged,
         "rounded": difference.rounded,
         "differences": difference.wrong,
         "not_in_file": difference.missing,
     }
 
 
-def returned(found: "Returned", stored: Stored | None, difference: "FromFile") -> Facts:
+def returned(file: "Returned", stored: Stored | None, difference: "FromFile") -> Facts:
     """Whether a file of a calibration tool agrees with the table that it names."""
     if difference.wrong:
-        headline = f"{found.table} does not agree: edited or damaged; export the table again"
+        headline = f"{file.table} does not agree: edited or damaged; export the table again"
     elif stored is None:
-        headline = f"unchanged since it was written; {found.table} is not in this store"
+        headline = f"unchanged since it was written; {file.table} is not in this store"
     else:
         how = f"as rounded {difference.rounded}" if difference.rounded else "to the last bit"
         part = f", without {counted(len(difference.missing), 'label')}" * bool(difference.missing)
@@ -252,5 +255,5 @@ def returned(found: "Returned", stored: Stored | None, difference: "FromFile") -
         verdict=FAILED if difference.wrong else PASSED,
         notes=[f"differs: {what}" for what in difference.wrong]
         + [f"not in the file: {name}" for name in difference.missing],
-        parts=[Facts("What is in the file", rows=[("table", found.table), *found.facts.items()])],
+        parts=[Facts("What is in the file", rows=[("table", file.table), *file.facts.items()])],
     )

@@ -47,11 +47,19 @@ WHEEL_STROKES: dict[str, Stroke] = {
 }
 
 
-def dots(of: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
+def dots(stroke: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
     """Points in the colour of a line, of a ``size`` [pt], without the line."""
-    return {"color": of["color"], "marker": marker, "linestyle": "", "ms": size, **more}
+    return {"color": stroke["color"], "marker": marker, "linestyle": "", "ms": size, **more}
 
 
+def pale(colour: str) -> str:
+    """The colour of a 95 % band; opaque, so that two bands mix to no grey."""
+    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{255 - round(_BAND * (255 - part)):02X}" for part in parts)
+
+
+_BAND = 0.25
+"""Share of its line's colour in that of a band."""
 SHADE = "#E9E9E9"
 ETA = "\u03b7 - 1 [%]"
 """Name of an axis: rear wheel speed over front one."""
@@ -113,18 +121,18 @@ def styled(outlines: bool = True) -> Iterator[None]:
 def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
     width = max(1, round(window / step_of(time))) | 1
-    known = np.isfinite(values)
-    weight = centred_mean(known.astype(float), width)
-    total = centred_mean(np.where(known, values, 0.0), width)
-    return np.where(known, total / np.where(known, weight, 1.0), np.nan)
+    is_finite = np.isfinite(values)
+    weight = centred_mean(is_finite.astype(float), width)
+    total = centred_mean(np.where(is_finite, values, 0.0), width)
+    return np.where(is_finite, total / np.where(is_finite, weight, 1.0), np.nan)
 
 
 def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[float, float] | None:
     """Ends of an axis that shows all finite ``values``; None without one. ``zero`` includes it."""
-    known = np.concatenate([v[np.isfinite(v)] for v in values] or [np.empty(0)])
-    if known.size == 0:
+    numbers = np.concatenate([v[np.isfinite(v)] for v in values] or [np.empty(0)])
+    if numbers.size == 0:
         return None
-    low, high = float(known.min()), float(known.max())
+    low, high = float(numbers.min()), float(numbers.max())
     if zero:
         low, high = min(low, 0.0), max(high, 0.0)
     room = margin * (high - low) or 0.1 * abs(high) or 1.0
@@ -144,8 +152,8 @@ def envelope(y: Array, parts: int) -> Index:
     low, high = (np.where(np.isnan(padded), end, padded) for end in (np.inf, -np.inf))
     lowest = np.argmin(low.reshape(parts, width), axis=1)
     highest = np.argmax(high.reshape(parts, width), axis=1)
-    at = np.sort([lowest, highest], axis=0) + width * np.arange(parts)
-    return np.minimum(at.T.ravel(), y.size - 1)
+    points = np.sort([lowest, highest], axis=0) + width * np.arange(parts)
+    return np.minimum(points.T.ravel(), y.size - 1)
 
 
 def as_text(name: str) -> str:

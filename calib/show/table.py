@@ -1,4 +1,4 @@
-"""A table on a page: f1 and f2 (Fig. 6), what its map tells of the pads, and its tyre (Fig. 3).
+"""A table on a page: f1 and f2 (Fig. 6), its map of the pads, its tyre (Fig. 3), its posterior.
 
 With the ramps it was made of, their measured points are drawn too, and Fig. 5. Of two tables a
 colour is a quantity, as of one, and a line style is a table, in the order given.
@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib.show.panel import Line, Mark, Panel
+from calib.show.posterior import forest, pairs
 from calib.show.ramp import MeasuredRamp, panel, points
 from calib.show.sheet import Sheet
 from calib.show.style import (
@@ -26,6 +27,7 @@ from calib.show.style import (
     Array,
     Stroke,
 )
+from calib.show.torque import UNIT, per_bar
 from calib.table.budget import ramp_pads
 from calib.table.compare import diff
 from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
@@ -42,7 +44,7 @@ _FLAGS = {
 """Word, line style and width of each flag of a cell."""
 
 _FREED = "ramps, drag taken out"
-"""What was done to the measured points beside a curve over eta; the note says it in full."""
+"""Label of the measured points beside a curve over eta."""
 _MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
 _MAPPED: dict[float, Stroke] = {
@@ -63,30 +65,37 @@ _SEEN = 0.02
 """Share of the stops from which a cell of the map is drawn."""
 
 
-def sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
+def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
     numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
     of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
-    front, rear = ramp_pads(table)
-    last = table.paper.usable[1]
+    (front, rear), pads, last = (
+        per_bar(table),
+        " and ".join(ramp_pads(table)),
+        table.paper.usable[1],
+    )
     maps = [_read(table.map, z, look, f"at {z:.1f} g") for z, look in _MAPPED.items()]
     return Sheet(
         kind="table",
         name=name,
-        panels=(_curves(table, ramps), _map(_MAP, maps), _tyre(table, ramps), *of_ramps),
-        rows=(("f1-f2", "f1-f2"), ("map", "tyre")),
-        heights=(1.4, 1.2),
+        panels=(
+            *(_curves(table, ramps), _map(_MAP, maps), _tyre(table, ramps)),
+            *(forest(table), pairs(table), *of_ramps),
+        ),
+        rows=(("f1-f2", "f1-f2"), ("map", "tyre"), ("posterior", "pairs")),
+        heights=(1.4, 1.2, 1.2),
         title=f"Table {name}",
         note=_note(table, bool(ramps)),
-        result=f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f}\u00a0g",
+        result=f"Brake torque front {front}, rear {rear} {UNIT} per bar, pads {pads} (95 %); "
+        f"valid up to {last:.2f} g",
     )
 
 
 def _note(table: Table, ramps: bool) -> str:
     origin = table.provenance
     cars = origin.parents if table.spread else ()
-    of = ", ".join([p.id for p in cars] or [log.name for log in origin.logs])
-    note = f"Digest {table.digest[:16]}, made of {of} with {table.provenance.program}. "
+    sources = ", ".join([p.id for p in cars] or [log.name for log in origin.logs])
+    note = f"Digest {table.digest[:16]}, made of {sources} with {table.provenance.program}. "
     note += "Bands are 95 %. Grey: beyond the usable range."
     if ramps:
         note += (
@@ -141,15 +150,15 @@ def _tyre(table: Table, ramps: _Ramps) -> Panel:
 def _curves(table: Table, ramps: _Ramps) -> Panel:
     """Fig. 6; the end of the usable range and the decelerations up to it are marked."""
     p = table.paper
-    x, both = 100.0 * (p.eta - 1.0), [one for one in ramps if one.both]
+    x, two_axles = 100.0 * (p.eta - 1.0), [one for one in ramps if one.is_two_axles]
     f = [
         *_by_flag(x, p.f1, p.flag, FRONT, "f1, front,", (p.f1_lower, p.f1_upper)),
         *_by_flag(x, p.f2, p.flag, REAR, "f2, rear,", (p.f2_lower, p.f2_upper)),
     ]
-    for i, ramp in enumerate(both):
-        at = 100.0 * (ramp.eta - 1.0)
-        f.append(points(ramp, at, ramp.f1, FRONT, "" if i else _FREED))
-        f.append(points(ramp, at, ramp.f2, REAR))
+    for i, ramp in enumerate(two_axles):
+        shift = 100.0 * (ramp.eta - 1.0)
+        f.append(points(ramp, shift, ramp.f1, FRONT, "" if i else _FREED))
+        f.append(points(ramp, shift, ramp.f2, REAR))
     reach = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
     (low, high), end = p.usable, 100.0 * (p.usable_eta[1] - 1.0)
     line: Stroke = {"color": BODY["color"], "linewidth": 0.9, "linestyle": LONG}
@@ -180,20 +189,20 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
 
 
 def _map(title: str, lines: Sequence[Line]) -> Panel:
-    """What eta tells of the pads, at the slip that is usual there."""
-    known = [x for line in lines for x in line.x]
-    even = Line((min(known), max(known)), (1.0, 1.0), NOMINAL, "as on the ramp")
+    """Ratio of the pads over eta, at the usual slip."""
+    shifts = [x for line in lines for x in line.x]
+    even = Line((min(shifts), max(shifts)), (1.0, 1.0), NOMINAL, "as on the ramp")
     return Panel("map", title, ETA, "front over rear pads [1]", [*lines, even], columns=2)
 
 
-def _read(of: PadMap, z: float, look: Stroke, label: str) -> Line:
-    """Front over rear pads [1] over eta - 1 [%] in a map at ``z`` [g], where stops show it."""
-    shift = of.axes["shift"]
-    read = Reader(of, ("change", "change_lower", "change_upper", "share"))
+def _read(pad_map: PadMap, z: float, look: Stroke, label: str) -> Line:
+    """Ratio of front to rear pads [1] over eta - 1 [%] in a map at ``z`` [g], where stops are."""
+    shift = pad_map.axes["shift"]
+    read = Reader(pad_map, ("change", "change_lower", "change_upper", "share"))
     change, lower, upper, share = read(np.full_like(shift, z), shift, np.zeros_like(shift))
-    seen = share > _SEEN  # what hardly any stop shows has a wide answer that nobody will see
-    y, low, high = (np.exp(x[seen]) for x in (change, lower, upper))
-    return Line(100.0 * z * shift[seen], y, look, label, (low, high))
+    is_usual = share > _SEEN  # a cell that hardly any stop reaches is wide and means nothing
+    y, low, high = (np.exp(x[is_usual]) for x in (change, lower, upper))
+    return Line(100.0 * z * shift[is_usual], y, look, label, (low, high))
 
 
 def two_tables(tables: dict[str, Table]) -> Sheet:
@@ -212,8 +221,8 @@ def two_tables(tables: dict[str, Table]) -> Sheet:
         notes.append(
             f"{name}: digest {table.digest[:16]}, pad friction front {front}, rear {rear}."
         )
-    found = diff(*tables.values())
-    beyond = [*found.apart, *(gap.curve for gap in found.curves if gap.in_bands > 1.0)]
+    difference = diff(*tables.values())
+    beyond = [*difference.apart, *(gap.curve for gap in difference.curves if gap.in_bands > 1.0)]
     title = f"Maps at {_COMPARED:g} g: pads over those of the ramp"
     return Sheet(
         kind="comparison",
@@ -221,5 +230,5 @@ def two_tables(tables: dict[str, Table]) -> Sheet:
         panels=(_map(title, maps), Panel("f1-f2", _FORCES, ETA, "f1, f2 [1]", curves, columns=2)),
         title=" and ".join(tables),
         note=" ".join([*notes, "Bands are 95 %."]),
-        result=found.verdict.capitalize() + f" in {', '.join(beyond)}" * bool(beyond),
+        result=difference.verdict.capitalize() + f" in {', '.join(beyond)}" * bool(beyond),
     )

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from calib.base.errors import printable
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Row, Table
+from calib.show.numbers import whole
 
 _NARROWEST = 20
 """Columns that a text has at least, beside its name."""
@@ -18,10 +19,10 @@ _STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "green", UNJUDGED: "dim", "
 
 
 def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterator[RenderableType]:
-    """What is printed one below the other: the headline alone if ``quiet`` and there is one.
+    """Texts and grids in the order of printing; ``quiet``: a headline alone.
 
-    ``details`` come first, so that the answer is last. A string is printed whole, to be copied
-    from; all else is cut to lines at words.
+    ``details`` come first, so that the answer is last. A plain string is a command to copy, and is
+    never cut into lines.
     """
     facts = _texts(facts)
     head = replace(facts, parts=()).filled
@@ -29,8 +30,8 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
         yield from [Text(printable(part.title), style="bold")] * bool(part.title)
         yield from drawn(part, details=details)
         yield from [""] * (head or part is not facts.parts[-1])
-    if told := facts.said:
-        yield _Paragraph(told, f"bold {_STYLES[facts.verdict]}".strip())
+    if text := facts.verdict_line:
+        yield _Paragraph(text, f"bold {_STYLES[facts.verdict]}".strip())
         if quiet:
             return
     for table in facts.tables:
@@ -45,7 +46,7 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
 
 
 def _texts(facts: Facts) -> Facts:
-    """What a terminal shows: no pictures, no part that has nothing else or is folded on a page."""
+    """The facts without pictures, warnings, folded and empty parts."""
     parts = [_texts(part) for part in facts.parts if not part.folded]
     parts = [part for part in parts if part.filled]
     return replace(facts, pictures=(), warnings=(), parts=parts)
@@ -55,7 +56,7 @@ class _Paragraph:
     """A text in lines; a number keeps its unit on its line."""
 
     def __init__(self, text: str, style: str = "") -> None:
-        self.text, self.style = printable(text), style
+        self.text, self.style = whole(printable(text)), style
 
     def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
         lines = [self.text] if options.no_wrap else wrap(self.text, options.max_width)
@@ -66,7 +67,7 @@ class _Terms:
     """Names and their texts side by side."""
 
     def __init__(self, rows: Sequence[Row]) -> None:
-        self.rows = [(printable(name), printable(text)) for name, text in rows]
+        self.rows = [(printable(name), whole(printable(text))) for name, text in rows]
         self.indent = max(len(name) for name, _ in rows) + 2
 
     def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
@@ -86,10 +87,11 @@ class _Grid:
     """A table; where its words and numbers do not fit side by side, a block of lines for a row."""
 
     def __init__(self, table: Table) -> None:
-        self.table = table
+        rows = [[whole(cell) for cell in row] for row in table.rows]
+        self.table = replace(table, heads=[whole(head) for head in table.heads], rows=rows)
         self.least = [
             max(_longest([head]), max(map(len, cells)) if numeric else _longest(cells))
-            for head, numeric, *cells in zip(table.heads, table.numeric, *table.rows, strict=True)
+            for head, numeric, *cells in zip(self.table.heads, table.numeric, *rows, strict=True)
         ]
 
     def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
@@ -114,5 +116,5 @@ class _Grid:
     def _blocks(self) -> Iterator[RenderableType]:
         for i, (name, *cells) in enumerate(self.table.rows):
             yield Text(printable(name), style=f"bold {self._style(i)}".strip())
-            told = zip(self.table.heads[1:], cells, strict=True)
-            yield _Terms([(f"  {head}", cell) for head, cell in told if cell])
+            pairs = zip(self.table.heads[1:], cells, strict=True)
+            yield _Terms([(f"  {head}", cell) for head, cell in pairs if cell])

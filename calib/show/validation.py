@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
 
+from calib.base.names import AXLE_NAMES
 from calib.base.plain import counted, plain, signed_percent
 from calib.estimation.agreement import agreement
 from calib.estimation.results import unseen_in
@@ -19,9 +20,19 @@ from calib.estimation.validate import (
     proof_of,
 )
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import UNKNOWN, broken, budget_rows, mean_of, pads, stop_by_stop, valid, word
+from calib.show.judged import UNKNOWN, broken, budget_rows, pads, stop_by_stop, valid, word
 from calib.show.origin import origin
-from calib.show.stop import pads_over_time
+from calib.show.stop import torque_and_pads
+from calib.show.torque import (
+    AGAINST,
+    SIDES,
+    UNIT,
+    errors,
+    in_words,
+    means,
+    true_means,
+    valid_samples,
+)
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
@@ -31,11 +42,12 @@ from calib.table.unseen import unseen_line
 
 _PROOFS = {
     TRUTH: "the torques in the logs",
-    REFERENCE: "the speed v, which cannot show an error of the ramp itself",
+    REFERENCE: "the measured speed v; an error of the ramp would not show",
     NONE: "nothing: the logs hold neither torques nor v",
 }
 _V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
 """Of logs with v that prove nothing."""
+_BESIDE = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
 _SHOWN = 4
 """Limits that are broken, in the head of the answer; all are in the details."""
 
@@ -50,70 +62,79 @@ class Validated:
     files: Mapping[str, Path] = field(default_factory=dict)
 
 
-def facts(judged: Validated) -> Facts:
+def validation_facts(judged: Validated) -> Facts:
     """The verdict, stop by stop, with each warning."""
     stored, results, how = judged.stored, judged.results, judged.how
-    found = sorted(results, key=lambda result: result.passed)
+    in_order = sorted(results, key=lambda result: result.passed)
     logs, (limits, unknown) = [(r.role, r.log, r.digest) for r in results], stop_by_stop(results)
     warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
-    failed, proof = not all(result.passed for result in found), proof_of(list(results))
+    failed, proof = not all(result.passed for result in in_order), proof_of(list(results))
     verdict = FAILED if failed else WARNING if warnings else PASSED
-    budgets = [result.budget for result in found if result.budget]
+    budgets = [result.budget for result in in_order if result.budget]
     advice = advice_lines((of for budget in budgets for of in budget), STOP)
     details = Facts(
-        "The ECU beside the best estimate; 95 % intervals",
-        tables=[_beside_best(stored, found)],
+        "The ECU beside the best estimate",
+        tables=[beside_best(stored, in_order)],
         rows=[
             ("table", f"{stored.id}, {stored.state.why}"),
             ("vehicle", stored.table.vehicle.name),
-            ("mass", str(found[0].mass)),
-            *_limiting(found),
+            ("mass", str(in_order[0].mass)),
+            *_limiting(in_order),
             ("seen by", unseen_line(unseen_in(stored, results))),
         ],
         notes=advice,
     )
     return Facts(
         title=f"Validation of {stored.id}",
-        headline=_outcome(stored, found),
+        headline=_outcome(stored, in_order),
         verdict=verdict,
         word=CONSISTENT.capitalize() if proof == NONE and not failed else WORDS[verdict],
-        tables=[by_stop(stored, found)],
+        tables=[by_stop(in_order)],
         rows=[
-            *[row for result in found for row in _against(result)][:_SHOWN],
+            *[row for result in in_order for row in _against(result)][:_SHOWN],
             *(
-                [("judged by", _judged_by(results, proof))]
-                if any(r.role == HOLDOUT for r in found)
+                [("checked against", _judged_by(results, proof))]
+                if any(r.role == HOLDOUT for r in in_order)
                 else []
             ),
             *([] if how is None else [("as exported", str(how))]),
-            *(("limited by", limiting(budget)) for budget in budgets[:1]),
+            *(("largest uncertainty", limiting(budget)) for budget in budgets[:1]),
         ],
-        next=_next(stored, found),
+        next=_next(stored, in_order),
         warnings=warnings,
         parts=[
+            Facts("The stops", pictures=[torque_and_pads(r) for r in results]),
             details,
             Facts("Metrics and limits", tables=[limits], notes=unknown),
-            Facts("The stops", pictures=[pads_over_time(r) for r in results]),
             origin(stored, logs, date.today().isoformat(), judged.files),
         ],
     )
 
 
 def _judged_by(results: Sequence[Validation], proof: str) -> str:
-    """What the verdict rests on."""
+    """Measurement that the verdict rests on."""
     with_v = any("v" in result.estimate.ran.log for result in results)
     return _V_NOT_USED if proof == NONE and with_v else _PROOFS[proof]
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
-    """On how many stops the table holds its limits; of one stop, how its pads changed."""
-    failed, of = [result.log for result in results if not result.passed], len(results)
-    told = f"{stored.id} holds on {of - len(failed)} of {counted(of, 'stop')}"
-    if of == 1 and not failed and (change := _change(stored, results[0])) is not None:
+    """On how many stops the table holds its limits, and how right the ECU's torques are.
+
+    Of one stop also the torques, and how its pads changed.
+    """
+    failed, stops = [result.log for result in results if not result.passed], len(results)
+    texts = [f"{stored.id} holds on {stops - len(failed)} of {counted(stops, 'stop')}"]
+    if stops == 1:
+        answer = in_words(means(results[0].estimate.columns(), valid_samples(results[0])))
+        texts += [answer] * bool(answer)
+    if compared := [one for one in map(errors, results) if one.values]:
+        worst = max(compared, key=lambda one: max(one.values[:2]))
+        texts.append(f"front / rear within {worst.of_axles} of {AGAINST[worst.against]}")
+    if stops == 1 and not failed and (change := _change(stored, results[0])) is not None:
         whole = round(100.0 * abs(change))
         how = f"{whole} % {'weaker' if change < 0.0 else 'stronger'} than" if whole else "as"
-        told += f"; pads {how} on the ramp"
-    return told
+        texts.append(f"pads {how} on the ramp")
+    return "; ".join(texts)
 
 
 def _change(stored: Stored, r: Validation) -> float | None:
@@ -123,7 +144,7 @@ def _change(stored: Stored, r: Validation) -> float | None:
 
 
 def _next(stored: Stored, results: list[Validation]) -> str:
-    """What follows: stops with other pads than the ramp's prove nothing of its table."""
+    """Next step; stops whose pads differ prove nothing of a table."""
     together = agreement(results)
     if any(result.role == CALIBRATION for result in results):
         return "validate again without the logs of the fit"
@@ -138,56 +159,68 @@ def _next(stored: Stored, results: list[Validation]) -> str:
     return f"brake-cal tables release {stored.id} --reason ... --evidence DIR/summary.json"
 
 
-def by_stop(stored: Stored, results: Sequence[Validation]) -> Table:
-    """What an ECU makes of each stop."""
-    rows = []
-    for r in results:
-        change = _change(stored, r)
-        rows.append(
-            (
-                r.log,
-                *(pads(r.figures, axle, "ecu_") for axle in "fr"),
-                UNKNOWN if change is None else signed_percent(change),
-                valid(r.figures),
-                word(r),
-            )
+def by_stop(results: Sequence[Validation]) -> Table:
+    """Brake torques of each stop as an ECU has them, and the error of the total."""
+    rows = [
+        (
+            r.log,
+            *means(r.estimate.columns(), valid_samples(r)),
+            errors(r).of_axles,
+            valid(r.figures),
+            word(r),
         )
-    heads = ("stop", "front pads", "rear pads", "since ramp", "valid", "verdict")
+        for r in results
+    ]
+    sides = [f"{side} [{UNIT}]" for side in SIDES]
+    heads = ("stop", *sides, "error front / rear", "valid", "verdict")
     return Table(heads, rows, verdicts=[PASSED if r.passed else FAILED for r in results])
 
 
-def _beside_best(stored: Stored, results: list[Validation]) -> Table:
-    """Of each stop the ECU, the best estimate, its change since the ramp, and the truth."""
-    rows = [(r.log, *cells) for r in results for cells in _of_one(stored, r)]
-    return Table(("stop", "", "front pads", "rear pads", "pad level", "valid"), rows)
+def beside_best(stored: Stored, results: Sequence[Validation]) -> Table:
+    """Torques and pads of each stop: of the ECU, of the best estimate, and as they are."""
+    rows = [(r.log, *cells) for r in results for cells in _answers(stored, r)]
+    pads_of = [f"{axle} pads" for axle in AXLE_NAMES.values()]
+    heads = (
+        "stop",
+        "answer",
+        *(f"{side} [{UNIT}]" for side in SIDES),
+        *pads_of,
+        "since ramp",
+        "valid",
+    )
+    return Table(heads, rows, _BESIDE)
 
 
-def _of_one(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
-    of, cal = r.figures, stored.table.calibration
-    level = mean_of(of, "ecu_pad_level", "ecu_interval_level")
-    ecu = [pads(of, "f", "ecu_"), pads(of, "r", "ecu_"), level]
-    yield "ECU", *ecu, valid(of)
+def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
+    figures, columns, used = r.figures, r.estimate.columns(), valid_samples(r)
+    change = _change(stored, r)
+    since = UNKNOWN if change is None else signed_percent(change)
+    yield (
+        *("ECU", *means(columns, used), *(pads(figures, axle, "ecu_") for axle in "fr")),
+        *(since, valid(figures)),
+    )
     with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
-    best = [pads(of, "f"), pads(of, "r"), mean_of(of, "pad_level", "interval_level")]
-    yield with_v, *best, plain("valid_share").with_unit(of["valid_share"])
-    then = {"f": cal.pad_friction_f.value, "r": cal.pad_friction_r.value}
-    now = {axle: of[f"pad_friction_{axle}"] for axle in then}
-    change = [signed_percent(x / then[axle] - 1.0) for axle, x in now.items() if x is not None]
-    if len(change) == len(then):
-        yield "since the ramp", *change, "", ""
-    true = [of[name] for name in ("true_pad_friction_f", "true_pad_friction_r", "true_pad_level")]
-    if any(x is not None for x in true):
-        yield "truth", *("" if x is None else f"{x:.3f}" for x in true), ""
+    share = plain("valid_share").with_unit(figures["valid_share"])
+    yield (
+        *(with_v, *means(columns, used & r.estimate.valid, "")),
+        *(*(pads(figures, axle) for axle in "fr"), "", share),
+    )
+    if (error := errors(r)).values:
+        yield f"ECU against {AGAINST[error.against]}", *error.texts, *[""] * 4
+    if true := true_means(r, used):
+        names = ("true_pad_friction_f", "true_pad_friction_r")
+        pads_ = ("" if figures[name] is None else f"{figures[name]:.3f}" for name in names)
+        yield "truth", *true, *pads_, "", ""
 
 
 def _against(r: Validation) -> Iterator[Row]:
-    """What makes a stop fail."""
+    """Reasons why a stop fails."""
     for text in [NO_HOLDOUT] if r.role == CALIBRATION else broken(r):
         yield r.log, text
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
-    """What stands beside the table: limits that are not held, what the intervals are made of."""
+    """Broken limits, samples that are not valid, parts of the uncertainty, and agreement."""
     rows: list[Row] = []
     for r in results:
         rows += _against(r)

@@ -28,13 +28,19 @@ _THIN: Stroke = {"color": NOMINAL["color"], "linewidth": 0.5, "alpha": 0.6}
 _KNM = 1e3
 
 
-def facts(vehicle: Vehicle) -> Facts:
-    """What follows from a vehicle with its nominal pads."""
-    found = what_follows(vehicle)
-    biased = found.front_biased_up_to
+def vehicle_facts(vehicle: Vehicle) -> Facts:
+    """Loads, torques and distribution of a vehicle with its nominal pads."""
+    consequences = what_follows(vehicle)
+    biased = consequences.front_biased_up_to
     always = {None: "front always", 0.0: "rear always"}
     axles = [
-        (name, *(f"{getattr(axle, key):.{digits}f}" for axle in (found.front, found.rear)))
+        (
+            name,
+            *(
+                f"{getattr(axle, key):.{digits}f}"
+                for axle in (consequences.front, consequences.rear)
+            ),
+        )
         for name, key, digits in (
             ("torque per bar, one wheel [N m]", "torque_per_bar_wheel", 2),
             ("torque per bar, axle [N m]", "torque_per_bar_axle", 2),
@@ -43,10 +49,10 @@ def facts(vehicle: Vehicle) -> Facts:
             ("mass of a wheel at its radius [kg]", "wheel_mass", 1),
         )
     ]
-    known = [axle.pad_friction_tolerance for axle in (vehicle.front, vehicle.rear)]
-    if known != [None, None]:
-        told = ("" if share is None else f"{100 * share:.2g}" for share in known)
-        axles.append(("pad friction known to [%]", *told))
+    tolerances = [axle.pad_friction_tolerance for axle in (vehicle.front, vehicle.rear)]
+    if tolerances != [None, None]:
+        shares = ("" if share is None else f"{100 * share:.2g}" for share in tolerances)
+        axles.append(("pad friction known to [%]", *shares))
     brakes = [
         (
             *(f"{b.deceleration:.1f}", f"{b.pressure:.1f}"),
@@ -54,16 +60,16 @@ def facts(vehicle: Vehicle) -> Facts:
             *("lifted" if x is None else f"{x:.2f}" for x in (b.friction_f, b.friction_r)),
             *(f"{b.torque_f:.0f}", f"{b.torque_r:.0f}"),
         )
-        for b in found.distribution
+        for b in consequences.distribution
     ]
     return Facts(
         headline=f"{vehicle.name}, {vehicle.mass:g} kg",
         rows=[
-            ("wheelbase", f"{1e3 * found.wheelbase:.0f} mm"),
-            ("pressure", f"{found.pressure_per_g:.1f} bar per g"),
-            ("brake force", f"{100 * found.front_share:.1f} % front"),
+            ("wheelbase", f"{1e3 * consequences.wheelbase:.0f} mm"),
+            ("pressure", f"{consequences.pressure_per_g:.1f} bar per g"),
+            ("brake force", f"{100 * consequences.front_share:.1f} % front"),
             ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
-            ("rear lifts at", f"{found.rear_lifts_at:.2f} g"),
+            ("rear lifts at", f"{consequences.rear_lifts_at:.2f} g"),
         ],
         parts=[
             Facts("Axles and brake force", tables=[
@@ -76,23 +82,23 @@ def facts(vehicle: Vehicle) -> Facts:
     )  # fmt: skip
 
 
-def cards(found: Sequence[Card]) -> Facts:
+def cards(effects: Sequence[Card]) -> Facts:
     """Each effect with its cause."""
-    return Facts(tables=[Cells(("effect", "cause"), [(one.name, one.cause) for one in found])])
+    return Facts(tables=[Cells(("effect", "cause"), [(one.name, one.cause) for one in effects])])
 
 
-def card(one: Card) -> Facts:
+def card(effect: Card) -> Facts:
     """The card of an effect; its parameters as expected value, spread and range."""
     head = ("name", "cause", "equation", "source", "looks_like")
-    rows = [(name.replace("_", " "), str(getattr(one, name))) for name in head]
-    for p in one.parameters:
+    rows = [(name.replace("_", " "), str(getattr(effect, name))) for name in head]
+    for p in effect.parameters:
         unit = behind(p.unit)
         usual = f"{p.typical:g} +- {p.spread:g}{unit}, from {p.low:g} to {p.high:g}{unit}"
         rows.append((p.name, usual))
     return Facts(rows=rows)
 
 
-def sheet(vehicle: Vehicle) -> Sheet:
+def vehicle_sheet(vehicle: Vehicle) -> Sheet:
     """Fig. 2: torques of the axles up to 1 g, the decelerations marked along the beta line.
 
     As in (9), the inertia of the wheels is neglected.
@@ -124,9 +130,9 @@ def sheet(vehicle: Vehicle) -> Sheet:
         lines.append(Line(*alone, _THIN))
     lines.append(Line(points[:, 0], points[:, 1], dots(IDENTIFIED, 3.2)))
     if 0.0 < (biased := front_biased_up_to(vehicle)) <= 1.0:
-        at = beta(np.array([biased]))
+        point = beta(np.array([biased]))
         label = f"front locks first up to {biased:.2f} g"
-        lines.append(Line(at[:, 0], at[:, 1], dots(BODY, 6.0, "D", mfc="white"), label))
+        lines.append(Line(point[:, 0], point[:, 1], dots(BODY, 6.0, "D", mfc="white"), label))
     panel = Panel(
         "torque-distribution",
         "Brake torque of the axles",

@@ -95,27 +95,32 @@ def largest(parts: Parts) -> str:
 
 
 def words(parts: Parts) -> str:
-    r"""The three largest parts, as 95 % intervals.
+    r"""The three largest parts, as a 95 % interval has them.
 
     >>> words({"tyres": 0.01, "mass": 0.03, "load_geometry": 0.002})
-    'mass ±5.9\xa0%, tyres ±2.0\xa0%, load geometry ±0.4\xa0%'
+    'mass ±5.9\xa0%, tyres ±2.0\xa0%, load geometry ±0.4\xa0% (95\xa0%)'
     """
-    ordered = sorted(parts.items(), key=lambda part: -part[1])[:3]
-    widths = (f"{part.replace('_', ' ')} ±{100.0 * Z95 * x:.1f}{NBSP}%" for part, x in ordered)
-    return ", ".join(widths)
+    ordered = sorted(parts.items(), key=lambda one: -one[1])[:3]
+    widths = (f"{_label(part)} ±{100.0 * Z95 * x:.1f}{NBSP}%" for part, x in ordered)
+    return f"{', '.join(widths)} (95{NBSP}%)"
+
+
+def _label(part: str) -> str:
+    """A part as people call it."""
+    return "ratio of front to rear pads" if part == "unlike_pads" else part.replace("_", " ")
 
 
 def limiting(axles: Sequence[Parts]) -> str:
     r"""The largest part of each axle, as a 95 % interval.
 
     >>> limiting([{"tyres": 0.01, "mass": 0.03}, {"unlike_pads": 0.04}])
-    'mass (±6\xa0% front), unlike pads (±8\xa0% rear)'
+    'mass (±6\xa0% front), ratio of front to rear pads (±8\xa0% rear)'
     """
     by_part: dict[str, list[str]] = {}
     for axle, parts in zip(AXLE_NAMES.values(), axles, strict=True):
         most = largest(parts)
         width = f"±{100.0 * Z95 * parts[most]:.0f}{NBSP}%"
-        by_part.setdefault(most.replace("_", " "), []).append(f"{width} {axle}")
+        by_part.setdefault(_label(most), []).append(f"{width} {axle}")
     return ", ".join(f"{part} ({', '.join(of)})" for part, of in by_part.items())
 
 

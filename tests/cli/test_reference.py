@@ -3,10 +3,16 @@
 import json
 from pathlib import Path
 
+import pytest
+
+from calib.base.plain import METRICS
+from calib.base.warning import RULES
 from calib.car import forces
 from calib.car.effects.catalogue import CATALOGUE
+from calib.estimation.reasons import CHECKS
 from calib.help import qualify
 from calib.help.documents import FILES, documents
+from calib.help.explain import codes, explained
 from calib.help.page import contents
 from tests.cli.conftest import parsed
 
@@ -39,6 +45,21 @@ def test_the_manual_is_listed_and_each_page_printed(brake_cal):
     assert [p["name"] for p in parsed(brake_cal("manual", "--json"))["pages"]] == [*contents()]
     assert parsed(brake_cal("manual", "ramp", "--json"))["text"].startswith("# ")
     assert brake_cal("manual", "xyzzy").code == 2
+
+
+@pytest.mark.parametrize("code", ["a_x_scale", "ecu_reference_f", "IMPLAUSIBLE", "motor_changed"])
+def test_a_code_is_explained_by_its_own_row(brake_cal, code):
+    text = " ".join(parsed(brake_cal("manual", code, "--json"))["text"])
+    rules = [rule for rule in RULES if rule.code == code]
+    known = [rule.do for rule in rules] or [
+        CHECKS.get(code) or getattr(METRICS.get(code), "meaning", "")
+    ]
+    assert all(words in text for words in known)
+    assert text
+
+
+def test_every_code_says_something():
+    assert all(explained(code).rows for code in codes())
 
 
 def test_limits_are_written_as_they_are_printed(brake_cal, tmp_path):

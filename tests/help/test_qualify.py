@@ -12,7 +12,7 @@ from calib import __version__
 from calib.car.vehicle import Axle
 from calib.estimation import validate
 from calib.help import qualify as room
-from calib.help.qualify import DRAG, SUITE, facts, qualify
+from calib.help.qualify import DRAG, SUITE, qualification_facts, qualify
 from calib.help.samples import sample_logs
 from calib.show.html import page_of
 from cli.console import plain
@@ -44,7 +44,7 @@ def test_an_error_fails_its_own_check_and_no_other_one():
     assert (one["held"], one["value"]) == (False, None)
     assert all(other["held"] for other in others)
     assert (one["error"], document["verdict"]) == ("ZeroDivisionError: <b>by nought</b>", "failed")
-    text = page_of(facts(document))
+    text = page_of(qualification_facts(document))
     assert '<header class="failed">' in text
     assert not any(word in text for word in ("<b>", "http", "<script"))
 

@@ -60,12 +60,12 @@ def sheet(request, sedan, ramp, transition):
     """One sheet of every family."""
     made = made_table()
     return {
-        "table": lambda: table.sheet(made, "sedan@1"),
-        "ramp": lambda: table.sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
+        "table": lambda: table.table_sheet(made, "sedan@1"),
+        "ramp": lambda: table.table_sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
         "stop": lambda: stop.of_validation(
             sedan, "sedan@1", transition, request.getfixturevalue("stopped")
         ),
         "simulation": lambda: request.getfixturevalue("simulated"),
         "comparison": lambda: table.two_tables({"sedan@1": made, "sedan@2": made_table(28.0)}),
-        "log": lambda: log.sheet(log.whole_of(transition), run_events(transition)),
+        "log": lambda: log.log_sheet(log.whole_of(transition), run_events(transition)),
     }[request.param]()

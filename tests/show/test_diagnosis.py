@@ -8,8 +8,8 @@ import pytest
 from calib.car.effects.catalogue import CATALOGUE
 from calib.diagnosis.diagnosis import to_dict
 from calib.diagnosis.search import SearchStep
-from calib.show.diagnosis import KINDS, facts, outcome
-from calib.show.diagnosis_figure import sheet
+from calib.show.diagnosis import KINDS, diagnosis_facts, outcome
+from calib.show.diagnosis_figure import diagnosis_sheet
 from calib.show.html import page_of
 from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
@@ -27,7 +27,10 @@ def tables(found):
         for inner in part.parts:
             yield from walk(inner)
 
-    return {" ".join(table.caption.split()[:2]): list(table.rows) for table in walk(facts(found))}
+    return {
+        " ".join(table.caption.split()[:2]): list(table.rows)
+        for table in walk(diagnosis_facts(found))
+    }
 
 
 def within(found):
@@ -58,14 +61,14 @@ def worse(found):
 )
 def test_a_name_is_good_only_if_the_hold_outs_say_so(named, change, expected):
     found = change(named)
-    told = facts(found)
+    told = diagnosis_facts(found)
     assert outcome(found) == expected
     assert (told.word, told.verdict) == KINDS[expected]
-    assert page_of(facts(found)).count("<section>") >= 2
+    assert page_of(diagnosis_facts(found)).count("<section>") >= 2
 
 
 def test_a_named_cause_has_its_numbers_and_its_card(named):
-    told = facts(named)
+    told = diagnosis_facts(named)
     gap = dict(told.rows)["gap"]
     numbers = [x for x in gap.replace(",", "").split() if x[0].isdigit()]
     assert numbers == ["6.7", "3.7", "45.7", "1"]
@@ -82,7 +85,7 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
 
 def test_an_unknown_cause_is_described_by_its_term(named):
     found = unknown(named)
-    (line,) = next(one for one in sheet(found).panels if one.name == "term").lines
+    (line,) = next(one for one in diagnosis_sheet(found).panels if one.name == "term").lines
     assert line.x == pytest.approx([0.0, 25.0])  # bar
     assert line.y == [0.0, -12.5]  # per cent
 
@@ -95,7 +98,7 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
     squares = np.repeat(named.gap.squares, count, axis=1)
     gap = replace(named.gap, logs=tuple(log.name for log in logs), squares=squares)
     found = replace(named, effects=five, gap=gap, before=logs, after=logs, measured=logs)
-    drawn = sheet(found)
+    drawn = diagnosis_sheet(found)
     for figure in (drawn.overview(), *(drawn.figure(name) for name in drawn.names)):
         figure.canvas.draw()
         whole = figure.get_window_extent()
@@ -108,13 +111,13 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
                 assert last <= box.x0
                 last = box.x1
             assert last <= whole.x1
-    known = page_of(facts(found))
+    known = page_of(diagnosis_facts(found))
     assert all(log.name in known for log in logs)
 
 
 def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
     found = replace(unknown(named), withdrawn=(("rear_proportioning", "mass_error"),))
-    told = dict(facts(found).rows)["Not named"]
+    told = dict(diagnosis_facts(found).rows)["Not named"]
     assert "rear proportioning" in told
     assert "mass error" in told
     assert to_dict(found)["withdrawn"] == [["rear_proportioning", "mass_error"]]

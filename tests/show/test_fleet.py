@@ -7,7 +7,7 @@ import pytest
 from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.results import open_fleet
 from calib.line.fleet.summary import document, headline, summarise
-from calib.show.fleet import facts, sheet, window
+from calib.show.fleet import fleet_facts, metric_sheet, window
 from calib.show.sheet import render
 from cli.console import plain
 from tests.support.fleet_results import results
@@ -21,7 +21,7 @@ def found(tmp_path_factory):
 
 def test_every_log_is_a_point_and_the_far_one_a_mark_at_the_edge(found):
     pads, calm = found.looks[:2]
-    order = panel(sheet(found, pads), "order")
+    order = panel(metric_sheet(found, pads), "order")
     low, high = window(pads)
     assert np.array_equal(order.lines[0].x, pads.rows + 1)
     assert np.array_equal(order.lines[0].y, np.clip(pads.values, low, high))
@@ -30,7 +30,7 @@ def test_every_log_is_a_point_and_the_far_one_a_mark_at_the_edge(found):
     assert max(y) == high < 0.55
     assert ("car134", 134.0, high) in order.texts
     assert line(order, "level")[1].tolist() == [pads.change.before] * 2
-    assert "level" not in labels(panel(sheet(found, calm), "order"))
+    assert "level" not in labels(panel(metric_sheet(found, calm), "order"))
 
 
 @pytest.mark.parametrize("n", [1, 3, 12])
@@ -40,8 +40,8 @@ def test_small_fleets_are_drawn_and_names_as_they_are(tmp_path, n):
     for look in few.looks:
         low, high = window(look)
         assert n >= 10 or (low <= look.values.min() and look.values.max() <= high)
-        assert render(sheet(few, look).overview(), ".png").startswith(b"\x89PNG")
-    assert "a$b/c$" in [sheet(few, look).panels[0].title for look in few.looks]
+        assert render(metric_sheet(few, look).overview(), ".png").startswith(b"\x89PNG")
+    assert "a$b/c$" in [metric_sheet(few, look).panels[0].title for look in few.looks]
 
 
 def test_the_document_is_json_and_says_what_chance_gives(found):
@@ -58,7 +58,7 @@ def test_the_document_is_json_and_says_what_chance_gives(found):
 def test_a_short_line_is_not_called_steady(tmp_path):
     short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)), ("settling",))
     assert headline(short) == "Drift not tested; no log stands apart."
-    page = facts(short)
+    page = fleet_facts(short)
     assert page.verdict == "unjudged"
     assert page.parts[2].tables[0].rows[0][-1] == "not tested"
     assert document(short)["figures"]["settling"]["change"] is None

@@ -8,12 +8,12 @@ import pytest
 from calib.logs.whole import WholeColumn, WholeLog
 from calib.run.events import BITES, BRAKING, RunEvent
 from calib.show import log
-from calib.show.log import MOST, sheet
+from calib.show.log import MOST, log_sheet
 from tests.support.plot_lines import line, panel
 
 
 def test_the_channels_of_a_log_are_drawn_with_raw_eta(transition):
-    drawn = sheet(log.whole_of(transition))
+    drawn = log_sheet(log.whole_of(transition))
     assert drawn.names == ("p_mc", "a_x", "omega", "v", "eta")
     assert np.array_equal(line(panel(drawn, "omega"), "rl")[1], transition["omega_rl"])
     assert line(panel(drawn, "p_mc"), "")[1] == pytest.approx(transition["p_mc"] / 1e5)
@@ -26,11 +26,11 @@ def test_the_channels_of_a_log_are_drawn_with_raw_eta(transition):
 def test_eta_ends_where_the_car_stands_and_needs_every_wheel(transition):
     spins = {f"omega_{w}": np.zeros(transition.time.size) for w in ("fl", "fr", "rl", "rr")}
     standing = replace(transition, channels=transition.channels | spins)
-    (eta,) = panel(sheet(log.whole_of(standing)), "eta").lines
+    (eta,) = panel(log_sheet(log.whole_of(standing)), "eta").lines
     assert np.isnan(eta.y).all()
     spins.pop("omega_rl")
     part = replace(transition, channels={"time": transition.time, **spins})
-    assert sheet(log.whole_of(part)).names == ("omega",)
+    assert log_sheet(log.whole_of(part)).names == ("omega",)
 
 
 TIME = np.arange(200) / 100.0
@@ -44,7 +44,7 @@ LOG = WholeLog("run", "here", "", COLUMNS)
 
 
 def test_events_are_marked_in_every_panel():
-    drawn = sheet(LOG, (RunEvent(BITES, 0.5, 0.5), RunEvent(BRAKING, 0.5, 1.5)))
+    drawn = log_sheet(LOG, (RunEvent(BITES, 0.5, 0.5), RunEvent(BRAKING, 0.5, 1.5)))
     assert drawn.names == ("omega", "omega [rpm]", "Gang")
     for one in drawn.panels:
         assert [(mark.start, mark.end) for mark in one.marks] == [(0.5, 0.5), (0.5, 1.5)]
@@ -55,4 +55,4 @@ def test_events_are_marked_in_every_panel():
 def test_too_many_columns_are_refused():
     many = tuple(WholeColumn(f"x{i}", "bar", TIME) for i in range(MOST + 1))
     with pytest.raises(ValueError, match=f"at most {MOST}"):
-        sheet(WholeLog("run", "here", "", (COLUMNS[0], *many)))
+        log_sheet(WholeLog("run", "here", "", (COLUMNS[0], *many)))

@@ -38,7 +38,7 @@ def text_of(artist, words):
 
 def has_name(axis):
     words = [text.get_text() for text in axis.get_ticklabels()]
-    return UNIT.match(axis.get_label_text()) or words == ["front", "rear"]
+    return UNIT.match(axis.get_label_text()) or all(word[:1].isalpha() for word in words)
 
 
 def test_every_axis_has_a_name_and_a_unit(page):
@@ -88,13 +88,13 @@ import hashlib
 from calib.show import table
 from calib.show.sheet import ENDINGS, render
 from tests.support.tables import made_table
-figure = table.sheet(made_table(), 'sedan@1').figure('f1-f2')
+figure = table.table_sheet(made_table(), 'sedan@1').figure('f1-f2')
 print(*(hashlib.sha256(render(figure, ending)).hexdigest() for ending in ENDINGS))
 """
 
 
 def test_the_same_figure_gives_the_same_bytes_in_another_process():
-    figure = table.sheet(made_table(), "sedan@1").figure("f1-f2")
+    figure = table.table_sheet(made_table(), "sedan@1").figure("f1-f2")
     run = subprocess.run(
         [sys.executable, "-c", CODE],
         cwd=ROOT,

@@ -8,7 +8,7 @@ from calib.show import stop
 from calib.show.result import read_result
 from tests.support.plot_lines import line, panel
 
-FRONT, REAR = "front, with 95 % band", "rear, with 95 % band"
+FRONT, REAR, TOTAL = (f"{side}, with 95 % band" for side in ("front", "rear", "total"))
 
 
 @pytest.fixture(scope="module")
@@ -31,9 +31,13 @@ def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped)
         before = f"{label.split(',')[0]} on the ramp, {ramp:.3f}"
         assert line(pads, before)[1].tolist() == [ramp, ramp]
     # the table's vehicle has 28.84 cm^2 and 130.9 mm in front
-    torque = line(panel(drawn, "axle-torques"), "front pads on the ramp")[1]
+    torques = panel(drawn, "axle-torques")
+    torque = line(torques, "front pads on the ramp")[1]
     mu = then.pad_friction_f.value
     assert torque == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * mu * bar)
+    front, rear, total = (line(torques, label)[1] for label in (FRONT, REAR, TOTAL))
+    assert front == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * e.ecu.pads_f.value * bar)
+    assert total == pytest.approx(front + rear)
     low, high = pads.ylim
     assert low < e.ecu.pads_r.lower[e.ecu.valid].min()
     assert high > e.ecu.pads_r.upper[e.ecu.valid].max()
@@ -42,8 +46,8 @@ def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped)
 def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
     write_result(stopped.estimate, tmp_path / "stop.parquet")
     sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
-    assert sheet.result.lower() in drawn.result.lower()
-    for name, label in (("pads", REAR), ("normalised-forces", "rear"), ("axle-torques", "rear")):
+    assert sheet.result in drawn.result
+    for name, label in (("pads", REAR), ("normalised-forces", "rear"), ("axle-torques", TOTAL)):
         a, b = (line(panel(one, name), label)[1] for one in (sheet, drawn))
         assert np.array_equal(a, b, equal_nan=True)
     # the interval before the bite is that of the prior, and does not set the axis

@@ -22,7 +22,7 @@ def pieces(panel, symbol):
 
 
 def test_f1_and_f2_are_those_of_the_table():
-    drawn = panel(figures.sheet(TABLE, "sedan@1"), "f1-f2")
+    drawn = panel(figures.table_sheet(TABLE, "sedan@1"), "f1-f2")
     assert np.array_equal(pieces(drawn, "f1, front,"), TABLE.paper.f1)
     assert np.array_equal(pieces(drawn, "f2, rear,"), TABLE.paper.f2)
     assert np.array_equal(line(drawn, "f1, front, in the table")[0], PERCENT)
@@ -33,7 +33,7 @@ def test_a_piece_is_as_bad_as_the_worse_of_its_ends():
     p = TABLE.paper
     rows = {name: x[: flag.size] if isinstance(x, np.ndarray) else x for name, x in vars(p).items()}
     made = replace(TABLE, paper=replace(p, **{**rows, "flag": flag}))
-    drawn = panel(figures.sheet(made, "sedan@1"), "f1-f2")
+    drawn = panel(figures.table_sheet(made, "sedan@1"), "f1-f2")
     missing = {
         x: list(np.isnan(line(drawn, f"f1, front, {x}")[1]))
         for x in ("in the table", "extrapolated")
@@ -55,7 +55,7 @@ def test_two_tables_are_drawn_with_their_pads(sedan):
 
 def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     run = measure(sedan, ramp)
-    sheet = figures.sheet(sedan, "sedan@1", (run,))
+    sheet = figures.table_sheet(sedan, "sedan@1", (run,))
     # a ring is the mean of five blocks of 50 ms
     first = run.braked.nonzero()[0][:5]
     x, y = line(panel(sheet, "f1-f2"), "ramps, drag taken out")
@@ -69,7 +69,7 @@ def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
 
 def test_a_ramp_with_one_axle_is_not_drawn_over_the_curves_of_both(sedan, ramp):
     for run, there in ((one_axle(IDEAL, "r"), False), (ramp, True)):
-        sheet = figures.sheet(sedan, "sedan@1", (measure(sedan, run),))
+        sheet = figures.table_sheet(sedan, "sedan@1", (measure(sedan, run),))
         assert ("ramps, drag taken out" in labels(panel(sheet, "f1-f2"))) == there
 
 
@@ -77,7 +77,7 @@ def test_the_usable_range_is_marked_in_eta_and_deceleration():
     # z = 60 (eta - 1), known up to 0.475 % and 0.285 g; 0.1 g is at 1/600 and 0.2 g at 1/300
     percent, end = 100.0 * (TABLE.paper.eta[-2] - 1.0), TABLE.paper.z[-2]
     assert (percent, end) == pytest.approx((0.475, 0.285))
-    drawn = panel(figures.sheet(TABLE, "sedan@1"), "f1-f2")
+    drawn = panel(figures.table_sheet(TABLE, "sedan@1"), "f1-f2")
     upright, grey = drawn.marks
     assert (upright.start, upright.end, grey.start) == pytest.approx((0.475,) * 3)
     assert grey.end == drawn.xlim[1]
@@ -86,7 +86,7 @@ def test_the_usable_range_is_marked_in_eta_and_deceleration():
 
 
 def test_the_map_is_drawn_as_the_ratio_of_the_pads_that_it_has(sedan):
-    drawn = panel(figures.sheet(sedan, "sedan@1"), "map")
+    drawn = panel(figures.table_sheet(sedan, "sedan@1"), "map")
     assert line(drawn, "as on the ramp")[1] == pytest.approx(1.0)
     # between two cells of z and of slip the map is linear, at its own shifts it is as written
     z, shift, slip = sedan.map.axes.values()

@@ -4,7 +4,7 @@ import pytest
 
 from calib.estimation.limits import Judgement
 from calib.show.facts import FAILED, PASSED
-from calib.show.validation import Validated, facts
+from calib.show.validation import Validated, validation_facts
 from tests.estimation.test_validate import made
 from tests.support.tables import stored_as
 
@@ -20,32 +20,39 @@ TRUTH = {"true_pad_friction_f": 0.30, "true_pad_friction_r": 0.28, "true_pad_lev
 
 
 def told(*results, how=None):
-    return facts(Validated(stored_as("sedan@1"), results, how))
+    return validation_facts(Validated(stored_as("sedan@1"), results, how))
+
+
+def beside(found):
+    """The ECU beside the best estimate."""
+    (part,) = (part for part in found.parts if part.title.startswith("The ECU"))
+    return part.tables[0]
 
 
 def test_the_ecu_stands_first_and_every_row_names_its_stop():
-    """The ramp's pads of the made table are 0.40 and 0.39."""
-    found = told(made("wet", 0.30, 0.39, **ECU, **BEST, **TRUTH, ecu_normalised_error_f=1.0))
-    (row,), table = found.tables[0].rows, found.parts[0].tables[0]
-    assert [cell.partition("\xa0")[0] for cell in row[1:3]] == ["0.310", "0.270"]
+    stop = made("wet", 0.30, 0.39, **ECU, **BEST, **TRUTH, ecu_normalised_error_f=1.0)
+    found, e = told(stop), stop.estimate
+    (row,), table = found.tables[0].rows, beside(found)
+    valid = e.ecu.valid
+    axles = 2.0 * e.ecu.torque_f.value[valid].mean(), 2.0 * e.ecu.torque_r.value[valid].mean()
+    shown = [float(cell.partition("\xa0")[0]) for cell in row[1:4]]
+    assert shown == pytest.approx([*axles, e.ecu.torque_sum.value[valid].mean()], abs=0.5)
     assert found.tables[0].verdicts == [PASSED]
     assert {row[0] for row in table.rows} == {"wet"}
-    first = [row[2].partition("\xa0")[0] for row in table.rows]
-    assert first == ["0.310", "0.300", "-25", "0.300"]
-    assert [row[2].rpartition("\xa0")[2] for row in table.rows[:2]] == ["0.031", "0.015"]
-    assert [row[5].partition("\xa0")[0] for row in table.rows[:2]] == ["95.3", "96.1"]
-    assert table.rows[-1][2:5] == ("0.300", "0.280", "0.750")
+    assert row[1:4] == table.rows[0][2:5]  # one number for one thing
+    assert [row[5].partition("\xa0")[0] for row in table.rows[:2]] == ["0.310", "0.300"]
+    assert [row[5].rpartition("\xa0")[2] for row in table.rows[:2]] == ["0.031", "0.015"]
+    assert [row[8].partition("\xa0")[0] for row in table.rows[:2]] == ["95.3", "96.1"]
 
 
 @pytest.mark.parametrize("ecu", [{"ecu_valid_share": 0.0}, ECU])
 def test_without_an_answer_there_is_no_number(ecu):
     """Nor of an ECU beside a stop of which no sample counts."""
     found = told(made("a", None, None, **(ecu | {"valid_share": 0.0})))
-    (one,), two = found.tables[0].rows, found.parts[0].tables[0].rows
+    two = beside(found).rows
     assert len(two) == 2
-    cells = [*one[1:4], *(cell for row in two for cell in row[2:5])]
-    assert not any(cell[:1].isdigit() for cell in cells)
-    assert [row[5].partition("\xa0")[0] for row in two] == ["0.0", "0.0"]
+    assert not any(cell[:1].isdigit() for row in two for cell in row[5:8])
+    assert [row[8].partition("\xa0")[0] for row in two] == ["0.0", "0.0"]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.car.balance import front_biased_up_to
-from calib.show.vehicle import facts, sheet
+from calib.show.vehicle import vehicle_facts, vehicle_sheet
 from tests.support.plot_lines import line
 from tests.support.tables import VEHICLE
 
@@ -16,7 +16,7 @@ IDEAL, INSTALLED = "I curve: equal friction", "installed, nominal pads"
 
 @pytest.fixture(scope="module")
 def panel():
-    (panel,) = sheet(VEHICLE).panels
+    (panel,) = vehicle_sheet(VEHICLE).panels
     return panel
 
 
@@ -43,5 +43,5 @@ def test_points_of_the_beta_line_decelerate_as_said_and_meet_the_i_curve(panel):
 
 def test_what_the_file_says_of_its_pads_is_shown_where_it_does():
     told = replace(VEHICLE, rear=replace(VEHICLE.rear, pad_friction_tolerance=0.03))
-    rows, more = (facts(car).parts[0].tables[0].rows for car in (VEHICLE, told))
+    rows, more = (vehicle_facts(car).parts[0].tables[0].rows for car in (VEHICLE, told))
     assert [row[1:] for row in more[len(rows) :]] == [("", "3")]

@@ -22,7 +22,7 @@ from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.logs.read import read_log
-from calib.show.diagnosis_figure import sheet
+from calib.show.diagnosis_figure import diagnosis_sheet
 from calib.show.numbers import spaced
 from calib.show.sheet import render
 from tests.support.hidden.cases import draw
@@ -72,7 +72,7 @@ def found_of(name: str) -> Diagnosis:
 
 def picture(found: Diagnosis) -> Image.Image:
     """The panel of a report in which the effect that was named shows most, in few colours."""
-    drawn = replace(sheet(found), title="", note="")
+    drawn = replace(diagnosis_sheet(found), title="", note="")
     figure = drawn.figure(_PANELS.get(found.effects[0].where.channel, "split"))
     figure.set_size_inches(*_SIZE)
     return Image.open(BytesIO(render(figure, ".png"))).convert("RGB").quantize(_COLOURS)

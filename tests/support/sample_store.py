@@ -14,7 +14,7 @@ from pathlib import Path
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.logs.read import read_log
-from calib.show.diagnosis_figure import sheet
+from calib.show.diagnosis_figure import diagnosis_sheet
 from calib.show.sheet import save
 from tests.support.manual import run
 
@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 STORE = ROOT / "tables"
 _DRAWN = {
     "table": "sedan-2up@2 sample_logs/sedan/ramp*.csv",
-    "stop": "sedan-2up@2 sample_logs/sedan/basalt_wet_pads.csv --figure pads",
+    "stop": "sedan-2up@2 sample_logs/sedan/basalt_wet_pads.csv --figure axle-torques",
 }
 """Picture, and what `brake-cal plot` draws there in the folder of the demo."""
 PICTURES = (*_DRAWN, "diagnosis")
@@ -53,7 +53,7 @@ def draw(demo: Path) -> None:
         for part in ("calibration", "holdout")
     )
     car = read_vehicle(case / "vehicle.toml")
-    drawn = sheet(diagnose(car, searched, held))
+    drawn = diagnosis_sheet(diagnose(car, searched, held))
     save({demo / "figures/diagnosis.png": [drawn.overview()]})
 
 

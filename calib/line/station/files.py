@@ -26,6 +26,7 @@ from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
 from calib.line.station.station import Identity, StationCheck, StationOutcome
 from calib.store.version import Stored
+from calib.table.table import Table
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 REFUSED = "refused.json"
@@ -109,10 +110,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "warnings": [warning_dict(warning) for warning in found.warnings],
         "checks": [_check(check) for check in found.checks],
         "figures": {name: finite(value) for name, value in found.figures.items()},
-        "pads_of_ramp": {
-            "pad_friction_f": found.table.calibration.pad_friction_f.value,
-            "pad_friction_r": found.table.calibration.pad_friction_r.value,
-        },
+        "pads_of_ramp": _ramp(found.table),
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in found.logs],
         "validation": validation_dict(stored, list(found.results)),
         "remarks": list(found.table.remarks),
@@ -124,6 +122,14 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
 def to_text(document: dict[str, Any]) -> str:
     """The text of `station.json`."""
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def _ramp(table: Table) -> dict[str, float]:
+    """Pad friction of the ramp [1], and the torque of both wheels of an axle [N m/Pa]."""
+    car, cal = table.vehicle, table.calibration
+    axles = ("f", car.front, cal.pad_friction_f), ("r", car.rear, cal.pad_friction_r)
+    torques = {f"torque_per_bar_{x}": 2.0 * one.torque_gain * mu.value for x, one, mu in axles}
+    return {f"pad_friction_{x}": mu.value for x, _, mu in axles} | torques
 
 
 def _check(check: StationCheck) -> dict[str, Any]:

@@ -45,8 +45,8 @@ class IndexedRun:
     refusal: str = ""
 
 
-TRENDS = ("pad_friction_f", "pad_friction_r", "pad_scale", "ramp_eta_zero")
-"""Metrics of which the index shows the trend: the pads of the ramp, and the zero."""
+TRENDS = ("torque_per_bar_f", "torque_per_bar_r", "pad_scale", "ramp_eta_zero")
+"""Metrics of which the index shows the trend: the brakes of the ramp, and the zero."""
 
 
 def runs_below(folder: Path) -> list[IndexedRun]:

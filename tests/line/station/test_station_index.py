@@ -7,7 +7,7 @@ import pytest
 from calib.base.plain import METRICS
 from calib.line.station import index
 from calib.line.station.files import to_dict, to_text
-from calib.show.station_index import facts, write_index
+from calib.show.station_index import index_facts, write_index
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def test_failed_runs_stand_on_top_of_the_recent_ones(folder):
     """Of six runs, from the newest: passed, failed, warning, damaged, failed, refused."""
     verdicts = ("passed", "failed", "warning", index.UNREADABLE, "failed", index.NO_VERDICT)
     runs = [index.IndexedRun(f"car-{i}", 10.0 - i, word) for i, word in enumerate(verdicts)]
-    told = facts(runs, "line")
+    told = index_facts(runs, "line")
     assert told.word == "car-0: Passed"  # the last car is the headline
     assert [row[0] for row in told.tables[0].rows] == [f"car-{i}" for i in (1, 3, 4, 5, 2, 0)]
     assert told.tables[0].links[3] == ""  # a refused car has no report

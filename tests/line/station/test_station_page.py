@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from calib.show.html import page_of
-from calib.show.station_page import StationRun, facts
+from calib.show.station_page import StationRun, station_facts
 from tests.support.browser import ask, needs_browser, opened
 from tests.support.station_run import MARKUP
 
@@ -13,7 +13,9 @@ from tests.support.station_run import MARKUP
 @pytest.fixture(scope="module")
 def html(found, kept):
     car = replace(found.table.vehicle, name=f"car {MARKUP}")
-    return page_of(facts(StationRun(replace(found, table=replace(found.table, vehicle=car)), kept)))
+    return page_of(
+        station_facts(StationRun(replace(found, table=replace(found.table, vehicle=car)), kept))
+    )
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +32,7 @@ def test_opens_quietly_and_fits_the_screen(browser, page, width, dark):
     assert ask(browser, "document.documentElement.scrollWidth") <= width
     size = "[i.complete, i.naturalWidth, i.clientWidth, i.clientHeight]"
     sizes = ask(browser, f"[...document.images].map(i => {size})")
-    assert len(sizes) == 4  # f1 and f2, the map, and the pads of two stops
+    assert len(sizes) == 6  # f1 and f2, the map, and torque and pads of two stops
     assert all(done and wide > 300 and w > 300 and h > 100 for done, wide, w, h in sizes)
 
 

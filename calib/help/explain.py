@@ -1,0 +1,79 @@
+"""What the code of a warning, a metric or a reason of an ECU means, from the tables of the program.
+
+rules.csv     what speaks against a log, a car or a result: from where on, why, what to do
+metrics.csv   what is judged, and its limits
+Reason        why an answer of the estimator is not valid
+"""
+
+import math
+
+from calib.base.plain import METRICS
+from calib.base.warning import REFUSE, RULES, VOID, WARN
+from calib.estimation.reasons import CHECKS, Reason
+from calib.show.facts import Facts, Row
+
+_DOES = {REFUSE: "refuses", VOID: "lets no sample count", WARN: "warns"}
+
+
+def codes() -> list[str]:
+    """Every code that `explained` knows."""
+    reasons = [reason.name for reason in Reason]
+    return [*dict.fromkeys([*(rule.code for rule in RULES), *METRICS, *reasons, *CHECKS])]
+
+
+def explained(code: str) -> Facts:
+    """A code in words; the same one may be of a rule and of a metric. Empty for another name."""
+    rows = [*_rules(code), *_metric(code), *_reason(code)]
+    return Facts(code, rows=list(dict.fromkeys(rows)))
+
+
+def _rules(code: str) -> list[Row]:
+    rows: list[Row] = []
+    for rule in (one for one in RULES if one.code == code):
+        causes = [*rule.causes, *rule.below]
+        rows += [
+            ("measures", f"{rule.means}, in {rule.unit}" if rule.unit != "1" else rule.means),
+            (
+                f"{_DOES[rule.does]} in {', '.join(rule.purposes)}",
+                _range(rule.low, rule.high),
+            ),
+            *(("likely" if not i else "or", cause) for i, cause in enumerate(causes)),
+            ("what to do", rule.do),
+        ]
+    return [row for row in rows if row[1]]
+
+
+def _range(low: float, high: float) -> str:
+    if math.isinf(low) and math.isinf(high):
+        return "unless it is plausible"
+    if math.isinf(low):
+        return f"unless at most {high:g}"
+    if math.isinf(high):
+        return f"unless at least {low:g}"
+    return f"unless {low:g}" if low == high else f"unless {low:g} to {high:g}"
+
+
+def _metric(code: str) -> list[Row]:
+    if (metric := METRICS.get(code)) is None:
+        return []
+    stop = metric.stop
+    rows = (
+        ("metric", metric.heading),
+        ("means", metric.meaning),
+        ("fails a car unless", metric.bounds(metric.low, metric.high)),
+        ("warns of a car unless", metric.bounds(metric.warn_low, metric.warn_high)),
+        ("fails a stop unless", metric.bounds(stop.low, stop.high)),
+        ("warns of a stop unless", metric.bounds(stop.warn_low, stop.warn_high)),
+        ("reason", metric.reason),
+        ("what to do", metric.action),
+    )
+    return [row for row in rows if row[1] not in ("", "none")]
+
+
+def _reason(code: str) -> list[Row]:
+    if code in CHECKS:
+        return [("check of IMPLAUSIBLE", CHECKS[code])]
+    if code in Reason.__members__:
+        reason = Reason[code]
+        return [(f"reason {reason.value}", reason.words)]
+    return []

@@ -1,0 +1,91 @@
+"""What the ramps told of a car: belief and posterior of each quantity, and two that go together.
+
+prior      |=========|      from -1 to 1: 95 % of what `calib.car.beliefs` has for any car
+posterior     |-o-|         95 % of the draws of the table, in the same measure
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from calib.base.intervals import Z95
+from calib.car.beliefs import CAR, Belief
+from calib.fitting.ensemble import ensemble_of
+from calib.fitting.pads import pad_ratio_prior
+from calib.show.panel import Line, Mark, Panel
+from calib.show.style import FRONT, NOMINAL, SHADE, Array, dots
+from calib.table.table import Table
+
+_OUTSIDE = 1.6
+"""End of the axis, over the half width of a prior [1]."""
+
+
+class _Quantity(NamedTuple):
+    """Draws (n,) of a quantity, and what is believed of it before the ramps."""
+
+    name: str
+    draws: Array
+    prior: Belief
+
+    @property
+    def scaled(self) -> Array:
+        """Draws by their distance from the prior mean, over its 95 % half width [1]."""
+        return np.asarray((self.draws - self.prior.mean) / (Z95 * self.prior.sigma))
+
+
+def quantities(table: Table) -> list[_Quantity]:
+    """Each quantity that the fit draws, the ratio of the pads first."""
+    e, pads = ensemble_of(table.vehicle, table.draws), CAR.log_pad_ratio
+    pads = pads._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
+    mean = 0.5 * (e.compliance_f + e.compliance_r)
+    less = (e.compliance_f - e.compliance_r) / CAR.compliance.mean
+    return [
+        _Quantity("ratio of the pads", e.log_pad_ratio, pads),
+        _Quantity("ratio of the tyres", less, CAR.log_tyre_ratio),
+        _Quantity("compliance of the tyres", mean, CAR.compliance),
+        _Quantity("stiffness over load", e.load_exponent, CAR.load_exponent),
+        _Quantity("grip of the road", np.log(e.peak), CAR.peak),
+        _Quantity("grip over load", e.peak_load_exponent, CAR.peak_load_exponent),
+        _Quantity("rolling radius over load", e.radius_load, CAR.radius_load),
+        _Quantity("distance to the front axle", np.log(e.cg_to_front_axle), CAR.cg_to_front_axle),
+        _Quantity("height of the car's mass", np.log(e.cg_height), CAR.cg_height),
+    ]
+
+
+def forest(table: Table) -> Panel:
+    """Posterior of each quantity over its prior, and which share of the width is left."""
+    shown = quantities(table)[::-1]
+    lines, texts = list[Line](), []
+    for i, quantity in enumerate(shown):
+        low, middle, high = np.quantile(quantity.scaled, [0.025, 0.5, 0.975])
+        label = "table, 95 %" * (not i)
+        lines.append(Line([low, high], [i, i], FRONT, label))
+        lines.append(Line([middle], [i], dots(FRONT, 4.0)))
+        texts.append((f"{50.0 * (high - low):.0f} % left", _OUTSIDE, i + 0.25))
+    return Panel(
+        "posterior",
+        "What the ramps told",
+        "distance from the belief, over its 95 % half width [1]",
+        "",
+        lines,
+        [Mark(-1.0, 1.0, {"color": SHADE}, "believed before, 95 %")],
+        texts,
+        xlim=(-_OUTSIDE, _OUTSIDE),
+        ylim=(-0.6, len(shown) - 0.4),
+        yticks=[quantity.name for quantity in shown],
+        columns=2,
+    )
+
+
+def pairs(table: Table) -> Panel:
+    """Draws of the ratios of pads and tyres: what a ramp without v sees is their sum alone."""
+    pad, tyre, *_ = quantities(table)
+    lines = [Line(100.0 * pad.draws, 100.0 * tyre.draws, dots(NOMINAL, 2.0, alpha=0.6))]
+    correlation = float(np.corrcoef(pad.draws, tyre.draws)[0, 1])
+    return Panel(
+        "pairs",
+        f"Pads against tyres, correlation {correlation:.2f}",
+        "ratio of front to rear pads, over the file's [%]",
+        "front less rear compliance [%]",
+        lines,
+    )
