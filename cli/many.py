@@ -122,17 +122,19 @@ def batch(
         with progress() as step, writing(out):
             result = run_batch(
                 *(job, logs, out, executor),
-                lambda b: step(f"{b.done} of {b.total} logs", b.done, b.total),
+                lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),
                 inputs.fresh,
             )
     finally:
         executor.close()
-    counts = ", ".join(f"{n} {status.told(command)}" for status, n in sorted(result.counts.items()))
+    counts = ", ".join(
+        f"{n} {status.in_words(command)}" for status, n in sorted(result.counts.items())
+    )
     failed = result.counts[Status.FAILED] > 0
     return Answer(
         result.document(),
-        f"{counted(result.done, 'log')}: {counts}; {result.results}",
-        UNREADABLE if result.counts[Status.ERROR] == result.done else FAILED * failed,
+        f"{counted(result.finished, 'log')}: {counts}; {result.results}",
+        UNREADABLE if result.counts[Status.ERROR] == result.finished else FAILED * failed,
     )
 
 

@@ -106,7 +106,7 @@ def station(
                 limits,
                 identification,
                 mass=mass,
-                done=step,
+                report=step,
                 golden=reference,
                 accepted=accept_warnings or "",
                 by=by or "",

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from calib.base.plain import NBSP, plain
-from calib.line.fleet.summary import Look, Outlier, Summary, headline
+from calib.line.fleet.summary import MetricSummary, Outlier, Summary, headline
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Row, Table
 from calib.show.numbers import number
 from calib.show.panel import Line, Panel
@@ -78,14 +78,14 @@ def _limits(keys: str) -> str:
     return ", ".join(plain(key.strip()).name for key in keys.split(",")) if keys else _ALONE
 
 
-def _metric(summary: Summary, look: Look) -> Facts:
+def _metric(summary: Summary, look: MetricSummary) -> Facts:
     picture = Picture(f"{look.name}, log by log.", partial(metric_sheet, summary, look))
-    return Facts(f"{look.name} ({look.metric.name})", pictures=[picture])
+    return Facts(f"{look.name} ({look.column.name})", pictures=[picture])
 
 
 def _reason(summary: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
-    look = next(look for look in summary.looks if look.metric.name == o.figure)
+    look = next(look for look in summary.looks if look.column.name == o.figure)
     shown = _shown(look)
     low, high = map(shown, look.others)
     side = "above" if o.value > look.spread.median else "below"
@@ -93,9 +93,9 @@ def _reason(summary: Summary, o: Outlier) -> str:
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
-def _shown(look: Look) -> Callable[[float], str]:
+def _shown(look: MetricSummary) -> Callable[[float], str]:
     """The function that writes a value of a metric with its unit."""
-    metric = plain(look.metric.name, look.metric.unit)
+    metric = plain(look.column.name, look.column.unit)
     if metric.step:
         return metric.with_unit
     unit, quantiles = f"{NBSP}{metric.unit}" if metric.unit else "", look.spread.quantiles
@@ -111,7 +111,7 @@ def _verdict(summary: Summary) -> str:
     return PASSED if calm else WARNING
 
 
-def _row(summary: Summary, look: Look) -> tuple[str, ...]:
+def _row(summary: Summary, look: MetricSummary) -> tuple[str, ...]:
     """One metric: its scatter, the logs that stand apart, and where its level changes."""
     s, shown, c = look.spread, _shown(look), look.change
     low, high = map(shown, look.others)
@@ -119,7 +119,7 @@ def _row(summary: Summary, look: Look) -> tuple[str, ...]:
     drift = "not tested" if c is None else "no"
     if look.drifts and c is not None:
         place = f"{summary.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
-        drift = f"from {shown(c.before)} to {shown(c.after)} about {place} (p {c.p:.1e})"
+        drift = f"from {shown(c.old_level)} to {shown(c.new_level)} about {place} (p {c.p:.1e})"
     return (
         look.name,
         str(s.count),
@@ -130,9 +130,9 @@ def _row(summary: Summary, look: Look) -> tuple[str, ...]:
     )
 
 
-def metric_sheet(summary: Summary, look: Look) -> Sheet:
+def metric_sheet(summary: Summary, look: MetricSummary) -> Sheet:
     """Return the sheet of one metric, in the unit that is shown."""
-    shown = plain(look.metric.name, look.metric.unit)
+    shown = plain(look.column.name, look.column.unit)
     k, x, ends = shown.factor, np.asarray(look.rows + 1, float), window(look)
     y: Array = k * np.clip(look.values, *ends)
     few, whole = len(summary.logs) <= _NAMED, (0.0, len(summary.logs) + 1.0)
@@ -143,7 +143,10 @@ def metric_sheet(summary: Summary, look: Look) -> Sheet:
         Line(whole, [k * look.spread.median] * 2, _THIN, f"median, {share}", (low, high)),
     ]
     if look.drifts and (change := look.change) is not None:
-        parts = (x[: change.first], change.before, "level"), (x[change.first :], change.after, "")
+        parts = (
+            (x[: change.first], change.old_level, "level"),
+            (x[change.first :], change.new_level, ""),
+        )
         lines += [
             Line(outlying[[0, -1]], [k * level] * 2, _LEVEL, label)
             for outlying, level, label in parts
@@ -166,10 +169,10 @@ def metric_sheet(summary: Summary, look: Look) -> Sheet:
         xticks=["", *(textwrap.fill(name, _LETTERS) for name in names)] if few else (),
         columns=2,
     )
-    return Sheet("fleet", look.metric.name, (panel,), heights=(1.3,))
+    return Sheet("fleet", look.column.name, (panel,), heights=(1.3,))
 
 
-def window(look: Look) -> tuple[float, float]:
+def window(look: MetricSummary) -> tuple[float, float]:
     """Range of the axis: all values, but at most `_TAIL` scales from the median."""
     low, high = float(np.min(look.values)), float(np.max(look.values))
     if look.spread.scale > 0.0 and look.values.size >= _FEWEST:

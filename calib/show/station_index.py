@@ -108,7 +108,7 @@ def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
     for run in runs:
         trend = run.trend or {}
         pads = " / ".join(plain(name).value(trend.get(name)) for name in _TORQUES) if trend else ""
-        date = datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M")
+        date = datetime.fromtimestamp(run.written_at).astimezone().strftime("%Y-%m-%d %H:%M")
         rows.append((run.car or run.place, _heading(run), _why(run), pads, run.station, date))
     return Table(
         ("car", "verdict", "what to do", "torque per bar f / r [N m]", "station", "time"),

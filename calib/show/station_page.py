@@ -110,7 +110,7 @@ def _run(outcome: StationOutcome, date: str) -> Facts:
         "The run",
         rows=[
             ("Vehicle", outcome.table.vehicle.name),
-            *((TITLES[name], value) for name, value in outcome.identity.given().items()),
+            *((TITLES[name], value) for name, value in outcome.identity.by_name().items()),
             ("Mass", str(outcome.results[0].mass)),
             ("Date", date or "not stated (--date)"),
             ("Operator", outcome.by or "not stated (--by)"),

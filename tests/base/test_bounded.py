@@ -74,13 +74,6 @@ def test_as_an_error_of_the_program(tmp_path):
         bytes_of(tmp_path / "a", SMALL, LogError, "a log")
 
 
-def test_each_variable_is_in_the_manual():
-    manual = Path(__file__).parents[2] / "calib" / "manual" / "logs.md"
-    text = manual.read_text()
-    for kind in KINDS:
-        assert f"| `{kind.variable}` | {kind.megabytes:g} |" in text
-
-
 def test_a_pointer_of_git_lfs_is_named(tmp_path):
     path = tmp_path / "car.toml"
     path.write_bytes(POINTER + b".github.com/spec/v1\noid sha256:ab\nsize 1\n")

@@ -45,7 +45,7 @@ class _Batch:
     elapsed: float
 
     @property
-    def done(self) -> int:
+    def finished(self) -> int:
         """Number of logs with a row."""
         return self.counts.total()
 
@@ -54,7 +54,7 @@ class _Batch:
         return {
             "schema": 1,
             "results": self.results,
-            "logs": self.done,
+            "logs": self.finished,
             "counts": {status: self.counts[status] for status in Status},
             "done_now": self.fresh,
             "seconds": self.elapsed,
@@ -124,8 +124,8 @@ class Sweep:
 
     def _item(self, name: str, path: str) -> WorkItem:
         row = self.journal.row(name)
-        known = None if row is None or row.lost else row.digest
-        return WorkItem(name, os.path.abspath(path), known)
+        digest = None if row is None or row.lost else row.digest
+        return WorkItem(name, os.path.abspath(path), digest)
 
     def _submit(self, chunk: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit a chunk; if the pool just broke, return a failed future."""
@@ -202,13 +202,13 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
     results = os.path.realpath(out / NAME)
     for argument in arguments:
         named = os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument))
-        found: list[str] = []
+        paths: list[str] = []
         for path in [argument] if named else sorted(glob.iglob(argument, recursive=True)):
             if os.path.isdir(path):
-                found += logs_below(path, command, out)
+                paths += logs_below(path, command, out)
             elif named or (command != Command.DIAGNOSE and _is_log(path)):
-                found += [path] * (named or os.path.realpath(path) != results)
-        if not found:
+                paths += [path] * (named or os.path.realpath(path) != results)
+        if not paths:
             folders = f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
             files = f"files that end in {', '.join(FORMATS)}"
             raise LogError(
@@ -217,7 +217,7 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
                 expected=folders if command == Command.DIAGNOSE else files,
                 do="check the path; put a pattern in quotes",
             )
-        yield from found
+        yield from paths
 
 
 def _refuse(error: OSError) -> None:
@@ -231,18 +231,20 @@ def logs_below(
 
     ``trouble`` is called with the error if a folder cannot be read; the folder is then skipped.
     """
-    own = os.path.realpath(out)
+    results_folder = os.path.realpath(out)
     for home, folders, files in os.walk(folder, onerror=trouble):
         folders[:] = sorted(f for f in folders if not f.startswith("."))
-        here = os.path.realpath(home) == own
-        if here and home != folder:
+        is_results_folder = os.path.realpath(home) == results_folder
+        if is_results_folder and home != folder:
             folders.clear()
         elif command == Command.DIAGNOSE:
             if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
                 folders.clear()
                 yield home
         else:
-            logs = (f for f in sorted(files) if _is_log(f) and not (here and f == NAME))
+            logs = (
+                f for f in sorted(files) if _is_log(f) and not (is_results_folder and f == NAME)
+            )
             yield from (os.path.join(home, f) for f in logs)
 
 

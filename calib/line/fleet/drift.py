@@ -29,8 +29,8 @@ class LevelChange:
     """A change of level: ``first`` index of the new level, medians on both sides, p-value ``p``."""
 
     first: int
-    before: float
-    after: float
+    old_level: float
+    new_level: float
     p: float
 
 
@@ -54,8 +54,8 @@ def change(values: Array) -> LevelChange | None:
     k = int(np.argmax(np.abs(S)))
     r = likeness(about, k + 1)
     p = float(kolmogorov(abs(float(S[k])) / scale * np.sqrt((1.0 - r) / (1.0 + r))))
-    before, after = (float(np.median(part)) for part in np.split(values, [k + 1]))
-    return LevelChange(k + 1, before, after, p)
+    old_level, new_level = (float(np.median(part)) for part in np.split(values, [k + 1]))
+    return LevelChange(k + 1, old_level, new_level, p)
 
 
 def likeness(ranks: Array, first: int) -> float:
@@ -68,11 +68,11 @@ def likeness(ranks: Array, first: int) -> float:
     step = np.concatenate([part - part.mean() for part in np.split(ranks, [first])])
     along = np.arange(n) - 0.5 * (n - 1)
     line = ranks - along * float(along @ ranks) / float(along @ along)
-    rest = min(step, line, key=lambda x: float(x @ x))
-    size = float(rest @ rest)
+    residual = min(step, line, key=lambda x: float(x @ x))
+    size = float(residual @ residual)
     if size <= 1e-12 * float(ranks @ ranks):
         return 0.0
-    r = float(rest[1:] @ rest[:-1]) / size
+    r = float(residual[1:] @ residual[:-1]) / size
     return min(max((n * r + 2.0) / (n - 4.0), 0.0), _ALIKE)
 
 

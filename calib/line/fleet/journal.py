@@ -57,8 +57,8 @@ class BatchJournal:
         differ = {key for key, _ in stored.items() ^ ours.items()}
         if stored and differ and not fresh:
             self.close()
-            what = f"holds results of other settings: {', '.join(sorted(differ))}"
-            raise BatchError(what, where=folder, do=_ANEW)
+            problem = f"holds results of other settings: {', '.join(sorted(differ))}"
+            raise BatchError(problem, where=folder, do=_ANEW)
         if fresh or not stored:
             with _explained(self._path), self._db:
                 self._db.executescript(_TABLES)
@@ -91,9 +91,9 @@ class BatchJournal:
         """All logs that have a row, sorted."""
         return [log for (log,) in self._select("log FROM rows ORDER BY log")]
 
-    def _select(self, what: str, *values: str) -> list[tuple[Any, ...]]:
+    def _select(self, query: str, *values: str) -> list[tuple[Any, ...]]:
         with _explained(self._path):
-            return self._db.execute(f"SELECT {what}", values).fetchall()
+            return self._db.execute(f"SELECT {query}", values).fetchall()
 
     def close(self) -> None:
         """Close it; another run may then open it."""
@@ -137,8 +137,8 @@ def _explained(path: Path) -> Iterator[None]:
             do = "wait for it, or name another --out"
             raise BatchError("another run uses this folder", where=path.parent, do=do) from cause
         if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT):
-            what = "damaged, or not the journal of a batch of this version"
-            raise _Unusable(what, where=path, do=_ANEW) from cause
+            problem = "damaged, or not the journal of a batch of this version"
+            raise _Unusable(problem, where=path, do=_ANEW) from cause
         if code == sqlite3.SQLITE_CANTOPEN:
             path.open("ab").close()  # raises OSError with the reason
         number = errno.ENOSPC if code == sqlite3.SQLITE_FULL else errno.EIO

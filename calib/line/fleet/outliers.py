@@ -120,9 +120,9 @@ def named(p: Array, share: float = SHARE) -> Mask:
     """
     from scipy.stats import false_discovery_control
 
-    known = np.isfinite(p)
+    finite = np.isfinite(p)
     out = np.zeros(p.shape, dtype=np.bool_)
-    out[known] = false_discovery_control(p[known]) <= share
+    out[finite] = false_discovery_control(p[finite]) <= share
     return out
 
 
@@ -165,8 +165,8 @@ def _sides(values: Array, least: float) -> list[_Side]:
             return []
     sides = []
     for beyond in (away < 0.0, away >= 0.0):
-        own = np.abs(away[beyond] if 2 * int(beyond.sum()) >= FEWEST else away)
-        spread = max(float(np.quantile(own, 0.75)), least) or float(own.max())
+        distance = np.abs(away[beyond] if 2 * int(beyond.sum()) >= FEWEST else away)
+        spread = max(float(np.quantile(distance, 0.75)), least) or float(distance.max())
         sides.append(_Side(spread, rows[beyond], np.abs(away[beyond]) / spread))
     return sorted(sides, key=itemgetter(0))
 
@@ -196,11 +196,11 @@ def _two_sided(distance: Array, weights: Array) -> Array:
 def _spread(values: Array, p: Array) -> MetricSpread:
     from scipy.special import ndtri
 
-    known = values[np.isfinite(values)]
-    if known.size == 0:
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
         return MetricSpread(0, np.nan, np.nan, p, p, (np.nan,) * 4)
-    median = float(np.median(known))
-    scale = float(np.median(np.abs(known - median))) / _MAD
+    median = float(np.median(finite))
+    scale = float(np.median(np.abs(finite - median))) / _MAD
     z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
-    quantiles = tuple(map(float, np.quantile(known, [0.05, 0.25, 0.75, 0.95])))
-    return MetricSpread(known.size, median, float(scale), z, p, quantiles)
+    quantiles = tuple(map(float, np.quantile(finite, [0.05, 0.25, 0.75, 0.95])))
+    return MetricSpread(finite.size, median, float(scale), z, p, quantiles)

@@ -32,9 +32,9 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     import pyarrow.parquet as pq
 
     schema = _schema_of((*HEAD, *columns_of(Command(settings["command"]))), settings)
-    rest, written = iter(rows), pa.BufferOutputStream()
+    unwritten, written = iter(rows), pa.BufferOutputStream()
     with pq.ParquetWriter(written, schema, compression="zstd") as writer:
-        while group := list(itertools.islice(rest, _GROUP)):
+        while group := list(itertools.islice(unwritten, _GROUP)):
             writer.write_table(_table(group, schema))
     write_whole(folder / NAME, written.getvalue().to_pybytes())
 
@@ -78,8 +78,8 @@ class FleetFile:
 
     def values(self, name: str) -> tuple[str | bool | None, ...]:
         """A column of text or of yes and no; () if there is none."""
-        known = name in self.table.column_names
-        return tuple(self.table.column(name).to_pylist()) if known else ()
+        is_there = name in self.table.column_names
+        return tuple(self.table.column(name).to_pylist()) if is_there else ()
 
 
 def open_fleet(path: Path, order: str | None = None) -> FleetFile:
@@ -98,18 +98,18 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
             )
     odd = sorted(set(map(str, table.column("status").to_pylist())) - {*Status})
     if odd or not table.num_rows:
-        what = f"status {odd[0]!r}" if odd else "no rows"
-        raise InputError(what, where=path, expected=f"rows with {', '.join(Status)}")
+        problem = f"status {odd[0]!r}" if odd else "no rows"
+        raise InputError(problem, where=path, expected=f"rows with {', '.join(Status)}")
     values = table.column(order).to_pylist()
     unknown = sum(map(_is_unknown, values))
-    rest = f" ({unknown} rows without it at the end)" if unknown else ""
+    note = f" ({unknown} rows without it at the end)" if unknown else ""
     table = table.take(_line_order(values))
     head = {column.name for column in HEAD}
     return FleetFile(
         path,
         tuple(map(str, table.column("log").to_pylist())),
         tuple(_column_of(field) for field in table.schema if field.name not in head),
-        "the logs' names" if order == "log" else order + rest,
+        "the logs' names" if order == "log" else order + note,
         table,
     )
 

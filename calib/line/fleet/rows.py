@@ -24,7 +24,7 @@ class Status(StrEnum):
     DONE = "done"
     ERROR = "error"
 
-    def told(self, command: Command) -> str:
+    def in_words(self, command: Command) -> str:
         """The outcome of a command in words: a check says for what a log is usable."""
         usable = {Status.PASSED: "usable", Status.FAILED: "not usable"}
         return usable.get(self, self.value) if command is Command.CHECK else self.value
@@ -67,10 +67,10 @@ class Row:
         metrics = self.to_dict(command)["figures"]
         broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
         pads = [metrics.get(f"pad_friction_{axle}") for axle in "fr"]
-        told = "" if None in pads else f", pads {pads[0]:.3f} / {pads[1]:.3f}"
+        details = "" if None in pads else f", pads {pads[0]:.3f} / {pads[1]:.3f}"
         purposes = [name[7:] for name, x in metrics.items() if name.startswith("usable_") and x]
-        told += f" for {', '.join(purposes)}" if purposes else ""
-        return f"{self.log}: {self.status.told(command)}{broken}{told}"
+        details += f" for {', '.join(purposes)}" if purposes else ""
+        return f"{self.log}: {self.status.in_words(command)}{broken}{details}"
 
 
 def _text(name: str, meaning: str) -> Column:

@@ -50,14 +50,14 @@ class _Apart:
 
 
 @dataclass(frozen=True)
-class Look:
+class MetricSummary:
     """One metric, a number, over the fleet.
 
     ``rows`` (k,) with a value, in order; ``values`` (k,); ``change`` None if too few for a
     significant one among so many metrics; ``drifts`` whether it is significant among all metrics.
     """
 
-    metric: Column
+    column: Column
     rows: Index
     values: Array
     spread: MetricSpread
@@ -68,13 +68,13 @@ class Look:
     @property
     def name(self) -> str:
         """The plain name of the metric."""
-        return plain(self.metric.name, self.metric.unit).name
+        return plain(self.column.name, self.column.unit).name
 
     @property
     def others(self) -> tuple[float, float]:
         """5 and 95 % of the values that stand not apart; of all if none or each does."""
-        kept = self.values[~self.outlying]
-        low, high = np.quantile(kept if kept.size else self.values, [0.05, 0.95])
+        inliers = self.values[~self.outlying]
+        low, high = np.quantile(inliers if inliers.size else self.values, [0.05, 0.95])
         return float(low), float(high)
 
 
@@ -104,7 +104,7 @@ class Summary:
     ordered_by: str
     status: dict[Status, int]
     failed: dict[str, str]
-    looks: tuple[Look, ...]
+    looks: tuple[MetricSummary, ...]
     classes: dict[str, dict[str, int]]
     apart: tuple[_Apart, ...]
     failures: tuple[_Failure, ...]
@@ -113,8 +113,8 @@ class Summary:
     @property
     def outliers(self) -> tuple[Outlier, ...]:
         """All reasons of all logs that stand apart, the strongest first."""
-        found = [reason for car in self.apart for reason in car.reasons]
-        return tuple(sorted(found, key=lambda o: (o.p, -abs(o.z), o.log)))
+        reasons = [reason for car in self.apart for reason in car.reasons]
+        return tuple(sorted(reasons, key=lambda o: (o.p, -abs(o.z), o.log)))
 
     @property
     def too_few(self) -> bool:
@@ -143,7 +143,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     drifts = zip(*drifting([values[i] for i in along]), strict=True)
     changes = dict(zip(along, drifts, strict=True))
     looks = tuple(
-        Look(
+        MetricSummary(
             m,
             rows[i],
             values[i],
@@ -155,12 +155,12 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     )
     words, digests = fleet.values("status"), fleet.values("digest")
     status = Counter(words)
-    held = zip_longest(fleet.logs, words, fleet.values("not_held"))
+    verdicts = zip_longest(fleet.logs, words, fleet.values("not_held"))
     return Summary(
         fleet.logs,
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
-        {log: str(why or "") for log, word, why in held if word == Status.FAILED},
+        {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
         looks,
         dict(_classes(fleet, metrics)),
         _apart(fleet, looks, judged.p),
@@ -174,21 +174,21 @@ def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[boo
 
     None if even a clear step could not be significant.
     """
-    found = [change(x) for x in lines]
-    enough = _DRIFT / max(sum(c is not None for c in found), 1)
+    changes = [change(x) for x in lines]
+    enough = _DRIFT / max(sum(c is not None for c in changes), 1)
     tested = [
-        c if c and least_p(x.size) <= enough else None for c, x in zip(found, lines, strict=True)
+        c if c and least_p(x.size) <= enough else None for c, x in zip(changes, lines, strict=True)
     ]
     p = np.array([c.p if c else np.nan for c in tested])
     return tested, named(p, _DRIFT).tolist()
 
 
 def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
-    known = {metric.name: metric for metric in fleet.metrics}
-    for name in (name for name in wanted if name not in known):
-        names, near = f"one of {', '.join(known)}", did_you_mean(name, known)
+    by_name = {metric.name: metric for metric in fleet.metrics}
+    for name in (name for name in wanted if name not in by_name):
+        names, near = f"one of {', '.join(by_name)}", did_you_mean(name, by_name)
         raise InputError(f"no metric {name!r}", where=fleet.path, expected=names, do=near)
-    return tuple(known[name] for name in wanted) or fleet.metrics
+    return tuple(by_name[name] for name in wanted) or fleet.metrics
 
 
 def _classes(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[tuple[str, dict[str, int]]]:
@@ -199,14 +199,14 @@ def _classes(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[tuple[st
             yield metric.name, dict(counts.most_common())
 
 
-def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[_Apart, ...]:
+def _apart(fleet: FleetFile, looks: tuple[MetricSummary, ...], p: Array) -> tuple[_Apart, ...]:
     """The logs that stand apart, each with its metrics; ``p`` (n,) of all logs."""
     reasons: dict[int, list[Outlier]] = {}
     for look in looks:
         for value, row in zip(look.values[look.outlying], look.rows[look.outlying], strict=True):
-            told = float(value), float(look.spread.z[row]), float(look.spread.p[row])
-            found = Outlier(fleet.logs[row], look.metric.name, *told)
-            reasons.setdefault(int(row), []).append(found)
+            numbers = float(value), float(look.spread.z[row]), float(look.spread.p[row])
+            outlier = Outlier(fleet.logs[row], look.column.name, *numbers)
+            reasons.setdefault(int(row), []).append(outlier)
     cars = [
         _Apart(fleet.logs[row], float(p[row]), tuple(sorted(why, key=lambda o: (o.p, -abs(o.z)))))
         for row, why in reasons.items()
@@ -240,53 +240,53 @@ def kind_of(error: str, log: str) -> str:
     >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
     'LOG: ends at # s; expected # s'
     """
-    for own in filter(None, (log, re.split(r"[/\\]", log)[-1])):
-        error = error.replace(own, "LOG")
+    for name in filter(None, (log, re.split(r"[/\\]", log)[-1])):
+        error = error.replace(name, "LOG")
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)
 
 
-def headline(found: Summary) -> str:
+def headline(summary: Summary) -> str:
     """The fleet in one sentence."""
-    errors = sum(failure.count for failure in found.failures)
+    errors = sum(failure.count for failure in summary.failures)
     failed = f"; {counted(errors, 'log')} with an error" if errors else ""
-    if found.too_few:
-        some = any(look.spread.count for look in found.looks)
+    if summary.too_few:
+        some = any(look.spread.count for look in summary.looks)
         why = "too few to judge outliers or drift" if some else "none has a metric"
-        return f"{counted(len(found.logs), 'log')}: {why}{failed}."
-    names, logs = [look.name for look in found.looks if look.drifts], len(found.apart)
-    drift = "No drift" if found.drift_tested else "Drift not tested"
+        return f"{counted(len(summary.logs), 'log')}: {why}{failed}."
+    names, logs = [look.name for look in summary.looks if look.drifts], len(summary.apart)
+    drift = "No drift" if summary.drift_tested else "Drift not tested"
     if names:
         drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
     apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
     return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
 
 
-def document(found: Summary) -> dict[str, Any]:
+def document(summary: Summary) -> dict[str, Any]:
     """The whole summary as one JSON-able document."""
     return {
         "schema": 1,
-        "logs": len(found.logs),
-        "ordered_by": found.ordered_by,
-        "status": found.status,
-        "headline": headline(found),
-        "failed": found.failed,
-        "errors": found.failures,
-        "copies": found.copies,
-        "outliers": found.outliers,
-        "outliers_by_chance": SHARE * len(found.outliers),
+        "logs": len(summary.logs),
+        "ordered_by": summary.ordered_by,
+        "status": summary.status,
+        "headline": headline(summary),
+        "failed": summary.failed,
+        "errors": summary.failures,
+        "copies": summary.copies,
+        "outliers": summary.outliers,
+        "outliers_by_chance": SHARE * len(summary.outliers),
         "apart": [
             {"log": car.log, "p": car.p, "figures": [o.figure for o in car.reasons]}
-            for car in found.apart
+            for car in summary.apart
         ],
-        "figures": {look.metric.name: _entry(found, look) for look in found.looks},
-        "classes": found.classes,
+        "figures": {look.column.name: _entry(summary, look) for look in summary.looks},
+        "classes": summary.classes,
     }
 
 
-def _entry(found: Summary, look: Look) -> dict[str, Any]:
+def _entry(summary: Summary, look: MetricSummary) -> dict[str, Any]:
     s, c = look.spread, look.change
     return {
-        "unit": look.metric.unit,
+        "unit": look.column.unit,
         "count": s.count,
         "median": s.median,
         "scale": s.scale,
@@ -297,9 +297,9 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
         and {
             "drifts": look.drifts,
             "p": c.p,
-            "first_log": found.logs[look.rows[c.first]],
+            "first_log": summary.logs[look.rows[c.first]],
             "number": int(look.rows[c.first]) + 1,
-            "before": c.before,
-            "after": c.after,
+            "before": c.old_level,
+            "after": c.new_level,
         },
     }

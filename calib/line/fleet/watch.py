@@ -39,9 +39,11 @@ class _Settled:
     def look(self, paths: Iterable[str], now: float) -> list[str]:
         """Those of ``paths`` that are complete and new or changed; ``now`` [s]."""
         stamps = {path: stamp for path in paths if (stamp := _stamp(path)) is not None}
-        before, changed = self._files, now + self.settle
+        earlier, changed = self._files, now + self.settle
         self._files = {
-            path: before[path] if path in before and before[path][0] == stamp else (stamp, changed)
+            path: earlier[path]
+            if path in earlier and earlier[path][0] == stamp
+            else (stamp, changed)
             for path, stamp in stamps.items()
         }
         return [path for path, (_, ready) in self._files.items() if now >= ready]
@@ -54,11 +56,11 @@ class _Settled:
 def _stamp(path: str) -> tuple[int, ...] | None:
     """Size and times of change of a file; None if it is gone or not a regular one."""
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except OSError:
         return None
-    stamp = found.st_size, found.st_mtime_ns, found.st_ctime_ns
-    return stamp if stat.S_ISREG(found.st_mode) else None
+    stamp = status.st_size, status.st_mtime_ns, status.st_ctime_ns
+    return stamp if stat.S_ISREG(status.st_mode) else None
 
 
 def watch(
@@ -87,30 +89,32 @@ def watch(
     not "diagnose": its logs are folders without a sign of completion. Raises like `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
-    settled, troubled, written, behind = _Settled(settle), set[str](), -math.inf, True
+    files, troubled, written, behind = _Settled(settle), set[str](), -math.inf, True
 
-    def given(logs: dict[str, str]) -> Iterator[tuple[str, str]]:
+    def until_stopped(logs: dict[str, str]) -> Iterator[tuple[str, str]]:
         for name, path in logs.items():
             if stop.is_set():
                 return
-            settled.give(path)
+            files.give(path)
             yield name, path
 
     with closing(BatchJournal(out, settings, fresh)) as journal:
         while not stop.is_set():
             errors: list[OSError] = []
             paths = logs_below(str(folder), job.command, out, errors.append)
-            ready = settled.look(paths, clock())
-            found = {f"{printable(str(e.filename))}: cannot be read ({e.strerror})" for e in errors}
-            for text in sorted(found - troubled):
+            ready = files.look(paths, clock())
+            unreadable = {
+                f"{printable(str(e.filename))}: cannot be read ({e.strerror})" for e in errors
+            }
+            for text in sorted(unreadable - troubled):
                 trouble(text)
-            troubled = found
+            troubled = unreadable
             logs = {printable(os.path.relpath(path, folder)): path for path in ready}
             sweep = Sweep(job, journal, executor, len(logs), tell=tell)
-            sweep.work(given(logs))
+            sweep.work(until_stopped(logs))
             for row in journal.rows(logs):
                 if row.digest is None or row.lost:
-                    settled.give(logs[row.log], clock() + _RETRY)
+                    files.give(logs[row.log], clock() + _RETRY)
             behind = behind or bool(ready)
             if behind and (not ready or stop.is_set() or clock() - written > _LATE):
                 names = journal.logs()

@@ -77,12 +77,12 @@ def _sha256(data: bytes) -> str:
 class WorkItem:
     """A log to process: its name in the results, its path, and the digest in its row, if any.
 
-    A log whose digest is still ``known`` is not processed again.
+    A log whose digest is still ``digest`` is not processed again.
     """
 
     name: str
     path: str
-    known: str | None = None
+    digest: str | None = None
 
 
 def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
@@ -110,7 +110,7 @@ def _run_item(job: Job, item: WorkItem) -> Row | None:
     try:
         files = _contents(job, item)
         digest = _digest_of(files)
-        if digest == item.known:
+        if digest == item.digest:
             return None
         status, cells = _RUNS[job.command](job, item, files)
         return Row(item.name, digest, status, None, cells)
@@ -155,11 +155,11 @@ def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
 
     assert job.table is not None
     log = _log(job, item, files)
-    found = validate_one(job.table, log, job.vehicle, job.limits)
-    broken = ", ".join(j.figure for j in found.judgements if j.verdict == FAILED)
-    metrics = (finite(found.figures[name]) for name in METRICS)
-    cells = (*metrics, broken or None, _codes(found.warnings))
-    return Status.PASSED if found.passed else Status.FAILED, cells
+    result = validate_one(job.table, log, job.vehicle, job.limits)
+    broken = ", ".join(j.figure for j in result.judgements if j.verdict == FAILED)
+    metrics = (finite(result.figures[name]) for name in METRICS)
+    cells = (*metrics, broken or None, _codes(result.warnings))
+    return Status.PASSED if result.passed else Status.FAILED, cells
 
 
 def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -185,11 +185,11 @@ def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     where, file = Path(item.name), Path(item.path)
     with open_log(where, job.channel_map, data=files[""], file=file) as opened:
         log = read_opened(opened, job.channel_map, require=())
-        found = check(log)
-    usable = (verdict.usable for verdict in found.verdicts)
-    metrics = map(finite, figures(found.run).values())
-    cells = (*usable, *metrics, _codes(found.warnings))
-    return Status.PASSED if found.usable else Status.FAILED, cells
+        findings = check(log)
+    usable = (verdict.usable for verdict in findings.verdicts)
+    metrics = map(finite, figures(findings.run).values())
+    cells = (*usable, *metrics, _codes(findings.warnings))
+    return Status.PASSED if findings.usable else Status.FAILED, cells
 
 
 def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -201,10 +201,10 @@ def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
         [_log(job, item, files, name) for name in files if name.startswith(f"{part}/")]
         for part in (CALIBRATION, HOLDOUT)
     )
-    found = diagnose(vehicle, calibration, holdout)
-    gap = (found.gap.before, found.gap.after, found.gap.closed)
-    names = "+".join(effect.name for effect in found.effects)
-    return Status.DONE, (found.verdict, names, *map(finite, gap))
+    diagnosis = diagnose(vehicle, calibration, holdout)
+    gap = (diagnosis.gap.before, diagnosis.gap.after, diagnosis.gap.closed)
+    names = "+".join(effect.name for effect in diagnosis.effects)
+    return Status.DONE, (diagnosis.verdict, names, *map(finite, gap))
 
 
 _RUNS: dict[Command, Callable[[Job, WorkItem, Files], Answer]] = {

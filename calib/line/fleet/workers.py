@@ -99,8 +99,8 @@ class Cluster:
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit logs to the scheduler."""
         rows: Future[Rows] = Future()
-        given = self._client.submit(run_items, packed, items, pure=False)
-        given.add_done_callback(partial(_pass_on, rows))
+        dask_future = self._client.submit(run_items, packed, items, pure=False)
+        dask_future.add_done_callback(partial(_pass_on, rows))
         # If the scheduler is lost, running futures fail, but later ones would not.
         self.renew()
         return rows
@@ -135,9 +135,9 @@ def _knock(address: str) -> None:
         socket.create_connection(where, timeout=parse_timedelta(_PATIENCE)).close()
 
 
-def _pass_on(rows: Future[Rows], given: Any) -> None:
+def _pass_on(rows: Future[Rows], dask_future: Any) -> None:
     """Copy the result of a Dask future; Dask's own executor loses it if the transfer fails."""
     try:
-        rows.set_result(given.result())
+        rows.set_result(dask_future.result())
     except BaseException as error:
         rows.set_exception(error)

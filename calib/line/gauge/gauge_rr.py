@@ -187,16 +187,19 @@ class GaugeRR:
     cars_differ: bool
 
 
-def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
+def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     """Components, %GRR and ndc of an analysis, and %GRR of a ``tolerance``.
 
     ``tolerance`` is the width USL - LSL in the metric's unit. Raises ValueError if repeats do not
     scatter.
     """
-    if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEATABILITY] <= 0.0:
+    if (
+        sum(source.ss for source in analysis.sources) <= 0.0
+        or analysis.variances[REPEATABILITY] <= 0.0
+    ):
         raise ValueError("nothing scatters between repeats")
-    point = _derived({name: np.maximum(x, 0.0) for name, x in found.variances.items()})
-    spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(found).items()})
+    point = _derived({name: np.maximum(x, 0.0) for name, x in analysis.variances.items()})
+    spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(analysis).items()})
     ends = {name: np.sqrt(_ends(x)).tolist() for name, x in spread.items()}
     components = {
         name: _Component(math.sqrt(x), (ends[name][0], ends[name][1])) for name, x in point.items()
@@ -205,9 +208,9 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     gauge, per = components[GAUGE], _SIGMAS / tolerance if tolerance else math.nan
     low, high = gauge.ci95
     return GaugeRR(
-        found.sources,
+        analysis.sources,
         components,
-        tuple(name for name in components if found.variances.get(name, 0.0) < 0.0),
+        tuple(name for name in components if analysis.variances.get(name, 0.0) < 0.0),
         _Ratio(float(grr), _ends(grrs)),
         _Ratio(int(min(float(ndc), 1e9)), _ends(ndcs)),
         _Ratio(per * gauge.sd, (per * low, per * high)) if tolerance else None,
@@ -215,14 +218,14 @@ def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
     )
 
 
-def _drawn(found: Anova) -> dict[str, Array]:
+def _drawn(analysis: Anova) -> dict[str, Array]:
     """Draws of every variance, each (_DRAWS,): C^-1 applied to nu MS/chi2(nu)."""
     ms = [
         source.ms * source.effective_df / _chi2(source.effective_df, i)
-        for i, source in enumerate(found.sources)
+        for i, source in enumerate(analysis.sources)
     ]
-    solved = np.linalg.solve(found.expected_mean_squares, np.array(ms))
-    return dict(zip(found.variances, solved, strict=True))
+    solved = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
+    return dict(zip(analysis.variances, solved, strict=True))
 
 
 @lru_cache(maxsize=16)  # 160 kB each; unbalanced designs seldom repeat their degrees of freedom

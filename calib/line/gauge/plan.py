@@ -44,14 +44,14 @@ def read_plan(
     repeats of each other and are refused. Raises InputError if the file is not readable, if a log
     or column occurs twice, and for a log without a row.
     """
-    known: dict[str, Place] = {}
+    by_path: dict[str, Place] = {}
     for place in _places(path, vehicle):
-        if known.setdefault(os.path.realpath(place.log), place) is not place:
+        if by_path.setdefault(os.path.realpath(place.log), place) is not place:
             raise InputError(f"{place.log} occurs twice", where=path)
     for log in logs:
-        if os.path.realpath(log) not in known:
+        if os.path.realpath(log) not in by_path:
             raise InputError(f"{log} is not in the plan", where=path, do="add a row for it")
-    places = tuple(known[os.path.realpath(log)] for log in logs) or tuple(known.values())
+    places = tuple(by_path[os.path.realpath(log)] for log in logs) or tuple(by_path.values())
     if not places:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
     if len({bool(place.station) for place in places}) > 1:
@@ -80,10 +80,10 @@ def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
     for number, row in enumerate(rows[1:], 2):
         cells = dict(zip(heads, row, strict=False))
         if len(row) > len(heads) or not (cells.get("log") and cells.get("car")):
-            what = f"row {number} has no log or car, or too many cells"
-            raise InputError(what, where=path, expected=_FILE)
-        own = cells.pop("vehicle", "")
-        file = path.parent / own if own else vehicle
+            problem = f"row {number} has no log or car, or too many cells"
+            raise InputError(problem, where=path, expected=_FILE)
+        named = cells.pop("vehicle", "")
+        file = path.parent / named if named else vehicle
         yield Place(path.parent / cells.pop("log"), vehicle=file, **cells)
 
 
@@ -92,17 +92,17 @@ def readings(
     channel_map: ChannelMap | None,
     reference: float,
     names: Sequence[str],
-    done: Callable[[], None] = lambda: None,
+    report: Callable[[], None] = lambda: None,
 ) -> tuple[GaugeReading, ...]:
     """Metrics of these ``names`` of each ramp, fitted alone; each place must have a vehicle.
 
-    ``reference`` is eta - 1 at which curves are compared [1]; ``done`` is called after each. Raises
-    LogError for a ramp that cannot be fitted, and one that was given twice.
+    ``reference`` is eta - 1 at which curves are compared [1]; ``report`` is called after each ramp.
+    Raises LogError for a ramp that cannot be fitted, and one that was given twice.
     """
     from calib.car.vehicle_file import read_vehicle
 
     cars = {file: read_vehicle(file) for file in {place.vehicle for place in places} if file}
-    found: list[GaugeReading] = []
+    each: list[GaugeReading] = []
     parents: list[LogReference] = []
     for place in places:
         assert place.vehicle is not None
@@ -111,7 +111,7 @@ def readings(
         table = fit(cars[place.vehicle], [log])
         parents += table.provenance.logs
         metrics = metrics_of(table, log, reference)
-        kept = {name: metrics[name] for name in names}
-        found.append(GaugeReading(str(place.log), place.car, place.station, kept, log.digest))
-        done()
-    return tuple(found)
+        chosen = {name: metrics[name] for name in names}
+        each.append(GaugeReading(str(place.log), place.car, place.station, chosen, log.digest))
+        report()
+    return tuple(each)

@@ -204,7 +204,7 @@ def study(
     only such limits the `_DEFAULTS` judge.
     """
     tolerances = _tolerances(limits)
-    held = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS
+    of_gauge = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS
     car, station = (
         np.unique([getattr(r, key) for r in readings], return_inverse=True)[1]
         for key in ("car", "station")
@@ -220,7 +220,7 @@ def study(
             expected="two cars or more, and more ramps than cars and stations together",
         ) from cause
     results = [
-        _result(name, values[name], analysis, held, tolerances.get(name))
+        _result(name, values[name], analysis, of_gauge, tolerances.get(name))
         for name, analysis in analyses.items()
     ]
     notes = _notes(car, station, terms)
@@ -244,8 +244,10 @@ def _result(
     of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
     figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
     by_name = {limit.figure: limit for limit in limits}
-    own = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in _FIGURES]
-    judgements = judge(tuple(Limit(f, x.low, x.high) for f, x in own if x is not None), figures)
+    applicable = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in _FIGURES]
+    judgements = judge(
+        tuple(Limit(f, x.low, x.high) for f, x in applicable if x is not None), figures
+    )
     shares = [x for x in (of_cars[0], of_tolerance) if x is not None]
     if any(j.verdict == FAILED for j in judgements):
         verdict = GaugeVerdict.BAD
@@ -286,16 +288,16 @@ def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
     return [text for holds, text in notes if holds]
 
 
-def to_dict(found: GaugeStudy) -> dict[str, object]:
+def to_dict(result: GaugeStudy) -> dict[str, object]:
     """The JSON document of a study."""
     return {
-        "passed": found.passed,
-        "cars": found.cars,
-        "stations": found.stations,
-        "reference_eta_rise": found.reference,
-        "notes": found.notes,
-        "ramps": found.readings,
-        "quantities": {result.name: _entry(result) for result in found.results},
+        "passed": result.passed,
+        "cars": result.cars,
+        "stations": result.stations,
+        "reference_eta_rise": result.reference,
+        "notes": result.notes,
+        "ramps": result.readings,
+        "quantities": {result.name: _entry(result) for result in result.results},
     }
 
 

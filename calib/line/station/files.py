@@ -67,11 +67,11 @@ def publish_run(work: Path, out: Path) -> list[Path]:
 
 def _stale(out: Path) -> set[str]:
     """Every export, every file that an earlier verdict lists, and the refusal of an earlier run."""
-    found = {*EXPORTS, REFUSED}
+    stale = {*EXPORTS, REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
-        found |= {n for n in names if isinstance(n, str) and n == Path(n).name and n not in _FIXED}
-    return found
+        stale |= {n for n in names if isinstance(n, str) and n == Path(n).name and n not in _FIXED}
+    return stale
 
 
 def write_refusal(
@@ -84,7 +84,7 @@ def write_refusal(
     """
     document = {
         "schema": _SCHEMA,
-        "identity": identity.given(),
+        "identity": identity.by_name(),
         "logs": [printable(log.name) for log in logs],
         "program": PROGRAM,
         "error": error.to_dict(),
@@ -94,27 +94,27 @@ def write_refusal(
         publish(work, out, REFUSED)
 
 
-def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
+def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
     """The document as plain data; ``files`` are the other files in its folder."""
     return {
         "schema": _SCHEMA,
-        "verdict": found.verdict,
-        "identity": found.identity.given(),
-        "vehicle": found.table.vehicle.name,
+        "verdict": outcome.verdict,
+        "identity": outcome.identity.by_name(),
+        "vehicle": outcome.table.vehicle.name,
         "table": {"id": stored.id, "digest": stored.digest, "state": stored.state.word},
-        "accepted_warnings": found.accepted or None,
-        "golden": found.golden.id if found.golden else None,
-        **({"golden_cars": found.golden_cars} if found.golden_cars else {}),
+        "accepted_warnings": outcome.accepted or None,
+        "golden": outcome.golden.id if outcome.golden else None,
+        **({"golden_cars": outcome.golden_cars} if outcome.golden_cars else {}),
         "program": PROGRAM,
-        "counts": found.counts(),
-        "warnings": [warning_dict(warning) for warning in found.warnings],
-        "checks": [_check(check) for check in found.checks],
-        "figures": {name: finite(value) for name, value in found.figures.items()},
-        "pads_of_ramp": _ramp(found.table),
-        "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in found.logs],
-        "validation": validation_dict(stored, list(found.results)),
-        "remarks": list(found.table.remarks),
-        "caveats": [warning_dict(warning) for warning in found.caveats],
+        "counts": outcome.counts(),
+        "warnings": [warning_dict(warning) for warning in outcome.warnings],
+        "checks": [_check(check) for check in outcome.checks],
+        "figures": {name: finite(value) for name, value in outcome.figures.items()},
+        "pads_of_ramp": _ramp(outcome.table),
+        "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in outcome.logs],
+        "validation": validation_dict(stored, list(outcome.results)),
+        "remarks": list(outcome.table.remarks),
+        "caveats": [warning_dict(warning) for warning in outcome.caveats],
         "files": files,
     }
 
@@ -147,28 +147,28 @@ def _check(check: StationCheck) -> dict[str, Any]:
     }
 
 
-def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
+def junit_xml(outcome: StationOutcome, stored: Stored) -> bytes:
     """The document. All times are zero, so that the same car gives the same bytes."""
-    n = found.counts()
-    totals = {"tests": str(len(found.checks)), "failures": str(n[FAILED]), "errors": "0"}
+    n = outcome.counts()
+    totals = {"tests": str(len(outcome.checks)), "failures": str(n[FAILED]), "errors": "0"}
     root = ElementTree.Element("testsuites", {**totals, "time": "0"})
     totals |= {"skipped": str(n[NOT_KNOWN]), "time": "0"}  # Jenkins allows `skipped` here only
     suite = ElementTree.SubElement(root, "testsuite", {"name": "brake-cal station", **totals})
     properties = ElementTree.SubElement(suite, "properties")
-    stated = {
-        "verdict": found.verdict,
+    identifiers = {
+        "verdict": outcome.verdict,
         "table": stored.id,
         "digest": stored.digest,
         "state": stored.state.word,
-        **found.identity.given(),
+        **outcome.identity.by_name(),
     }
-    for name, value in stated.items():
+    for name, value in identifiers.items():
         ElementTree.SubElement(properties, "property", {"name": name, "value": _clean(value)})
-    for check in found.checks:
+    for check in outcome.checks:
         _case(suite, check)
-    if found.warnings:
+    if outcome.warnings:
         output = ElementTree.SubElement(suite, "system-out")
-        output.text = "\n".join(f"warning: {_clean(str(one))}" for one in found.warnings)
+        output.text = "\n".join(f"warning: {_clean(str(one))}" for one in outcome.warnings)
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"

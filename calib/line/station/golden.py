@@ -34,14 +34,14 @@ def golden_table(store: Store, reference: str) -> Stored:
 
     Raises StoreError for another one, and for one without maps.
     """
-    found = store.released(reference)
-    if not (found.state.usable and found.state.in_store):
+    stored = store.released(reference)
+    if not (stored.state.usable and stored.state.in_store):
         raise StoreError(
-            f"is {found.state.words}; no car is measured by it",
-            where=found.id,
+            f"is {stored.state.words}; no car is measured by it",
+            where=stored.id,
             expected="a released version",
         )
-    return found
+    return stored
 
 
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
@@ -50,7 +50,7 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
     Those of D need half of the golden range of eta; sigma needs a golden table of several cars.
     """
     ours, theirs = table.calibration, golden.calibration
-    found = {
+    metrics = {
         "golden_pads_f": ours.pad_friction_f.value / theirs.pad_friction_f.value - 1.0,
         "golden_pads_r": ours.pad_friction_r.value / theirs.pad_friction_r.value - 1.0,
         "golden_stiffness": ours.slip_stiffness.value / theirs.slip_stiffness.value - 1.0,
@@ -59,12 +59,12 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
     end = min(float(table.difference.eta[-1]), golden_end)
     common = end - 1.0 >= _OVERLAP * (golden_end - 1.0)
     if common:
-        found |= _distance(table, golden, end)
+        metrics |= _distance(table, golden, end)
     if golden.spread is not None:
-        found |= _sigma_of_pads(table, golden, golden.spread)
+        metrics |= _sigma_of_pads(table, golden, golden.spread)
         if common:
-            found["golden_sigma_d"] = _sigma_of_D(table, golden, golden.spread, end)
-    return found
+            metrics["golden_sigma_d"] = _sigma_of_D(table, golden, golden.spread, end)
+    return metrics
 
 
 def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
@@ -112,8 +112,8 @@ def _sigma_of_D(table: Table, golden: Table, spread: FleetScatter, end: float) -
     return _sigma(float(apart), spread.D[row], float(of_run), spread.freedom)
 
 
-def _sigma(apart: float, of: Scatter, own: float, freedom: int) -> float:
-    predicted = math.sqrt(of.between**2 + of.of_mean**2 + own)
+def _sigma(apart: float, scatter: Scatter, variance: float, freedom: int) -> float:
+    predicted = math.sqrt(scatter.between**2 + scatter.of_mean**2 + variance)
     if predicted == 0.0:
         return as_sigma(math.copysign(math.inf, apart), freedom) if apart else 0.0
     return as_sigma(apart / predicted, freedom)

@@ -27,14 +27,14 @@ NO_VERDICT = "refused"
 class IndexedRun:
     """One run as the index shows it.
 
-    ``place``: its folder below that of the index; ``at``: when its verdict was written [s since
-    1970]; ``bad``: number of metrics and warnings that speak against the car; ``why``: what failed
-    or warned first, as (metric, stop, value, next step); ``trend``: metrics over the line by name,
-    and ``limits`` of them as (low, high); ``refusal``: why the car could not be judged.
+    ``place``: its folder below that of the index; ``written_at``: when its verdict was written [s
+    since 1970]; ``bad``: number of metrics and warnings that speak against the car; ``why``: what
+    failed or warned first, as (metric, stop, value, next step); ``trend``: metrics over the line by
+    name, and ``limits`` of them as (low, high); ``refusal``: why the car could not be judged.
     """
 
     place: str
-    at: float
+    written_at: float
     verdict: str
     car: str = ""
     station: str = ""
@@ -51,12 +51,12 @@ TRENDS = ("torque_per_bar_f", "torque_per_bar_r", "pad_scale", "ramp_eta_zero")
 
 def runs_below(folder: Path) -> list[IndexedRun]:
     """All runs below ``folder``, the last first. Raises OSError if it cannot be read."""
-    found = []
+    indexed = []
     for path in _documents(folder):
         with suppress(FileNotFoundError):  # a run that is being published again
             place = printable(os.path.relpath(path.parent, folder))
-            found.append(_run(path, place, path.stat().st_mtime))
-    return sorted(found, key=lambda run: (-run.at, run.place))
+            indexed.append(_run(path, place, path.stat().st_mtime))
+    return sorted(indexed, key=lambda run: (-run.written_at, run.place))
 
 
 def _documents(folder: Path) -> Iterator[Path]:
@@ -67,32 +67,32 @@ def _documents(folder: Path) -> Iterator[Path]:
             raise error
 
     for place, folders, files in os.walk(folder, onerror=fail):
-        told = next((name for name in (REFUSED, DOCUMENT) if name in files), None)
-        if told is not None:
-            yield Path(place, told)
+        document = next((name for name in (REFUSED, DOCUMENT) if name in files), None)
+        if document is not None:
+            yield Path(place, document)
             folders.clear()
         folders[:] = sorted(name for name in folders if not name.startswith("."))
 
 
-def _run(path: Path, place: str, at: float) -> IndexedRun:
+def _run(path: Path, place: str, written_at: float) -> IndexedRun:
     """One run from what it wrote; if that is damaged, its verdict is `UNREADABLE`."""
     try:
-        told = json.loads(read_bounded(path, VALIDATION))
-        identity = told["identity"]
-        car = str(identity.get("vin") or identity.get("serial") or told.get("vehicle", ""))
-        one = IndexedRun(place, at, NO_VERDICT, car, str(identity.get("station", "")))
+        document = json.loads(read_bounded(path, VALIDATION))
+        identity = document["identity"]
+        car = str(identity.get("vin") or identity.get("serial") or document.get("vehicle", ""))
+        run = IndexedRun(place, written_at, NO_VERDICT, car, str(identity.get("station", "")))
         if path.name == REFUSED:
-            return replace(one, bad=1, refusal=str(told["error"]["message"]))
-        checks, metrics = told["checks"], told["figures"] | told.get("pads_of_ramp", {})
+            return replace(run, bad=1, refusal=str(document["error"]["message"]))
+        checks, metrics = document["checks"], document["figures"] | document.get("pads_of_ramp", {})
         bad = [c for word in ("failed", "warning") for c in checks if c["verdict"] == word]
         why = [(c["figure"], c["scope"], c["value"], c["action"] or "") for c in bad]
         return replace(
-            one,
-            verdict=str(told["verdict"]),
-            bad=len(bad) + len(told["warnings"]),
+            run,
+            verdict=str(document["verdict"]),
+            bad=len(bad) + len(document["warnings"]),
             why=why[0] if why else None,
             trend={name: metrics.get(name) for name in TRENDS},
             limits={c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return IndexedRun(place, at, UNREADABLE)
+        return IndexedRun(place, written_at, UNREADABLE)

@@ -16,10 +16,10 @@ from calib.line.station.metrics import METRICS as OF_CAR
 
 
 def _limit(key: str) -> Limit:
-    one = METRICS[key]
-    own = one.low, one.high, one.warn_low, one.warn_high
-    ends = one.stop if own == (None,) * 4 else own
-    return Limit(key, *ends, one.required)
+    metric = METRICS[key]
+    of_station = metric.low, metric.high, metric.warn_low, metric.warn_high
+    ends = metric.stop if of_station == (None,) * 4 else of_station
+    return Limit(key, *ends, metric.required)
 
 
 _JUDGED = (key for key, one in METRICS.items() if one.judged)
@@ -71,18 +71,20 @@ A metric without a line is not judged. `validate` judges the metrics of the stop
 def limits_file() -> str:
     """The text: every metric that is judged by default, then the other ones, as comments."""
     lines = [f"# {line}".rstrip() for line in _HEAD.splitlines()] + ["schema = 1", "", "[limits]"]
-    for limit, one in ((limit, METRICS[limit.figure]) for limit in LIMITS):
+    for limit, metric in ((limit, METRICS[limit.figure]) for limit in LIMITS):
         fail, warn = _range(limit.low, limit.high), _range(limit.warn_low, limit.warn_high)
         required = ", required = true" * limit.required
         lines += [
-            f"# {'each stop: ' * (one.scope == 'stop')}{one.meaning}",
-            f"# why: {one.reason}",
+            f"# {'each stop: ' * (metric.scope == 'stop')}{metric.meaning}",
+            f"# why: {metric.reason}",
             f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}",
             "",
         ]
     lines.append(f"# Not judged unless a line is added, such as `{_EXAMPLE}`:")
-    others = ((figure, one) for figure, one in METRICS.items() if not one.judged)
-    lines += [f"# {figure}: {one.meaning}" for figure, one in others if one.scope == "stop"]
+    others = ((figure, metric) for figure, metric in METRICS.items() if not metric.judged)
+    lines += [
+        f"# {figure}: {metric.meaning}" for figure, metric in others if metric.scope == "stop"
+    ]
     return "\n".join(lines) + "\n"
 
 

@@ -64,8 +64,8 @@ def metrics_of(
 
 
 def _eta_zero(vehicle: Vehicle, run: Run) -> float | None:
-    found = run.axles.front_rear if run.axles else None
-    return None if found is None else vehicle.radius_mismatch(found.value)
+    zero = run.axles.front_rear if run.axles else None
+    return None if zero is None else vehicle.radius_mismatch(zero.value)
 
 
 def _front_biased_up_to(table: Table) -> float:
@@ -99,19 +99,19 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
     log, driving = run.log, run.driving
     if "v" not in log:
         return None
-    of = table.vehicle.front if axle == "f" else table.vehicle.rear
+    wheel = table.vehicle.front if axle == "f" else table.vehicle.rear
     speed = np.maximum(log["v"], 1.0)
-    slips = [slip(of, log[f"omega_{axle}{side}"], speed) for side in "lr"]
+    slips = [slip(wheel, log[f"omega_{axle}{side}"], speed) for side in "lr"]
     free = [_means(s, driving.unbraked, driving) for s in slips]
     if free[0].size < 3:
         return None
     use = driving.braked & (driving.z > _LOW) & (driving.z < _HIGH) & (driving.speed > MOVING)
     zeros = zip(slips, free, strict=True)
     left, right = (_means(s, use, driving) - np.mean(zero) for s, zero in zeros)
-    known = np.maximum(left, right) <= table.tyre.slip[-1]
-    if np.count_nonzero(known) < _FEWEST:
+    on_curve = np.maximum(left, right) <= table.tyre.slip[-1]
+    if np.count_nonzero(on_curve) < _FEWEST:
         return None
-    F_l, F_r = (_force(table.tyre, s[known]) for s in (left, right))
+    F_l, F_r = (_force(table.tyre, s[on_curve]) for s in (left, right))
     stiffness = float(table.tyre.force[1] / table.tyre.slip[1])
     d, half = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (free[0] - free[1]))
     return d - _pressures(log, axle, use) if half <= _WIDEST else None

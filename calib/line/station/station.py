@@ -55,10 +55,10 @@ class Identity:
     station: str | None = None
     rxswin: str | None = None
 
-    def given(self) -> dict[str, str]:
+    def by_name(self) -> dict[str, str]:
         """The identifiers that were given, by name.
 
-        >>> Identity(vin="WVWZZZ1JZXW000001").given()
+        >>> Identity(vin="WVWZZZ1JZXW000001").by_name()
         {'vin': 'WVWZZZ1JZXW000001'}
         """
         return {name: value for name, value in asdict(self).items() if value is not None}
@@ -103,8 +103,8 @@ class StationCheck:
         kind, ends = "limit", (j.low, j.high)
         if self.verdict == WARNING:
             kind, ends = "no warning", (j.warn_low, j.warn_high)
-        of = "" if self.stop is None else f"stop {self.stop}, "
-        return f"{of}{shown.name}: {shown.with_unit(j.value)}; {kind}: {shown.bounds(*ends)}"
+        prefix = "" if self.stop is None else f"stop {self.stop}, "
+        return f"{prefix}{shown.name}: {shown.with_unit(j.value)}; {kind}: {shown.bounds(*ends)}"
 
     @property
     def action(self) -> str:
@@ -154,9 +154,9 @@ class StationOutcome:
 
         They are no verdict on the car.
         """
-        logs, known = (*self.ramps, *self.coasts, *self.stops), set(map(_place, self.warnings))
-        told = (one for log in logs for one in check(log, vehicle=self.table.vehicle).warnings)
-        return [one for one in told if _place(one) not in known]
+        logs, places = (*self.ramps, *self.coasts, *self.stops), set(map(_place, self.warnings))
+        every = (one for log in logs for one in check(log, vehicle=self.table.vehicle).warnings)
+        return [one for one in every if _place(one) not in places]
 
     @property
     def golden_cars(self) -> int:
@@ -180,8 +180,10 @@ class StationOutcome:
     @property
     def verdict(self) -> str:
         """`failed` if any check fails, else `warning` if there is any warning, else `passed`."""
-        found = {check.verdict for check in self.checks} | ({WARNING} if self.warnings else set())
-        return next((word for word in (FAILED, WARNING) if word in found), PASSED)
+        verdicts = {check.verdict for check in self.checks} | (
+            {WARNING} if self.warnings else set()
+        )
+        return next((word for word in (FAILED, WARNING) if word in verdicts), PASSED)
 
     @property
     def passed(self) -> bool:
@@ -195,8 +197,8 @@ class StationOutcome:
         parts = {"failed": n[FAILED], "with a warning": n[WARNING], "not known": n[NOT_KNOWN]}
         named = [f"{number} {word}" for word, number in parts.items() if number]
         more = f"; {counted(count, 'warning')} of its logs" if count else ""
-        told = ", ".join([f"{counted(n[PASSED], 'check')} passed", *named])
-        return f"{told}{more}{self._unproved}"
+        passed = ", ".join([f"{counted(n[PASSED], 'check')} passed", *named])
+        return f"{passed}{more}{self._unproved}"
 
     @property
     def _unproved(self) -> str:
@@ -234,8 +236,8 @@ def judged_car(
     *,
     mass: float | None = None,
     golden: Stored | None = None,
-    done: Callable[[], None] = lambda: None,
-    **told: Any,
+    report: Callable[[], None] = lambda: None,
+    **fields: Any,
 ) -> StationOutcome:
     """Fit the table of a car, validate it on its stops, and judge both by the limits.
 
@@ -256,14 +258,14 @@ def judged_car(
     refuse_copies([*ramps, *coasts], stops)
     fitted = fit(vehicle, [*ramps, *coasts], mass=mass)
     _require_roles(fitted, ramps, coasts)
-    table = replace(fitted, provenance=replace(fitted.provenance, identity=identity.given()))
-    done()
+    table = replace(fitted, provenance=replace(fitted.provenance, identity=identity.by_name()))
+    report()
     of_stops, results = tuple(x for x in limits if x.figure in OF_STOPS), []
     for log in stops:
         results.append(validate_one(table, log, None, of_stops, mass=mass))
-        done()
+        report()
     return StationOutcome(
-        table, ramps, coasts, stops, tuple(results), limits, identity, golden, **told
+        table, ramps, coasts, stops, tuple(results), limits, identity, golden, **fields
     )
 
 

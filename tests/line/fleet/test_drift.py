@@ -20,7 +20,7 @@ def test_a_change_is_found_where_it_is(size):
         y[180:] += size
         found = change(y)
         assert found.p < 0.001
-        assert found.after - found.before == pytest.approx(size, abs=0.6)
+        assert found.new_level - found.old_level == pytest.approx(size, abs=0.6)
         first.append(found.first)
     assert abs(np.median(first) - 180) <= 2
     assert np.mean(np.abs(np.array(first) - 180) <= 15) > 0.9

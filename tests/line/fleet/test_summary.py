@@ -15,14 +15,14 @@ def found(tmp_path_factory):
 
 
 def look(found, name):
-    return next(one for one in found.looks if one.metric.name == name)
+    return next(one for one in found.looks if one.column.name == name)
 
 
 def test_the_drift_is_found_where_it_is_and_only_there(found):
     pads = look(found, "pad_friction_f")
     assert pads.drifts
     assert abs(pads.rows[pads.change.first] - DRIFT_AT) <= 10
-    assert pads.change.after - pads.change.before == pytest.approx(0.01, abs=0.004)
+    assert pads.change.new_level - pads.change.old_level == pytest.approx(0.01, abs=0.004)
     assert not look(found, "settling").drifts
 
 
@@ -60,7 +60,7 @@ def test_drift_is_tested_where_a_plain_step_would_be_found(tmp_path):
 
 def test_only_what_is_wanted(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet", 12))
-    assert [one.metric.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]
+    assert [one.column.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]
     with pytest.raises(InputError):
         summarise(fleet, ("setling",))
 
