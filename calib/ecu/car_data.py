@@ -47,8 +47,8 @@ class Number(NamedTuple):
     @property
     def declared(self) -> tuple[str, str]:
         """Its name and size in C, and its comment."""
-        of = "BTE_AXLES" if self.parts == AXLES else "BTE_INPUTS"
-        return f"{self.name}{f'[{of}]' * bool(self.parts)}", self.comment
+        size = "BTE_AXLES" if self.parts == AXLES else "BTE_INPUTS"
+        return f"{self.name}{f'[{size}]' * bool(self.parts)}", self.comment
 
 
 def sources(
@@ -112,8 +112,8 @@ def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_A
     Sliced where they have more axes. Raises ExchangeError as `Precision`.
     """
     read = {*(name for name, _ in PADS), *SLIP, *LEVEL}
-    of = maps_of(table, first, replace(how, code=True), most_axes)
-    return [grid for _, grids in of for grid in grids if grid.column in read]
+    maps = maps_of(table, first, replace(how, code=True), most_axes)
+    return [grid for _, grids in maps for grid in grids if grid.column in read]
 
 
 def axes_of(grids: Iterable[Grid]) -> list[Axis]:
@@ -148,9 +148,9 @@ def numbers_of(table: Table, sample_time: float, version: int = 0) -> list[Numbe
 
 
 def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
-    car, known, sensors = table.vehicle, known_effects(table).parameters, tuple(CHANNELS)
+    car, resistance, sensors = table.vehicle, known_effects(table).parameters, tuple(CHANNELS)
     low, high, change = (x.tolist() for x in limits(sample_time, car))
-    drag, rolling = known[DRAG[0]], known[ROLLING[0]]
+    drag, rolling = resistance[DRAG[0]], resistance[ROLLING[0]]
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / car.wheelbase
     lift = (1.0 - drag.get("load_share", 1.0)) * lever / car.weight
@@ -191,9 +191,9 @@ def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
 
 def _maps(grids: Iterable[Grid]) -> dict[str, list[Grid]]:
     """Columns of each map of `bte_car`."""
-    of, ratio = {(g.column, len(g.axes)): g for g in grids}, [x for x, _ in PADS]
+    by_column, ratio = {(g.column, len(g.axes)): g for g in grids}, [x for x, _ in PADS]
     maps = {"pads": (ratio, 3), "slip": (SLIP, 2), "level": (LEVEL, 1), "prior": (ratio, 1)}
-    return {name: [of[x, axes] for x in columns] for name, (columns, axes) in maps.items()}
+    return {name: [by_column[x, axes] for x in columns] for name, (columns, axes) in maps.items()}
 
 
 def _places(columns: list[Grid]) -> list[Member]:

@@ -43,9 +43,9 @@ def code(how: Precision) -> str:
     return source("bte.c").substitute(_MATH[how.floating], **facts)
 
 
-def _first(of: Member) -> Iterator[tuple[str, float]]:
+def _first(structure: Member) -> Iterator[tuple[str, float]]:
     """Places of the numbers of a state, with their first values, that are not 0."""
-    for name, x in members_of(of):
+    for name, x in members_of(structure):
         if is_dataclass(x):
             yield from ((f"{name}.{place}", value) for place, value in _first(x))
         elif x:
@@ -89,27 +89,30 @@ def filters() -> list[tuple[str, Member]]:
     return members_of(State())
 
 
-def members_of(of: Member) -> list[tuple[str, Member]]:
+def members_of(structure: Member) -> list[tuple[str, Member]]:
     """Members of a structure with their values, in the order of C."""
-    members = [(x.name, getattr(of, x.name)) for x in fields(of) if x.name not in _BY_HAND]
+    members = [
+        (x.name, getattr(structure, x.name)) for x in fields(structure) if x.name not in _BY_HAND
+    ]
     return sorted(members, key=lambda member: isinstance(member[1], bool))
 
 
 @cache
-def comments(of: str) -> dict[str, str]:
+def comments(class_name: str) -> dict[str, str]:
     """What `calib.estimation.state` says of each member of a class, its unit in brackets."""
     row = r"^    (\w+): [^#\n]*(?:# (.*(?:\n    # .*)*))?$"
-    rows = re.findall(row, inspect.getsource(getattr(state, of)), re.MULTILINE)
+    rows = re.findall(row, inspect.getsource(getattr(state, class_name)), re.MULTILINE)
     return {name: text.replace("\n    #", "") for name, text in rows}
 
 
-def _structure(of: Member) -> str:
-    return "\n".join(("typedef struct {", *_members(of), f"}} {structure(type(of).__name__)};"))
+def _structure(value: Member) -> str:
+    name = structure(type(value).__name__)
+    return "\n".join(("typedef struct {", *_members(value), f"}} {name};"))
 
 
-def _members(of: Member) -> Iterator[str]:
-    about = comments(type(of).__name__)
-    for name, x in members_of(of):
+def _members(value: Member) -> Iterator[str]:
+    about = comments(type(value).__name__)
+    for name, x in members_of(value):
         kind = structure(type(x).__name__) if is_dataclass(x) else "bte_real"
         yield _declared("bool" if isinstance(x, bool) else kind, [(name, about[name])])
 

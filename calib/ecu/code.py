@@ -118,8 +118,8 @@ def write_code(
     """
     require_handed_out(stored, without_effects, unreleased=unreleased)
     car = stored.table.vehicle
-    left = replace(car, effects=car.effects.without(*without_effects))
-    stored = replace(stored, table=replace(stored.table, vehicle=left))
+    car = replace(car, effects=car.effects.without(*without_effects))
+    stored = replace(stored, table=replace(stored.table, vehicle=car))
     if form == FOLDER and compiled:
         raise ExchangeError("only an FMU is compiled", expected="fmu2, fmu3 and those of the car")
     if form != FOLDER:
@@ -135,8 +135,8 @@ def write_code(
     files = _write_bundle(stored, out, how, sample_time, first, quality, elf)
     axes = axes_of(code_grids(stored.table, first, how))
     notes = tuple(f"{axis.label}: {axis.placed}" for axis in axes if axis.reduced)
-    made = tuple(path.name for path in files)
-    return WrittenCode(stored, out, form, how, sample_time, made, notes)
+    names = tuple(path.name for path in files)
+    return WrittenCode(stored, out, form, how, sample_time, names, notes)
 
 
 def _write_bundle(
@@ -201,7 +201,7 @@ def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
     samples[-5:, A_X] = 99.0
     samples = how.computed(samples)
     every, bits = samples_of_block(sample_time), how.floating
-    kept = answered(table, sample_time, samples)[every - 1 :: every]
+    answers = answered(table, sample_time, samples)[every - 1 :: every]
     yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
     yield '#ifndef BTE_VECTORS_H\n#define BTE_VECTORS_H\n\n#include "bte.h"\n'
     yield f"#define BTE_VECTORS_COUNT {len(samples)}U\n#define BTE_VECTORS_EVERY {every}U"
@@ -216,7 +216,7 @@ def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
         ("char *const bte_vectors_columns[]", f"{{{columns}}}"),
         ("char bte_vectors_header[]", f'"time,reason,{",".join(names)}"'),
         (f"bte_real bte_vectors_inputs[][{samples.shape[1]}]", initial(samples.tolist(), bits)),
-        (f"bte_real bte_vectors_answers[][{kept.shape[1]}]", initial(kept.tolist(), bits)),
+        (f"bte_real bte_vectors_answers[][{answers.shape[1]}]", initial(answers.tolist(), bits)),
     ):
         cells = text.replace("}, ", "},\n")
         yield f"extern const {name};\nconst {name} = {cells};\n"

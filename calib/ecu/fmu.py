@@ -40,23 +40,25 @@ _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95
 _ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
 
 
-def _variables(of: Content) -> Iterator[Variable]:
+def _variables(content: Content) -> Iterator[Variable]:
     """Those of the FMU, each in the place of its reference."""
     for causality in ("input", "parameter", "output", "independent"):
-        ends = _BOUNDS if (of, causality) == ("estimator", "output") else {"": ""}
-        for x in (x for x in VARIABLES.values() if causality in getattr(x, of)):
+        ends = _BOUNDS if (content, causality) == ("estimator", "output") else {"": ""}
+        for x in (x for x in VARIABLES.values() if causality in getattr(x, content)):
             yield from (x._replace(name=x.name + e, meaning=x.meaning + ends[e]) for e in ends)
     reasons = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
-    yield REASON._replace(meaning=reasons if of == "estimator" else _ENDS)
+    yield REASON._replace(meaning=reasons if content == "estimator" else _ENDS)
 
 
-def _starts(table: Table, of: Content) -> dict[str, float]:
+def _starts(table: Table, content: Content) -> dict[str, float]:
     """First values of inputs and parameters."""
     car = simulated(table)
     first = {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r, "v0": _V0}
     first |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()}
-    given = (x.name for x in VARIABLES.values() if getattr(x, of).startswith(("input", "param")))
-    return {name: first.get(name, 0.0) for name in given}
+    names = (
+        x.name for x in VARIABLES.values() if getattr(x, content).startswith(("input", "param"))
+    )
+    return {name: first.get(name, 0.0) for name in names}
 
 
 def simulated(table: Table) -> Model:
@@ -72,9 +74,14 @@ def simulated(table: Table) -> Model:
 
 
 def write_fmu(
-    stored: Stored, path: Path, how: Precision, sample_time: float, version: Version, of: Content
+    stored: Stored,
+    path: Path,
+    how: Precision,
+    sample_time: float,
+    version: Version,
+    content: Content,
 ) -> None:
-    """Write a version of a table as an FMU ``of`` a content to a file, and replace what is there.
+    """Write a version of a table as an FMU with a ``content`` to a file, and replace what is there.
 
     ``how`` the numbers inside are written, those of the variables are in double; ``sample_time`` of
     the ECU's task, and the fixed step of the FMU [s]. The bytes depend on nothing but these.
@@ -83,16 +90,16 @@ def write_fmu(
     as `sources`; OSError.
     """
     car, step = stored.table.vehicle.name, repr(float(sample_time))
-    name = f"{prefix(car)}_{of}"
+    name = f"{prefix(car)}_{content}"
     first = prefix(stored.name)
     code = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
-    files = "fmi.c", f"fmi{version}.h", f"{of}.h"
+    files = "fmi.c", f"fmi{version}.h", f"{content}.h"
     glue = {
         file: (SOURCE.parent / "fmu_source" / file).read_text(encoding="utf-8") for file in files
     }
-    variables, starts = [*_variables(of)], _starts(stored.table, of)
+    variables, starts = [*_variables(content)], _starts(stored.table, content)
     facts = {
-        "version": version, "of": of, "name": name, "data": f"{CAR}_{first}",
+        "version": version, "of": content, "name": name, "data": f"{CAR}_{first}",
          "step": step, "program": PROGRAM,
         "car": printable(car), "table": f"{stored.id}, {printable(stored.state.words)}",
         "compiled": [file for file in (*code, *glue) if file.endswith(".c")],
@@ -107,12 +114,12 @@ def write_fmu(
     facts["about"] = f"{name}, SHA-256 {stored.digest}"
     code |= {file: Template(text).safe_substitute(facts) for file, text in (code | glue).items()}
     inside |= {f"sources/{file}": text for file, text in code.items()}
-    made = io.BytesIO()
-    with zipfile.ZipFile(made, "w") as out:
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as out:
         for file, text in inside.items():  # without dates
             out.writestr(zipfile.ZipInfo(file), text, zipfile.ZIP_DEFLATED)
         out.comment = stored.digest.encode()
-    write_whole(path, made.getvalue())
+    write_whole(path, archive.getvalue())
 
 
 def compile_fmu(path: Path) -> None:
@@ -120,14 +127,12 @@ def compile_fmu(path: Path) -> None:
 
     Raises ProgramError without FMPy, cmake or a compiler; the FMU then has its sources alone.
     """
-    with zipfile.ZipFile(path) as made:
-        digest = made.comment
+    with zipfile.ZipFile(path) as archive:
+        digest = archive.comment
     command = [sys.executable, "-m", "fmpy", "compile", str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        do = (
-            f"pip install fmpy, and have cmake and a compiler on PATH: {done.stderr[-200:].strip()}"
-        )
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    if ran.returncode:
+        do = f"pip install fmpy, and have cmake and a compiler on PATH: {ran.stderr[-200:].strip()}"
         raise ProgramError("no binary could be made", where=path, do=do)
-    with zipfile.ZipFile(path, "a") as made:
-        made.comment = digest
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.comment = digest

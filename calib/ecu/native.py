@@ -63,23 +63,23 @@ class Native:
         with TemporaryDirectory() as folder:
             for name, text in files.items():
                 Path(folder, name).write_text(text, encoding="utf-8")
-            made = str(Path(folder, "bte.so"))
+            library = str(Path(folder, "bte.so"))
             code = [str(Path(folder, name)) for name in files if name.endswith(".c")]
-            line = [*cc, *_FLAGS, *code, "-o", made, "-lm"]
-            done = subprocess.run(line, capture_output=True, text=True, check=False)
-            if not Path(made).exists():
-                why = f"exit code {done.returncode}: {done.stderr[:400]}"
+            line = [*cc, *_FLAGS, *code, "-o", library, "-lm"]
+            ran = subprocess.run(line, capture_output=True, text=True, check=False)
+            if not Path(library).exists():
+                why = f"exit code {ran.returncode}: {ran.stderr[:400]}"
                 raise ProgramError("the C code does not compile", where=cc[0], do=why)
-            self.library = ctypes.CDLL(made)
+            self.library = ctypes.CDLL(library)
 
     def run(self, samples: Array) -> Array:
         """Answers (n, 28) to samples (n, 11), as `bte_run` has them."""
-        given = np.ascontiguousarray(samples, self.real)
-        told = np.empty((len(given), OUTPUTS), self.real)
-        first, last = (ctypes.c_void_p(x.ctypes.data) for x in (given, told))
+        inputs = np.ascontiguousarray(samples, self.real)
+        rows = np.empty((len(inputs), OUTPUTS), self.real)
+        first, last = (ctypes.c_void_p(x.ctypes.data) for x in (inputs, rows))
         car = ctypes.byref(ctypes.c_char.in_dll(self.library, "bte_car_here"))
-        self.library.bte_run(car, first, ctypes.c_uint32(len(given)), last)
-        return told.astype(np.float64)
+        self.library.bte_run(car, first, ctypes.c_uint32(len(inputs)), last)
+        return rows.astype(np.float64)
 
 
 def coded(table: Table, how: Precision) -> Coded:
@@ -91,15 +91,15 @@ def coded(table: Table, how: Precision) -> Coded:
     """
     compiler()
     require_plain(table)
-    known = dict[tuple[float, float], Native]()
+    codes = dict[tuple[float, float], Native]()
 
     def run(e: Estimate, log: Log) -> Readout:
         require_plain(replace(e.table, vehicle=e.car))
         key = e.table.vehicle.mass, log.sample_time
-        if key not in known:
-            known[key] = Native(e.table, log.sample_time, how)
-        reason, *told = known[key].run(samples_of(log))[rows_of(log)].T
-        answers = map(Bounded, told[::3], told[1::3], told[2::3])
+        if key not in codes:
+            codes[key] = Native(e.table, log.sample_time, how)
+        reason, *columns = codes[key].run(samples_of(log))[rows_of(log)].T
+        answers = map(Bounded, columns[::3], columns[1::3], columns[2::3])
         parts: dict[str, Any] = dict(zip(READ_OUT, answers, strict=True))
         return replace(e.ecu, step=e.ecu.step._replace(reason=reason), **parts)
 

@@ -57,12 +57,14 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
                 yield f"}} {_type(node.name)};"
             case ast.FunctionDef(body=[ast.Expr(ast.Constant(str(about))), *rest]):
                 yield from ("", f"/* {' '.join(about.split()).replace('``', '')} */")
-                given = (*node.args.args, *node.args.kwonlyargs)
-                heads = ", ".join(f"{_type(x.annotation, ' *')} {x.arg}" for x in given)
+                parameters = (*node.args.args, *node.args.kwonlyargs)
+                heads = ", ".join(f"{_type(x.annotation, ' *')} {x.arg}" for x in parameters)
                 yield f"static {_type(node.returns)} {node.name}({heads}) {{".replace(" * ", " *")
                 names = (x for x in ast.walk(node) if isinstance(getattr(x, "ctx", 0), ast.Store))
                 stored = Counter(map(ast.unparse, names))
-                yield from _lines(rest, {x: stored[x] for x in {*stored} - {y.arg for y in given}})
+                yield from _lines(
+                    rest, {x: stored[x] for x in {*stored} - {y.arg for y in parameters}}
+                )
                 yield "}"
             case ast.If():
                 yield f"if ({_text(node.test)}) {{"
@@ -105,8 +107,8 @@ def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
     return pairs
 
 
-def _type(of: ast.expr | str | None, pointer: str = "") -> str:
-    name = (of if isinstance(of, str) else ast.unparse(of or ast.Name(""))).split("[")[0]
+def _type(kind: ast.expr | str | None, pointer: str = "") -> str:
+    name = (kind if isinstance(kind, str) else ast.unparse(kind or ast.Name(""))).split("[")[0]
     return _TYPES.get(name, f"{'const ' * bool(pointer)}{structure(name)}{pointer}")
 
 
@@ -147,5 +149,5 @@ class _InC(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> ast.expr:
         if ast.unparse(node.func) == "np.where":
             return self.visit_IfExp(ast.IfExp(*node.args))
-        given = [self.visit(x) for x in (*node.args, *(k.value for k in node.keywords))]
-        return ast.Call(self.visit(node.func), given, [])
+        arguments = [self.visit(x) for x in (*node.args, *(k.value for k in node.keywords))]
+        return ast.Call(self.visit(node.func), arguments, [])

@@ -44,8 +44,8 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
     except ProgramError:
         raise
     except Exception as cause:  # a damaged file makes pyelftools raise almost anything
-        what = f"is damaged: {str(cause) or type(cause).__name__}"
-        raise ProgramError(what, where=path, do="copy or link it again") from cause
+        message = f"is damaged: {str(cause) or type(cause).__name__}"
+        raise ProgramError(message, where=path, do="copy or link it again") from cause
     moved = "it is position-independent: its addresses count from where it is loaded"
     remarks = [f"{path.name}: {moved}"] if elf["e_type"] == "ET_DYN" else []
     if absent := {one.within.symbol for one in data.measured} - symbols.keys():
@@ -64,7 +64,7 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
         raise ProgramError("has no symbols at fixed addresses", where=path, expected=expected)
     needed = {one.place.symbol for one in data.objects}
     wanted = needed | {one.within.symbol for one in data.measured} | {data.epk}
-    found = {
+    by_name = {
         symbol.name: symbol
         for table in tables
         for symbol in table.iter_symbols()
@@ -73,7 +73,7 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
         and symbol["st_info"]["bind"] in ("STB_GLOBAL", "STB_WEAK")
         and symbol["st_info"]["type"] in ("STT_NOTYPE", "STT_OBJECT")
     }
-    missing = sorted(needed - found.keys())
+    missing = sorted(needed - by_name.keys())
     if missing:
         raise ProgramError(
             f"has no symbol {', '.join(missing[:3])}",
@@ -83,31 +83,31 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
             f"{data.prefix.upper()}_DEFINE before a C header in one source file; "
             "keep what no code reads from the linker (KEEP in its script, or no --gc-sections)",
         )
-    return found
+    return by_name
 
 
-def _check_same(path: Path, data: Dataset, one: Object, elf: Any, symbol: Any) -> None:
-    values = one.values.astype(np.float32) if data.single else one.values
-    if one.fixed is not None:
-        values = one.fixed.raw.astype(f"i{one.fixed.bits // 8}")
+def _check_same(path: Path, data: Dataset, constant: Object, elf: Any, symbol: Any) -> None:
+    values = constant.values.astype(np.float32) if data.single else constant.values
+    if constant.fixed is not None:
+        values = constant.fixed.raw.astype(f"i{constant.fixed.bits // 8}")
     kind = values.dtype.newbyteorder("<" if elf.little_endian else ">")
-    size, held = symbol["st_size"], _held(path, elf, symbol)
-    if one.within is not None and held is not None:
-        size, held = values.nbytes, held[one.within.offset :][: values.nbytes]
-    if size != values.nbytes or held not in (None, values.astype(kind).tobytes()):
+    size, stored_bytes = symbol["st_size"], _bytes_of(path, elf, symbol)
+    if constant.within is not None and stored_bytes is not None:
+        size, stored_bytes = values.nbytes, stored_bytes[constant.within.offset :][: values.nbytes]
+    if size != values.nbytes or stored_bytes not in (None, values.astype(kind).tobytes()):
         raise ProgramError(
-            f"holds other numbers in {one.label}, {size} bytes",
+            f"holds other numbers in {constant.label}, {size} bytes",
             where=path,
             expected=f"those of {data.id}, {values.nbytes} bytes",
             do="export the version that the program holds, with --points, --fixed-point or --float "
             "of its C header, or build the program again",
         )
     if symbol["st_value"] > _LARGEST_ADDRESS:
-        what = f"{one.label} is at 0x{symbol['st_value']:X}"
-        raise ProgramError(what, where=path, expected="addresses of 32 bits, as A2L has")
+        message = f"{constant.label} is at 0x{symbol['st_value']:X}"
+        raise ProgramError(message, where=path, expected="addresses of 32 bits, as A2L has")
 
 
-def _held(path: Path, elf: Any, symbol: Any) -> bytes | None:
+def _bytes_of(path: Path, elf: Any, symbol: Any) -> bytes | None:
     """The bytes of an object; None where the file does not hold them."""
     if not isinstance(symbol["st_shndx"], int):
         return None

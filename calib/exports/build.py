@@ -94,12 +94,12 @@ def _curves_of(table: Table, first: str, how: Precision) -> Iterator[tuple[Axis,
     ):
         name = label(first, name)
         y = np.array([values for _, values, *_ in over.values()])
-        kept = how.rows(name, x, y)
-        error, written = misfit(x, y, x[kept], y[:, kept]), how.axis(name, x[kept], origin)
+        rows = how.rows(name, x, y)
+        error, written = misfit(x, y, x[rows], y[:, rows]), how.axis(name, x[rows], origin)
         axis = Axis(name, meaning, UNIT, *written, shared, origin, len(x), error)
         curves = []
         for column, (means, *columns) in over.items():
-            values, low, high, count, flag = (each[kept] for each in columns)
+            values, low, high, count, flag = (each[rows] for each in columns)
             named = label(first, column), means, UNIT, *how.numbers(values)
             curves.append(Grid(*named, column, (low, high), count, flag, axes=(axis,)))
         yield axis, curves
@@ -112,8 +112,8 @@ def _name(part: str, name: str) -> str:
     ('slip_apart', 'z_level', 'ratio_0_lower')
     """
     if part == "level_map":
-        of, _, end = name.partition("_")
-        return {"z": "z_level", "level": name}.get(of, f"{of}_0_{end}".rstrip("_"))
+        column, _, end = name.partition("_")
+        return {"z": "z_level", "level": name}.get(column, f"{column}_0_{end}".rstrip("_"))
     return "slip_apart" if name == "slip" else name
 
 
@@ -122,50 +122,50 @@ def maps_of(
 ) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
     """Axes and columns of each map; those with more axes than a format holds in slices."""
     for part in MAPS:
-        held = getattr(table, part)
-        made = written_map(held, how, label(first, part))
+        table_map = getattr(table, part)
+        exported = written_map(table_map, how, label(first, part))
         axes = tuple(
             Axis(
                 label(first, _name(part, name)), _AXES[name], UNIT, *written,
-                shared=True, origin=0.0, rows=rows, misfit=made.misfit[name],
+                shared=True, origin=0.0, rows=rows, misfit=exported.misfit[name],
             )
-            for (name, written), rows in zip(made.axes.items(), held.shape, strict=True)
+            for (name, written), rows in zip(exported.axes.items(), table_map.shape, strict=True)
         )  # fmt: skip
-        whole = [_grid(label(first, _name(part, x)), x, axes, made) for x in made.columns]
+        whole = [_grid(label(first, _name(part, x)), x, axes, exported) for x in exported.columns]
         slices = (sliced(one) if len(one.axes) > most_axes else [one] for one in whole)
         yield axes, [*chain.from_iterable(slices)]
 
 
-def _grid(name: str, column: str, axes: tuple[Axis, ...], made: WrittenMap) -> Grid:
+def _grid(name: str, column: str, axes: tuple[Axis, ...], exported: WrittenMap) -> Grid:
     end = next((end for end in _BOUNDS if column.endswith(end)), "")
-    of = _COLUMNS[column.removesuffix(end)]
-    meaning = f"{end[1:]} 95 % bound of {of}" if end else of
-    ends = [made.columns[column + e].values for e in _BOUNDS if column + e in made.columns]
+    quantity = _COLUMNS[column.removesuffix(end)]
+    meaning = f"{end[1:]} 95 % bound of {quantity}" if end else quantity
+    ends = [exported.columns[column + e].values for e in _BOUNDS if column + e in exported.columns]
     bounds = (ends[0], ends[1]) if ends else None
-    whole = Grid(name, meaning, UNIT, *made.columns[column], column, bounds, axes=axes)
+    whole = Grid(name, meaning, UNIT, *exported.columns[column], column, bounds, axes=axes)
     return _cut(whole, 0) if column in _FLAT else whole
 
 
-def _cut(one: Grid, at: int) -> Grid:
+def _cut(grid: Grid, index: int) -> Grid:
     """A map at one value of its last axis, without that axis."""
-    part, bounds = slice(at, None, one.shape[-1]), one.bounds
+    part, bounds = slice(index, None, grid.shape[-1]), grid.bounds
     return replace(
-        one,
-        values=one.values[part],
-        fixed=one.fixed and replace(one.fixed, raw=one.fixed.raw[part]),
-        axes=one.axes[:-1],
+        grid,
+        values=grid.values[part],
+        fixed=grid.fixed and replace(grid.fixed, raw=grid.fixed.raw[part]),
+        axes=grid.axes[:-1],
         bounds=bounds and (bounds[0][part], bounds[1][part]),
     )
 
 
-def sliced(one: Grid, rows: Sequence[float] = ()) -> list[Grid]:
+def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
     """A map at values of its last axis, at all if not given: NAME_s1 at the first, and so on."""
     return [
         replace(
-            _cut(one, one.axis.numbers.index(x)), label=label(one.label, f"s{i}"),
-            meaning=f"{one.meaning}, at {one.axis.label} {x!r}",
+            _cut(grid, grid.axis.numbers.index(x)), label=label(grid.label, f"s{i}"),
+            meaning=f"{grid.meaning}, at {grid.axis.label} {x!r}",
         )
-        for i, x in enumerate(rows or one.axis.numbers, 1)
+        for i, x in enumerate(rows or grid.axis.numbers, 1)
     ]  # fmt: skip
 
 
@@ -173,9 +173,11 @@ def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator
     car, pads = table.vehicle, table.calibration
     axles = (("f", car.front), ("r", car.rear))
 
-    def scalar(name: str, what: str, unit: str, value: float, sigma: float | None = None) -> Scalar:
+    def scalar(
+        name: str, meaning: str, unit: str, value: float, sigma: float | None = None
+    ) -> Scalar:
         written = how.wide.numbers(np.array([float(value)]))
-        return Scalar(label(first, name), what, unit, *written, sigma)
+        return Scalar(label(first, name), meaning, unit, *written, sigma)
 
     yield scalar("version", "version of the table", "1", version)
     yield scalar("mass", "M_v, vehicle mass", "kg", car.mass)
@@ -189,16 +191,16 @@ def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator
         yield scalar(f"J_{a}", f"J_w, inertia of one wheel, {a}", "kg*m^2", axle.wheel_inertia)
         yield scalar(f"C_{a}", gain, "m^3", axle.torque_gain)
     for a, mu in (("f", pads.pad_friction_f), ("r", pads.pad_friction_r)):
-        what = f"{AXLE_NAMES[a]} pad friction of the calibration"
-        yield scalar(f"mu_{a}", what, "1", mu.value, mu.sigma)
+        meaning = f"{AXLE_NAMES[a]} pad friction of the calibration"
+        yield scalar(f"mu_{a}", meaning, "1", mu.value, mu.sigma)
     for a, axle in axles:
-        what = f"{AXLE_NAMES[a]} pad friction of the vehicle file"
-        yield scalar(f"mu_n_{a}", what, "1", axle.pad_friction)
-    for name, what, x in (
+        meaning = f"{AXLE_NAMES[a]} pad friction of the vehicle file"
+        yield scalar(f"mu_n_{a}", meaning, "1", axle.pad_friction)
+    for name, meaning, x in (
         ("log_pad_ratio", "ln of mu_f/mu_r over the file's", pads.pad_log_ratio),
         ("slip_stiffness", "slip stiffness of the tyres of the calibration", pads.slip_stiffness),
     ):
-        yield scalar(name, what, "1", x.value, x.sigma)
+        yield scalar(name, meaning, "1", x.value, x.sigma)
     for name in ("load_exponent", "radius_load"):
         drawn = getattr(table.draws, name)
         yield scalar(name, f"{name} of the tyres", "1", np.mean(drawn), float(np.std(drawn)))

@@ -24,48 +24,48 @@ _EDITED = "the numbers do not agree with its checksum"
 
 
 class Pair(NamedTuple):
-    """A number as found in a file, with what the table has there; ``where`` its label and place."""
+    """A number as read in a file, with what the table has there; ``where`` its label and place."""
 
     where: str
-    found: float
+    read: float
     true: float
 
 
 def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
-    """The way in which the found numbers were rounded, and those that it does not explain.
+    """The way in which the numbers read were rounded, and those that it does not explain.
 
     The way is empty where the numbers are those of the table to the last bit.
 
     >>> _best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
     ('to 6 significant digits', [])
     >>> _best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
-    ('', [Pair(where='b', found=0.4, true=0.38)])
+    ('', [Pair(where='b', read=0.4, true=0.38)])
     """
     ways = {f"to {n} significant digits": f".{n - 1}e" for n in _DIGITS}
     ways |= {f"to {n} decimals": f".{n}f" for n in _DIGITS}
-    left = {
-        "": [pair for pair in pairs if pair.found.hex() != pair.true.hex()],
-        "to single precision": [p for p in pairs if np.float32(p.found) != np.float32(p.true)],
+    unexplained = {
+        "": [pair for pair in pairs if pair.read.hex() != pair.true.hex()],
+        "to single precision": [p for p in pairs if np.float32(p.read) != np.float32(p.true)],
     }
-    for way, form in ways.items() if all(left.values()) else ():
-        left[way] = [pair for pair in pairs if not _rounds(pair, form)]
-    best = min(left, key=lambda way: len(left[way]))
-    return best, left[best]
+    for way, form in ways.items() if all(unexplained.values()) else ():
+        unexplained[way] = [pair for pair in pairs if not _rounds(pair, form)]
+    best = min(unexplained, key=lambda way: len(unexplained[way]))
+    return best, unexplained[best]
 
 
 def _rounds(pair: Pair, form: str) -> bool:
     """Whether a number is the table's as ``form`` writes it, or as it writes that in single."""
-    return pair.found in (float(f"{x:{form}}") for x in (pair.true, float(np.float32(pair.true))))
+    return pair.read in (float(f"{x:{form}}") for x in (pair.true, float(np.float32(pair.true))))
 
 
-def parent(found: Returned, store: Store) -> Stored | None:
+def parent(file: Returned, store: Store) -> Stored | None:
     """The version that the file names, None where the store does not have it.
 
     Without a head the labels name it. Raises DamagedTable where that version is damaged,
     ExchangeError where the names of several tables begin labels alike.
     """
-    name, _, version = found.table.partition("@")
-    if "table" not in found.facts:
+    name, _, version = file.table.partition("@")
+    if "table" not in file.facts:
         alike = [one for one in names_in(store.folder) if prefix(one) == name]
         if len(alike) > 1:
             raise ExchangeError(
@@ -88,42 +88,44 @@ class Difference(NamedTuple):
     missing: tuple[str, ...] = ()  # labels of the table that are not in the file
 
 
-def difference(found: Returned, stored: Stored | None) -> Difference:
+def difference(file: Returned, stored: Stored | None) -> Difference:
     """Contradictions in a file: to the table of the store, or to its own checksum without one.
 
     Numbers that a tool has rounded agree, and fewer breakpoints that are rows of the table. Raises
     ExchangeError where there is neither table nor checksum.
     """
-    edited = [_EDITED] if found.unchanged is False else []
+    edited = [_EDITED] if file.unchanged is False else []
     if stored is None:
-        if found.unchanged is None:
+        if file.unchanged is None:
             raise ExchangeError(
-                f"{found.table} is not in this store, and the file has no checksum to hold it to",
+                f"{file.table} is not in this store, and the file has no checksum to hold it to",
                 do="give the store of that table with --store",
             )
-        rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
+        rounds = f"so does a tool that rounds them: give the store of {file.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
-    told = _compared(found, _content(stored, found), edited)
-    points = max((len(x) for x in found.content.axes.values()), default=None)
-    for bits in (None, *BITS) if told.wrong else ():  # the axes of code are rounded first
+    result = _compared(file, _content(stored, file), edited)
+    points = max((len(x) for x in file.content.axes.values()), default=None)
+    for bits in (None, *BITS) if result.wrong else ():  # the axes of code are rounded first
         how = Precision(points, bits, single=bits is None, code=True)
-        told = min(told, _compared(found, _coded(stored, found, how), edited), key=_flaws)
-    claimed = found.facts.get("digest", stored.digest)
+        result = min(result, _compared(file, _coded(stored, file, how), edited), key=_flaws)
+    claimed = file.facts.get("digest", stored.digest)
     if claimed != stored.digest:
-        told.wrong.insert(0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}")
-    return told
+        result.wrong.insert(
+            0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}"
+        )
+    return result
 
 
-def _flaws(told: Difference) -> int:
-    return len(told.wrong)
+def _flaws(difference: Difference) -> int:
+    return len(difference.wrong)
 
 
-def _compared(found: Returned, content: Content, edited: list[str]) -> Difference:
-    rounded, changed = _best_rounding(list(_pairs(found.content, content)))
-    wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
-    absent = tuple(sorted(_labels(content) - _labels(found.content)))
+def _compared(file: Returned, content: Content, edited: list[str]) -> Difference:
+    rounded, changed = _best_rounding(list(_pairs(file.content, content)))
+    wrong = [f"{one.where}: {one.read!r}, the table has {one.true!r}" for one in changed]
+    absent = tuple(sorted(_labels(content) - _labels(file.content)))
     return Difference(
-        [*([] if rounded else edited), *wrong, *_gaps(found, content)], rounded, absent
+        [*([] if rounded else edited), *wrong, *_gaps(file, content)], rounded, absent
     )
 
 
@@ -131,62 +133,64 @@ def _labels(content: Content) -> set[str]:
     return {*content.axes, *content.grids, *content.scalars}
 
 
-def _coded(stored: Stored, found: Returned, how: Precision) -> Content:
+def _coded(stored: Stored, file: Returned, how: Precision) -> Content:
     """The numbers of a table, its maps as C code reads them."""
-    most = FORMATS["cdfx" if found.format == CDF else "dcm"].most_axes
-    data = build(stored, first=found.prefix)
-    axes, maps = zip(*maps_of(stored.table, found.prefix, how, most), strict=True)
+    most = FORMATS["cdfx" if file.format == CDF else "dcm"].most_axes
+    data = build(stored, first=file.prefix)
+    axes, maps = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
     grids, over = tuple(chain.from_iterable(maps)), tuple(chain.from_iterable(axes))
     return replace(data, axes=over, grids=grids).content()
 
 
-def _content(stored: Stored, found: Returned) -> Content:
+def _content(stored: Stored, file: Returned) -> Content:
     """The numbers of a table, its maps in the slices that the file has where it has slices."""
-    most = FORMATS["cdfx" if found.format == CDF else "dcm"].most_axes
-    data = build(stored, first=found.prefix)
+    most = FORMATS["cdfx" if file.format == CDF else "dcm"].most_axes
+    data = build(stored, first=file.prefix)
     grids: list[Grid] = []
     for one in data.grids:
         rows = one.axis.numbers
-        near = _nearest(found.content.axes.get(one.axis.label, rows), rows)
+        near = _nearest(file.content.axes.get(one.axis.label, rows), rows)
         grids += sliced(one, near) if len(one.axes) > most else [one]
     return replace(data, grids=tuple(grids)).content()
 
 
-def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
+def _pairs(read: Content, whole: Content) -> Iterator[Pair]:
     """Every number of the labels that both have, with that of the nearest row of the table."""
-    for name in sorted(found.scalars.keys() & whole.scalars.keys()):
-        yield Pair(name, found.scalars[name], whole.scalars[name])
+    for name in sorted(read.scalars.keys() & whole.scalars.keys()):
+        yield Pair(name, read.scalars[name], whole.scalars[name])
     axes, theirs = (
         one.axes | {f"{n}, axis": x[0] for n, (x, _) in one.grids.items() if len(x) == 1}
-        for one in (found, whole)
+        for one in (read, whole)
     )
     for name in sorted(axes.keys() & theirs.keys()):
         near = _nearest(axes[name], theirs[name])
         yield from (Pair(name, x, row) for x, row in zip(axes[name], near, strict=True))
-    for name in sorted(found.grids.keys() & whole.grids.keys()):
-        (over, values), (whole_over, cells) = found.grids[name], whole.grids[name]
-        held = dict(zip(product(*whole_over), cells, strict=True))
+    for name in sorted(read.grids.keys() & whole.grids.keys()):
+        (over, values), (whole_over, cells) = read.grids[name], whole.grids[name]
+        by_place = dict(zip(product(*whole_over), cells, strict=True))
         rows = product(*(_nearest(x, row) for x, row in zip(over, whole_over, strict=True)))
         for place, value, cell in zip(product(*over), values, rows, strict=True):
-            yield Pair(f"{name} at {place if len(place) > 1 else place[0]!r}", value, held[cell])
+            yield Pair(
+                f"{name} at {place if len(place) > 1 else place[0]!r}", value, by_place[cell]
+            )
 
 
-def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
+def _nearest(points: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
     """The row of the table that each point is; rounded points of eta may be alike."""
-    if len(found) == len(rows):
+    if len(points) == len(rows):
         return rows
-    return [min(rows, key=lambda row: abs(row - x)) for x in found]
+    return [min(rows, key=lambda row: abs(row - x)) for x in points]
 
 
-def _gaps(found: Returned, whole: Content) -> list[str]:
+def _gaps(file: Returned, whole: Content) -> list[str]:
     """Labels that the table lacks, and curves that end before the table does.
 
     A tool may save other objects of an ECU along; labels of this table begin with its name.
     """
-    more = _labels(found.content) - _labels(whole)
-    gaps = [f"{name}: only in the file" for name in more if name.startswith(f"{found.prefix}_")]
-    for name in found.content.grids.keys() & whole.grids.keys():
-        for x, rows in zip(found.content.grids[name][0], whole.grids[name][0], strict=True):
+    more = _labels(file.content) - _labels(whole)
+    gaps = [f"{name}: only in the file" for name in more if name.startswith(f"{file.prefix}_")]
+    for name in file.content.grids.keys() & whole.grids.keys():
+        for x, rows in zip(file.content.grids[name][0], whole.grids[name][0], strict=True):
             row = _nearest(x, rows)
             if (row[0], row[-1]) != (rows[0], rows[-1]):
                 gaps.append(f"{name}: does not reach both ends of the table")

@@ -130,15 +130,15 @@ def require_handed_out(
             f"{unknown[0]} is no known effect of {stored.id} that an ECU cannot sense",
             expected=", ".join(beyond) or "none",
         )
-    left = {name: why for name, why in beyond.items() if name not in without_effects}
-    if left:
+    not_sensed = {name: why for name, why in beyond.items() if name not in without_effects}
+    if not_sensed:
         raise StoreError(
             "the ECU cannot take out "
-            + ", ".join(f"{name}: it does not know {why}" for name, why in left.items()),
+            + ", ".join(f"{name}: it does not know {why}" for name, why in not_sensed.items()),
             where=stored.id,
             expected="effects that pressure, deceleration and wheel speeds show",
             do="see what it costs in ecu_* of `brake-cal validate`, and hand it out with "
-            + " ".join(f"--without-effect {name}" for name in left),
+            + " ".join(f"--without-effect {name}" for name in not_sensed),
         )
 
 
@@ -193,14 +193,14 @@ def export(
     require_handed_out(stored, without_effects, unreleased=unreleased)
     path = Path(path)
     form = _form_of(path, form)
-    for given, has, what in (
+    for is_given, feature, name in (
         (bits is not None, "fixed", "fixed point"),
         (single, "fixed", "single precision"),
         (elf is not None, "addressed", "addresses"),
     ):
-        if given and not getattr(FORMATS[form], has):
-            fit = [name for name, one in FORMATS.items() if getattr(one, has)]
-            raise ExchangeError(f"{form} has no {what}", expected=", ".join(fit))
+        if is_given and not getattr(FORMATS[form], feature):
+            fit = [name for name, one in FORMATS.items() if getattr(one, feature)]
+            raise ExchangeError(f"{form} has no {name}", expected=", ".join(fit))
     date = date or datetime.now(UTC).date().isoformat()
     most = FORMATS[form].most_axes
     data = build(stored, points, quality, bits, date, single=single, most_axes=most, first=prefix)

@@ -39,8 +39,8 @@ class Returned:
     @property
     def unchanged(self) -> bool | None:
         """Whether the numbers agree with the checksum; None where the file states none."""
-        stated = self.facts.get("checksum")
-        return None if stated is None else stated == self.content.checksum
+        checksum = self.facts.get("checksum")
+        return None if checksum is None else checksum == self.content.checksum
 
 
 def read_back(path: Path) -> Returned:
@@ -60,8 +60,8 @@ def read_back(path: Path) -> Returned:
     return _returned(path, DCM, _read_dcm(path, text))
 
 
-def _returned(path: Path, form: str, found: _Found) -> Returned:
-    facts, units, content = found
+def _returned(path: Path, form: str, parsed: _Found) -> Returned:
+    facts, units, content = parsed
     firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
     firsts = [x for x in firsts if {f"{x}_D", f"{x}_level"} & content.grids.keys()]
     if not firsts and "table" in facts:  # a part of a table
@@ -123,20 +123,20 @@ def _read_dcm(path: Path, text: str) -> _Found:
         raise _bad(path, f"no line {_FORMAT} 2.0", "DCM 2.0, or CDF, which is XML")
     head = (line.removeprefix("* ").partition(": ") for line in lines[:begin] if line[:2] == "* ")
     facts = {key: value for key, colon, value in head if colon}
-    *parts, rest = re.split(r"^END$", "\n".join(lines[begin + 1 :]), flags=re.MULTILINE)
-    if _words(rest):
-        raise _bad(path, f"{' '.join(_words(rest)[0])} has no END", "the whole object")
+    *parts, remainder = re.split(r"^END$", "\n".join(lines[begin + 1 :]), flags=re.MULTILINE)
+    if _words(remainder):
+        raise _bad(path, f"{' '.join(_words(remainder)[0])} has no END", "the whole object")
     blocks = [b for b in (_block(path, part) for part in parts) if b.kind != _FUNCTIONS]
     units = _once(path, ((b.name, b.unit) for b in blocks))
     axes = {b.name: b.numbers[_X] for b in blocks if b.kind == _AXIS}
     grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
     for b in (b for b in blocks if b.kind in (_GROUP, _LINE, _MAP)):
-        own = [array for array in (_Z, _X) if array in b.numbers]
-        for array in own if b.kind != _LINE else ():
+        arrays = [array for array in (_Z, _X) if array in b.numbers]
+        for array in arrays if b.kind != _LINE else ():
             if axes.get(over := b.over.get(array, "")) != b.numbers[array]:
-                what = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
-                raise _bad(path, what, f"the axis it repeats, as {_AXIS}")
-        grids[b.name] = tuple(b.numbers[array] for array in own), b.numbers[_Y]
+                message = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
+                raise _bad(path, message, f"the axis it repeats, as {_AXIS}")
+        grids[b.name] = tuple(b.numbers[array] for array in arrays), b.numbers[_Y]
     scalars = {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}
     return facts, units, Content(axes, scalars, grids)
 
@@ -154,34 +154,34 @@ def _block(path: Path, part: str) -> _Block:
         raise _bad(path, f"{' '.join(first)!r} begins no object", f"one of {', '.join(_ARRAYS)}")
     where, unit = f"{path}: {name}", ""
     arrays: dict[str, list[str]] = {word: [] for word in _ARRAYS[kind]}
-    for word, *rest in lines:
+    for word, *words in lines:
         if word in arrays:
-            arrays[word] += [number.replace(",", ".") for number in rest]
+            arrays[word] += [number.replace(",", ".") for number in words]
         elif word not in _TEXTS:
             raise _bad(where, f"{word!r} within {kind}", ", ".join((*arrays, *_TEXTS)))
         elif word == ("EINHEIT_X" if kind == _AXIS else "EINHEIT_W"):
-            unit = " ".join(rest).strip('"')
+            unit = " ".join(words).strip('"')
     if len(sizes) != (2 if kind == _MAP else _X in arrays) or not all(map(str.isdecimal, sizes)):
         raise _bad(where, " ".join(first), "the number of its points along each axis")
     counts = [int(size) for size in sizes]
-    stated = dict(zip((_X, _Z), counts, strict=False)) | {_Y: math.prod(counts)}
+    declared = dict(zip((_X, _Z), counts, strict=False)) | {_Y: math.prod(counts)}
     numbers = {word: _floats(where, texts) for word, texts in arrays.items()}
-    for word, found in numbers.items():
-        if len(found) != stated[word]:
-            raise _bad(where, f"{len(found)} of {stated[word]} numbers {word}", "as many as said")
+    for word, read in numbers.items():
+        if len(read) != declared[word]:
+            raise _bad(where, f"{len(read)} of {declared[word]} numbers {word}", "as many as said")
     over = re.findall(r"^\*SST([XY]).*\s(\S+)$", part, flags=re.MULTILINE)
     return _Block(kind, name, {f"ST/{axis}": label for axis, label in over}, unit, numbers)
 
 
 def _once(path: Path, units: Iterable[tuple[str, str]]) -> dict[str, str]:
     """The units by label. Raises ExchangeError for a label that is missing or given twice."""
-    found: dict[str, str] = {}
+    by_label: dict[str, str] = {}
     for name, unit in units:
-        if not name or name in found:
-            what = f"{name} is in it twice" if name else "an object without a label"
-            raise ExchangeError(what, where=path)
-        found[name] = unit
-    return found
+        if not name or name in by_label:
+            message = f"{name} is in it twice" if name else "an object without a label"
+            raise ExchangeError(message, where=path)
+        by_label[name] = unit
+    return by_label
 
 
 def _floats(where: str, texts: Iterable[str]) -> Numbers:
@@ -191,8 +191,8 @@ def _floats(where: str, texts: Iterable[str]) -> Numbers:
         raise _bad(where, str(error), "numbers") from error
 
 
-def _bad(where: object, what: str, expected: str) -> ExchangeError:
-    return ExchangeError(what, where=where, expected=expected)
+def _bad(where: object, message: str, expected: str) -> ExchangeError:
+    return ExchangeError(message, where=where, expected=expected)
 
 
 _TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
@@ -206,15 +206,15 @@ def _read_cdf(path: Path, text: bytes) -> _Found:
         raise _bad(path, f"no CDF 2.0: its root is {root.tag}", f"MSRSW, CDF20, {_TREE}")
     sds = root.findall("SDGS/SDG[@GID='brake-cal']/SD")
     facts = {sd.get("GID", ""): sd.text or "" for sd in sds}
-    objects = [(one.findtext("SHORT-NAME", ""), one) for one in tree.findall("SW-INSTANCE")]
+    objects = [(x.findtext("SHORT-NAME", ""), x) for x in tree.findall("SW-INSTANCE")]
     unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
-    units = _once(path, ((name, one.findtext(unit, "")) for name, one in objects))
+    units = _once(path, ((name, instance.findtext(unit, "")) for name, instance in objects))
     values: dict[str, dict[str, Numbers]] = {k: {} for k in ("COM_AXIS", *_COUNTS, "VALUE")}
-    for name, one in objects:
-        kind = one.findtext("CATEGORY", "")
+    for name, instance in objects:
+        kind = instance.findtext("CATEGORY", "")
         if kind not in values:
             raise _bad(f"{path}: {name}", f"category {kind}", ", ".join(values))
-        values[kind][name] = _values(path, name, one.find("SW-VALUE-CONT"))
+        values[kind][name] = _values(path, name, instance.find("SW-VALUE-CONT"))
     axes, named = values["COM_AXIS"], dict(objects)
     grids = {
         n: (_over(path, n, named[n], axes, count), y)
@@ -223,8 +223,8 @@ def _read_cdf(path: Path, text: bytes) -> _Found:
     }
     for name, (over, y) in grids.items():
         if len(y) != math.prod(map(len, over)):
-            what = f"{len(y)} values over axes of {' by '.join(str(len(x)) for x in over)}"
-            raise ExchangeError(what, where=f"{path}: {name}")
+            message = f"{len(y)} values over axes of {' by '.join(str(len(x)) for x in over)}"
+            raise ExchangeError(message, where=f"{path}: {name}")
     scalars = {n: v[0] for n, v in values["VALUE"].items()}
     return facts, units, Content(axes, scalars, grids)
 
@@ -242,13 +242,13 @@ def _root(path: Path, text: bytes) -> ET.Element:
 
 
 def _over(
-    path: Path, curve: str, one: ET.Element, axes: dict[str, Numbers], count: int
+    path: Path, curve: str, instance: ET.Element, axes: dict[str, Numbers], count: int
 ) -> tuple[Numbers, ...]:
     """The axes of a curve or map, its own or those that it names, the slowest first.
 
     X is the first in the file.
     """
-    over, conts = list[Numbers](), one.findall("SW-AXIS-CONTS/SW-AXIS-CONT")
+    over, conts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")
     if len(conts) != count:
         raise ExchangeError(f"has {len(conts)} of {count} axes", where=f"{path}: {curve}")
     for axis in reversed(conts):

@@ -57,38 +57,38 @@ MOST = 1e30  # of a number without limits, in any floating point [its unit]
 def _write_json(data: Dataset) -> bytes:
     named = ("label", "meaning", "unit")
 
-    def of(one: Object, *keys: str) -> dict[str, Any]:
-        return {key: getattr(one, key) for key in keys}
+    def fields_of(constant: Object, *keys: str) -> dict[str, Any]:
+        return {key: getattr(constant, key) for key in keys}
 
     document = {
         "schema": 1,
         **data.facts(),
         "version": data.stored.version,
-        "axes": [of(axis, *named, "values", "shared", "origin", "rows", "misfit")
+        "axes": [fields_of(axis, *named, "values", "shared", "origin", "rows", "misfit")
                  for axis in data.axes],
         "curves": [
-            {"label": c.label, "axis": c.axis.label} | of(c, *named[1:], "values")
-            | _bounds(c) | of(c, "count", "flag")
+            {"label": c.label, "axis": c.axis.label} | fields_of(c, *named[1:], "values")
+            | _bounds(c) | fields_of(c, "count", "flag")
             for c in data.curves
         ],
         **({"maps": [_map(m) for m in data.grids if not m.is_bound]} if data.grids else {}),
-        "scalars": [of(s, *named) | {"value": s.numbers[0], "sigma": s.sigma}
+        "scalars": [fields_of(s, *named) | {"value": s.numbers[0], "sigma": s.sigma}
                     for s in data.scalars],
         "record": data.stored.table.content()[0],
     }  # fmt: skip
     return (json.dumps(document, indent=1, allow_nan=False, default=_plain) + "\n").encode()
 
 
-def _map(one: Grid) -> dict[str, Any]:
+def _map(grid: Grid) -> dict[str, Any]:
     """A map with its bounds, nested as its axes are."""
-    found = {"label": one.label, "axes": [axis.label for axis in one.axes]}
-    values = {"values": one.values} | _bounds(one)
-    nested = {name: x.reshape(one.shape) for name, x in values.items()}
-    return {**found, "meaning": one.meaning, "unit": one.unit, **nested}
+    head = {"label": grid.label, "axes": [axis.label for axis in grid.axes]}
+    values = {"values": grid.values} | _bounds(grid)
+    nested = {name: x.reshape(grid.shape) for name, x in values.items()}
+    return {**head, "meaning": grid.meaning, "unit": grid.unit, **nested}
 
 
-def _bounds(one: Grid) -> dict[str, Array]:
-    return dict(zip(("lower", "upper"), one.bounds or (), strict=False))
+def _bounds(grid: Grid) -> dict[str, Array]:
+    return dict(zip(("lower", "upper"), grid.bounds or (), strict=False))
 
 
 def _plain(value: Any) -> Any:
@@ -102,23 +102,23 @@ def _columns(data: Dataset) -> tuple[str, ...]:
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
     """Cells of the columns; the bounds of a map stand beside its medians."""
     none = (None,) * (len(_columns(data)) - len(COLUMNS))
-    for one in (*data.curves, *data.grids):
-        if not one.is_bound:
-            yield from (row[: len(COLUMNS) + len(none)] for row in _cells(one))
+    for grid in (*data.curves, *data.grids):
+        if not grid.is_bound:
+            yield from (row[: len(COLUMNS) + len(none)] for row in _cells(grid))
     for s in data.scalars:
         band = (None, None) if s.sigma is None else s.band.tolist()
         yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning, *none)
 
 
-def _cells(one: Grid) -> Iterator[tuple[str | float | None, ...]]:
-    places = product(*([(axis.label, x) for x in axis.numbers] for axis in one.axes))
-    none = np.full(one.values.size, None)
-    columns = (one.values, *(one.bounds or (none, none)), one.count, one.flag)
+def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
+    places = product(*([(axis.label, x) for x in axis.numbers] for axis in grid.axes))
+    none = np.full(grid.values.size, None)
+    columns = (grid.values, *(grid.bounds or (none, none)), grid.count, grid.flag)
     numbers = zip(*((none if x is None else x).tolist() for x in columns), strict=True)
     for place, (value, *rest) in zip(places, numbers, strict=True):
         (axis, x), *more = place
         over = [cell for pair in more for cell in pair] + [None] * (2 * (MOST_AXES - len(place)))
-        yield (one.label, axis, x, value, one.unit, *rest, one.meaning, *over)
+        yield (grid.label, axis, x, value, grid.unit, *rest, grid.meaning, *over)
 
 
 def _write_csv(data: Dataset) -> bytes:
@@ -167,64 +167,65 @@ def as_comment(text: str) -> str:
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
 
 
-def _a2l_type(one: Object, single: bool) -> str:
+def _a2l_type(constant: Object, single: bool) -> str:
     """Data type of A2L."""
     floating = "FLOAT32_IEEE" if single else "FLOAT64_IEEE"
-    return floating if one.fixed is None else _TYPES[one.fixed.bits]
+    return floating if constant.fixed is None else _TYPES[constant.fixed.bits]
 
 
-def _made(one: Object) -> str:
+def _origin_of(constant: Object) -> str:
     """How an object came about, for its history in CDF."""
-    if isinstance(one, Scalar):
-        return "fitted" + ("" if one.sigma is None else f"; one standard deviation {one.sigma!r}")
-    axes = (one,) if isinstance(one, Axis) else one.axes
-    return "; ".join(("fitted", one.span, *(axis.placed for axis in axes)))
+    if isinstance(constant, Scalar):
+        sigma = constant.sigma
+        return "fitted" + ("" if sigma is None else f"; one standard deviation {sigma!r}")
+    axes = (constant,) if isinstance(constant, Axis) else constant.axes
+    return "; ".join(("fitted", constant.span, *(axis.placed for axis in axes)))
 
 
-def _type_limits(one: Object) -> tuple[float, float]:
+def _type_limits(constant: Object) -> tuple[float, float]:
     """Range of the type in C [unit]."""
-    if one.fixed is None:
+    if constant.fixed is None:
         return -sys.float_info.max, sys.float_info.max
-    half = one.fixed.step * 2.0 ** (one.fixed.bits - 1)
-    return one.fixed.origin - half, one.fixed.origin + half - one.fixed.step
+    half = constant.fixed.step * 2.0 ** (constant.fixed.bits - 1)
+    return constant.fixed.origin - half, constant.fixed.origin + half - constant.fixed.step
 
 
-def _limits(one: Object) -> tuple[float, float]:
+def _limits(constant: Object) -> tuple[float, float]:
     """Range of the numbers and their 95 % band, within that of the type [unit].
 
     A number of the code is there to be changed, and has none.
     """
-    if one.within is not None:
+    if constant.within is not None:
         return -MOST, MOST
-    values = one.values if one.fixed is None else one.fixed.values
-    band = np.concatenate((values, one.band[np.isfinite(one.band)]))
-    low, high = _type_limits(one)
+    values = constant.values if constant.fixed is None else constant.fixed.values
+    band = np.concatenate((values, constant.band[np.isfinite(constant.band)]))
+    low, high = _type_limits(constant)
     return max(float(band.min()), low), min(float(band.max()), high)
 
 
-def _display_format(one: Object) -> str:
+def _display_format(constant: Object) -> str:
     """Format of A2L: the sign, the digits before the point, and decimals that show one step."""
-    largest = float(np.abs(one.values).max())
-    finest = largest * 10.0**-_DIGITS if one.fixed is None else one.fixed.step
+    largest = float(np.abs(constant.values).max())
+    finest = largest * 10.0**-_DIGITS if constant.fixed is None else constant.fixed.step
     decimals = math.ceil(-math.log10(finest)) if finest > 0.0 else 1
     decimals = min(max(decimals, 0), _MOST_DECIMALS)
     return f"%{len(str(int(largest))) + decimals + 2}.{decimals}"
 
 
-def _c_type(one: Object, single: bool) -> str:
+def _c_type(constant: Object, single: bool) -> str:
     """Type of a constant of the C header."""
     floating = "float" if single else "double"
-    return floating if one.fixed is None else f"int{one.fixed.bits}_t"
+    return floating if constant.fixed is None else f"int{constant.fixed.bits}_t"
 
 
-def _c_numbers(one: Object, single: bool) -> Any:
+def _c_numbers(constant: Object, single: bool) -> Any:
     """The numbers of a constant as C has them, those of a map nested as its axes are."""
-    if one.fixed is None:
-        numbers = one.values.astype(np.float32 if single else np.float64)
+    if constant.fixed is None:
+        numbers = constant.values.astype(np.float32 if single else np.float64)
         texts = [f"{x!s}{'F' * single}" for x in numbers]
     else:
-        texts = [f"{v}{'L' * (one.fixed.bits == 32)}" for v in one.fixed.raw.tolist()]
-    shape = one.shape if isinstance(one, Grid) else (-1,)
+        texts = [f"{v}{'L' * (constant.fixed.bits == 32)}" for v in constant.fixed.raw.tolist()]
+    shape = constant.shape if isinstance(constant, Grid) else (-1,)
     return np.array(texts, dtype=object).reshape(shape).tolist()
 
 
@@ -242,7 +243,7 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
         "printable": printable,
         "comment": _commented,
         "label": lambda parts: label(*parts),
-        "made": _made,
+        "origin": _origin_of,
         "limits": _limits,
         "type_limits": _type_limits,
         "display_format": _display_format,
