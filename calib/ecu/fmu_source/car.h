@@ -28,9 +28,9 @@ static void solve(model *m, double x[], double dt) {
             const double soft = pow(2.0 * load / car->weight, x[TYRE_LOAD_EXPONENT]);
             const double stiffness = load * x[TYRE_STIFFNESS] / soft, most = load * x[TYRE_PEAK];
             const double bx = stiffness / (shape * most) * m->slip[a];
-            const double held = fmin(fmax(bx, -edge), edge), angle = shape * atan(held);
-            const double rise = stiffness * cos(angle) / (1.0 + held * held);
-            const double force = most * (sin(angle) + shape * (bx - held) * rise / stiffness);
+            const double clipped = fmin(fmax(bx, -edge), edge), angle = shape * atan(clipped);
+            const double rise = stiffness * cos(angle) / (1.0 + clipped * clipped);
+            const double force = most * (sin(angle) + shape * (bx - clipped) * rise / stiffness);
             /* wheels and brakes */
             const double radius = car->rolling_radius[a], turning = car->turning_mass[a];
             const double omega = v * (1.0 - m->slip[a]) / radius;
@@ -48,7 +48,7 @@ static void solve(model *m, double x[], double dt) {
     }
 }
 
-/* A car that stands is at rest; where it would lift or slide what was told last holds. */
+/* A car that stands is at rest; where it would lift or slide the last values stay. */
 static void model_step(model *m, double x[], bool first) {
     if (first) {
         *m = (model){.v = x[V0]};

@@ -1,6 +1,6 @@
 /* An FMU for co-simulation in FMI $version, with the headers of the tool that compiles it; more
  * functions are in fmi2.h or fmi3.h. estimator.h or car.h has model_step(state, numbers, first):
- * what is told after a sample time, or at first.
+ * its outputs after a sample time, or at first.
  */
 #include <fmi${version}Functions.h>
 #include <math.h>
@@ -23,7 +23,7 @@ typedef struct {
     void (*log)(void), *host; /* of the tool; its logger is of a type of the version */
 } instance;
 
-static instance *made(const char *token, void (*log)(void), void *host) {
+static instance *new_instance(const char *token, void (*log)(void), void *host) {
     instance *x = strcmp(token, "$token") == 0 ? calloc(1, sizeof *x) : NULL;
     if (x != NULL) {
         *x = (instance){.log = log, .host = host};
@@ -80,8 +80,8 @@ static const char *advance(instance *x, double time, double length) {
 /* A state is a copy of the instance; where it is taken up again, the host is another. */
 #define KEEPS(State, Deserialize) \
     DOES(Get##State, AND(void **), \
-         instance *kept = *value == NULL ? malloc(sizeof *x) : *value; \
-         if (kept == NULL) { wrong = "no memory for a state"; } else { *kept = *x; *value = kept; }) \
+         instance *copy = *value == NULL ? malloc(sizeof *x) : *value; \
+         if (copy == NULL) { wrong = "no memory for a state"; } else { *copy = *x; *value = copy; }) \
     DOES(Set##State, AND(void *), take_up(x, value)) \
     DOES(Free##State, AND(void **), free(*value); *value = NULL) \
     DOES(Serialized##State##Size, (void *c, void *state, size_t *size), *size = sizeof *x) \
@@ -89,13 +89,13 @@ static const char *advance(instance *x, double time, double length) {
          if (size < sizeof *x) { wrong = "the state is larger"; } \
          else { (void)memcpy(bytes, state, sizeof *x); }) \
     DOES(Deserialize, (void *c, const FMI(Byte) bytes[], size_t size, void **state), \
-         instance *kept = *state == NULL ? malloc(sizeof *x) : *state; \
-         if (kept == NULL || size != sizeof *x) { wrong = "no state of this FMU"; } \
-         else { (void)memcpy(kept, bytes, sizeof *x); *state = kept; })
+         instance *copy = *state == NULL ? malloc(sizeof *x) : *state; \
+         if (copy == NULL || size != sizeof *x) { wrong = "no state of this FMU"; } \
+         else { (void)memcpy(copy, bytes, sizeof *x); *state = copy; })
 
-static void take_up(instance *x, const instance *kept) {
-    (void)memcpy(x->numbers, kept->numbers, sizeof x->numbers);
-    x->state = kept->state;
+static void take_up(instance *x, const instance *copy) {
+    (void)memcpy(x->numbers, copy->numbers, sizeof x->numbers);
+    x->state = copy->state;
     model_moved(&x->state);
 }
 

@@ -7,7 +7,7 @@ const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                       const fmi2CallbackFunctions *host, int visible, int logs) {
     void (*log)(void) = (void (*)(void))host->logger;
-    return type == fmi2CoSimulation ? made(guid, log, host->componentEnvironment) : NULL;
+    return type == fmi2CoSimulation ? new_instance(guid, log, host->componentEnvironment) : NULL;
 }
 BEGINS(SetupExperiment)
 DOES(EnterInitializationMode, ALONE, )

@@ -5,7 +5,7 @@
 #define HOST void *host, fmi3LogMessageCallback log
 void *fmi3InstantiateCoSimulation(CALLED, bool events, bool early, const uint32_t between[],
                                   size_t count, HOST, fmi3IntermediateUpdateCallback update) {
-    return made(token, (void (*)(void))log, host);
+    return new_instance(token, (void (*)(void))log, host);
 }
 void *fmi3InstantiateModelExchange(CALLED, HOST) { return NULL; }
 void *fmi3InstantiateScheduledExecution(CALLED, HOST, fmi3ClockUpdateCallback update,

@@ -57,30 +57,30 @@ static void widen(bte_interval *x, bte_real by, bte_real more_lower, bte_real mo
 static bte_place find(const bte_axis *axis, bte_real x) {
     bte_place place = {0, R(0.0)};
     uint16_t high = (uint16_t)(axis->count - 1U);
-    while (place.at + 1U < high) {
-        const uint16_t middle = (uint16_t)((place.at + high) / 2U);
+    while (place.cell + 1U < high) {
+        const uint16_t middle = (uint16_t)((place.cell + high) / 2U);
         if (axis->x[middle] <= x) {
-            place.at = middle;
+            place.cell = middle;
         } else {
             high = middle;
         }
     }
-    const bte_real low = axis->x[place.at];
-    place.along = clip((x - low) / (axis->x[place.at + 1U] - low), R(0.0), R(1.0));
+    const bte_real low = axis->x[place.cell];
+    place.along = clip((x - low) / (axis->x[place.cell + 1U] - low), R(0.0), R(1.0));
     return place;
 }
 #define BTE_FIND find
 #endif
 
 /* The first columns of a map at a place. */
-static void look_up(const bte_map *map, const bte_real at[], unsigned columns, bte_real out[]) {
+static void look_up(const bte_map *map, const bte_real point[], unsigned columns, bte_real out[]) {
     unsigned corners = 1U, cell[8] = {0};
     bte_real weight[8];
     weight[0] = R(1.0);
     for (unsigned a = 0; a < map->axes; a++) { /* parts what the axes before it have in two */
-        const bte_place place = BTE_FIND(&map->axis[a], at[a]);
+        const bte_place place = BTE_FIND(&map->axis[a], point[a]);
         for (unsigned i = 0; i < corners; i++) {
-            cell[i] = cell[i] * map->axis[a].count + place.at;
+            cell[i] = cell[i] * map->axis[a].count + place.cell;
             cell[corners + i] = cell[i] + 1U;
             weight[corners + i] = weight[i] * place.along;
             weight[i] *= R(1.0) - place.along;
@@ -96,9 +96,9 @@ static void look_up(const bte_map *map, const bte_real at[], unsigned columns, b
     }
 }
 
-static bte_interval interval_at(const bte_map *map, const bte_real at[]) {
+static bte_interval interval_at(const bte_map *map, const bte_real point[]) {
     bte_real x[BTE_COLUMNS];
-    look_up(map, at, BTE_COLUMNS, x);
+    look_up(map, point, BTE_COLUMNS, x);
     const bte_interval read = {x[0], x[1], x[2]};
     return read;
 }
@@ -132,19 +132,19 @@ static void roll(bte_state *state, const bte_block *x, bool counts) {
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
-static bte_interval read_ratio(const bte_car *car, const bte_real at[BTE_MAP_AXES],
+static bte_interval read_ratio(const bte_car *car, const bte_real point[BTE_MAP_AXES],
                                const bte_real error[BTE_MAP_AXES]) {
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
-    const uint16_t cell = BTE_FIND(shifts, at[BTE_SHIFT]).at;
+    const uint16_t cell = BTE_FIND(shifts, point[BTE_SHIFT]).cell;
     const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
-    bte_interval ratio = interval_at(&car->pads, at);
+    bte_interval ratio = interval_at(&car->pads, point);
     for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
-        bte_real place[] = {at[BTE_Z], at[BTE_SHIFT], at[BTE_SLIP]};
-        place[axis] = at[axis] - step;
+        bte_real place[] = {point[BTE_Z], point[BTE_SHIFT], point[BTE_SLIP]};
+        place[axis] = point[axis] - step;
         bte_real low, high;
         look_up(&car->pads, place, 1U, &low);
-        place[axis] = at[axis] + step;
+        place[axis] = point[axis] + step;
         look_up(&car->pads, place, 1U, &high);
         const bte_real by_one = (high - low) / step;
         const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
@@ -255,22 +255,22 @@ static void take(bte_state *state, const bte_block *x) {
     const bool fits = motor_fits(c, &state->filters, x, usual), counts = usual && fits;
     roll(state, x, counts);
     step_filters(c, &state->filters, x, counts);
-    const bte_block_state seen = block_state(c, &state->filters, x, counts);
-    const bool is_new = seen.blocks == R(0.0);
-    const bte_real z = is_new ? c->usual_z : seen.z, shifted = seen.shift / z;
-    bte_real at[BTE_MAP_AXES] = {z, shifted, R(0.0)}, by_map[BTE_COLUMNS];
-    look_up(&car->slip, at, 2U, by_map);
-    bte_interval level = interval_at(&car->level, at);
-    const bte_slip_evidence w = slip_evidence(c, &seen, z, by_map[0], by_map[1]);
+    const bte_block_state estimate = block_state(c, &state->filters, x, counts);
+    const bool is_new = estimate.blocks == R(0.0);
+    const bte_real z = is_new ? c->usual_z : estimate.z, shifted = estimate.shift / z;
+    bte_real point[BTE_MAP_AXES] = {z, shifted, R(0.0)}, by_map[BTE_COLUMNS];
+    look_up(&car->slip, point, 2U, by_map);
+    bte_interval level = interval_at(&car->level, point);
+    const bte_slip_evidence w = slip_evidence(c, &estimate, z, by_map[0], by_map[1]);
     const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
     widen(&level, logarithm(w.pads * w.scaled), wider, wider);
     /* ratio */
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const bool of_map = shifted >= shifts->x[0] && shifted <= shifts->x[shifts->count - 1U];
-    at[BTE_SLIP] = w.slip;
-    const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &seen, z) / z, w.slip_sigma};
-    bte_interval now = read_ratio(car, at, error);
-    const bte_interval prior = interval_at(&car->prior, at);
+    point[BTE_SLIP] = w.slip;
+    const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &estimate, z) / z, w.slip_sigma};
+    bte_interval now = read_ratio(car, point, error);
+    const bte_interval prior = interval_at(&car->prior, point);
     const bte_real unread = (now.upper - now.lower) / (prior.upper - prior.lower);
     const bool reads = !is_new && of_map && z >= c->least_z;
     const bte_real read = reads ? share_of(c, unread, R(1.0)) : R(0.0);
@@ -281,17 +281,17 @@ static void take(bte_state *state, const bte_block *x) {
     const bte_interval ratio = best_ratio(state, &now, w.pads, is_new, adds);
     answer_pads(state, &level, &ratio);
     const bte_real median = state->answers.pad_level.median;
-    state->checks = (uint16_t)seen.checks;
-    state->block_reason = (bte_reason)reason_of(c, x, &seen, median, of_map);
+    state->checks = (uint16_t)estimate.checks;
+    state->block_reason = (bte_reason)reason_of(c, x, &estimate, median, of_map);
     state->seal = seal_of(state);
 }
 
 /* Slip of an axle by its force and load. */
 static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
     const bte_real least = R(0.1) * car->numbers->weight;
-    const bte_place at = BTE_FIND(&car->tyre, force / largest(load, least));
-    const bte_real low = car->tyre_slip[at.at], high = car->tyre_slip[at.at + 1U];
-    return low + at.along * (high - low);
+    const bte_place place = BTE_FIND(&car->tyre, force / largest(load, least));
+    const bte_real low = car->tyre_slip[place.cell], high = car->tyre_slip[place.cell + 1U];
+    return low + place.along * (high - low);
 }
 
 /* Take in a sample: the last good reading counts while one is out of its range, or jumps. Bits of

@@ -81,7 +81,7 @@ typedef struct {
 
 /* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
 typedef struct {
-    uint16_t at;
+    uint16_t cell;
     bte_real along;
 } bte_place;
 

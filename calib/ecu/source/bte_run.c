@@ -97,7 +97,7 @@ static int run_file(const char *path) {
     static char line[LINE];
     static bte_state state;
     char *cell[CELLS];
-    int place[BTE_INPUTS], at = -1, count = 0;
+    int place[BTE_INPUTS], time_place = -1, count = 0;
     const double step = (double)BTE_VECTORS_CAR->numbers->sample_time;
     double last = -1.0;
     FILE *file = fopen(path, "r");
@@ -105,8 +105,8 @@ static int run_file(const char *path) {
         return refuse(path, "cannot be read", "");
     }
     count = parted(line, cell);
-    at = place_of(cell, count, "time [s]");
-    if (at < 0) {
+    time_place = place_of(cell, count, "time [s]");
+    if (time_place < 0) {
         return refuse(path, "no column time [s]", "");
     }
     for (int i = 0; i < BTE_INPUTS; i++) {
@@ -121,7 +121,7 @@ static int run_file(const char *path) {
         bte_inputs x;
         bte_real row[BTE_INPUTS];
         count = parted(line, cell);
-        const double time = at < count ? strtod(cell[at], NULL) : -1.0;
+        const double time = time_place < count ? strtod(cell[time_place], NULL) : -1.0;
         const double steps = rows == 0U ? 1.0 : (time - last) / step;
         /* the first step tells the rate, a later one may be a gap */
         if (!(steps > 0.75 && (rows > 1U || steps < 1.25))) {
