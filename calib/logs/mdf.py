@@ -38,10 +38,10 @@ _Place = tuple[int, int]
 
 
 def open_mdf(path: Path, dbc: Databases) -> Recording:
-    """Open an MDF file; its frames are decoded with the DBC, and without one ignored with a note.
+    """Open an MDF file; bus frames are decoded with the DBC, or ignored with a note.
 
-    A file that its recorder did not finish is finished in memory, by asammdf, with a note. Raises
-    LogError as `check_mdf`, and if asammdf cannot read it.
+    A file that its recorder did not finish is finished in memory by asammdf, with a note. Raises
+    LogError as `check_mdf`, and if asammdf cannot read the file.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
@@ -89,9 +89,10 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Raise LogError for a channel outside its record, which asammdf reads without a check.
+    """Raise LogError for a channel outside its record, which asammdf would read without a check.
 
-    So for records that fill the memory, and for an unfinished file with fewer than ``counts``.
+    Also for records that fill the memory, and for fewer records than ``counts`` of an unfinished
+    file.
     """
     for group in mdf.groups:
         record = group.channel_group

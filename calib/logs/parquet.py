@@ -111,7 +111,7 @@ def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Arra
 
 
 def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
-    """Refuse what is no number by its type, before its values take any memory."""
+    """Raise LogError for a column that is not numeric, before its values take any memory."""
     import pyarrow.types as of
 
     value = kind.value_type if of.is_dictionary(kind) else kind

@@ -165,7 +165,7 @@ def read_opened(
 
 
 class _Sampled(NamedTuple):
-    """Channels in SI on one clock, (n,) each, NaN for no value, and what was done for that."""
+    """Channels in SI on one clock, (n,) each, NaN for no value, and what the reader changed."""
 
     channels: dict[str, Array]
     notes: tuple[str, ...]
@@ -174,7 +174,7 @@ class _Sampled(NamedTuple):
 
 
 def _sampled_rows(source: ColumnSource, assigned: list[Assigned], where: str) -> _Sampled:
-    """The rows of a table, on its clock or, where they are those of several, on one of these."""
+    """The channels of a table: its rows, or resampled where the rows come from several clocks."""
     written = source.read([item.index for item in assigned])
     values = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
     time = values.pop("time")

@@ -167,7 +167,7 @@ def _span(full: list[ChannelTrace], where: str) -> tuple[float, float, list[str]
 
 
 def _even(time: Array) -> bool:
-    """Whether nearly all steps are about as long: not so the pages of a multiplexed message."""
+    """Whether nearly all steps are about as long, unlike those of a multiplexed message."""
     steps = np.diff(time)
     median = float(np.median(steps))
     return bool(np.quantile(np.abs(steps - median), 0.9) <= _UNEVEN * median)

@@ -18,8 +18,8 @@ _CALIBRATED, _CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
 class Quality:
     """``state`` of CDF 2.0 and the same in ``words``; ``verdict`` None without a validation.
 
-    The verdict of logs without truth and without v is `CONSISTENT`, where they break no limit. The
-    last state of CDF 2.0, `completed`, is never set here: a person sets it.
+    Logs without truth and without v that break no limit give `CONSISTENT`. The last state of CDF
+    2.0, `completed`, is set by a person alone.
     """
 
     state: str

@@ -33,7 +33,7 @@ class _Usability:
 
 
 def usability(stored: Stored) -> _Usability:
-    """_Usability of a version."""
+    """The usability of a version."""
     state, q = stored.state, stored.table.quality
     peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
     if peak is not None and q.get("eta_peak_is_real"):

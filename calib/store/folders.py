@@ -42,7 +42,7 @@ def placed_in(folder: Path, name: str, version: int) -> Path:
 
 
 def numbers(home: Path) -> list[int]:
-    """Numbers that anything in a table's directory bears, file or folder, rising."""
+    """Version numbers of all files and folders in a table's directory, rising."""
     if not home.is_dir():
         return []
     matches = map(_FOLDER.fullmatch, os.listdir(home))
@@ -74,12 +74,12 @@ def refuse_link(home: Path) -> None:
 
 
 def unplaced(folder: Path, name: str = "*") -> list[Path]:
-    """Versions that a writer has begun, or whose writer was stopped, in order."""
+    """Folders of versions that are not in their place yet, in order."""
     return sorted(p for p in folder.glob(f"{name}/{NEW}*") if names_a_table(p.parent.name))
 
 
 def signature_files(home: Path, version: int) -> list[Path]:
-    """Signature files of a version: the one with the simple name first, then those of more keys."""
+    """Signature files of a version: first the simple name, then those with the id of a key."""
     first = home / f"{folder_of(version)}{SIGNATURE}"
     return [first] * first.is_file() + sorted(home.glob(f"{first.stem}.*{SIGNATURE}"))
 

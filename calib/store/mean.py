@@ -61,8 +61,8 @@ class _OneCurve(NamedTuple):
 def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects, Array]:
     """The curves of a mean table by name, the scatter of D, and the weight of each car (k,).
 
-    A car has one weight in the whole mean, by how well its D is known where D is largest: what
-    belongs together in a car stays together.
+    A car has one weight in the whole mean, by the variance of its D where D is largest: so the
+    quantities of a car stay together.
     """
     of_D, of_g = (
         _on_one_axis(start, [[*vars(getattr(t, of)).values()] for t in tables])

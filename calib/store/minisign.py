@@ -78,7 +78,7 @@ class SecretKey:
 
 
 def read_public_key(source: Path | str) -> PublicKey:
-    """Read a public key from a file, or from its word. Raises KeyFileError if it is none."""
+    """Read a public key from a file, or from its word of base64. Raises KeyFileError."""
     kind = _library().PublicKey
     if _WORD.fullmatch(str(source)):
         read, content = kind.from_base64, str(source).encode()
@@ -168,7 +168,7 @@ def _library() -> Any:
 
 @contextmanager
 def _refused(kind: type[BrakeCalError], where: object, expected: str = "") -> Iterator[None]:
-    """Errors of the library as ours; none of them shows what was read or typed."""
+    """Turn errors of the library into ``kind``; none of them shows what was read or typed."""
     try:
         yield
     except UnicodeEncodeError:
@@ -188,7 +188,7 @@ def _spelled(number: bytes) -> str:
 
 
 def _write_new(path: Path, content: bytes, mode: int) -> None:
-    """Write a file that must not exist; nothing of it is left if that fails."""
+    """Write a new file; nothing of it is left on failure. Raises KeyFileError if it exists."""
     try:
         with open(path, "xb", opener=partial(os.open, mode=mode)) as file, ExitStack() as cleanup:
             cleanup.callback(path.unlink, missing_ok=True)

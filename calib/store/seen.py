@@ -1,10 +1,10 @@
 """Stores that a user has seen: by itself, an old copy of a whole store is not noticed.
 
 The newest head of a journal that was verified with a key is kept in the user's own folder,
-`$XDG_STATE_HOME/brake-cal/seen.json`. A journal only grows: one that lacks that head is an older
-copy, or went another way. A store is known by the hash of the first line of its journal, so that it
-may be moved; in a place where one store was seen, another one is not taken for it. Two stores whose
-first lines were written in one second by one person for the same table are taken for one.
+`$XDG_STATE_HOME/brake-cal/seen.json`, on Windows `%LOCALAPPDATA%`. A journal only grows: one that
+lacks that head is an older copy, or went another way. A store is known by the hash of the first
+line of its journal, so that it may be moved; another store in its place is noticed. Two stores
+whose first lines were written in one second by one person for the same table are taken for one.
 """
 
 import json
@@ -83,9 +83,9 @@ def recall() -> SeenJournals:
     from calib.store.record_file import SeenFile
 
     try:
-        state = os.environ.get("XDG_STATE_HOME", "")
-        base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
-        path = base / _FILE
+        states = (os.environ.get(name, "") for name in ("XDG_STATE_HOME", "LOCALAPPDATA"))
+        state = next(filter(os.path.isabs, states), None) or Path.home() / ".local" / "state"
+        path = Path(state) / _FILE
         data = read_bounded(path, TABLE)
     except FileNotFoundError:
         return SeenJournals(path)

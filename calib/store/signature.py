@@ -67,10 +67,7 @@ def _parse_statement(line: str, where: object = None) -> _Statement:
 
 @dataclass(frozen=True)
 class _Signed:
-    """A signature of a version that holds.
-
-    ``note`` says why an older copy of the store would go unnoticed, or "".
-    """
+    """A valid signature; ``note`` why an older copy of the store would go unnoticed, or ""."""
 
     stored: Stored
     path: Path
@@ -121,7 +118,7 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
 
 
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
-    """The signature of a key that holds of a version in its store.
+    """The valid signature of a version in its store, by a key.
 
     ``newest``: the version was chosen as the newest one that may be used. Then the signatures of
     newer versions must hold, too: whoever can write the store can reject a version, so that an
@@ -184,7 +181,7 @@ def _signatures(
 def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
     """Whether a key has ever signed a version, by a file or the journal; it may not hold any more.
 
-    By the line in the journal a signature file that was deleted is missed.
+    The journal shows a signature whose file was deleted.
     """
     history = now.journal.versions(name).get(version, ())
     signed = (entry.document for entry in history if entry.event == SIGNED)
@@ -204,7 +201,7 @@ def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> Stor
 
 
 def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
-    """The signature of a key that holds of a version as it is now.
+    """The valid signature of a version as it is now, by a key.
 
     Raises SignatureRefused when there is none, or it is of another version, state or store.
     """
@@ -255,8 +252,7 @@ def _checked(
 def _check_anchors(now: Snapshot, public: PublicKey) -> None:
     """Raise SignatureRefused if the journal does not contain a head that the key signed.
 
-    Looks at every signature of the store, of whatever version. One that does not hold over the
-    record beside it shows nothing and is passed over.
+    Looks at every signature of the store that holds over the record beside it.
     """
     for path in sorted(now.folder.glob(f"*/v*{SIGNATURE}")):
         record = path.parent / path.name.split(".")[0] / RECORD

@@ -1,6 +1,6 @@
-"""A store as it is at one moment: its folder and what its journal says.
+"""A store at one moment: its folder and its journal.
 
-Every read is a comparison of three: the digests in a version, its place, and the journal.
+Every read compares three: the digests in a version, its place, and the journal.
 """
 
 from collections.abc import Sequence

@@ -78,7 +78,7 @@ class VersionState:
 
     @property
     def why(self) -> str:
-        """The state with its reason, in one line that depends on no clock and no computer."""
+        """The state with its reason, in one line, without date and person."""
         return f"{self.word}: {self.reason}" if self.reason else self.word
 
     @property

@@ -1,9 +1,9 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
-`calib.store.folders` says where they lie. The journal's line is what counts: a writer that is
-stopped before it leaves a folder that the next writer deletes; one that is stopped after it leaves
-a version that every reader finds and the next writer moves. What the store promises is on the page
-`tables` of the manual.
+`calib.store.folders` says where they lie. A version exists once the journal has its line. A writer
+that is stopped earlier leaves a folder that the next writer deletes; one that is stopped later
+leaves a version that every reader finds and the next writer moves to its place. The promises of the
+store are on the page `tables` of the manual.
 """
 
 import os
@@ -104,7 +104,7 @@ class Store:
             return self._judged(stored, decision, now)
 
     def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
-        """Withdraw a version whose folder is gone; False, and nothing done, where it is there."""
+        """Withdraw a version whose folder is missing; otherwise do nothing and return False."""
         name, version = self.now().numbered(reference)
         if place(self.folder / name, version):
             return False

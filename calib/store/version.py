@@ -64,7 +64,7 @@ class Stored:
 
     @property
     def address(self) -> dict[str, object]:
-        """Which table it is and where: the head of every document about it."""
+        """Identity and place of the version: the head of every document about it."""
         named = {"id": self.id, "name": self.name, "version": self.version}
         return {**named, "digest": self.digest, "path": self.path}
 

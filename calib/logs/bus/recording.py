@@ -57,10 +57,9 @@ class Frames:
 
 @dataclass
 class Capture:
-    """What python-can reads of a file: the times of all frames [s], and the number of error frames.
+    """The frames of a file: times of all [s], number of error frames, and those of the DBC.
 
-    ``frames`` are the rows and the bytes of those that the DBC describes, by bus and identifier;
-    None for those that it does not describe.
+    ``frames`` holds rows and bytes by bus and identifier; None where the DBC has no description.
     """
 
     times: "array[float]" = field(default_factory=lambda: array("d"))
@@ -107,7 +106,7 @@ def _frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
 
 
 def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
-    """Read the files of the channel map that describe frames. Raises LogError if there are none."""
+    """Read the databases of a channel map. Raises LogError if it names none."""
     if not any(databases.values()):
         raise LogError(
             "bus frames do not contain the names of their signals",
@@ -162,7 +161,7 @@ def require_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, wher
 def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["_Source"]]:
     """Column and source of every signal that is a number.
 
-    The name of the column has its bus where a message of that name comes on several.
+    The full name of a column has the bus if a message of that name comes on several.
     """
     matches = [(item, message) for item in frames if (message := dbc.find(item.bus, item.key))]
     buses = Counter(message.name for _, message in matches)

@@ -194,7 +194,7 @@ def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str)
 
 
 def over_midnight(time: Array, period: float = DAY) -> Array:
-    """``time`` [s], shape (n,), of a clock that restarts after ``period`` [s], without restarts.
+    """``time`` [s], (n,), without the restarts of a clock that begins again after ``period`` [s].
 
     >>> over_midnight(np.array([86399.5, 0.5]))
     array([86399.5, 86400.5])
