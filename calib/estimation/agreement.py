@@ -65,20 +65,22 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
 
     From the softest road on, each stop that is like the softest one left is of its road.
     """
-    known = [r for r in results if r.figures["pad_level"] is not None]
-    rows = [[*(r.figures[key] for key in _PADS), *stiffness(r.estimate)] for r in known]
+    answered = [r for r in results if r.figures["pad_level"] is not None]
+    rows = [[*(r.figures[key] for key in _PADS), *stiffness(r.estimate)] for r in answered]
     stops = np.array(rows, dtype=float).reshape(-1, 5)
-    left, roads = np.argsort(stops[:, 3], kind="stable"), []
-    while left.size:
-        _, _, level, tyres, sigma = stops[left].T
+    places, roads = np.argsort(stops[:, 3], kind="stable"), []
+    while places.size:
+        _, _, level, tyres, sigma = stops[places].T
         like = tyres - tyres[0] <= _APART * np.hypot(sigma, sigma[0])
         like &= np.abs(np.log(level / level[0])) < _OTHER_PADS
-        of = stops[left[like]]
-        pads = of[:, :2].mean(axis=0)
-        spread = np.abs(of[:, :2] / pads - 1.0).max(axis=0) if len(of) > 1 else (None, None)
-        names = tuple(known[i].log for i in left[like])
-        roads.append(_Road(names, math.exp(of[:, 3].mean()), *pads.tolist(), *map(finite, spread)))
-        left = left[~like]
+        group = stops[places[like]]
+        pads = group[:, :2].mean(axis=0)
+        spread = np.abs(group[:, :2] / pads - 1.0).max(axis=0) if len(group) > 1 else (None, None)
+        names = tuple(answered[i].log for i in places[like])
+        roads.append(
+            _Road(names, math.exp(group[:, 3].mean()), *pads.tolist(), *map(finite, spread))
+        )
+        places = places[~like]
     spreads = [(road.spread_f, road.spread_r) for road in roads if road.spread_f is not None]
     if not spreads:
         return None

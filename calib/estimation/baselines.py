@@ -78,13 +78,13 @@ def _adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
     """
     acts = e.forces.active if gamma is None else True
 
-    def of(axle: Axle, p: Array, brake: Array) -> Array:
+    def adapt(axle: Axle, p: Array, brake: Array) -> Array:
         torque = axle.torque_gain * p
         y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
         u = np.where(acts, -torque, 0.0)  # (24)
         return axle.pad_friction + gradient(y, u, gamma or gain(axle), e.read.sample_time)
 
-    return of(e.car.front, e.read.p_f, brakes[0]), of(e.car.rear, e.read.p_r, brakes[1])
+    return adapt(e.car.front, e.read.p_f, brakes[0]), adapt(e.car.rear, e.read.p_r, brakes[1])
 
 
 def by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:

@@ -153,8 +153,8 @@ class Estimate:
     def columns(self) -> dict[str, Array | Mask | Index]:
         """The samples by the names of `COLUMNS`, (n,) each; those of both wheels are the same."""
         best, ecu = self.best.columns() | {"valid": self.valid}, self.ecu.columns()
-        told = self.time, self.read.z, self.eta, *self.normalised, *best.values(), *ecu.values()
-        return dict(zip(COLUMNS, (*told, self.ecu.step.reason), strict=True))
+        columns = self.time, self.read.z, self.eta, *self.normalised, *best.values(), *ecu.values()
+        return dict(zip(COLUMNS, (*columns, self.ecu.step.reason), strict=True))
 
     def to_frame(self) -> "pd.DataFrame":
         """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``."""
@@ -208,8 +208,8 @@ def run_of(
     table: Table, log: Log, vehicle: Vehicle | None = None, mass: float | None = None
 ) -> Run:
     """A log of a table's car, of which all known effects are taken out; as of `estimate`."""
-    known = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
-    return Run(log, weighed(replace(table.vehicle, effects=known), mass))
+    effects = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
+    return Run(log, weighed(replace(table.vehicle, effects=effects), mass))
 
 
 def estimate_run(
@@ -229,7 +229,7 @@ def estimate_run(
     best = read_out(used, noise, whole.signals, whole.blocks, disturbed)
     ran, read = whole.corrected, whole.signals
     if rows.size < read.time.size:
-        best, ran, read = best.at(rows), ran.at(rows), read.at(rows)
+        best, ran, read = best.take(rows), ran.take(rows), read.take(rows)
     ecu = online(exported or table, replace(car, effects=sensed(car.effects)), log)
     return Estimate(
         table=used,

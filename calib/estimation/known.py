@@ -56,7 +56,7 @@ def known_resistance(table: Table) -> Resistance:
     """The resistance the table was fitted with; its parameters' errors taken as independent."""
     drag, rolling = (table.effects.sigma[effect][name] for effect, name in (DRAG, ROLLING))
     covariance = ((drag**2, 0.0), (0.0, rolling**2))
-    return Resistance(known_effects(table), covariance, known=True)
+    return Resistance(known_effects(table), covariance, specified=True)
 
 
 def known_slips(table: Table, road: ForceBalance) -> Pair:

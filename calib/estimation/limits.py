@@ -37,11 +37,11 @@ class Judgement(Limit):
         """`PASSED`, `WARNING`, `FAILED` or `NOT_KNOWN`."""
         if self.value is None:
             return FAILED if self.required else NOT_KNOWN
-        held, quiet = (
+        allowed, quiet = (
             (low is None or self.value >= low) and (high is None or self.value <= high)
             for low, high in ((self.low, self.high), (self.warn_low, self.warn_high))
         )
-        return FAILED if not held else PASSED if quiet else WARNING
+        return FAILED if not allowed else PASSED if quiet else WARNING
 
     @property
     def outcome(self) -> dict[str, bool | None]:

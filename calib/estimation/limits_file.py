@@ -71,16 +71,16 @@ class _LimitSection(Section):
         return self
 
 
-def limits_schema(known: Collection[str]) -> type[FileSchema]:
-    """Return the schema of a limits file over the ``known`` metrics."""
+def limits_schema(metrics: Collection[str]) -> type[FileSchema]:
+    """Return the schema of a limits file over the ``metrics`` metrics."""
     about = "The allowed range of each metric."
-    limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(known), _LimitSection), about)
+    limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(metrics), _LimitSection), about)
     return create_model("LimitsFile", __base__=FileSchema, __doc__=about, limits=(limits, ...))
 
 
-def read_limits(path: Path, known: Collection[str]) -> tuple[Limit, ...]:
+def read_limits(path: Path, metrics: Collection[str]) -> tuple[Limit, ...]:
     """Read limits. Raises LimitsError for an unreadable file, an unknown metric or a bad range."""
-    file: Any = read_toml(path, limits_schema(known), LimitsError)
+    file: Any = read_toml(path, limits_schema(metrics), LimitsError)
     entries = file.limits.entries()
     if not entries:
         raise LimitsError("no limits in it", where=path, expected="metrics in the table [limits]")

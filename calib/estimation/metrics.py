@@ -40,16 +40,18 @@ def truth_of(e: Estimate) -> Truth | None:
 
     Without a truth channel for the pads it follows from (2) with the vehicle's geometry.
     """
-    of, car = e.ran.log.truth, e.car
-    if "true_Tb_fl" not in of or "true_Tb_rl" not in of:
+    channels, car = e.ran.log.truth, e.car
+    if "true_Tb_fl" not in channels or "true_Tb_rl" not in channels:
         return None
-    torque = np.array([0.5 * (of[f"true_Tb_{axle}l"] + of[f"true_Tb_{axle}r"]) for axle in "fr"])
+    torque = np.array(
+        [0.5 * (channels[f"true_Tb_{axle}l"] + channels[f"true_Tb_{axle}r"]) for axle in "fr"]
+    )
     p = np.array([e.read.p_f, e.read.p_r])
     gain = np.array([[car.front.torque_gain], [car.rear.torque_gain]])
     pads = torque / (gain * np.where(p > 1e5, p, np.nan))
     for i, (axle, factor) in enumerate((("f", e.ran.factor_f), ("r", e.ran.factor_r))):
-        if (known := of.get(f"true_mu_pad_{axle}")) is not None:
-            pads[i] = known / factor
+        if (friction := channels.get(f"true_mu_pad_{axle}")) is not None:
+            pads[i] = friction / factor
     return Truth(np.where(pads > 0.0, pads, np.nan), torque)
 
 
@@ -67,34 +69,34 @@ def score(e: Estimate) -> Figures:
     """All `METRICS` of one log; None where it cannot give one."""
     truth, counted = truth_of(e), counted_samples(e)
     valid, by_ecu = e.valid & counted, e.ecu.valid & counted & (not e.unfit)
-    found: dict[str, Any] = {
+    figures: dict[str, Any] = {
         "eta_zero": e.car.radius_mismatch(e.zeros[0] - 1.0),
         "valid_share": share(valid, counted),
         "ecu_valid_share": share(by_ecu, counted),
     }
     # errors of prediction of blocks above 3 m/s after the lead-in
     b = e.blocks
-    rest = e.best.step.innovation[np.searchsorted(e.time, b.end)]
-    rest = rest[np.isfinite(rest) & ~b.lead_in & (b.speed > MOVING)]
-    if rest.size > 10:
-        found["innovation_rms"] = _rms(rest)
-        found["innovation_colour"] = np.mean(rest[1:] * rest[:-1])
+    innovation = e.best.step.innovation[np.searchsorted(e.time, b.end)]
+    innovation = innovation[np.isfinite(innovation) & ~b.lead_in & (b.speed > MOVING)]
+    if innovation.size > 10:
+        figures["innovation_rms"] = _rms(innovation)
+        figures["innovation_colour"] = np.mean(innovation[1:] * innovation[:-1])
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
     bites = counted & np.isfinite(e.best.pads_f.value)
     for of, answer, holds, told in (("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)):
         for metric, values in _of_answer(answer, truth, holds, told).items():
-            found |= {f"{of}{metric}_{s}": x for s, x in zip(_SIDES, values, strict=True)}
+            figures |= {f"{of}{metric}_{s}": x for s, x in zip(_SIDES, values, strict=True)}
     if valid.any():
         covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
-        found["covered_share"] = share(covered, valid)
-    if "inside_f" in found:
-        found["truth_in_interval"] = 0.5 * (found["inside_f"] + found["inside_r"])
-    if e.blocks.v is not None and (both := valid & by_ecu).any():
-        found["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, both)
-        found["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, both)
+        figures["covered_share"] = share(covered, valid)
+    if "inside_f" in figures:
+        figures["truth_in_interval"] = 0.5 * (figures["inside_f"] + figures["inside_r"])
+    if e.blocks.v is not None and (comparable := valid & by_ecu).any():
+        figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, comparable)
+        figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
     for name, told_as in _NAMES.items():
-        found = {key.replace(name, told_as): x for key, x in found.items()}
-    return {key: finite(found.get(key)) for key in METRICS}
+        figures = {key.replace(name, told_as): x for key, x in figures.items()}
+    return {key: finite(figures.get(key)) for key in METRICS}
 
 
 def counted_samples(e: Estimate) -> Mask:
@@ -107,35 +109,38 @@ def share(part: Mask, whole: Mask) -> float:
     return float(np.sum(part & whole)) / max(float(np.sum(whole)), 1.0)
 
 
-def _of_answer(of: Readout, truth: Truth | None, valid: Mask, told: Mask) -> dict[str, Array]:
-    """Metrics of the `_SIDES` (3,) over the ``valid`` samples; of torques over those ``told``."""
-    found: dict[str, Array] = {}
-    pads = np.array([of.pads_f, of.pads_r, of.level])  # each with its bounds
+def _of_answer(
+    answer: Readout, truth: Truth | None, valid: Mask, counted: Mask
+) -> dict[str, Array]:
+    """Metrics of the `_SIDES` (3,) over ``valid`` samples; of torques over ``counted`` ones."""
+    metrics: dict[str, Array] = {}
+    pads = np.array([answer.pads_f, answer.pads_r, answer.level])  # each with its bounds
     x = Bounded(*pads[..., valid].swapaxes(0, 1))
     third = x.value.shape[1] // 3
     if 3 * third >= _FEWEST:
         first, last = x.value[:, :third].mean(axis=1), x.value[:, -third:].mean(axis=1)
-        found["pad_friction"] = x.value.mean(axis=1)
-        found["pad_friction_drift"] = np.abs(last / first - 1.0)
-        found["interval"] = np.median(0.5 * (x.upper - x.lower) / x.value, axis=1)
+        metrics["pad_friction"] = x.value.mean(axis=1)
+        metrics["pad_friction_drift"] = np.abs(last / first - 1.0)
+        metrics["interval"] = np.median(0.5 * (x.upper - x.lower) / x.value, axis=1)
     if truth is None or not valid.any():
-        return found
-    torque = np.array([of.torque_f.value, of.torque_r.value, of.torque_sum.value])
+        return metrics
+    torque = np.array([answer.torque_f.value, answer.torque_r.value, answer.torque_sum.value])
     true_torque = np.vstack([truth.torque, 2.0 * truth.torque.sum(axis=0)])
     with np.errstate(divide="ignore", invalid="ignore"):
-        level = of.level.value * true_torque[2] / torque[2]
+        level = answer.level.value * true_torque[2] / torque[2]
         true_pads = np.vstack([truth.pad_friction, level])
         true = true_pads[:, valid]
-        known = np.isfinite(true) & (true > 0.0)
-        rest = np.where(known, x.deviations(true), 0.0)
-        count = known.sum(axis=1)
-        return found | {
-            "torque_error": _rms((torque - true_torque)[:, told]) / _rms(true_torque[:, told]),
+        comparable = np.isfinite(true) & (true > 0.0)
+        deviations = np.where(comparable, x.deviations(true), 0.0)
+        count = comparable.sum(axis=1)
+        return metrics | {
+            "torque_error": _rms((torque - true_torque)[:, counted])
+            / _rms(true_torque[:, counted]),
             "pad_friction_bias": np.abs((x.value / true - 1.0).mean(axis=1)),
-            "final_error": np.abs(pads[:, 0] / true_pads - 1.0)[:, told][:, -1],
+            "final_error": np.abs(pads[:, 0] / true_pads - 1.0)[:, counted][:, -1],
             "inside": ((true >= x.lower) & (true <= x.upper)).mean(axis=1),
-            "normalised_error": np.sqrt(np.square(rest).sum(axis=1) / count),
-            "truth_pad_friction": np.where(known, true, 0.0).sum(axis=1) / count,
+            "normalised_error": np.sqrt(np.square(deviations).sum(axis=1) / count),
+            "truth_pad_friction": np.where(comparable, true, 0.0).sum(axis=1) / count,
         }
 
 
@@ -151,8 +156,8 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     and v need not narrow them: the spread is at least half of the ECU's own, as a difference that
     is small against the interval that is handed out does no harm.
     """
-    own, other = ecu.sigma[valid], best.sigma[valid]
-    spread = np.sqrt(np.maximum(own**2 - other**2, (0.5 * own) ** 2))
+    deviation, other = ecu.sigma[valid], best.sigma[valid]
+    spread = np.sqrt(np.maximum(deviation**2 - other**2, (0.5 * deviation) ** 2))
     return float(_rms(np.log(ecu.value / best.value)[valid] / spread))
 
 
@@ -170,12 +175,12 @@ def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
     truth = truth_of(e)
     best, ecu = ((of.pads_f.value, of.pads_r.value) for of in (e.best, e.ecu))
     true = np.array(best) if truth is None else truth.pad_friction
-    known = e.valid & np.isfinite(true).all(axis=0)
-    if not known.any() or (truth is None and e.blocks.v is None):
+    comparable = e.valid & np.isfinite(true).all(axis=0)
+    if not comparable.any() or (truth is None and e.blocks.v is None):
         return {}
     methods = {"ecu": ecu} if truth is None else {"estimate": best, "ecu": ecu}
     methods |= {name: method(e) for name, method in METHODS.items()}
-    errors = {name: _rms((np.array(x) / true - 1.0)[:, known]) for name, x in methods.items()}
+    errors = {name: _rms((np.array(x) / true - 1.0)[:, comparable]) for name, x in methods.items()}
     return {name: (float(x[0]), float(x[1])) for name, x in errors.items() if np.isfinite(x).all()}
 
 
@@ -207,8 +212,8 @@ def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
     of_ratio = ("zeros", lever * step.zeros[i]), ("tyres", ramp), ("unlike_pads", np.inf)
     parts = {}
     for variance, causes in ((level, of_level), (whole - level, of_ratio)):
-        left = max(float(variance), 0.0)
+        unexplained = max(float(variance), 0.0)
         for part, known in causes:  # as far as it goes; the last one is the rest
-            parts[part] = min(float(known), left)
-            left -= parts[part]
+            parts[part] = min(float(known), unexplained)
+            unexplained -= parts[part]
     return deviations(parts)

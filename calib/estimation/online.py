@@ -108,11 +108,11 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     that act, with them. Where a sensor fails, as in a gap of the log, its last good reading counts.
     """
     rows, step = rows_of(log), log.sample_time
-    x, works = _held(samples_of(log), step, car)
+    x, works = _last_good(samples_of(log), step, car)
     good = works.all(axis=1)
     time = step * np.arange(len(x), dtype=np.float64)
-    held = {"time": time, **dict(zip(CHANNELS, x.T, strict=True))}
-    run = Run(replace(log, channels=held), car, causal=True)
+    channels = {"time": time, **dict(zip(CHANNELS, x.T, strict=True))}
+    run = Run(replace(log, channels=channels), car, causal=True)
     b, ran = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
     unsure = fault | np.append(False, fault[:-1])  # of a reading that is held no spin is known
@@ -120,13 +120,13 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
     b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, ran.vehicle)
     why = np.where(good, disturbances(used, ran.log, run.signals), Reason.FAULT)
-    told = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, DRIVEN] > 0.5)
-    reason = np.where(good, told.step.reason, Reason.FAULT)
-    told = told.with_pads(ran.factor_f, ran.factor_r)
+    readout = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, DRIVEN] > 0.5)
+    reason = np.where(good, readout.step.reason, Reason.FAULT)
+    readout = readout.with_pads(ran.factor_f, ran.factor_r)
     diagnosis = ~works @ 2.0 ** np.arange(len(CHANNELS))
-    diagnosis += 2.0 ** len(CHANNELS) * told.step.diagnosis
-    told = replace(told, step=told.step._replace(reason=reason, diagnosis=diagnosis))
-    return told.at(rows) if rows.size < reason.size else told
+    diagnosis += 2.0 ** len(CHANNELS) * readout.step.diagnosis
+    readout = replace(readout, step=readout.step._replace(reason=reason, diagnosis=diagnosis))
+    return readout.take(rows) if rows.size < reason.size else readout
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:
@@ -137,18 +137,18 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
     """
     time = sample_time * np.arange(len(samples), dtype=np.float64)
     channels = {"time": time, **dict(zip(CHANNELS, samples.T, strict=True))}
-    told = online(table, table.vehicle, Log("", "", "", channels))
-    return np.vstack([told.step.reason, *(getattr(told, name) for name in READ_OUT)]).T
+    readout = online(table, table.vehicle, Log("", "", "", channels))
+    return np.vstack([readout.step.reason, *(getattr(readout, name) for name in READ_OUT)]).T
 
 
-def _held(x: Array, sample_time: float, car: Vehicle) -> tuple[Array, Mask]:
+def _last_good(x: Array, sample_time: float, car: Vehicle) -> tuple[Array, Mask]:
     """Samples (n, 11) with the last good readings, and where each sensor works (n, 11)."""
     low, high, jump = limits(sample_time, car)
     inside = (x >= low) & (x <= high)
     raw = _last(x, inside)
-    taken = inside & (np.abs(np.diff(raw, axis=0, prepend=raw[:1])) <= jump)
-    last = _last(x, taken)
-    return last, taken
+    accepted = inside & (np.abs(np.diff(raw, axis=0, prepend=raw[:1])) <= jump)
+    last = _last(x, accepted)
+    return last, accepted
 
 
 def _last(x: Array, good: Mask) -> Array:

@@ -56,7 +56,7 @@ class Readout:
     Pad frictions are without known effects, torques are those that act.
     """
 
-    given: Sample[Array]  # to the step, of each block
+    inputs: Sample[Array]  # of the step, by block
     step: Answer  # of the last whole block
     level: Bounded  # sum of the brake torques over that of the file's pads [1]
     ratio: Bounded  # front pads over rear ones [1]
@@ -81,16 +81,16 @@ class Readout:
         )
         return replace(self, pads_f=pads_f, pads_r=pads_r)
 
-    def at(self, rows: Index) -> "Readout":
-        """The same at some samples."""
-        told = {name: x for name, x in vars(self).items() if isinstance(x, Bounded)}
-        bounded: dict[str, Any] = {name: Bounded(*(y[rows] for y in x)) for name, x in told.items()}
-        return replace(self, step=self.step.at(rows), **bounded)
+    def take(self, rows: Index) -> "Readout":
+        """The samples at ``rows`` alone."""
+        bounded = ((name, x) for name, x in vars(self).items() if isinstance(x, Bounded))
+        at_rows: dict[str, Any] = {name: Bounded(*(y[rows] for y in x)) for name, x in bounded}
+        return replace(self, step=self.step.take(rows), **at_rows)
 
     def columns(self) -> dict[str, Array | Mask]:
         """By the names of `UNITS`, in their order."""
-        told = (getattr(self, name) for name in FIELDS.values())
-        parts = [x if isinstance(x, Bounded) else (x,) for x in told]
+        fields = (getattr(self, name) for name in FIELDS.values())
+        parts = [x if isinstance(x, Bounded) else (x,) for x in fields]
         return dict(zip(UNITS, itertools.chain(*parts), strict=True))
 
 
@@ -129,14 +129,14 @@ def read_out(
         np.broadcast_to(x, s.time.shape)[whole].reshape(-1, b.samples).max(axis=1)
         for x in (disturbed, driven)
     )
-    x = given(table, b, worst, thrust)
+    x = step_inputs(table, b, worst, thrust)
     c = constants(table, noise, b.length)
     answer = with_before(c, run(c, x))
-    at = np.searchsorted(b.end, s.time, side="right")  # the last complete block, 0 before the first
-    level, ratio, pads_f, pads_r, *changed = (of[:, at] for of in of_blocks(table, x, answer))
+    block = np.searchsorted(b.end, s.time, side="right")  # the last complete one, 0 before any
+    level, ratio, pads_f, pads_r, *changed = (of[:, block] for of in of_blocks(table, x, answer))
     torques = torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
     bounded = level, ratio, pads_f, pads_r, *changed, *torques
-    return Readout(x, answer.at(at), *itertools.starmap(Bounded, bounded))
+    return Readout(x, answer.take(block), *itertools.starmap(Bounded, bounded))
 
 
 def torques_of(
@@ -173,15 +173,15 @@ def of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ..
 
 def with_before(c: Constants, answer: Answer) -> Answer:
     """Answers (1 + k,), the first one while no block is complete: any pads."""
-    answer = answer.at(np.append(0, np.arange(answer.reason.size)))
+    answer = answer.take(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
         x[:, 0] = np.log([1.0, c.least_level, c.most_level])
     answer.reason[0], answer.diagnosis[0] = Reason.NOT_BRAKED, 0.0
     return answer
 
 
-def given(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
-    """What the step is given of each block (k,), with the resistance and slips that are known.
+def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
+    """Inputs of the step by block (k,), with the resistance and the slips that are known.
 
     ``disturbed`` number of a `Reason` of each (k,); the rest as of `read_out`.
     """

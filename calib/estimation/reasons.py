@@ -24,9 +24,9 @@ class Reason(IntEnum):
 
     def __new__(cls, value: int, words: str) -> "Reason":
         """A number with its ``words``."""
-        one = int.__new__(cls, value)
-        one._value_, one.words = value, words
-        return one
+        member = int.__new__(cls, value)
+        member._value_, member.words = value, words
+        return member
 
     VALID = 0, "the answer is valid"
     NOT_BRAKED = 1, "the pressure is low"
@@ -63,15 +63,15 @@ def disturbances(table: Table, log: Log, s: Signals) -> Index:
         np.abs(lateral(log, s, car.track_width, slip=slip, height=car.cg_height))
         >= Constants.lateral
     )
-    told = np.where(
+    reasons = np.where(
         corners, Reason.CORNERS, np.where(np.abs(steered) < Constants.steering, 0, Reason.TURNED)
     )
     # within half a sample: else a rounding could decide it
     locked = since(s.time, _locks(log, s)) <= Constants.recover + 0.5 * s.sample_time
-    told = np.where(locked, Reason.LOCKED, told)
+    reasons = np.where(locked, Reason.LOCKED, reasons)
     acts = log.channels.get("abs_active", np.zeros_like(s.time)) > 0.5
     acted = since(s.time, acts) <= Constants.recover + 0.5 * s.sample_time
-    return np.where(acted, Reason.ABS, told)
+    return np.where(acted, Reason.ABS, reasons)
 
 
 def _locks(log: Log, s: Signals) -> Mask:

@@ -26,7 +26,7 @@ from calib.estimation.online import (
     STEERING,
     limits,
 )  # fmt: skip
-from calib.estimation.readout import given, of_blocks, torques_of, with_before
+from calib.estimation.readout import of_blocks, step_inputs, torques_of, with_before
 from calib.estimation.reasons import Reason
 from calib.estimation.state import Sample, constants
 from calib.estimation.step import Answer, started, step
@@ -93,10 +93,10 @@ class Online:
         """Whether all sensors work; the last good reading counts while one does not."""
         low, high, change = self._limits
         inside = (x >= low) & (x <= high)
-        taken = inside & ((np.abs(x - self._raw) <= change) | (not self._started))
+        accepted = inside & ((np.abs(x - self._raw) <= change) | (not self._started))
         self._raw = np.where(inside, x, self._raw)
-        self._last = np.where(taken, x, self._last)
-        return bool(taken.all())
+        self._last = np.where(accepted, x, self._last)
+        return bool(accepted.all())
 
     def _disturbance(self, good: bool) -> int:
         """Whether the car is steered, corners, or a wheel locks, or just has."""
@@ -142,12 +142,12 @@ class Online:
         columns: dict[str, Any] = {n: np.array([v]) for n, v in zip(_MEANS, means, strict=True)}
         off = np.array([False])
         b = Blocks(**columns, v=None, lead_in=off, samples=self._n, length=self._c.block)
-        of_step = given(self._table, b, np.array([why]), off | thrust)
-        one = Sample(*(float(y[0]) for y in of_step))
+        of_step = step_inputs(self._table, b, np.array([why]), off | thrust)
+        block = Sample(*(float(y[0]) for y in of_step))
         state = self._state if with_answer else started(self._c)
         if with_answer:
             self._omega, self._faulty = omega, fault
-        of_one = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, one)))
+        of_one = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, block)))
         answer, place = with_before(self._c, of_one), int(with_answer)
         self._reason = int(answer.reason[place])
         answers = of_blocks(self._table, of_step, answer)[:4]

@@ -38,7 +38,7 @@ from calib.estimation.state import Constants, Sample, State
 
 
 class Answer(NamedTuple):
-    """What is told of each block: its median with the 95 % bounds, (3, k), or one number, (k,)."""
+    """Answer to each block: medians with their 95 % bounds, (3, k), or one number, (k,)."""
 
     level: Array  # ln of the pads' level
     ratio: Array  # ln of the ratio of the pads over that of the file's
@@ -54,9 +54,9 @@ class Answer(NamedTuple):
     innovation: Array  # of the wheels, in standard deviations; NaN where they do not count
     reason: Array  # a `Reason`
 
-    def at(self, which: int | Index) -> "Answer":
-        """The same at other places."""
-        return Answer(*(np.take(x, which, axis=-1) for x in self))
+    def take(self, places: int | Index) -> "Answer":
+        """The answers at some blocks."""
+        return Answer(*(np.take(x, places, axis=-1) for x in self))
 
 
 def started(c: Constants) -> State:
@@ -110,8 +110,8 @@ def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:
     """Take in a block, and answer. Changes the state."""
-    seen = BlockState(*np.array([follow(c, s, x)]).T)
-    return _answers(c, s, Sample(*np.array([x]).T), seen).at(0)
+    state = BlockState(*np.array([follow(c, s, x)]).T)
+    return _answers(c, s, Sample(*np.array([x]).T), state).take(0)
 
 
 def run(c: Constants, x: Sample[Array]) -> Answer:
@@ -121,27 +121,27 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
     return _answers(c, s, x, BlockState(*np.array([follow(c, s, Sample(*row)) for row in rows]).T))
 
 
-def _answers(c: Constants, s: State, x: Sample[Array], seen: BlockState[Array]) -> Answer:
+def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array]) -> Answer:
     """Answer each block (k,), as `follow` left it."""
-    new = seen.blocks == 0.0
-    z = np.where(new, c.usual_z, seen.z)
-    shift = seen.shift / z
+    new = state.blocks == 0.0
+    z = np.where(new, c.usual_z, state.z)
+    shift = state.shift / z
     usual, sigma = c.slip(z, shift, 0.0 * z)
-    w = slip_evidence(c, seen, z, usual, sigma)
+    w = slip_evidence(c, state, z, usual, sigma)
     more = Z95 * np.sqrt(w.noise + w.accelerometer)
     level = widened(c.level(z), more) + np.log(w.pads * w.scaled)
 
     of_map = np.clip(shift, *c.pads.axes[1][[0, -1]]) == shift
-    told = of_map & ~new & (z >= c.least_z)
-    error = eta_error(c, seen, z) / z, w.slip_sigma
-    now, zeros = _ratio(c, (z, shift, w.slip), error, x.log_odds, told)
-    counts = seen.counts > 0.0
+    readable = of_map & ~new & (z >= c.least_z)
+    error = eta_error(c, state, z) / z, w.slip_sigma
+    now, zeros = _ratio(c, (z, shift, w.slip), error, x.log_odds, readable)
+    counts = state.counts > 0.0
     best, zeros = _keep(c, s, now, zeros, w.pads, (new, counts & (x.pressure > c.bite)))
     return Answer(
         level, best[:, 0], best[:, 1], w.noise, w.accelerometer, zeros,
-        usual + sigma * w.slip, sigma * w.slip_sigma, seen.zero_eta, seen.zero_slip,
-        seen.checks, np.where(counts, seen.innovation, np.nan),
-        reason_of(c, x, seen, np.exp(level[0]), of_map),
+        usual + sigma * w.slip, sigma * w.slip_sigma, state.zero_eta, state.zero_slip,
+        state.checks, np.where(counts, state.innovation, np.nan),
+        reason_of(c, x, state, np.exp(level[0]), of_map),
     )  # fmt: skip
 
 
@@ -155,24 +155,28 @@ def widened(x: Array, more: Array) -> Array:
 
 
 def _ratio(
-    c: Constants, at: tuple[Array, ...], errors: tuple[Array, Array], log_odds: Array, told: Mask
+    c: Constants,
+    point: tuple[Array, ...],
+    errors: tuple[Array, Array],
+    log_odds: Array,
+    readable: Mask,
 ) -> tuple[Array, Array]:
     """Medians and bounds of ln of the ratio and of its change (3, 2, k); variance by reading (k,).
 
-    ``at`` the three axes of the map, the last two with ``errors``. Beside what is known before eta
-    is read it has its share, none where it is not ``told``.
+    ``point`` on the three axes of the map, ``errors`` of the last two. A mean of the map and of the
+    ratio before eta is read; that alone where eta is not ``readable``.
     """
-    steps = np.minimum(errors[0], c.pads.width(1, at[1])), np.minimum(errors[1], 1.0)
-    places = np.repeat(np.stack(at)[:, None], 5, axis=1)
+    steps = np.minimum(errors[0], c.pads.width(1, point[1])), np.minimum(errors[1], 1.0)
+    places = np.repeat(np.stack(point)[:, None], 5, axis=1)
     places[1, 1:3] += np.multiply.outer((-1.0, 1.0), steps[0])
     places[2, 3:5] += np.multiply.outer((-1.0, 1.0), steps[1])
-    read, prior, zeros = c.pads(*places), c.prior(at[0]), 0.0 * at[0]
+    read, prior, zeros = c.pads(*places), c.prior(point[0]), 0.0 * point[0]
     now = read[:, :, 0]
     for low, high, spread in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     unread = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])
-    each = zip(unread.tolist(), told.tolist(), strict=True)
+    each = zip(unread.tolist(), readable.tolist(), strict=True)
     share = np.array([share_of(c, width, 1.0) if counts else 0.0 for width, counts in each])
     now, zeros = prior + share * (now - prior), share * zeros
     unread = 1.0 + share * (unread - 1.0)
@@ -182,16 +186,15 @@ def _ratio(
 
 
 def _keep(
-    c: Constants, s: State, now: Array, zeros: Array, level: Array, which: tuple[Mask, Mask]
+    c: Constants, s: State, now: Array, zeros: Array, level: Array, flags: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
-    """The best informed ratio so far, as it is known at each block, of the shapes of `_ratio`.
+    """The best informed ratio so far, at each block, of the shapes of `_ratio`.
 
-    Stops begin new, and a block is a reading where it adds to the means: ``which`` of the blocks
-    are new, and add.
+    ``flags`` (k,): blocks before a stop, in which it begins anew, and those that add a reading.
     """
-    kept, more_variance = [], []
+    ratios, more_variance = [], []
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
-    for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in which), strict=True):
+    for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in flags), strict=True):
         s.age += c.block
         if new:
             s.held_ratio, grown = row, reset_held(c, s, a, 1.0)
@@ -206,7 +209,7 @@ def _keep(
                 pairs = zip(s.held_ratio, row, strict=True)
                 s.held_ratio = [(1.0 - share) * x + share * y for x, y in pairs]
                 grown = reset_held(c, s, a, share)
-        kept.append(s.held_ratio)
+        ratios.append(s.held_ratio)
         more_variance.append(grown)
-    out, variance = np.array(kept).T, np.array(more_variance)
+    out, variance = np.array(ratios).T, np.array(more_variance)
     return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(variance)), out[6] + variance

@@ -70,8 +70,8 @@ class Validation:
     @property
     def proof(self) -> str:
         """What the log held against the ECU: `TRUTH`, `REFERENCE` or `NONE`."""
-        held = (of for of, metric in _PROOFS.items() if self.figures[metric] is not None)
-        return next(held, NONE) if self.role == HOLDOUT else NONE
+        proofs = (proof for proof, metric in _PROOFS.items() if self.figures[metric] is not None)
+        return next(proofs, NONE) if self.role == HOLDOUT else NONE
 
     @property
     def word(self) -> str:

@@ -64,11 +64,13 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
 
     ``run`` the log as read, if samples were filled into its gaps.
     """
-    of = run or e.run
-    known = known_resistance(e.table)
-    evidence = Evidence(of, e.run.accelerometer(known, e.noise), brake_response(e.read, e.forces))
+    log_run = run or e.run
+    resistance = known_resistance(e.table)
+    evidence = Evidence(
+        log_run, e.run.accelerometer(resistance, e.noise), brake_response(e.read, e.forces)
+    )
     of_table = [Measured("axles_exchanged", axles_exchanged(e.table, e))]
-    if (parts := of.wheels) is not None:
+    if (parts := log_run.wheels) is not None:
         expected = float(np.interp(parts.z, e.table.paper.z, e.table.paper.eta)) - 1.0
         if crossed := crossed_diagonal(parts, expected):
             of_table.append(Measured("wheels_crossed", crossed.part, words={"found": crossed}))
@@ -76,23 +78,25 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         i = int(np.flatnonzero(e.valid)[-1])
         middle, low, high = e.best.step.change[:, i].tolist()
         apart = middle, (high - low) / (2.0 * Z95)
-        of_table += of_changes(_together(e, known, i), apart)
+        of_table += of_changes(_together(e, resistance, i), apart)
     does = VOID, WARN
-    said = (
+    warnings = (
         *warnings_on(evidence, VALIDATE, does),
-        *judged(of.log.name, of_table, VALIDATE, does),
+        *judged(log_run.log.name, of_table, VALIDATE, does),
     )
-    asks = any(one.code in _ASKS for one in said) or share(e.valid, counted_samples(e)) <= 0.5
+    asks = any(one.code in _ASKS for one in warnings) or share(e.valid, counted_samples(e)) <= 0.5
     asks = asks or _beside_pressure(evidence) or _goes_with_time(e)
-    rolls = of.slipping is not None and not (of.slipping.locked or of.slipping.cycles)
-    named = _mistakes(e, known, evidence) if asks and rolls else ()
-    return (*judged(of.log.name, named, VALIDATE), *said)
+    rolls = log_run.slipping is not None and not (
+        log_run.slipping.locked or log_run.slipping.cycles
+    )
+    named = _mistakes(e, resistance, evidence) if asks and rolls else ()
+    return (*judged(log_run.log.name, named, VALIDATE), *warnings)
 
 
 def _beside_pressure(evidence: Evidence) -> bool:
     """Whether the brakes give a force beside the pressure, less than is warned of."""
-    of = evidence.response
-    return of is not None and abs(of.share) > max(_BESIDE, 1.5 * of.share_sigma)
+    response = evidence.response
+    return response is not None and abs(response.share) > max(_BESIDE, 1.5 * response.share_sigma)
 
 
 def _goes_with_time(e: Estimate) -> bool:
@@ -104,33 +108,33 @@ def _goes_with_time(e: Estimate) -> bool:
     z = b.z[use]
     sigma = b.eta[use] * np.sqrt(2.0 / b.length) * e.noise.omega / np.maximum(b.omega_f[use], 1.0)
     columns = np.stack([z, z**2, G * z / b.speed[use], np.ones_like(z)], axis=1) / sigma[:, None]
-    found = np.linalg.lstsq(columns, b.eta[use] / sigma)[0]
-    delay = abs(float(found[2])) / math.sqrt(np.linalg.pinv(columns.T @ columns)[2, 2])
+    solution = np.linalg.lstsq(columns, b.eta[use] / sigma)[0]
+    delay = abs(float(solution[2])) / math.sqrt(np.linalg.pinv(columns.T @ columns)[2, 2])
     return delay > _LATE
 
 
-def _mistakes(e: Estimate, known: Resistance, evidence: Evidence) -> Iterator[Measured]:
+def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterator[Measured]:
     """Mistakes that explain a stop better than other pads than the ramp's, most probable first."""
     cal, car = e.table.calibration, e.run.car
     front = replace(car.front, pad_friction=cal.pad_friction_f.value)
     rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
     car = replace(car, front=front, rear=rear, motor_odds=max(car.motor_odds, LEAST_ODDS))
-    ramp = prepare(e.run, known.effects, evidence.accelerometer)
+    ramp = prepare(e.run, resistance.effects, evidence.accelerometer)
     try:
         yield from measured(causes_of(car, [ramp], other_road=True), beside_pads=False)
     except ValueError:  # nothing rolls before the stop, or nothing of it is steady
         return
 
 
-def _together(e: Estimate, known: Resistance, i: int) -> tuple[float, float]:
+def _together(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float]:
     """ln of the brake force over that of the ramp's pads, at a sample; its sigma.
 
     The mass is not counted in the sigma, since another load is what it would tell.
     """
     best = e.best
-    resistance = float(known.sigma_z(e.car, e.read.speed[i : i + 1])[0])
+    slowing = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
     variance = float(best.step.noise[i] + best.step.accelerometer[i])
-    variance += (resistance / max(float(e.read.z[i]), 0.02)) ** 2
+    variance += (slowing / max(float(e.read.z[i]), 0.02)) ** 2
     variance += sum(x for part, x in e.table.budget.level.items() if part != "mass")
     ramp = pad_levels(e.table.vehicle, e.table.calibration).level
     return math.log(best.level.value[i]) - ramp, math.sqrt(variance)
@@ -147,11 +151,11 @@ def axles_exchanged(table: Table, e: Estimate) -> float:
     shown = _shown(table) @ np.stack([np.interp(z, _Z, hat) for hat in np.eye(_Z.size)])
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     whiten = np.linalg.cholesky(np.linalg.inv(np.diag(error**2) + zero**2))
-    given, other = (
+    as_given, other = (
         np.logaddexp.reduce(-0.5 * np.sum(((x - shown) @ whiten) ** 2, axis=1))
         for x in (shift, 1.0 / (1.0 + shift) - 1.0)
     )
-    return float(other - given)
+    return float(other - as_given)
 
 
 @lru_cache(maxsize=2)  # a batch has one table
@@ -167,10 +171,10 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
 
     Without wheels at their limit, which no scenario has.
     """
-    b, demanded = e.blocks, e.best.given.demand
-    shift = (1.0 + e.best.given.eta_less_1) / e.zeros[0] - 1.0
+    b, demanded = e.blocks, e.best.inputs.demand
+    shift = (1.0 + e.best.inputs.eta_less_1) / e.zeros[0] - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
-    rolls = ~np.isin(e.best.given.disturbed, (Reason.LOCKED, Reason.FAULT))
+    rolls = ~np.isin(e.best.inputs.disturbed, (Reason.LOCKED, Reason.FAULT))
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     use &= (demanded > _BINS[0]) & (demanded <= _BINS[-1])
     between = np.digitize(demanded[use], _BINS, right=True)

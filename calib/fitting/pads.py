@@ -60,7 +60,7 @@ def _levels_of(
         b, sensor, z = run.blocks, run.accelerometer, run.blocks.z[run.braked]
         square = z @ z
         noise = run.noise.z / np.sqrt(b.length * square)
-        if resistance.known:
+        if resistance.specified:
             rolled = b.length * max(run.rolling.size, 1)
             noise = np.hypot(noise, z.sum() / square * run.noise.z / np.sqrt(rolled))
         resistance_sigma = resistance.sigma_z(vehicle, b.speed[run.braked]) @ z / square

@@ -21,7 +21,7 @@ from calib.plausibility.rules import COAST, FIT, require
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Axle, Blocks, block_balance
 from calib.run.filters import since
-from calib.run.noise import SensorNoise, aged
+from calib.run.noise import SensorNoise, sigma_growth
 from calib.run.run import Run
 from calib.run.same_run import refuse_copies
 
@@ -194,11 +194,11 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
     )
     turning = np.maximum(b.omega_f, 1.0)  # [rad/s]; what turns slower takes no part
     eta_density = np.asarray(np.sqrt(2.0) * noise.omega / turning)  # [s^0.5]
-    known = np.isfinite(aged(b.end, b.lead_in, eta_density))
+    known = np.isfinite(sigma_growth(b.end, b.lead_in, eta_density))
     if ramp.slip is not None:
         speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
         slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / turning))
-        known |= np.isfinite(aged(b.end, b.lead_in, slip_density))
+        known |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
     # the pressure changes slowly enough, and has just before
     B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
     rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))

@@ -98,14 +98,14 @@ class _AgainstSpeed:
     """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
 
     e = bias + grade, d = bias + drag. ``likelihood`` its logarithm where c, e and d are zero, up to
-    a constant; of the lag ``own`` precision [1/s^2], ``side`` [1/s] and ``along`` (c, e), (2,), how
+    a constant; of the lag ``information`` [1/s^2], ``side`` [1/s] and ``along`` (c, e), (2,), how
     the lag moves with them [1/s].
     """
 
     precision: Array
     vector: Array
     likelihood: float
-    own: float
+    information: float
     side: float
     along: Array
 
@@ -114,8 +114,8 @@ class _AgainstSpeed:
         moved = _SENSED[:2] @ weighed.mean
         covariance = _SENSED[:2] @ weighed.covariance @ _SENSED[:2].T
         spread = float(self.along @ covariance @ self.along)
-        lag = (self.side - float(self.along @ moved)) / self.own
-        return -lag, 1.0 / self.own + spread / self.own**2
+        lag = (self.side - float(self.along @ moved)) / self.information
+        return -lag, 1.0 / self.information + spread / self.information**2
 
 
 @dataclass(frozen=True)
@@ -148,14 +148,14 @@ def _evidence(b: Blocks, smooth: Array, density_z: float, density_v: float) -> S
     return SpeedEvidence(b, last, density_z, even, changing)
 
 
-def accelerometer(told: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
-    """Judge the accelerometer of a log by what v has ``told`` and by its lead-in.
+def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
+    """Judge the accelerometer of a log by what v has ``evidence`` and by its lead-in.
 
     ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
     ``sigma`` of that resistance, common to the log [1], (k,).
     """
-    rolling = _on_lead_in(told, unexplained, sigma)
-    speeds = told.even, told.changing
+    rolling = _on_lead_in(evidence, unexplained, sigma)
+    speeds = evidence.even, evidence.changing
     weighed = _mixture(speeds, rolling, _CASES, SENSOR.a_x_scale.sigma)
     c, bias, _, drag = weighed.mean.tolist()
     wanders = float(weighed.weights[1::2].sum())
@@ -172,7 +172,7 @@ def accelerometer(told: SpeedEvidence, unexplained: Array, sigma: Array) -> Acce
         + wanders * other_variance
         + (1.0 - wanders) * wanders * (other_lag - lag) ** 2,
         wanders=wanders,
-        disagrees=_disagreement(told.blocks, c, told.last),
+        disagrees=_disagreement(evidence.blocks, c, evidence.last),
     )
 
 
@@ -226,23 +226,27 @@ def _against_speed(
     pair, side = products[1:, 1:], products[1:, 0]
     # the shares of the start and of the lag are taken out with their priors
     for place, variance in ((3, white), (2, _LAG**2)):
-        own, along, right = pair[place, place] + 1.0 / variance, pair[:place, place], side[place]
-        likelihood += float(0.5 * (right**2 / own - np.log(own)))
-        pair = pair[:place, :place] - np.outer(along, along) / own
-        side = side[:place] - along * right / own
+        curvature, along, right = (
+            pair[place, place] + 1.0 / variance,
+            pair[:place, place],
+            side[place],
+        )
+        likelihood += float(0.5 * (right**2 / curvature - np.log(curvature)))
+        pair = pair[:place, :place] - np.outer(along, along) / curvature
+        side = side[:place] - along * right / curvature
     precision[:2, :2], vector[:2] = pair, side
-    return _AgainstSpeed(precision, vector, likelihood, float(own), float(right), along)
+    return _AgainstSpeed(precision, vector, likelihood, float(curvature), float(right), along)
 
 
-def _on_lead_in(told: SpeedEvidence, unexplained: Array, sigma: Array) -> tuple[float, float]:
+def _on_lead_in(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> tuple[float, float]:
     """Mean of ``unexplained`` over the lead-in, and its variance [1]; inf without any."""
-    b = told.blocks
-    free = (b.lead_in & (b.speed > 3.0))[: told.last + 1]
+    b = evidence.blocks
+    free = (b.lead_in & (b.speed > 3.0))[: evidence.last + 1]
     count = np.count_nonzero(free)
     if not count:
         return 0.0, np.inf
-    mean, common = (float(np.mean(x[: told.last + 1][free])) for x in (unexplained, sigma))
-    return mean, told.density_z**2 / (count * b.length) + common**2
+    mean, common = (float(np.mean(x[: evidence.last + 1][free])) for x in (unexplained, sigma))
+    return mean, evidence.density_z**2 / (count * b.length) + common**2
 
 
 def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
@@ -255,8 +259,11 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
     slow = centred_mean(b.z, max(1, round(_SECOND / b.length)))
-    told, usual = _evidence(b, slow, density_z, density_v), _ROLLING + _DRAG * b.speed**2
-    speeds, rolling = (told.even, told.changing), _on_lead_in(told, b.z - usual, _RESISTS * usual)
+    evidence, usual = _evidence(b, slow, density_z, density_v), _ROLLING + _DRAG * b.speed**2
+    speeds, rolling = (
+        (evidence.even, evidence.changing),
+        _on_lead_in(evidence, b.z - usual, _RESISTS * usual),
+    )
     other = _mixture(speeds, rolling, _CASES[::2], _OTHER_SCALE)
     sensor = _mixture(speeds, rolling, _CASES, SENSOR.a_x_scale.sigma)
     likelier = other.evidence + np.log(_ODDS_OTHER) > sensor.evidence
@@ -266,10 +273,10 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
 def _mixture(
     speeds: tuple[_AgainstSpeed, _AgainstSpeed],
     rolling: tuple[float, float],
-    there: Mask,
+    present: Mask,
     scale: float,
 ) -> Mixture:
-    """Mixture over the cases of (c, bias, grade, drag), ``there`` (k, 4) as in `_CASES`.
+    """Mixture over the cases of (c, bias, grade, drag), ``present`` (k, 4) as in `_CASES`.
 
     ``rolling`` mean and variance of d by the lead-in.
     """
@@ -279,14 +286,14 @@ def _mixture(
     )
     precision[:, 2, 2] += 1.0 / rolling[1]
     vector[:, 2] += rolling[0] / rolling[1]
-    walks = there[:, 3].astype(int)
+    walks = present[:, 3].astype(int)
     return weigh_hypotheses(
         (_SENSED.T @ precision @ _SENSED)[walks],
         (vector @ _SENSED)[walks],
         np.column_stack(
-            [np.full(len(there), scale), np.where(there[:, :3], _THERE, _STILL)],
+            [np.full(len(present), scale), np.where(present[:, :3], _THERE, _STILL)],
         ),
-        np.where(there, _ODDS, 1.0 - _ODDS).prod(axis=1),
+        np.where(present, _ODDS, 1.0 - _ODDS).prod(axis=1),
         likelihood[walks],
     )
 

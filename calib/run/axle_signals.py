@@ -64,10 +64,10 @@ class Signals(AxleSignals):
     sample_time: float
     delay: SpeedDelay = IN_TIME
 
-    def at(self, rows: Index) -> "Signals":
-        """The same at some samples."""
-        taken: dict[str, Any] = {k: x[rows] for k, x in vars(self).items() if np.ndim(x)}
-        return replace(self, **taken)
+    def take(self, rows: Index) -> "Signals":
+        """The samples at ``rows`` alone."""
+        arrays: dict[str, Any] = {k: x[rows] for k, x in vars(self).items() if np.ndim(x)}
+        return replace(self, **arrays)
 
 
 def eta_of(omega_f: Array, omega_r: Array) -> Array:
@@ -200,9 +200,9 @@ def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) 
     braked = np.flatnonzero(smooth > BITE)
     first = np.inf
     if braked.size:
-        before = smooth[: braked[0] + 1]
-        level = float(np.median(before))
-        leaves = np.flatnonzero(before <= level + 3.0 * scatter(before - level))[-1]
+        unbraked = smooth[: braked[0] + 1]
+        level = float(np.median(unbraked))
+        leaves = np.flatnonzero(unbraked <= level + 3.0 * scatter(unbraked - level))[-1]
         first = min(time[braked[0]] - SETTLE, time[leaves]) - _SMOOTH
     rolling = rolls(trailing_mean(z, max(1, round(0.1 / step))))
     return np.asarray((time < first) & rolling & (speed > MOVING))
@@ -224,10 +224,10 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
         return np.ones_like(rolling)
     width = max(1, round(_SMOOTH / step))
     smooth = centred_mean(eta, width)
-    known = smooth[rolling]
+    lead_in = smooth[rolling]
     bite = 0 if rolling[-1] else -round(_LEAST / step)  # a coast has none: all of it counts alike
-    away = np.abs(smooth - np.median(known[bite:]))
-    apart = np.abs(known[4 * width :] - known[: -4 * width])  # a step is in few of them
+    away = np.abs(smooth - np.median(lead_in[bite:]))
+    apart = np.abs(lead_in[4 * width :] - lead_in[: -4 * width])  # a step is in few of them
     usual = scatter(apart) / math.sqrt(2.0)
     odd = away > _DISTURBED * max(usual, FINEST)
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)

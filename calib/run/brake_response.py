@@ -133,17 +133,17 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     age = (time - float(time[inside].mean())) / _AGE
     y = demanded[inside]
     usual = float(np.median(y[braked[inside] > 0.5]))
-    one = np.ones_like(time)
+    constant = np.ones_like(time)
     tried, late, on = _tried(time, nominal, braked, step)
     late, on = late[:, inside], on[:, inside]
-    others = (np.broadcast_to(x[inside], late.shape) for x in (one, slow))
+    others = (np.broadcast_to(x[inside], late.shape) for x in (constant, slow))
     best = _best(tried, np.stack([late, late * age[inside], on, *others], 1), y)
     lagged, delay = best >= tried.size - _LAGS.size, float(tried[best])
     for _ in range(_REFINED):
         n, applied = (_delayed(time, x, delay, lagged=lagged) for x in (nominal, braked))
         slope = -np.gradient(n, step)  # by the delay
         width = -np.gradient(slope, step)  # by half its variance
-        A = np.column_stack([n, n * age, applied, one, -slow, slope, width])[inside]
+        A = np.column_stack([n, n * age, applied, constant, -slow, slope, width])[inside]
         free = np.linalg.lstsq(A, y, rcond=None)[0]
         level = float(free[0])
         if not (level > 0.0 and usual > 0.0):
@@ -157,7 +157,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         side[5] += (_USUAL - delay) / _SPREAD / spread[5]
         covariance = np.linalg.inv(precision)
         solution, errors = covariance @ side, np.sqrt(np.diag(covariance))
-        rest = y - A @ solution
+        residual = y - A @ solution
         delay += float(solution[5]) / level
     return BrakeResponse(
         level=float(solution[0]),
@@ -167,12 +167,12 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         share_sigma=float(errors[2]) / usual,
         fading=float(solution[4]) / usual,
         fading_sigma=_LASTING * float(errors[4]) / usual,
-        step=_step(step, time[inside], braked[inside], n[inside] * level / usual, rest / usual),
+        step=_step(step, time[inside], braked[inside], n[inside] * level / usual, residual / usual),
     )
 
 
-def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) -> ForceStep:
-    """The largest step of ``rest`` (n,) in the longest braking, by medians: a bump is no step.
+def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Array) -> ForceStep:
+    """The largest step of ``residual`` (n,) in the longest braking, by medians: a bump is no step.
 
     ``nominal`` what the pressure makes; both over the usual brake force [1]; ``step`` [s].
     """
@@ -183,16 +183,18 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) 
         return _NO_STEP
     levels, pressed = (
         np.median(np.lib.stride_tricks.sliding_window_view(x[longest], width), axis=-1)
-        for x in (rest, nominal)
+        for x in (residual, nominal)
     )
     steps = levels[apart:] - levels[:-apart]
-    at = time[longest][(apart + width) // 2 :][: steps.size]
-    told = (np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY) & (at > at[0] + _BITTEN)
-    if not told.any():
+    middles = time[longest][(apart + width) // 2 :][: steps.size]
+    comparable = (np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY) & (
+        middles > middles[0] + _BITTEN
+    )
+    if not comparable.any():
         return _NO_STEP
-    largest = int(np.argmax(np.where(told, np.abs(steps), 0.0)))
-    sigma = scatter(steps[told] - np.median(steps[told]))
-    return ForceStep(float(at[largest]), float(steps[largest]), sigma)
+    largest = int(np.argmax(np.where(comparable, np.abs(steps), 0.0)))
+    sigma = scatter(steps[comparable] - np.median(steps[comparable]))
+    return ForceStep(float(middles[largest]), float(steps[largest]), sigma)
 
 
 def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
@@ -206,8 +208,8 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """The lead-in, and all that is braked, has just been or is about to be, (n,)."""
     if not active.any():
         return np.zeros_like(active)
-    before = since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
-    fast = (s.lead_in | before | (since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
+    soon = since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
+    fast = (s.lead_in | soon | (since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
     return np.asarray(fast | (active & (s.speed > _GONE)))
 
 
@@ -219,9 +221,9 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
     each = max(1, round(_TRIED / step))
     shifts = np.arange(round(_EARLIEST / step), round(_LATEST / step) + 1, each)
     shifts = np.concatenate([[0], shifts[shifts != 0]])
-    at = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
-    late = np.vstack([nominal[at], *(first_order(time, nominal, lag)[None] for lag in _LAGS)])
-    on = np.vstack([braked[at], np.broadcast_to(braked, (_LAGS.size, braked.size))])
+    places = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
+    late = np.vstack([nominal[places], *(first_order(time, nominal, lag)[None] for lag in _LAGS)])
+    on = np.vstack([braked[places], np.broadcast_to(braked, (_LAGS.size, braked.size))])
     return np.concatenate([shifts * step, _LAGS]), late, on
 
 
@@ -230,10 +232,10 @@ def _best(delays: Array, columns: Array, y: Array) -> int:
 
     ``columns`` (m, 5, n) of what ``y`` (n,) is made of, with each delay.
     """
-    rest = left_of(products_of(columns, y[None]))
-    A = columns[int(np.argmin(rest))].T
+    squares = left_of(products_of(columns, y[None]))
+    A = columns[int(np.argmin(squares))].T
     variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
-    return int(np.argmin(rest / variance + ((delays - _USUAL) / _SPREAD) ** 2))
+    return int(np.argmin(squares / variance + ((delays - _USUAL) / _SPREAD) ** 2))
 
 
 def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:

@@ -53,18 +53,18 @@ def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Pairs of channels that are one signal, each with the correlation of their noise [1]."""
     periods = {name: period_of(log[name]) for name in names}
     whole = {name: _rough(log, name) for name in names}
-    for one, other in combinations(names, 2):
-        sent, x, y = log, whole[one], whole[other]
-        if min(periods[one], periods[other]) >= _HELD:
-            sent = _as_sent(log, (one, other))
-            x, y = _rough(sent, one), _rough(sent, other)
-        if abs(float(x @ y)) > _ONE_SIGNAL and _is_noise(sent, one):
+    for first, other in combinations(names, 2):
+        sent, x, y = log, whole[first], whole[other]
+        if min(periods[first], periods[other]) >= _HELD:
+            sent = _as_sent(log, (first, other))
+            x, y = _rough(sent, first), _rough(sent, other)
+        if abs(float(x @ y)) > _ONE_SIGNAL and _is_noise(sent, first):
             far = x**2 + y**2
             calm = far <= np.quantile(far, LIMITS.copy_calmer)  # without a bump
             size = float(np.linalg.norm(x[calm]) * np.linalg.norm(y[calm]))
             same = abs(float(x[calm] @ y[calm])) / size if size > 0.0 else 0.0
             if same > _ONE_SIGNAL:
-                yield one, other, same
+                yield first, other, same
 
 
 def _as_sent(log: Log, channels: Sequence[str]) -> Log:

@@ -46,7 +46,7 @@ class DrivingRecord:
 
     ``wheel`` mean of the four wheel speeds; ``speed`` reference speed, or the wheels' at a nominal
     radius; ``z`` deceleration by ``a_x``, ``wheel_z`` by the wheels at a nominal radius [1];
-    ``pressure`` or None; ``braked``, and ``before`` the first braking, masks.
+    ``pressure`` or None; ``braked``, and ``before_braking`` for the first time, masks.
     """
 
     time: Array
@@ -57,7 +57,7 @@ class DrivingRecord:
     wheel_z: Array
     pressure: Array | None
     braked: Mask
-    before: Mask
+    before_braking: Mask
 
     @cached_property
     def moving(self) -> Mask:
@@ -68,7 +68,7 @@ class DrivingRecord:
     def unbraked(self) -> Mask:
         """Mask (n,): steady motion before the first braking; all of it if that is too short."""
         steady = ~self.braked & self.moving & rolls(self.z)
-        first = self.before & steady
+        first = self.before_braking & steady
         return first if first.sum() * self.step >= 0.5 else steady
 
 
@@ -111,9 +111,9 @@ def driving_record(log: Log) -> DrivingRecord:
     for start, end in runs(braked):
         braked[start:end] = (end - start) * step >= _SHORTEST
     first = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
-    before = np.arange(time.size) < first
+    rolls_first = np.arange(time.size) < first
     wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
-    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, before)
+    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, rolls_first)
 
 
 def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:

@@ -38,8 +38,8 @@ def centred_mean(x: Array, width: int, *, held_ends: bool = False) -> Array:
     array([1., 3., 5.])
     """
     if held_ends:
-        before = width // 2
-        padded = np.pad(x, (before, width - 1 - before), "edge")
+        margin = width // 2
+        padded = np.pad(x, (margin, width - 1 - margin), "edge")
         total = np.cumsum(np.concatenate([[0.0], padded]))
         return np.asarray((total[width:] - total[:-width]) / width)
     low, high, count = _window(x.size, width)
@@ -85,9 +85,9 @@ def without_single(x: Array) -> Array:
     >>> without_single(np.array([3.0, 3.0, 0.0, 3.0, 2.0, 1.0]))
     array([3., 3., 3., 2., 2., 1.])
     """
-    before, here, after = x[:-2], x[1:-1], x[2:]
-    low, high = np.minimum(before, here), np.maximum(before, here)
-    return np.concatenate([x[:1], np.maximum(low, np.minimum(high, after)), x[-1:]])
+    previous, middle, following = x[:-2], x[1:-1], x[2:]
+    low, high = np.minimum(previous, middle), np.maximum(previous, middle)
+    return np.concatenate([x[:1], np.maximum(low, np.minimum(high, following)), x[-1:]])
 
 
 def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
@@ -113,8 +113,8 @@ def square_left(A: Array, y: Array) -> float:
     root, shares, failed = dposv(A.T @ A, side)
     pivots = np.diagonal(root)
     if failed or pivots.min() < _SURE * pivots.max():  # columns that are nearly alike
-        left = y - A @ np.linalg.lstsq(A, y, rcond=None)[0]
-        return float(left @ left)
+        residual = y - A @ np.linalg.lstsq(A, y, rcond=None)[0]
+        return float(residual @ residual)
     return float(y @ y - side @ shares)
 
 

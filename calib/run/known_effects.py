@@ -59,8 +59,8 @@ class CorrectedRun:
     factor_f: Array
     factor_r: Array
 
-    def at(self, rows: Index) -> "CorrectedRun":
-        """The same at some samples."""
+    def take(self, rows: Index) -> "CorrectedRun":
+        """The samples at ``rows`` alone."""
         channels = {name: x[rows] for name, x in self.log.channels.items()}
         log = replace(self.log, channels=channels)
         return CorrectedRun(self.vehicle, log, self.factor_f[rows], self.factor_r[rows])
@@ -75,20 +75,22 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     a temperature that the log lacks, for a term on body or wheels over any temperature (the balance
     of forces has none), and when a_x cannot be computed from its reading.
     """
-    known = default_model(vehicle)
-    for term in known.effects.terms:
+    full_model = default_model(vehicle)
+    for term in full_model.effects.terms:
         if term.driver == "temperature" and not term.on_brakes:
             raise ModelError(
                 f"a term on the {term.place} over temperature cannot be taken out of a log",
                 where=log.source,
                 expected="a term on the brakes, or over speed, pressure, deceleration or time",
             )
-    car = replace(as_driven(vehicle, known.effects), effects=on_links(known.effects, BALANCE))
-    effects = on_links(known.effects, (*BRAKES, *READINGS))  # others stay in the car
+    car = replace(
+        as_driven(vehicle, full_model.effects), effects=on_links(full_model.effects, BALANCE)
+    )
+    effects = on_links(full_model.effects, (*BRAKES, *READINGS))  # others stay in the car
     ones = np.ones_like(log.time)
     if not effects:
         return CorrectedRun(car, log, ones, ones)
-    model = replace(known, vehicle=car, effects=effects)
+    model = replace(full_model, vehicle=car, effects=effects)
     history = _history(model, log)
     channels = {**log.channels, "a_x": -G * history.z, **_in_time(effects, log, history)}
     moved = Motion(history.v, *axle_loads(car, history.z), history)
@@ -166,7 +168,7 @@ def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array
     since = {name: gained - delayed(log.time, gained, delay) for name, delay in late.items()}
     right = {"v": log["v"] + since["v"]} if "v" in log and late["v"] else {}
     if late["omega"]:
-        before = right.get("v", history.v) - (since["omega"] if "v" in log else 0.0)
-        ratio = 1.0 + since["omega"] / np.maximum(before, MOVING)
+        own_speed = right.get("v", history.v) - (since["omega"] if "v" in log else 0.0)
+        ratio = 1.0 + since["omega"] / np.maximum(own_speed, MOVING)
         right |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
     return right

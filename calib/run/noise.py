@@ -127,15 +127,15 @@ def long_run_density(
     basis, _ = np.linalg.qr(np.stack(regressors, axis=-1))
     y = rows(x)
     residual = y - np.einsum("wlk,wk->wl", basis, np.einsum("wlk,wl->wk", basis, y))
-    taken = len(regressors)
+    fitted = len(regressors)
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
     # the median excludes the window of the brake application from the variance, but not from r: a
     # very fast application gives a result up to 3 times too high
-    variance = float(np.median(np.sum(residual**2, axis=1))) / (length - taken)
+    variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
-    r = lagged / total * length / (length - 1) + taken / length
+    r = lagged / total * length / (length - 1) + fitted / length
     r = min(max(r, 0.0), 0.8)
     return float(np.sqrt(variance * step * (1.0 + r) / (1.0 - r)))
 
@@ -149,7 +149,7 @@ would forget a lead-in within half a second; a tyre that warms is steadier over 
 _OLDEST = 12.0  # age over tau past which all is forgotten: its weight is 6e-6
 
 
-def aged(time: Array, rolling: Mask, density: Array) -> Array:
+def sigma_growth(time: Array, rolling: Mask, density: Array) -> Array:
     """Factor (n,) by which what was measured while ``rolling`` (n,) has lost its sigma, 1 or more.
 
     ``time`` [s] (n,); ``density`` r [s^0.5] (n,). 1 at the end of the rolling and where the car

@@ -40,27 +40,27 @@ def as_pressed(p: Array, step: float) -> Array:
     sigma = _noise_of(p)
     mean = centred_mean(p, width, held_ends=True)
     swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
-    held = swing < 8.0 * sigma
-    bent = savgol_filter(p, max(5, width | 1), 2)
-    moving = np.where(np.abs(bent - p) < 4.0 * sigma, bent, p)
-    smooth = np.where(held, np.where(mean < NOTHING, 0.0, mean), moving)
-    return _without_peaks(smooth, held, _PEAK * sigma, width)
+    constant = swing < 8.0 * sigma
+    parabola = savgol_filter(p, max(5, width | 1), 2)
+    moving = np.where(np.abs(parabola - p) < 4.0 * sigma, parabola, p)
+    smooth = np.where(constant, np.where(mean < NOTHING, 0.0, mean), moving)
+    return _without_peaks(smooth, constant, _PEAK * sigma, width)
 
 
-def _without_peaks(p: Array, held: Mask, most: float, width: int) -> Array:
+def _without_peaks(p: Array, constant: Mask, most: float, width: int) -> Array:
     """Pressure [Pa] (n,) without what noise adds past the constant pressures before and after.
 
-    A caliper with hysteresis would keep such a peak for as long as the pressure is ``held`` (n,).
-    Left in are peaks of more than ``most`` [Pa], and what lasts for ``width`` samples or more: a
-    foot that presses too far.
+    A caliper with hysteresis would keep such a peak while the pressure is ``constant`` (n,). Peaks
+    of more than ``most`` [Pa] stay, and so do those of ``width`` samples or more: a foot that
+    presses too far.
     """
     from scipy.ndimage import binary_opening
 
     place = np.arange(p.size)
-    before = np.maximum.accumulate(np.where(held, place, -1))
-    after = np.minimum.accumulate(np.where(held, place, p.size)[::-1])[::-1]
+    previous = np.maximum.accumulate(np.where(constant, place, -1))
+    following = np.minimum.accumulate(np.where(constant, place, p.size)[::-1])[::-1]
     levels = np.append(p, np.nan)  # -1 and n: no constant pressure on that side
-    ends = levels[before], levels[after]
+    ends = levels[previous], levels[following]
     past = p - np.clip(p, np.fmin(*ends), np.fmax(*ends))
     short = (past != 0.0) & (np.abs(past) < most)
     return np.where(short & ~binary_opening(past != 0.0, np.ones(width)), p - past, p)

@@ -66,8 +66,8 @@ class PressureDelay:
     @property
     def surely(self) -> float:
         """The delay nearest to none that it may have [s]; 0 where it does not explain enough."""
-        known = self.explained > LIMITS.explained_late
-        return max(self.low, 0.0) + min(self.high, 0.0) if known else 0.0
+        trusted = self.explained > LIMITS.explained_late
+        return max(self.low, 0.0) + min(self.high, 0.0) if trusted else 0.0
 
     @property
     def words(self) -> str:
@@ -103,8 +103,8 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
     by the deceleration, and nothing is said of ``p_mc``: a motor, a booster or a hold is between.
     """
     use = driving.moving & (log.time < limit)
-    both = [[f"p_{axle}l", f"p_{axle}r"] for axle in AXLES]
-    names = [name for pair in both if all(x in log for x in pair) for name in pair]
+    pairs = [[f"p_{axle}l", f"p_{axle}r"] for axle in AXLES]
+    names = [name for pair in pairs if all(x in log for x in pair) for name in pair]
     drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
     true = use & (np.abs(log["a_x"]) <= GREATEST * G)
     of_z = partial(pressure_delay, log.time, driving.z, drives=drives, use=true)
@@ -114,9 +114,9 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
         return {"p_mc": master} if master else {}
     if not drives:
         behind = [_delay_of_wheel(log.time, log[name], log["p_mc"], use) for name in names]
-        told = [master.less(x) for x in behind if x and x.explained > LIMITS.explained_curve]
-        if len(told) == len(names) and wheels.within(told):
-            return {"p_mc": master, **dict(zip(names, told, strict=True))}
+        delays = [master.less(x) for x in behind if x and x.explained > LIMITS.explained_curve]
+        if len(delays) == len(names) and wheels.within(delays):
+            return {"p_mc": master, **dict(zip(names, delays, strict=True))}
     return dict.fromkeys(names, wheels)
 
 
@@ -137,17 +137,18 @@ def pressure_delay(
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
-    at = np.flatnonzero(use & (rolling | (since(time, active) < LIMITS.pressure_after)))
-    at = at[:: max(1, round(LIMITS.pressure_every / step))]
+    places = np.flatnonzero(use & (rolling | (since(time, active) < LIMITS.pressure_after)))
+    places = places[:: max(1, round(LIMITS.pressure_every / step))]
     usual = abs(float(np.median(z[use & active])))
-    tried, known, p = _shifted(time, pressed, at, slowed[at])
-    aged = (time[at] - time[at[0]]) * p
+    tried, inside, p = _shifted(time, pressed, places, slowed[places])
+    drifting = (time[places] - time[places[0]]) * p
     some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
     others = [
-        np.broadcast_to(x, known.shape) for x in (np.ones(at.size), *(x[at] for x in torques))
+        np.broadcast_to(x, inside.shape)
+        for x in (np.ones(places.size), *(x[places] for x in torques))
     ]
-    columns = np.stack([*others, *p, *aged, *some], axis=1)
-    return _by_chance(tried, columns, z[at], known, _EXACT, _FORCE * usual)
+    columns = np.stack([*others, *p, *drifting, *some], axis=1)
+    return _by_chance(tried, columns, z[places], inside, _EXACT, _FORCE * usual)
 
 
 def _delay_of_wheel(time: Array, wheel: Array, master: Array, use: Mask) -> PressureDelay | None:
@@ -161,11 +162,11 @@ def _delay_of_wheel(time: Array, wheel: Array, master: Array, use: Mask) -> Pres
     pressed, highest = wheel > 1.0, float(np.max(master))
     if step * np.count_nonzero(use & pressed) < LIMITS.pressure_braked or highest < 1.0:
         return None
-    at = np.flatnonzero(use)[:: max(1, round(LIMITS.pressure_every / step))]
-    tried, known, p = _shifted(time, [master], at, pressed[at])
+    places = np.flatnonzero(use)[:: max(1, round(LIMITS.pressure_every / step))]
+    tried, inside, p = _shifted(time, [master], places, pressed[places])
     parts = (np.minimum(p[0], share * highest) for share in _KNEES)
     columns = np.stack([np.ones_like(p[0]), *p, *parts], axis=1)
-    return _by_chance(tried, columns, wheel[at] / highest, known, _HYSTERESIS**2)
+    return _by_chance(tried, columns, wheel[places] / highest, inside, _HYSTERESIS**2)
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
@@ -177,36 +178,40 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
 
 
 def _shifted(
-    time: Array, pressures: Sequence[Array], at: Index, counts: Mask
+    time: Array, pressures: Sequence[Array], places: Index, counts: Mask
 ) -> tuple[Array, Mask, Array]:
-    """Delays (m,) that leave enough of what ``counts`` (n,) of the samples ``at``.
+    """Delays (m,) that leave enough of what ``counts`` (n,) of the samples ``places``.
 
     With each whether the pressures are known there (m, n), and what they are (k, m, n).
     """
-    then = time[at] - _TRIED[:, None]
-    known = then <= time[-1]
-    left = np.count_nonzero(known & counts, axis=1) >= _BRAKED * np.count_nonzero(counts)
-    left &= np.mean(known, axis=1) > _KEPT
-    return _TRIED[left], known[left], np.array([np.interp(then[left], time, p) for p in pressures])
+    then = time[places] - _TRIED[:, None]
+    inside = then <= time[-1]
+    enough = np.count_nonzero(inside & counts, axis=1) >= _BRAKED * np.count_nonzero(counts)
+    enough &= np.mean(inside, axis=1) > _KEPT
+    return (
+        _TRIED[enough],
+        inside[enough],
+        np.array([np.interp(then[enough], time, p) for p in pressures]),
+    )
 
 
 def _by_chance(
     tried: Array,
     columns: Array,
     y: Array,
-    known: Mask,
+    inside: Mask,
     least: float,
     force: float = np.inf,
 ) -> PressureDelay | None:
     """The delay by its likelihood and by what is usual; None where ``y`` has no course.
 
     ``y`` (n,) is made of the ``columns`` (m, k, n) with each of the delays ``tried`` [s] (m,),
-    where it is ``known`` (m, n), but for ``least`` [1], the variance of what no column has;
+    where it is ``inside`` (m, n), but for ``least`` [1], the variance of what no column has;
     ``force`` the spread of the last two [1].
     """
     if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
         return None
-    columns, y, samples = columns * known[:, None], y * known, known.sum(axis=1)
+    columns, y, samples = columns * inside[:, None], y * inside, inside.sum(axis=1)
     products = products_of(columns, y)
     ridge, variance = np.zeros(columns.shape[1]), float(np.var(y[np.abs(tried).argmin()]))
     for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
@@ -214,9 +219,9 @@ def _by_chance(
         cost = samples * np.log(squares / variance)
         best = int(np.argmin(cost))
         A = columns[best].T
-        rest = (y[best] - A @ np.linalg.lstsq(A, y[best], rcond=None)[0])[: samples[best]]
+        residual = (y[best] - A @ np.linalg.lstsq(A, y[best], rcond=None)[0])[: samples[best]]
         short = squares[best]
-        lasting = max(lasting_variance(rest, size) for size in _GROUPS) + least
+        lasting = max(lasting_variance(residual, size) for size in _GROUPS) + least
         ridge[-len(_BITES) :] = lasting / force**2
     log_chance = -0.5 * cost * short / lasting - np.log1p(((tried - _USUAL) / _SPREAD) ** 2)
     chance = np.exp(log_chance - np.max(log_chance))

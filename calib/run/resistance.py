@@ -45,12 +45,12 @@ class Resistance:
     ----------
     effects : all of them, drag area [m^2] and rolling coefficient [1] among them.
     covariance : of these two, (2, 2).
-    known : whether the vehicle file gave both.
+    specified : whether the vehicle file gave both.
     """
 
     effects: Effects
     covariance: tuple[tuple[float, ...], ...]
-    known: bool = False
+    specified: bool = False
 
     @property
     def mean(self) -> tuple[float, float]:
@@ -81,10 +81,12 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
     priors = [e.card.parameters[0] for e in (AERODYNAMIC_DRAG, ROLLING_RESISTANCE)]
-    given = [effects.parameters.get(name, {}).get(p) for name, p in (DRAG, ROLLING)]
-    centre = [p.typical if g is None else g for p, g in zip(priors, given, strict=True)]
+    specified = [effects.parameters.get(name, {}).get(p) for name, p in (DRAG, ROLLING)]
+    centre = [p.typical if g is None else g for p, g in zip(priors, specified, strict=True)]
     # a given value is still a measured one: 2 % of the usual spread keeps the algebra regular
-    spread = [p.spread * (1.0 if g is None else 0.02) for p, g in zip(priors, given, strict=True)]
+    spread = [
+        p.spread * (1.0 if g is None else 0.02) for p, g in zip(priors, specified, strict=True)
+    ]
     rows, sides = [np.diag(1.0 / np.asarray(spread))], [np.asarray(centre) / np.asarray(spread)]
     for b, density in runs:
         use = b.lead_in & (b.speed > 3.0)
@@ -98,11 +100,11 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         rows.append(gain / sigma)
         sides.append(resist / sigma)
     A, y = np.vstack(rows), np.concatenate(sides)
-    solution, free = np.asarray(centre), np.asarray([g is None for g in given])
+    solution, free = np.asarray(centre), np.asarray([g is None for g in specified])
     if np.any(free):
         low, high = np.asarray([(p.low - 1e-12, p.high) for p in priors])[free].T
-        rest = y - A[:, ~free] @ solution[~free]
-        solution[free] = lsq_linear(A[:, free], rest, bounds=(low, high)).x
+        residual = y - A[:, ~free] @ solution[~free]
+        solution[free] = lsq_linear(A[:, free], residual, bounds=(low, high)).x
     covariance = np.linalg.inv(A.T @ A)
     values = np.maximum(solution, 0.0)
     parameters: dict[str, dict[str, float]] = {}
@@ -116,7 +118,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
     return Resistance(
         effects=others.with_(Effects(parameters, sigma=sigmas)),
         covariance=tuple(tuple(row) for row in covariance.tolist()),
-        known=all(g is not None for g in given),
+        specified=all(g is not None for g in specified),
     )
 
 

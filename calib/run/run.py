@@ -124,8 +124,8 @@ class Run:
             return np.zeros(self.log.time.size, bool)
         if "p_mc" in self.log:
             return self.signals.lead_in
-        seen = {"p_mc": np.where(self.driving.braked, 2.0 * BITE, 0.0)}
-        return signals(replace(self.log, channels=self.log.channels | seen)).lead_in
+        pressure = {"p_mc": np.where(self.driving.braked, 2.0 * BITE, 0.0)}
+        return signals(replace(self.log, channels=self.log.channels | pressure)).lead_in
 
     @property
     def lead_in(self) -> float:
@@ -241,15 +241,17 @@ class Run:
         """What v says of the accelerometer."""
         return speed_evidence(self.blocks, self.noise.z, self.noise.v)
 
-    def accelerometer(self, known: "Resistance", noise: SensorNoise | None = None) -> Accelerometer:
-        """Scale and offset of the accelerometer with a ``known`` resistance.
+    def accelerometer(
+        self, resistance: "Resistance", noise: SensorNoise | None = None
+    ) -> Accelerometer:
+        """Scale and offset of the accelerometer with a known ``resistance``.
 
         ``noise`` of the sensors if it is not that of the run.
         """
         b = self.blocks
-        told = speed_evidence(b, noise.z, noise.v) if noise else self.speed_evidence
-        unexplained = block_balance(self.car, known.effects, b).demanded / self.car.weight
-        return accelerometer(told, unexplained, known.sigma_z(self.car, b.speed))
+        evidence = speed_evidence(b, noise.z, noise.v) if noise else self.speed_evidence
+        unexplained = block_balance(self.car, resistance.effects, b).demanded / self.car.weight
+        return accelerometer(evidence, unexplained, resistance.sigma_z(self.car, b.speed))
 
     def felt(self, sensor: Accelerometer | None) -> Blocks:
         """Blocks with the z that the tyres feel, by the accelerometer; as read without one."""

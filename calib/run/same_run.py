@@ -84,11 +84,11 @@ class Fingerprint:
         return _with_wheels({c.name: _decoded(c.differences) * c.unit for c in self.channels})
 
 
-def same_run(one: Log, other: Log) -> bool:
+def same_run(log: Log, other: Log) -> bool:
     """Whether two logs hold one run, or parts of it that overlap by half of the shorter one."""
-    if one.digest and one.digest == other.digest:
+    if log.digest and log.digest == other.digest:
         return True
-    return _agree(_view_of(one), other, LIMITS.run_means)
+    return _agree(_view_of(log), other, LIMITS.run_means)
 
 
 def same_as(fingerprint: Fingerprint, log: Log) -> bool:
@@ -107,12 +107,12 @@ def _agree(a: _View, other: Log, step: float) -> bool:
     lag = _best_lag(a["wheels"], b["wheels"])
     late = float(lag)
     for _ in range(_ROUNDS):
-        rest, far = _rest(a["wheels"], b["wheels"], lag)
+        step_left, far = _residual_lag(a["wheels"], b["wheels"], lag)
         if far > LIMITS.run_far:
             return False
         if _alike(a, b, lag):
             return True
-        late += rest
+        late += step_left
         lag = int(np.ceil(late))
         b = _view_of(other, step, (lag - late) * step)
         sizes = a["wheels"].size, b["wheels"].size
@@ -121,12 +121,12 @@ def _agree(a: _View, other: Log, step: float) -> bool:
     return _alike(a, b, lag)
 
 
-def _alike(one: _View, other: _View, lag: int) -> bool:
-    """Whether D and r say so, where ``other`` begins ``lag`` samples after ``one``."""
+def _alike(view: _View, other: _View, lag: int) -> bool:
+    """Whether D and r say so, where ``other`` begins ``lag`` samples after ``view``."""
     pairs = {
-        name: _over(one[name], other[name], lag)
+        name: _over(view[name], other[name], lag)
         for name in _COMPARED
-        if name in one and name in other and np.ptp(one[name]) + np.ptp(other[name]) > 0.0
+        if name in view and name in other and np.ptp(view[name]) + np.ptp(other[name]) > 0.0
     }
     each = {name: _apart(a, b) for name, (a, b) in pairs.items()}
     wheels = [apart for name, apart in each.items() if name.startswith("omega_")]
@@ -137,8 +137,8 @@ def _alike(one: _View, other: _View, lag: int) -> bool:
     return bool(apart < LIMITS.run_alike or together)
 
 
-def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
-    a, b = one[max(lag, 0) :], other[max(-lag, 0) :]
+def _over(view: Array, other: Array, lag: int) -> tuple[Array, Array]:
+    a, b = view[max(lag, 0) :], other[max(-lag, 0) :]
     n = min(a.size, b.size)
     return a[:n], b[:n]
 
@@ -157,21 +157,25 @@ def _together(pairs: list[tuple[Array, Array]]) -> float:
     Of signs, as the bite of the brakes is the same in every run, and much larger than the noise.
     """
     signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
-    both = np.concatenate(signs)
-    both = both[both != 0.0]
-    return float(np.sin(0.5 * np.pi * np.mean(both))) if both.size >= LIMITS.run_fewest else 0.0
+    products = np.concatenate(signs)
+    products = products[products != 0.0]
+    return (
+        float(np.sin(0.5 * np.pi * np.mean(products)))
+        if products.size >= LIMITS.run_fewest
+        else 0.0
+    )
 
 
-def _rest(one: Array, other: Array, lag: int) -> tuple[float, float]:
+def _residual_lag(view: Array, other: Array, lag: int) -> tuple[float, float]:
     """Steps by which ``other`` is later still than ``lag``, and D that is left then.
 
     By the slope of the wheel speeds.
     """
-    a, b = _over(one, other, lag)
+    a, b = _over(view, other, lag)
     slope = np.gradient(b)
     square = float(slope @ slope)
-    rest = float(np.clip(slope @ (b - a) / square, -1.0, 1.0)) if square > 0.0 else 0.0
-    return rest, _apart(a, b - rest * slope)
+    step = float(np.clip(slope @ (b - a) / square, -1.0, 1.0)) if square > 0.0 else 0.0
+    return step, _apart(a, b - step * slope)
 
 
 def _best_lag(a: Array, b: Array) -> int:
@@ -229,29 +233,29 @@ def _noise_of(x: Array) -> float:
     return max(white_noise(x), resolution_of(x) / math.sqrt(12.0))
 
 
-def refuse_copies(fitted: Sequence[Log], held: Sequence[Log] = ()) -> None:
+def refuse_copies(fitted: Sequence[Log], held_out: Sequence[Log] = ()) -> None:
     """Raise LogError for a run that is given twice, also if it was cut, rounded or resampled.
 
-    ``fitted`` are the logs that something is made of, ``held`` those that are to prove it.
+    ``fitted`` are the logs that something is made of, ``held_out`` those that are to prove it.
     """
     for i, log in enumerate(fitted):
         refuse_copy(log, fitted[:i])
-    for i, log in enumerate(held):
-        refuse_copy(log, fitted, held[:i])
+    for i, log in enumerate(held_out):
+        refuse_copy(log, fitted, held_out[:i])
 
 
-def refuse_copy(log: Log, fitted: Sequence[Log], held: Sequence[Log] | None = None) -> None:
+def refuse_copy(log: Log, fitted: Sequence[Log], held_out: Sequence[Log] | None = None) -> None:
     """Raise LogError if ``log`` is a run that is given already, see `calib.run.same_run`.
 
-    ``fitted`` as in `refuse_copies`; with ``held`` the log is one more of those.
+    ``fitted`` as in `refuse_copies`; with ``held_out`` the log is one more of those.
     """
-    first = next((k for k in (*fitted, *(held or ())) if same_run(k, log)), None)
-    if first is None:
+    copied = next((k for k in (*fitted, *(held_out or ())) if same_run(k, log)), None)
+    if copied is None:
         return
-    told, do = "given twice", "give each run once"
-    if held is not None:
-        told = "held out twice"
-        if any(first is one for one in fitted):
-            told = "which is among the calibration logs: it is no hold-out and proves nothing"
+    reason, do = "given twice", "give each run once"
+    if held_out is not None:
+        reason = "held out twice"
+        if any(copied is one for one in fitted):
+            reason = "which is among the calibration logs: it is no hold-out and proves nothing"
             do = "hold out a run of its own"
-    raise LogError(f"the same run as {first.source}, {told}", where=log.source, do=do)
+    raise LogError(f"the same run as {copied.source}, {reason}", where=log.source, do=do)

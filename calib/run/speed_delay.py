@@ -83,7 +83,7 @@ IN_TIME = SpeedDelay(0.0, USUAL, chance=0.0)
 
 def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
     """How late ``v`` [m/s] is against ``a_x`` [m/s^2]; ``time`` [s], all (n,), ``step`` [s]."""
-    even = _Seen.of(time, v, a_x, step)
+    even = _DelayEvidence.from_signals(time, v, a_x, step)
     if even is None or abs(even.first()) < 2.0 * USUAL:
         return IN_TIME
     tried = np.arange(-5.0 * USUAL, _LATEST + 0.5 * _STEP, _STEP)
@@ -112,7 +112,7 @@ def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
 
 
 @dataclass(frozen=True)
-class _Seen:
+class _DelayEvidence:
     """What is compared: v (k,) by blocks of ``size`` samples, and the integral at the log's rate.
 
     Blocks of ``length`` [s] with ``noise`` variance of v and of a step of the integral [m^2/s^2];
@@ -132,7 +132,9 @@ class _Seen:
     begins: Array
 
     @classmethod
-    def of(cls, time: Array, v: Array, a_x: Array, step: float) -> "_Seen | None":
+    def from_signals(
+        cls, time: Array, v: Array, a_x: Array, step: float
+    ) -> "_DelayEvidence | None":
         """By means of `_BLOCK`, on an even road; None where it is short or brakes too little."""
         size = max(1, round(_BLOCK / step))
         means, slowing = block_mean(v, size), block_mean(a_x, size)
@@ -145,10 +147,10 @@ class _Seen:
         usable = usable[2:] & usable[1:-1] & usable[:-2]
         none = np.zeros((usable.size, 2))
         gained = integral(time, a_x)
-        seen = cls(time, gained, means, usable, size, h, (white, walk), np.ones(1), 1.0, none)
-        return seen.on_road(EVEN)
+        evidence = cls(time, gained, means, usable, size, h, (white, walk), np.ones(1), 1.0, none)
+        return evidence.on_road(EVEN)
 
-    def on_road(self, walks: float) -> "_Seen":
+    def on_road(self, walks: float) -> "_DelayEvidence":
         """The same where the slope ``walks`` [g/s^0.5]."""
         from scipy.signal import lfilter
 

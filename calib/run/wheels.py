@@ -67,9 +67,9 @@ def _means(x: Array, mask: Mask, step: float) -> Array:
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
     """``b/a - 1`` of means [1], without those in which the first wheel does not turn."""
-    before, after = _means(np.stack([a, b]), mask, step)
-    turns = before > 0.0
-    return np.asarray(after[turns] / before[turns] - 1.0)
+    first, second = _means(np.stack([a, b]), mask, step)
+    turns = first > 0.0
+    return np.asarray(second[turns] / first[turns] - 1.0)
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,8 @@ def _most(
         return None
     thirds = np.array_split(slipping, 3)
     changes = [float(np.mean(third) - np.mean(rolling)) for third in thirds]
-    at = int(np.argmax(np.abs(changes)))
-    return IntervalEstimate(changes[at], float(_half(rolling, thirds[at].size)))
+    largest = int(np.argmax(np.abs(changes)))
+    return IntervalEstimate(changes[largest], float(_half(rolling, thirds[largest].size)))
 
 
 def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:

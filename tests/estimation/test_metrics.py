@@ -49,7 +49,7 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, inn
     rest["ratio"] = np.log(np.broadcast_to(named["ratio"], (3, N)))
     rest |= {"zero_eta": np.ones(N), "reason": reason}
     return Readout(
-        given=None,
+        inputs=None,
         step=Answer(**dict.fromkeys(Answer._fields, np.zeros(N)) | rest),
         **{k: bounded(x, sigma) for k, x in named.items()},
     )

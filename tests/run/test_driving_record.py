@@ -42,9 +42,9 @@ def test_braking_counts_only_above_walking_pace():
 
 def test_lead_in_ends_before_the_brake_and_is_all_of_a_coast():
     driving = driving_record(made_run(stop(start=2.0)))
-    assert driving.time[driving.before][-1] == pytest.approx(1.9, abs=0.06)
+    assert driving.time[driving.before_braking][-1] == pytest.approx(1.9, abs=0.06)
     coast = driving_record(made_run(lambda t: 0.0 * t))
-    assert coast.before.all()
+    assert coast.before_braking.all()
     assert brake_events(coast) == ()
 
 

@@ -8,10 +8,10 @@ from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import (
     WALK,
-    aged,
     lead_in_noise,
     long_run_density,
     sensor_noise,
+    sigma_growth,
 )
 from tests.support.made_runs import RADIUS, changed, made_run, stop
 from tests.support.tables import VEHICLE
@@ -92,7 +92,7 @@ STEP = 0.05
 
 def weights(density, duration):
     time = STEP * np.arange(round(duration / STEP))
-    factor = aged(time, np.ones(time.size, bool), np.full(time.size, density))
+    factor = sigma_growth(time, np.ones(time.size, bool), np.full(time.size, density))
     return factor**-2.0
 
 
@@ -117,6 +117,6 @@ def test_the_variance_is_that_of_the_steady_kalman_filter(duration):
 def test_what_does_not_roll_keeps_its_sigma():
     assert weights(1e-3, 1.0).min() > 0.9  # much shorter than it lasts: tau is 80 s
     time, rolling = np.arange(4.0), np.array([True, True, False, False])
-    factor = aged(time, rolling, np.full(4, WALK))
+    factor = sigma_growth(time, rolling, np.full(4, WALK))
     assert factor == pytest.approx([np.exp(0.5), 1.0, 1.0, 1.0])
-    assert aged(time, np.zeros(4, bool), np.full(4, WALK)) == pytest.approx(np.ones(4))
+    assert sigma_growth(time, np.zeros(4, bool), np.full(4, WALK)) == pytest.approx(np.ones(4))
