@@ -3,7 +3,7 @@
 Each function is a figure of `rules.csv` by its name.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import groupby
 
 import numpy as np
@@ -17,12 +17,14 @@ from calib.plausibility.evidence import Evidence
 from calib.run.axle_signals import held_time
 from calib.run.copies import shares_of_speed, twice
 from calib.run.driving_record import BITE_Z, DrivingRecord
+from calib.run.pressure_delay import PressureDelay
 
 _OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 _NEEDED = ("p_mc", "a_x", *_OMEGAS)
 _LATE, _EXPLAINED = bounds_of("pressure_late")[1], bounds_of("pressure_foreign")[0]
 _RESISTED, _ROLLS = 0.04, 0.3
 """Deceleration of a car that no brake slows at most [g], and the time that shows it [s]."""
+_CUT = bounds_of("pressure_computed")[1]  # share of zeros [1] that no sensor in order has
 _PRESSED = 20e5  # pressure from which sensors, left and right, agree as one to the other [Pa]
 
 
@@ -89,20 +91,31 @@ def pressure(e: Evidence) -> Iterator[Measured]:
             yield Measured("pressure_clock", most, words={"channel": channel})
     if master.saturated:
         return
-    pressures = run.pressures
-
-    def group(name: str) -> tuple[float, str, str]:
-        return pressures[name].surely, pressures[name].words, pressures[name].entry
-
-    for (surely, words, entry), names in groupby(pressures, group):
-        all_of = ", ".join(names)
-        how = f"{all_of} {'are' if ',' in all_of else 'is'} {words}"
-        yield Measured("pressure_late", surely, words={"how": how, "entry": f"{entry} to {all_of}"})
+    yield from _late(run.pressures, cut=master.low == 0.0 and master.flat > _CUT)
     motor = any(name.startswith("T_drive") for name in run.present)
-    if not motor and not any(x.beyond(_LATE) for x in pressures.values()):
-        weakest = min((x.in_time for x in pressures.values()), default=1.0)
-        weak = (x for x, delay in pressures.items() if delay.in_time < _EXPLAINED)
+    if not motor and not any(x.beyond(_LATE) for x in run.pressures.values()):
+        weakest = min((x.in_time for x in run.pressures.values()), default=1.0)
+        weak = (x for x, delay in run.pressures.items() if delay.in_time < _EXPLAINED)
         yield Measured("pressure_foreign", max(weakest, 0.0), words={"channels": ", ".join(weak)})
+
+
+def _late(delays: Mapping[str, PressureDelay], cut: bool) -> Iterator[Measured]:
+    """Delays of the pressures, those that are alike together.
+
+    On a ramp a zero that is too low, so that p_mc is ``cut`` at 0, and a delay look the same; but a
+    sensor whose zero is right has noise about it.
+    """
+
+    def alike(channel: str) -> tuple[float, str, str]:
+        return delays[channel].surely, delays[channel].words, delays[channel].entry
+
+    for (surely, words, entry), channels in groupby(delays, alike):
+        every = ", ".join(channels)
+        how = f"{every} {'are' if ',' in every else 'is'} {words} against the deceleration"
+        zero = "a zero of p_mc that is too low, so that it is cut at 0"
+        causes = [zero, how] if cut and surely < 0.0 else [how]
+        entries = {"causes": "|".join(causes), "entry": f"{entry} to {every}"}
+        yield Measured("pressure_late", surely, words=entries)
 
 
 def speed(e: Evidence) -> Iterator[Measured]:

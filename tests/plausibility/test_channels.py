@@ -227,6 +227,13 @@ def test_the_zero_of_the_pressure_comes_before_what_it_hides(zero):
     assert "lead_in" not in codes
 
 
+@pytest.mark.parametrize(("shift", "zero", "first"), [(0.0, 4e5, "zero"), (1.0, 0.0, "late")])
+def test_a_zero_that_is_cut_is_told_from_a_clock(shift, zero, first):
+    late = np.interp(RAMP.time - shift, RAMP.time, RAMP["p_mc"]) - zero
+    reasons = {x.code: x for x in refused(changed(RAMP, p_mc=np.maximum(late, 0.0)))}
+    assert first in reasons["pressure_late"].causes[0]
+
+
 def test_a_rule_makes_only_what_stands_behind_it():
     places = {rule.code: place for place, rule in reversed([*enumerate(RULES)])}
     for rule in RULES:
