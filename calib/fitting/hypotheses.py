@@ -74,7 +74,7 @@ def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
     apart = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
     if not apart and "rear_proportioning" not in car.effects:
         knees = tuple((knee, slope) for knee in _KNEES for slope in _SLOPES)
-        yield Hypothesis(VALVE, 0.1, knees, _FIRST_KNEES, _limited, axle="r")
+        yield Hypothesis(VALVE, 0.04, knees, _FIRST_KNEES, _limited, axle="r")
 
 
 def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> Iterator[Hypothesis]:

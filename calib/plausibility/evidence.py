@@ -1,4 +1,4 @@
-"""What the figures of a run are taken from."""
+"""A run together with what else its figures need."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from calib.run.run import Run
 
 @dataclass(frozen=True)
 class Evidence:
-    """A ``run``, with a vehicle or without, and what is known of it beside.
+    """A ``run``, with a vehicle or without, and what was found out about it.
 
-    ``accelerometer`` as judged over the run with a known resistance; ``response`` of its brakes to
-    the pressure; ``straight`` runs of the same car on a straight road; ``levels`` of the brakes in
-    other logs of a diagnosis, over the file's pads [1].
+    ``accelerometer``: its scale and offset over the run, with a known resistance; ``response`` of
+    the brakes to the pressure; ``straight`` runs of the same car on a straight road; ``levels`` of
+    the brakes in the other logs of a diagnosis, over the pads of the file [1].
     """
 
     run: Run

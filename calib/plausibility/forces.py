@@ -19,13 +19,13 @@ from calib.run.lateral import lateral, sides
 
 _WANDERS = 0.5  # chance of a slope that changes from which it is named [1]
 _MOTOR, LEAST_ODDS = 0.67, 0.01
-"""Odds of a motor from which it is named [1]: what is named too often costs a look, a motor that is
-not named stands in the pads. Least odds of one before the run: files that have none err, too."""
+"""Odds from which a motor is named [1]: a false name costs a look, a motor that is not named moves
+the pads. Least odds before the run, also where the vehicle file says that there is no motor."""
 _FORCE = 0.1  # spread of a motor's force over the usual brake force [1]: 0.01 to 0.1 g beside 0.3 g
 _USUAL, _FADING = 0.015, 0.02
-"""Spread of a force without pressure, and of one that goes with the speed, where nothing but the
-pads brakes [1]: the pressure at which pads bite and the zero of p_mc within 0.5 bar, over 30 bar;
-slow noise in the half second below 3 m/s. Pads that grip more as they get slow are below zero."""
+"""Spread, where pads alone brake, of a force without pressure and of one that fades with the speed
+[1]. The first: pads bite, and p_mc has its zero, within 0.5 of 30 bar. The second: slow noise in
+the half second below 3 m/s. Pads that grip more at low speed are below zero."""
 _UPRIGHT = 0.1
 """Deceleration [1] past which left and right are not compared: the inner wheels of a bend bear less
 and slip more, which looks like a tighter one."""
@@ -62,11 +62,11 @@ def accelerometer(e: Evidence) -> Iterator[Measured]:
 
 
 def brakes(e: Evidence) -> Iterator[Measured]:
-    """Force without pressure, a step of it, and delay.
+    """Force without pressure, a step of the force, and its delay.
 
-    A motor shows as force without pressure where it brakes from the first pressure on, as a force
-    that goes with the speed where it hands over to the brakes before the car stands; each of them,
-    and both, are as likely. A run that is not braked down to 3 m/s says nothing of the second.
+    A motor that brakes from the first pressure on shows as a force without pressure. One that hands
+    over to the brakes before the car stands shows as a force that fades with the speed. Either, and
+    both, are as likely. A run that is not braked down to 3 m/s says nothing of the second.
     """
     response = e.response
     if response is None or e.run.vehicle is None:
@@ -84,9 +84,9 @@ def brakes(e: Evidence) -> Iterator[Measured]:
 
 
 def levels(e: Evidence) -> Iterator[Measured]:
-    """Brakes of a log of a diagnosis over those of the others (logarithm).
+    """Brakes of one log of a diagnosis over the median of the others (logarithm).
 
-    With fewer than two others that are braked nobody knows which one is wrong.
+    Of fewer than two others nobody knows which log is wrong.
     """
     if e.response is not None and len(e.levels) >= 2:
         yield Measured(

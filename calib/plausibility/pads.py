@@ -1,9 +1,9 @@
-"""What the pads of a calibration or of a stop say against vehicle file, sensors and tyres.
+"""Compare the pads of a calibration or of a stop with vehicle file, sensors and tyres.
 
-With the file a run gives pads, e^a of the file's in front and e^b behind. Their sum is known well,
-so the axle whose pads are as filed is right, and the other one is off by a factor in one entry; or
-[front] and [rear] are exchanged: then the sum is right, and a - b = 2 ln((1 - s)/s), s the front
-share by the file.
+A run gives pads that are e^a times those of the file in front, and e^b times behind. Their common
+level is known well. So either one axle is as filed, and an entry of the other one is wrong by a
+factor; or [front] and [rear] are exchanged. Then the level is right, and
+a - b = 2 ln((1 - s)/s), where s is the share of the front axle by the file.
 """
 
 import math
@@ -21,11 +21,11 @@ from calib.table.table import Calibration, Value
 _POSSIBLE = (0.05, 1.0)
 """Pad friction [1] that a brake can have: soaked pads have 0.1, racing pads 0.7."""
 _GRADES = 0.26
-"""Departure of the pads' ratio from the file's (logarithm) past which, with its interval, the file
-is not that of the car: pads of two grades differ by 30 %."""
+"""Departure of the pads' ratio from that of the file (logarithm) past which the file is not that
+of the car, where the interval lies beyond it: pads of two grades differ by 30 %."""
 _LOADED = 0.25
-"""Change of the brakes past which no load and no sensor that works is the cause (logarithm): all
-seats and the boot are a quarter of a car's mass. Pads that are soaked lose half."""
+"""Change of the brakes (logarithm) that no load and no sensor in order makes: all seats and the
+boot are a quarter of a car's mass, and soaked pads lose half."""
 
 
 def require_possible_pads(
@@ -34,10 +34,10 @@ def require_possible_pads(
     warnings: tuple[PlausibilityWarning, ...],
     motor: str = "",
 ) -> None:
-    """Raise VehicleError for a friction that no pad has, or a ratio that no two of a car have.
+    """Raise VehicleError for a friction that no pad has, or a ratio that no car has.
 
-    The interval of the ratio counts. ``warnings`` on file and logs are told beside it; so is a
-    ``motor``, in words, that explains the ramps as well.
+    The whole interval of the ratio must lie outside. The error lists the ``warnings`` on file and
+    logs, and names first a ``motor``, in words, that explains the ramps as well.
     """
     pads = (fitted.pad_friction_f.value, fitted.pad_friction_r.value)
     (low, high), rho = _POSSIBLE, fitted.pad_log_ratio
@@ -60,7 +60,7 @@ def require_possible_pads(
 
 
 def likely_entry(vehicle: Vehicle, fitted: Calibration) -> str:
-    """What in the file may be wrong, in words."""
+    """Entry of the vehicle file that is most likely wrong, in words."""
     share, (level, apart) = front_share(vehicle, 0.0), pad_levels(vehicle, fitted)
     a = math.log(fitted.pad_friction_f.value / vehicle.front.pad_friction)
     b = a - apart
@@ -100,8 +100,8 @@ def of_calibration(
 def of_changes(level: tuple[float, float], apart: tuple[float, float]) -> Iterator[Measured]:
     """How the brakes of a stop differ from those of the ramp; logarithms, each with its sigma.
 
-    ``level`` of the brake force over that of the ramp's pads, ``apart`` of the front pads' change
-    over that of the rear ones: what eta and slip cannot tell from tyres, a load or a motor.
+    ``level`` of the brake force over that of the ramp's pads; ``apart``: change of the front pads
+    over that of the rear ones, which eta and slip cannot tell from tyres, a load or a motor.
     """
     yield Measured("pads_changed_apart", *apart, math.expm1)
     if abs(level[0]) < _LOADED:

@@ -1,9 +1,10 @@
-"""What the rules say of a run, for each use: the same rows for `check` and for the use itself.
+"""Judge a run for a purpose by the rules: `check` asks the same rows as the purpose itself.
 
 run --figures--> rows of `rules.csv` that the use asks --> refused, void, or warned of
 
-First come figures of the log alone. Where these refuse it, nothing is made of its signals. Rules
-that need a vehicle are asked where there is one.
+Figures of the log alone come first. Where they refuse it, nothing is made of its signals. Rules
+that need a vehicle are asked where there is one. Reasons come in the order of the rows, causes
+before what they make.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -66,7 +67,7 @@ _OF_SIGNALS: tuple[Figure, ...] = (
 def unusable(
     run: Run, purpose: str, does: Collection[str] = (REFUSE, VOID)
 ) -> tuple[PlausibilityWarning, ...]:
-    """Why nothing comes of a run by its figures before any estimate: it is refused, or void."""
+    """Reasons for which a run is refused, or its result void, before any estimate."""
     e = Evidence(run)
     return _broken(e, _first(run), purpose, does) or _broken(e, _second(run), purpose, does)
 
@@ -81,10 +82,10 @@ def require(run: Run, purpose: str) -> None:
 def warnings_on(
     e: Evidence, purpose: str, does: Collection[str] = (WARN,), *, whole: bool = True
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on a run that is used for a purpose, or what else the rules do, in their order.
+    """Warnings on a run that is used for a purpose, in the order of the rules.
 
-    Without the ``whole`` of them those of the log alone, for one that is refused. A figure that no
-    rule asks is not computed.
+    ``does``: the consequences that are looked for. Not ``whole``: by the log alone, for one that is
+    refused. A figure that no rule asks is not computed.
     """
     groups = (*_first(e.run), *(_second(e.run) if whole else ()))
     return _broken(e, groups, purpose, does)
@@ -109,13 +110,13 @@ def _broken(
 
 @cache
 def _figure_names(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the figures that rules ask, by the order of the rules."""
+    """Names of the figures that a purpose needs, in the order of the rules."""
     figures = (rule.figure for rule in RULES if purpose in rule.purposes and rule.does in does)
     return tuple(dict.fromkeys(figures))
 
 
 def makes_void(warning: PlausibilityWarning, purpose: str) -> bool:
-    """Whether nothing counts of a result with this warning."""
+    """Whether a result with this warning counts for nothing."""
     rules = (
         r for r in RULES if r.code == warning.code and r.does == VOID and purpose in r.purposes
     )

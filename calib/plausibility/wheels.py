@@ -31,9 +31,9 @@ _UNIT_KNOWN = 0.16
 that between the closest two, 1.61 and 2.24."""
 _STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
 _ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
-"""Rolling [s] that tells zero and slope of a_x, change of the slope after it [1], and how well a
-vehicle file knows its radii [1]; one sigma each."""
-_MOST_OF_IT = 0.4  # share of what v and the wheels differ by that a_x shows, too [1]
+"""Rolling [s] that shows zero and slope of a_x; sigma of how the slope changes after it [1], and of
+the radii of a vehicle file [1]."""
+_MOST_OF_IT = 0.4  # share of the difference of v and wheels that a_x must show, too [1]
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""
@@ -192,10 +192,10 @@ def car_wheels(e: Evidence) -> Iterator[Measured]:
 
 
 def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:
-    """Scale of a_x against the wheels where no v is there: what both say of the speed that is lost.
+    """Scale of a_x against the wheels in a log without v: both tell how much speed was lost.
 
-    Zero and slope of a_x are those of the lead-in, and a usual tyre slips. Taken at that block at
-    which all of it errs least: the slower the car is, the less the slip counts.
+    Zero and slope of a_x are those of the lead-in, and the tyres slip as usual ones. It is taken at
+    the block with the least error: the slower the car, the less the slip counts.
     """
     b = e.run.blocks
     rolled = np.flatnonzero(b.lead_in)
@@ -222,11 +222,11 @@ def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:
 
 
 def slip_of_v(e: Evidence) -> Iterator[Measured]:
-    """Slip of an axle while it brakes, by v, over the least that any tyre has [1] (rms).
+    """Slip of the braked wheels by v, rms, over the least that any tyre has [1].
 
-    Of v from one axle that slip is zero, of v from all wheels the mean of both: the least of the
-    three. An axle that is not braked for long says nothing. The force of one that brakes is the
-    deceleration times its load, within a third, or more.
+    It is zero where v was made of the wheels of that axle, or of all four: the least of the three
+    counts. An axle that is not braked for long says nothing. The force of one that brakes is its
+    load times the deceleration, within a third, or more.
     """
     rolling, b, shares = e.run.rolling_radii, e.run.blocks, []
     if rolling is None:
