@@ -10,7 +10,7 @@ believe of the radius R, of the offset and of the rate c by which the clock of v
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -95,7 +95,7 @@ def _mistakes(run: Run, axle: str, radius: float | None) -> list[SpeedMistake]:
     speed = _AxleSpeed.of_axle(run, axle, radius or NOMINAL_RADIUS)
     if speed.v.size < _FEWEST:
         return []
-    fits = [speed.fit(belief) for belief in _beliefs(_FILE if radius else _USUAL)]
+    fits = speed.fits(list(_beliefs(_FILE if radius else _USUAL)))
     sound = np.logaddexp.reduce([fit.log for fit in fits if not fit.belief.kind])
     mistakes = []
     for kind, place in ((OFFSET, 1), (CLOCK, -1)):
@@ -193,27 +193,41 @@ class _AxleSpeed:
         slip = np.array(_SLIP) * (1.0 if run.alone is None else np.array([0.0, _ROLLS]))
         return cls(v, columns, by_shift, radius, np.hstack(noise), slip)
 
-    def fit(self, belief: _Belief) -> _Fit:
-        """The unknowns with what is believed of them."""
+    def fits(self, beliefs: Sequence[_Belief]) -> list[_Fit]:
+        """Posterior of the unknowns under each belief."""
+        mean, sigma = np.stack([self._prior(belief) for belief in beliefs], axis=1)
+        shifts = np.stack([self.shifts[belief.delay, belief.rate] for belief in beliefs])
+        rows = self.columns / self.noise[:, None]
+        r = np.tile(self.v - shifts, 2) / self.noise - mean @ rows.T
+        side = r @ rows
+        x, covariances, evidence = posterior(rows.T @ rows, side, sigma)
+        squares = (r - x @ rows.T) ** 2
+        # not by r @ r less side @ x, whose difference has lost the digits that decide
+        misfit_and_prior = np.sum(squares, axis=1) + np.sum((x / sigma) ** 2, axis=1)
+        logs = evidence - 0.5 * np.sum(side * x, axis=1) - 0.5 * misfit_and_prior
+        misfits = np.sum(squares[:, : self.v.size], axis=1)
+        unknowns = mean + x
+        unknowns[:, -1] += [belief.rate for belief in beliefs]
+        return [
+            _Fit(belief, belief.odds + float(log), *others)
+            for belief, log, *others in zip(
+                beliefs, logs, unknowns, covariances, misfits, strict=True
+            )
+        ]
+
+    def _prior(self, belief: _Belief) -> Array:
+        """Mean and sigma of the unknowns (2, 13), of the rate from that of the belief on."""
         slip, of_v = self.slip, np.array([(0.0, _STEADY)])
         if belief.slips:
             slip, of_v = slip * (0.0, 1.0), slip[:1]
         others = np.concatenate([slip, _A_X, of_v, [(1.0, belief.scale), (0.0, _IN_TIME)]])
-        mean = np.array([1.0, 0.0, *others[:, 0], 0.0])
-        sigma = np.array([belief.radius, belief.offset, *others[:, 1], belief.rate_sigma])
-        rows = self.columns / self.noise[:, None]
-        y = np.tile(self.v - self.shifts[belief.delay, belief.rate], 2) / self.noise
-        r = y - rows @ mean
-        x, covariance, evidence = posterior(rows.T @ rows, rows.T @ r, sigma)
-        log = belief.odds + float(evidence - 0.5 * r @ r)
-        residual = (r - rows @ x)[: self.v.size]
-        x = mean + x
-        x[-1] += belief.rate
-        return _Fit(belief, log, x, covariance, float(residual @ residual))
+        ends = [(1.0, belief.radius), (0.0, belief.offset)], [(0.0, belief.rate_sigma)]
+        return np.concatenate([ends[0], others, ends[1]]).T
 
 
 def _noise(A: Array, v: Array, shifts: list[Array]) -> float:
     """What the best of all numbers and ``shifts`` leave of v [m/s], with how long it lasts."""
-    residuals = (v - x - A @ np.linalg.lstsq(A, v - x)[0] for x in shifts)
-    square = min(float(r @ r) for r in residuals) / max(v.size - A.shape[1], 1)
+    changed = (v - np.array(shifts)).T
+    squares = np.sum((changed - A @ np.linalg.lstsq(A, changed)[0]) ** 2, axis=0)
+    square = float(np.min(squares)) / max(v.size - A.shape[1], 1)
     return math.sqrt(_LASTING * square) + _FINEST
