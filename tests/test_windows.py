@@ -1,7 +1,8 @@
 """The main job without what Windows lacks, on a disk that lets no open file be replaced or removed.
 
 No Windows can be had here: modules and functions that it lacks are taken away in a process of its
-own, and an audit hook refuses to move or remove what that process has open.
+own, and an audit hook refuses to move or remove what that process has open. Packages of extras are
+taken away, too: the main job needs none.
 """
 
 import os
@@ -24,6 +25,15 @@ TAKEN_AWAY = textwrap.dedent(
         (signal, "SIGHUP"),
     ):
         delattr(module, name)
+
+    class Missing:
+        extras = {"pandas", "elftools", "asammdf", "can", "cantools", "minisign", "distributed"}
+
+        def find_spec(self, name, path=None, target=None):
+            if name.split(".")[0] in self.extras:
+                raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    sys.meta_path.insert(0, Missing())
 
     CHANGES = ("os.rename", "os.remove", "os.rmdir", "shutil.rmtree")
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
+from calib.base.extras import need
 from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
@@ -157,10 +158,11 @@ class Estimate:
         return dict(zip(COLUMNS, (*columns, self.ecu.step.reason), strict=True))
 
     def to_frame(self) -> "pd.DataFrame":
-        """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``."""
-        import pandas as pd
+        """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``.
 
-        frame = pd.DataFrame(self.columns())
+        Raises BrakeCalError without the extra `frames`.
+        """
+        frame: pd.DataFrame = need("pandas", "frames").DataFrame(self.columns())
         frame.attrs["units"] = dict(COLUMNS)
         return frame
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from calib.base.bounded import PROGRAM, bytes_of
 from calib.base.errors import ProgramError
+from calib.base.extras import need
 from calib.exports.dataset import Addresses, Dataset, Object, Within
 
 _LARGEST_ADDRESS = 0xFFFF_FFFF
@@ -23,8 +24,7 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
 
     Raises ProgramError where the file cannot be read, misses an object or holds another table.
     """
-    from elftools.elf.elffile import ELFFile
-
+    ELFFile = need("elftools.elf.elffile", "elf", path, ProgramError).ELFFile
     content = bytes_of(path, PROGRAM, ProgramError, "the linked program (ELF)")
     if not content.startswith(b"\x7fELF"):
         expected = "the linked program, and no map file of its linker"

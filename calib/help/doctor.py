@@ -12,6 +12,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 from calib.base.errors import InputError, SettingsError
+from calib.base.extras import EXTRAS
 from calib.base.names import NAME, PROGRAM, STORE
 from calib.base.plain import counted
 from calib.help.samples import sample_logs
@@ -20,14 +21,6 @@ from calib.store.folders import names_in, unplaced, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
 """States: as it should be, something is limited, the program cannot work."""
-
-_EXTRAS = {
-    "mdf": "logs as MDF (.mf4, .mdf, .dat)",
-    "can": "bus logs (.blf, .asc, .trc, candump) with DBC, ARXML, KCD or SYM",
-    "sign": "signatures of tables",
-    "dist": "batch on a Dask scheduler",
-}
-"""Extras that change what the program does, with what each gives; others are for work on it."""
 
 
 def environment() -> dict[str, str]:
@@ -54,7 +47,7 @@ def packages() -> Iterator[tuple[Requirement, str, str]]:
         installed = ""
         with suppress(PackageNotFoundError):
             installed = version(need.name)
-        for extra in ("", *_EXTRAS):
+        for extra in ("", *EXTRAS):
             if need.marker is None or need.marker.evaluate({"extra": extra}):
                 yield need, installed, extra
                 break
@@ -95,7 +88,7 @@ def _package(package: tuple[Requirement, str, str]) -> _Finding:
     if installed and need.specifier.contains(installed, prereleases=True):
         return _Finding(name, FINE, text)
     if extra:
-        do = f"for {_EXTRAS[extra]}: pip install '{NAME}[{extra}]'"
+        do = f"for {EXTRAS[extra]}: pip install '{NAME}[{extra}]'"
         return _Finding(name, NOTE, text, do)
     return _Finding(name, WRONG, text, f"install it again: pip install --upgrade {NAME}")
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from calib.base.bounded import RECORDING
 from calib.base.errors import LogError
+from calib.base.extras import need
 from calib.logs.bus.dbc import Dbc, Key
 from calib.logs.bus.recording import (
     Frames,
@@ -21,7 +22,7 @@ from calib.logs.bus.recording import (
 )
 from calib.logs.channel_map import Databases
 from calib.logs.mdf_check import check_mdf
-from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged, need
+from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 _VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""
@@ -44,7 +45,7 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     LogError as `check_mdf`, and if asammdf cannot read the file.
     """
     where = str(path)
-    asammdf = need("asammdf", "mdf", where)
+    asammdf = need("asammdf", "mdf", where, LogError)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
     checked = check_mdf(path)
     try:

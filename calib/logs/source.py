@@ -1,10 +1,8 @@
 """An opened log: its columns, and a function that reads some of them."""
 
-import importlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from types import ModuleType
 from typing import TypeVar
 
 from calib.base.arrays import Array
@@ -110,17 +108,3 @@ class Recording:
 def damaged(where: object, flaw: str, expected: str = "an undamaged file") -> LogError:
     """The error for a file that is cut off or damaged."""
     return LogError(flaw, where=where, expected=expected, do="copy the log again")
-
-
-def need(module: str, extra: str, where: str) -> ModuleType:
-    """Import ``module``; raise LogError naming the extra to install if it is missing."""
-    try:
-        return importlib.import_module(module)
-    except ModuleNotFoundError as cause:
-        if cause.name is None or cause.name.split(".")[0] != module.split(".")[0]:
-            raise
-        raise LogError(
-            f"this format is read with {module}, which is not installed",
-            where=where,
-            do=f"pip install 'brake-cal[{extra}]'",
-        ) from cause

@@ -14,14 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.base.errors import one_line
+from calib.base.errors import LogError, one_line
+from calib.base.extras import need
 from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.units import from_si
 from calib.base.write import write_whole
 from calib.logs.channel_map import TRUTH
 from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
-from calib.logs.source import need
 from calib.logs.text.cells import column_from_cell
 from calib.logs.whole import TIME, WholeColumn, WholeLog
 
@@ -115,7 +115,7 @@ def _to_parquet(log: WholeLog) -> bytes:
 
 
 def _to_mdf(log: WholeLog) -> bytes:
-    asammdf = need("asammdf", "mdf", log.source)
+    asammdf = need("asammdf", "mdf", log.source, LogError)
     signals = [
         asammdf.Signal(column.values, log.time, unit=column.unit or "", name=column.name)
         for column in log.columns

@@ -18,6 +18,7 @@ from typing import Any
 
 from calib.base.bounded import KEY, bytes_of
 from calib.base.errors import BrakeCalError, KeyFileError, SignatureRefused
+from calib.base.extras import need
 
 _WORD = re.compile(r"RW[A-Za-z0-9+/]{54}")
 _SIGNATURE = re.compile(
@@ -156,14 +157,7 @@ def verify(public: PublicKey, data: bytes, signature: Signature, where: object) 
 
 
 def _library() -> Any:
-    try:
-        import minisign
-    except ModuleNotFoundError as cause:
-        raise KeyFileError(
-            "keys are used with py-minisign, which is not installed",
-            do="pip install 'brake-cal[sign]'",
-        ) from cause
-    return minisign
+    return need("minisign", "sign", error=KeyFileError)
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from calib.base.arrays import Array
 from calib.base.digest import content_digest
+from calib.base.extras import need
 from calib.base.intervals import Z95
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.combined import not_sensed
@@ -219,12 +220,14 @@ class Table:
         return self.paper.read("f2", eta)
 
     def curves(self) -> "pd.DataFrame":
-        """Return D, f1 and f2 with their 95 % bands over eta; ``attrs["units"]`` has the units."""
-        import pandas as pd
+        """Return D, f1 and f2 with their 95 % bands over eta; ``attrs["units"]`` has the units.
 
+        Raises BrakeCalError without the extra `frames`.
+        """
         d = self.difference
         difference = {"D": d.D, "D_lower": d.lower, "D_upper": d.upper}
-        frame = pd.DataFrame(difference | vars(self.paper)).set_index("eta")
+        rows = need("pandas", "frames").DataFrame(difference | vars(self.paper))
+        frame: pd.DataFrame = rows.set_index("eta")
         frame.attrs["units"] = dict.fromkeys(("eta", *frame.columns), "1")
         return frame
 

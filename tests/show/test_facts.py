@@ -79,8 +79,8 @@ def test_a_page_shows_every_text_as_it_was_and_fetches_nothing(folded, text):
 def test_a_part_without_content_is_not_shown_and_a_live_page_loads_itself_again():
     empty = Facts("all", parts=[Facts("nothing", tables=[Table(("a",), [])])])
     assert "nothing" not in page_of(empty)
-    assert "http-equiv" not in page_of(empty)
-    assert "http-equiv" in page_of(empty, again=10)
+    assert "refresh" not in page_of(empty)
+    assert "refresh" in page_of(empty, again=10)
 
 
 def printed(facts, *, quiet=False, verbose=False):

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from calib.base.errors import BatchError
+from calib.base.extras import need
 from calib.base.processes import end, workers
 from calib.line.fleet.rows import Row
 from calib.line.fleet.work import WorkItem, run_items
@@ -60,14 +61,7 @@ class Cluster:
     """
 
     def __init__(self, address: str):
-        try:
-            from distributed import Client
-        except ImportError as cause:
-            raise BatchError(
-                "dask[distributed] is not installed",
-                where="--scheduler",
-                do="pip install 'brake-cal[dist]'",
-            ) from cause
+        Client = need("distributed", "dist", "--scheduler", BatchError).Client
         self._client: Any = None
         try:
             _knock(address)

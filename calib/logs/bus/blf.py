@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 from calib.base.errors import LogError
+from calib.base.extras import need
 from calib.logs.bus.recording import captured, recording, require_dbc
 from calib.logs.channel_map import Databases
-from calib.logs.source import Recording, damaged, need
+from calib.logs.source import Recording, damaged
 
 _HEADER = struct.Struct("<4sL8xQQL36x")
 _OBJECT = struct.Struct("<4sHHLL")
@@ -36,7 +37,7 @@ _NEXT = 8
 def open_blf(path: Path, dbc: Databases) -> Recording:
     """Open a BLF file. Raises LogError as `_check_whole` and `open_text_log`."""
     where = str(path)
-    can = need("can", "can", where)
+    can = need("can", "can", where, LogError)
     database = require_dbc(dbc, "can", where)
     count, notes = _check_whole(path)
     with path.open("rb") as file, can.BLFReader(file) as reader:

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from calib.base.bounded import DBC, bytes_of
 from calib.base.errors import ChannelMapError, LogError
+from calib.base.extras import need
 from calib.logs.channel_map import Databases
-from calib.logs.source import need
 
 if TYPE_CHECKING:
     from cantools.database.can import Message
@@ -109,7 +109,7 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
 
     Raises ChannelMapError for a file that is not valid, and for an identifier twice on a bus.
     """
-    cantools: Any = need("cantools", extra, where)
+    cantools: Any = need("cantools", extra, where, LogError)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
     notes, buses = list[str](), dict[str, dict[Key, _Described]]()
     for bus, files in databases.items():

@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, TextIO
 
 from calib.base.errors import LogError
+from calib.base.extras import need
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.recording import Capture, captured, recording, require_dbc
 from calib.logs.channel_map import Databases
-from calib.logs.source import Recording, damaged, need
+from calib.logs.source import Recording, damaged
 
 if TYPE_CHECKING:
     import can
@@ -209,7 +210,7 @@ class _TrcLines(_Lines):
     def data_length(self, message: "can.Message") -> int:
         if not message.is_fd:
             return int(min(message.dlc, 8))
-        return int(need("can", "can", str(self.path)).util.dlc2len(message.dlc))
+        return int(need("can", "can", str(self.path), LogError).util.dlc2len(message.dlc))
 
 
 _READERS = {".asc": _AscLines, ".log": _CandumpLines, ".trc": _TrcLines}
@@ -224,7 +225,7 @@ def open_text_log(path: Path, dbc: Databases, ending: str) -> Recording:
     Raises LogError for a line or frame that is cut off or cannot be read, an ASC block without its
     end, relative timestamps, a lost message of TRC; without a DBC, and if it describes no frame.
     """
-    can = need("can", "can", str(path))
+    can = need("can", "can", str(path), LogError)
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
     database = require_dbc(dbc, "can", str(path))
     kind = _READERS[ending]

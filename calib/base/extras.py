@@ -1,0 +1,34 @@
+"""Packages that are not installed with the program: each comes with an extra of its own."""
+
+from importlib import import_module
+from types import ModuleType
+
+from calib.base.errors import BrakeCalError
+from calib.base.names import NAME
+
+EXTRAS = {
+    "mdf": "logs as MDF (.mf4, .mdf, .dat)",
+    "can": "bus logs (.blf, .asc, .trc, candump) with DBC, ARXML, KCD or SYM",
+    "sign": "signatures of tables",
+    "dist": "batch on a Dask scheduler",
+    "elf": "addresses of a linked program in an A2L",
+    "frames": "results as data frames in Python",
+}
+"""Extras that change what the program does, with what each gives; others are for work on it."""
+
+
+def need(
+    module: str, extra: str, where: object = None, error: type[BrakeCalError] = BrakeCalError
+) -> ModuleType:
+    """Import ``module``; raise ``error`` with what to install if it is missing."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as cause:
+        package = module.split(".")[0]
+        if cause.name is None or cause.name.split(".")[0] != package:
+            raise
+        raise error(
+            f"{package} is not installed",
+            where=where,
+            do=f"pip install '{NAME}[{extra}]', for {EXTRAS[extra]}",
+        ) from cause
