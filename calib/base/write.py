@@ -83,9 +83,11 @@ def _locked(path: Path, wait: bool = True) -> Iterator[None]:
     """
     from filelock import FileLock, Timeout, UnixFileLock
 
-    # A waiting lock of Unix takes no removed file, so the holder may remove it. Others do it.
-    keep = issubclass(FileLock, UnixFileLock)
-    lock = FileLock(path, mode=0o666, preserve_lock_file=keep)
+    handles = list[int]()
+    if removes := issubclass(FileLock, UnixFileLock):  # the other kind removes its file itself
+        lock = FileLock(path, mode=0o666, preserve_lock_file=True, on_acquired=handles.append)
+    else:
+        lock = FileLock(path)
     while not lock.is_locked:
         path.parent.mkdir(parents=True, exist_ok=True)
         with suppress(FileNotFoundError):  # its last holder removed the empty folder
@@ -93,12 +95,30 @@ def _locked(path: Path, wait: bool = True) -> Iterator[None]:
                 lock.acquire(blocking=wait)
             except Timeout as cause:
                 raise BlockingIOError(errno.EAGAIN, "locked", str(path)) from cause
+            if removes and not _is_open_at(path, handles[-1]):
+                lock.release()
     try:
         yield
     finally:
-        if keep:
+        if removes:
             path.unlink(missing_ok=True)
         lock.release()
+
+
+def _is_open_at(path: Path, handle: int) -> bool:
+    """Whether a handle is of the file that is at ``path`` now, and not of one that was removed.
+
+    It is opened anew, since a network file system renames a removed file that is open, and may have
+    the old name in its cache.
+    """
+    try:
+        now = os.open(path, os.O_RDONLY)
+    except FileNotFoundError:
+        return False
+    try:
+        return os.path.samestat(os.fstat(now), os.fstat(handle))
+    finally:
+        os.close(now)
 
 
 def sync(path: Path) -> None:

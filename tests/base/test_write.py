@@ -1,5 +1,6 @@
 """All files of a run or none, whatever is killed when, full or read-only."""
 
+import fcntl
 import os
 from pathlib import Path
 
@@ -132,6 +133,22 @@ def test_many_writers_of_one_folder_wait_for_each_other(tmp_path):
     for child in children:
         os.waitpid(child, 0)
     assert files(folder) == {"count": "100"}
+
+
+def test_a_lock_file_that_was_removed_meanwhile_locks_nothing(tmp_path, monkeypatch):
+    """A network file system gives a removed file that is open another name."""
+    flock, calls = fcntl.flock, []
+
+    def late(handle, operation):
+        if not calls:
+            (tmp_path / ".lock").rename(tmp_path / ".nfs01")
+        calls.append(operation)
+        return flock(handle, operation)
+
+    monkeypatch.setattr(fcntl, "flock", late)
+    with locked_folder(tmp_path):
+        assert (tmp_path / ".lock").exists()
+    assert not (tmp_path / ".lock").exists()
 
 
 def test_is_as_readable_as_any_new_file(tmp_path):
