@@ -108,7 +108,7 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     that act, with them. Where a sensor fails, as in a gap of the log, its last good reading counts.
     """
     rows, step = rows_of(log), log.sample_time
-    x, works = _last_good(samples_of(log), step, car)
+    _, x, works = held_readings(samples_of(log), limits(step, car))
     good = works.all(axis=1)
     time = step * np.arange(len(x), dtype=np.float64)
     channels = {"time": time, **dict(zip(CHANNELS, x.T, strict=True))}
@@ -141,17 +141,24 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
     return np.vstack([readout.step.reason, *(getattr(readout, name) for name in READ_OUT)]).T
 
 
-def _last_good(x: Array, sample_time: float, car: Vehicle) -> tuple[Array, Mask]:
-    """Samples (n, 11) with the last good readings, and where each sensor works (n, 11)."""
-    low, high, jump = limits(sample_time, car)
+def held_readings(
+    x: Array, bounds: tuple[Array, Array, Array], last_readings: tuple[Array, Array] | None = None
+) -> tuple[Array, Array, Mask]:
+    """Readings in range and good ones of samples (n, 11), each held, and where a sensor works.
+
+    ``bounds`` as of `limits`; ``last_readings`` both of the sample before (11,), None at first.
+    """
+    low, high, jump = bounds
     inside = (x >= low) & (x <= high)
-    raw = _last(x, inside)
-    accepted = inside & (np.abs(np.diff(raw, axis=0, prepend=raw[:1])) <= jump)
-    last = _last(x, accepted)
-    return last, accepted
+    none = np.zeros(x.shape[1])
+    first, good = last_readings or (none, none)
+    in_range = _last(x, inside, first)
+    previous = np.vstack([in_range[0] if last_readings is None else first, in_range[:-1]])
+    works = inside & (np.abs(in_range - previous) <= jump)
+    return in_range, _last(x, works, good), works
 
 
-def _last(x: Array, good: Mask) -> Array:
-    """The last good values of columns (n, k), 0 before the first."""
+def _last(x: Array, good: Mask, first: Array) -> Array:
+    """The last good values of columns (n, k), ``first`` (k,) before the first."""
     rows = np.maximum.accumulate(np.where(good, 1 + np.arange(len(x))[:, None], 0))
-    return np.take_along_axis(np.vstack([np.zeros_like(x[:1]), x]), rows, axis=0)
+    return np.take_along_axis(np.vstack([first, x]), rows, axis=0)

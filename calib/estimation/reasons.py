@@ -4,7 +4,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from calib.base.arrays import Index, Mask
+from calib.base.arrays import Array, Index, Mask
 from calib.base.names import WHEELS
 from calib.estimation.state import Constants
 from calib.logs.log import Log
@@ -57,21 +57,30 @@ def disturbances(table: Table, log: Log, s: Signals) -> Index:
 
     0 where none is so.
     """
+    car, none = table.vehicle, np.zeros_like(s.time)
     slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
-    car, steered = table.vehicle, log.channels.get("steering", np.zeros_like(s.time))
-    corners = (
-        np.abs(lateral(log, s, car.track_width, slip=slip, height=car.cg_height))
-        >= Constants.lateral
-    )
-    reasons = np.where(
-        corners, Reason.CORNERS, np.where(np.abs(steered) < Constants.steering, 0, Reason.TURNED)
-    )
-    # within half a sample: else a rounding could decide it
-    locked = since(s.time, _locks(log, s)) <= Constants.recover + 0.5 * s.sample_time
-    reasons = np.where(locked, Reason.LOCKED, reasons)
-    acts = log.channels.get("abs_active", np.zeros_like(s.time)) > 0.5
-    acted = since(s.time, acts) <= Constants.recover + 0.5 * s.sample_time
-    return np.where(acted, Reason.ABS, reasons)
+    acceleration = lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
+    since_abs = since(s.time, log.channels.get("abs_active", none) > 0.5)
+    signals = since_abs, since(s.time, _locks(log, s)), acceleration
+    return first_reason(*signals, log.channels.get("steering", none), s.sample_time)
+
+
+def first_reason(
+    since_abs: Array | float,
+    since_lock: Array | float,
+    acceleration: Array | float,
+    steering: Array | float,
+    sample_time: float,
+) -> Index:
+    """The first `Reason` that applies to samples (n,), or to one; 0 where none does.
+
+    Times since ABS and a lock [s], acceleration [m/s^2], angle of the driver's wheel [rad].
+    """
+    c, half = Constants, 0.5 * sample_time  # of a sample: else a rounding could decide it
+    turned = np.where(np.abs(steering) < c.steering, 0, Reason.TURNED)
+    reason = np.where(np.abs(acceleration) >= c.lateral, Reason.CORNERS, turned)
+    reason = np.where(since_lock <= c.recover + half, Reason.LOCKED, reason)
+    return np.where(since_abs <= c.recover + half, Reason.ABS, reason)
 
 
 def _locks(log: Log, s: Signals) -> Mask:

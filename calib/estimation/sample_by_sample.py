@@ -24,10 +24,11 @@ from calib.estimation.online import (
     RL,
     RR,
     STEERING,
+    held_readings,
     limits,
 )  # fmt: skip
 from calib.estimation.readout import of_blocks, step_inputs, torques_of, with_before
-from calib.estimation.reasons import Reason
+from calib.estimation.reasons import Reason, first_reason
 from calib.estimation.state import Sample, constants
 from calib.estimation.step import Answer, started, step
 from calib.run.blocks import Blocks, samples_of_block
@@ -60,9 +61,9 @@ class Online:
         self._since_lock = self._since_abs = math.inf
         self._omega: Array | None = None
         self._fastest = self._lateral = 0.0
-        self._raw = self._last = np.zeros(len(CHANNELS))
+        self._readings: tuple[Array, Array] | None = None  # in range, good
         self._wheels, self._rows, self._why = list[Array](), list[Array](), list[int]()
-        self._started = self._faulty = False
+        self._faulty = False
         self._reason, self._answers = int(Reason.NOT_BRAKED), np.zeros((4, 3))
         self._block_ends(with_answer=False)
 
@@ -72,13 +73,15 @@ class Online:
         Returns the `Reason` and `ANSWERS` with their bounds, by the names of C.
         """
         x = np.array([sample.get(name, 0.0) for name in CHANNELS])
-        good = self._take(x)
-        self._rows.append(self._last)
-        self._why.append(self._disturbance(good))
-        self._started = True
+        in_range, last, works = (y[0] for y in held_readings(x[None], self._limits, self._readings))
+        good = bool(works.all())
+        self._rows.append(last)
+        disturbance = self._disturbance(last)
+        self._why.append(disturbance if good else Reason.FAULT)
+        self._readings = in_range, last
         if len(self._rows) == self._n:
             self._block_ends()
-        pressure, (level, _, *pads) = self._last[P_MC], self._answers
+        pressure, (level, _, *pads) = last[P_MC], self._answers
         car, pressures = self._table.vehicle, (pressure, pressure)
         front, rear, total = torques_of(car, pressures, level, (pads[0], pads[1]))
         torques = front, front, rear, rear, total
@@ -89,18 +92,9 @@ class Online:
         }
         return {"reason": float(self._reason if good else Reason.FAULT), **answers}
 
-    def _take(self, x: Array) -> bool:
-        """Whether all sensors work; the last good reading counts while one does not."""
-        low, high, change = self._limits
-        inside = (x >= low) & (x <= high)
-        accepted = inside & ((np.abs(x - self._raw) <= change) | (not self._started))
-        self._raw = np.where(inside, x, self._raw)
-        self._last = np.where(accepted, x, self._last)
-        return bool(accepted.all())
-
-    def _disturbance(self, good: bool) -> int:
-        """Whether the car is steered, corners, or a wheel locks, or just has."""
-        c, x, car = self._c, self._last, self._table.vehicle
+    def _disturbance(self, x: Array) -> int:
+        """The `Reason` by good readings (11,), as `disturbances` has it."""
+        c, car = self._c, self._table.vehicle
         self._wheels = [*(self._wheels or [x[OMEGA]] * 2), x[OMEGA]][-3:]
         first, last, now = self._wheels
         middle = np.clip(now, np.minimum(first, last), np.maximum(first, last))
@@ -113,22 +107,14 @@ class Online:
         apart, speed = (x[RR] - x[RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
         slip = np.interp(-x[A_X] / G, self._table.tyre.force, self._table.tyre.slip)
         turned = turning(apart, speed, car.track_width, slip, car.cg_height)
-        share = 1.0 - math.exp(-self._dt / LATERAL_TIME) if self._started else 1.0
+        share = 1.0 - math.exp(-self._dt / LATERAL_TIME) if self._readings else 1.0
         self._lateral += share * float(turned - self._lateral)
-        for wrong, why in (
-            (not good, Reason.FAULT),
-            (self._since_abs <= c.recover + 0.5 * self._dt, Reason.ABS),
-            (self._since_lock <= c.recover + 0.5 * self._dt, Reason.LOCKED),
-            (not abs(self._lateral) < c.lateral, Reason.CORNERS),
-            (not abs(x[STEERING]) < c.steering, Reason.TURNED),
-        ):
-            if wrong:
-                return int(why)
-        return 0
+        signals = self._since_abs, self._since_lock, self._lateral, x[STEERING]
+        return int(first_reason(*signals, self._dt))
 
     def _block_ends(self, *, with_answer: bool = True) -> None:
         """Answer by the means of a block, or before the first."""
-        x = np.array(self._rows or [self._last])
+        x = np.array(self._rows or [np.zeros(len(CHANNELS))])
         fault, why = Reason.FAULT in self._why, max(self._why, default=0)
         thrust = x[:, DRIVEN].max() > 0.5
         self._rows, self._why = [], []
