@@ -62,8 +62,8 @@ class TyreFile:
         peak = (k["PDX1"] + k["PDX2"] * d) * k["LMUX"]
         if not (1.0 / _FAR < d + 1.0 < _FAR and 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0):
             raise TyreError(
-                f"at {load:.0f} N, a wheel of this car, stiffness over load is {stiffness:.3g} and "
-                f"the peak {peak:.3g}",
+                f"at {load:.0f} N, the load of a wheel of this car, stiffness over load is "
+                f"{stiffness:.3g} and the peak {peak:.3g}",
                 where=self.source,
                 expected=f"a load about {load / (d + 1.0):.0f} N, 2 to 200, and 0.1 to 3",
                 do="give the file of a tyre of this car; check FNOMIN and the scale factors",

@@ -29,7 +29,7 @@ _DRAWS = 512
 _BROAD = 0.5  # standard deviation of ln of the pads' ratio of the draws: any pads
 _POINTS = 14  # of the sum of forces of a ramp
 _TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
-_DEPARTS, _LENGTH = 0.015, 0.15
+_DISCREPANCY, _LENGTH = 0.015, 0.15
 """Discrepancy of pads from a constant friction [1], and its correlation length in z [1]."""
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
@@ -110,7 +110,7 @@ class _Sum:
         self.z, time, length = self._means(b.z), self._means(b.end), self.sizes * b.length
         along = (time - time.mean()) / max(float(np.ptp(time)), b.length)
         near = np.exp(-0.5 * ((self.z[:, None] - self.z) / _LENGTH) ** 2)
-        self.relative = _DEPARTS**2 * near + np.outer(along, along) * _TREND**2
+        self.relative = _DISCREPANCY**2 * near + np.outer(along, along) * _TREND**2
         self.absolute = np.diag(run.noise.z**2 / length) + _ZERO**2
         self._read_pressures(run)
 

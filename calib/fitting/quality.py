@@ -70,16 +70,16 @@ def explained(
         without_v = _ramp_residuals(car, posterior(car, alone, ratio, priors=priors), alone)
         if max(_rms(eta) for eta, _ in without_v) < _MOST:
             raise refused(
-                f"v contradicts the wheel speeds: no tyre explains both, eta is left {worst:.1f} "
-                "times what they err by, and without v it is explained",
+                "v contradicts the wheel speeds: no tyre explains both. With v the residual of eta "
+                f"is {worst:.1f} times its error, without v at most {_MOST:.0f} times",
                 expected="a v of the same car, in time and to scale",
                 do="check clock, filter and scale of v, or leave v out of the log",
             )
     if worst > _MOST and all(one.code in MOVE_ETA for one in named):
         likely = [one.causes[0] for one in named if one.code in MOVE_ETA]
         raise refused(
-            f"no tyre explains eta: it is left {worst:.1f} times what the wheel speeds err by",
-            expected=f"up to {_MOST:.0f} times",
+            f"no tyre explains eta: the residual is {worst:.1f} times the error of wheel speeds",
+            expected=f"at most {_MOST:.0f} times",
             do="; or ".join([*likely, "a wheel speed that is late, or coarse"])
             + ": look at the log with `brake-cal check`",
         )
