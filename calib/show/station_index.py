@@ -24,14 +24,16 @@ from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Tab
 from calib.show.html import page_of
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import FRONT, NOMINAL, as_text
+from calib.show.style import FRONT, NOMINAL, as_text, reach
 
 _LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
 _DRAWN, _TITLE = 200, 50
 """Runs in a trend, the last of them; letters of a title that have room above a panel."""
-_NUMBERED = 12
-"""Runs that have room for their numbers below the axis."""
+_NAMED, _LETTERS = 8, 9
+"""Cars that have room for their names below the axis, and letters of a line of a name."""
+_AROUND = np.array([0.85, 1.15])
+"""Least range of an axis without limits, over the median."""
 _EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
 _TORQUES = ("torque_per_bar_f", "torque_per_bar_r")
@@ -82,23 +84,25 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
     """The metrics with two values or more over the runs, with their limits."""
     panels = []
     for key in TRENDS:
-        values = [(run.trend or {}).get(key) for run in reversed(runs)]
-        measured = np.array([value for value in values if value is not None])
-        if measured.size < 2:
+        trends = [(run.car or run.place, (run.trend or {}).get(key)) for run in reversed(runs)]
+        values = {(i, car): x for i, (car, x) in enumerate(trends) if x is not None}
+        if len(values) < 2:
             continue
-        shown, x = plain(key), np.arange(1.0, measured.size + 1.0)
+        shown, x = plain(key), np.arange(float(len(values)))
+        y = shown.factor * np.array([*values.values()])
         interval = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
         ends = [shown.factor * end for end in interval if end is not None]
-        title = f"{shown.name}: {shown.value(float(measured[-1]))} {shown.unit}"
-        points = Line(x, shown.factor * measured, {**FRONT, "marker": "."})
+        title = f"{shown.name}: {shown.value(float(y[-1] / shown.factor))} {shown.unit}"
+        points = Line(x, y, {**FRONT, "marker": "."})
         limits = [Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends]
         title, unit = textwrap.fill(as_text(title), _TITLE), as_text(f"[{shown.unit or '1'}]")
-        ticks = ["", *map(str, range(1, x.size + 1))] if x.size <= _NUMBERED else ()
-        heads = title, "car, the last on the right", unit
-        panels.append(Panel(key, *heads, [points, *limits], xticks=ticks))
-    caption = (
-        f"Brakes of the ramp, and the zero, of the last {_DRAWN} cars at most; grey: the limits."
-    )
+        cars = [textwrap.fill(as_text(car), _LETTERS) for _, car in values]
+        panels.append(
+            Panel(key, title, "car, the last on the right", unit, [points, *limits],
+                  xlim=(-0.5, x.size - 0.5), xticks=cars if len(cars) <= _NAMED else (),
+                  ylim=reach(y, np.array(ends), *([] if ends else [np.median(y) * _AROUND])))
+        )  # fmt: skip
+    caption = f"Brakes and zero of the ramp, of the last {_DRAWN} cars at most; grey: the limits."
     drawn = tuple(panels)
     return [Picture(caption, lambda: Sheet("trend", "trend", drawn))] if panels else []
 

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ from calib.show.judged import budget_rows, judged, ramp_rows, stop_by_stop
 from calib.show.origin import origin
 from calib.show.stop import torque_and_pads
 from calib.show.table import table_sheet
-from calib.show.validation import beside_best, by_stop
+from calib.show.validation import beside_best
 from calib.store.evidence import read_quality
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
@@ -38,10 +38,7 @@ from calib.store.version import Stored
 from calib.table.budget import advice_lines
 
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
-_SHOWN = 3
-"""Broken limits, in the head of the answer; all are in the details."""
 _CURVES = "f1 and f2 of the ramp, and the map that an ECU looks up, with their 95 % bands."
-_TORQUES = "What an ECU makes of each stop: mean brake torque with 95 % intervals."
 _MISSED = "What fails the car, and what lets it pass with a warning."
 
 
@@ -63,7 +60,6 @@ def station_facts(run: StationRun) -> Facts:
     identity = outcome.identity
     curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
     remarks = [*outcome.table.remarks, *map(str, outcome.caveats)]
-    bad = outcome.with_verdict(FAILED) + outcome.with_verdict(WARNING)
     advice = "" if outcome.passed else "find the cause, and run the car again"
     if stored.state.word == DRAFT:
         advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
@@ -72,11 +68,8 @@ def station_facts(run: StationRun) -> Facts:
         headline=f"{stored.id} is {_AS[stored.state.word]}; {outcome.headline}",
         verdict=outcome.verdict,
         word=WORDS[outcome.verdict],
-        rows=[
-            *ramp_rows(outcome.table),
-            *((check.verdict, f"{check.text}. {check.action}") for check in bad[:_SHOWN]),
-        ],
-        notes=[f"{len(bad) - _SHOWN} more are not held (-v)"] * (len(bad) > _SHOWN),
+        rows=ramp_rows(outcome.table),
+        tables=[_missed(outcome)],
         next=advice,
         warnings=outcome.warnings,
         parts=[
@@ -96,11 +89,14 @@ def _metrics(outcome: StationOutcome) -> Facts:
     of_car = [[check.judgement] for check in outcome.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
     by_stop, unknown_too = stop_by_stop(outcome.results)
+    return Facts("Metrics", tables=[car, by_stop], notes=[*unknown, *unknown_too])
+
+
+def _missed(outcome: StationOutcome) -> Cells:
+    """Limits that are not held, with what to do."""
     bad = outcome.with_verdict(FAILED) + outcome.with_verdict(WARNING)
     steps = [(check.verdict, check.text, check.action) for check in bad]
-    colours = [step[0] for step in steps]
-    missed = Cells(("verdict", "result", "next step"), steps, _MISSED, colours)
-    return Facts("Metrics", tables=[missed, car, by_stop], notes=[*unknown, *unknown_too])
+    return Cells(("verdict", "result", "next step"), steps, _MISSED, [one[0] for one in steps])
 
 
 def _run(outcome: StationOutcome, date: str) -> Facts:
@@ -125,10 +121,7 @@ def _torques(outcome: StationOutcome, stored: Stored) -> Facts:
     budgets = outcome.table.budget.axles
     return Facts(
         "Brake torque and pads",
-        tables=[
-            replace(by_stop(outcome.results), caption=_TORQUES),
-            beside_best(stored, outcome.results),
-        ],
+        tables=[beside_best(stored, outcome.results)],
         rows=budget_rows(budgets, suffix=" of the ramp"),
         notes=advice_lines(budgets),
     )

@@ -48,8 +48,6 @@ _PROOFS = {
 _V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
 """Of logs with v that prove nothing."""
 _BESIDE = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
-_SHOWN = 4
-"""Limits that are broken, in the head of the answer; all are in the details."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def validation_facts(judged: Validated) -> Facts:
         word=CONSISTENT.capitalize() if proof == NONE and not failed else WORDS[verdict],
         tables=[by_stop(in_order)],
         rows=[
-            *[row for result in in_order for row in _against(result)][:_SHOWN],
+            *(row for result in in_order for row in _against(result)),
             *(
                 [("checked against", _judged_by(results, proof))]
                 if any(r.role == HOLDOUT for r in in_order)
@@ -220,10 +218,9 @@ def _against(r: Validation) -> Iterator[Row]:
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
-    """Broken limits, samples that are not valid, parts of the uncertainty, and agreement."""
+    """Samples that are not valid, parts of the uncertainty, and agreement."""
     rows: list[Row] = []
     for r in results:
-        rows += _against(r)
         rows += [
             (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
             for why, share in r.refused.items()
