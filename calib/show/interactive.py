@@ -105,8 +105,12 @@ class _Making:
         for mark in panel.marks:
             _mark(fig, mark)
         fig.add_tools(*_hover(panel, [self._line(fig, line) for line in panel.lines]))
+        bands = [one for one in fig.renderers if one.level == "underlay"]  # the first on top
+        fig.renderers = [*reversed(bands), *(one for one in fig.renderers if one not in bands)]
         for text, x, y in panel.texts:
-            fig.text([x], [y], [_plain(text)], **_TEXT)
+            is_right = panel.xlim is not None and x > np.mean(panel.xlim)
+            side = {"text_align": "right", "x_offset": -5} if is_right else {}
+            fig.text([x], [y], [_plain(text)], **_TEXT | side)
         for axis in fig.axis:
             axis.update(minor_tick_line_color=None, axis_label_text_font_style="normal")
         for axis, words in ((fig.xaxis, panel.xticks), (fig.yaxis, panel.yticks)):

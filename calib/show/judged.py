@@ -60,8 +60,14 @@ def verdict_words(role: str, verdict: str, warnings: int) -> str:
 
 def ramp_rows(table: LookUp) -> list[Row]:
     """Brake torque per bar of both axles on the ramp, and their pads, with 95 % intervals."""
-    axles = zip(AXLE_NAMES.values(), per_bar(table), ramp_pads(table), strict=True)
-    return [(f"{axle} axle", f"{torque} {UNIT} per bar; pads {pad}") for axle, torque, pad in axles]
+    axles = AXLE_NAMES.values()
+    return [
+        *(
+            (f"{axle} axle per bar", f"{x} {UNIT}")
+            for axle, x in zip(axles, per_bar(table), strict=True)
+        ),
+        *((f"{axle} pads", pad) for axle, pad in zip(axles, ramp_pads(table), strict=True)),
+    ]
 
 
 def budget_rows(budgets: Iterable[Parts], prefix: str = "", suffix: str = "") -> list[Row]:

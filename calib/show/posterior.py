@@ -65,7 +65,7 @@ def forest(table: Table) -> Panel:
     return Panel(
         "posterior",
         "What the ramps told",
-        "distance from the belief, over its 95 % half width [1]",
+        "in 95 % half widths of the belief [1]",
         "",
         lines,
         [Mark(-1.0, 1.0, {"color": SHADE}, "believed before, 95 %")],
