@@ -229,9 +229,9 @@ def stopped() -> list[str]:
     ecu, i = e.ecu, int(np.argmin(np.abs(log.time - _PLACE)))
     numbers = step_constants(table, SensorNoise(**table.noise), BLOCK)
     state = started(numbers)
-    for row in zip(*(x.tolist() for x in ecu.given), strict=True):
-        seen = follow(numbers, state, Sample(*row))
-        if seen.braked > _PLACE - 5.0 - 1.5 * BLOCK:  # the brake is applied at 5 s
+    for row in zip(*(x.tolist() for x in ecu.inputs), strict=True):
+        block_state = follow(numbers, state, Sample(*row))
+        if block_state.braked > _PLACE - 5.0 - 1.5 * BLOCK:  # the brake is applied at 5 s
             break
     level, ratio = ecu.step.level[:, i], ecu.step.ratio[:, i]
     share = front_share(car, 0.0)
@@ -239,7 +239,7 @@ def stopped() -> list[str]:
     torque = (bounded([x[i] for x in getattr(ecu, f"torque_{axle}")], ".1f") for axle in "fr")
     pads = (bounded([x[i] for x in getattr(ecu, f"pads_{axle}")]) for axle in "fr")
     return [
-        f"means of y and xi/y         {seen.z:.3f}, {seen.shift / seen.z:.4f}",
+        f"means of y and xi/y         {block_state.z:.3f}, {block_state.shift / block_state.z:.4f}",
         f"level, (S13)                {bounded(level)}",
         f"ratio, (S12)                {bounded(ratio)}",
         f"n, (S14)                    1 + {share:.4f} (exp({ratio[0]:.3f}) - 1) = {n:.4f}",
