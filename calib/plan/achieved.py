@@ -39,14 +39,14 @@ def compare(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed
 def _missing(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> list[str]:
     roles = {log.role for log in table.provenance.logs}
     axles = {Run(log, table.vehicle).alone for log in logs}
-    there = {
+    happened = {
         "weighing": mass.stated,
         "rollers": "bench" in roles,
         "coast": "coast" in roles,
         "rear_alone": "r" in axles,
         "front_alone": "f" in axles,
     }
-    reasons = [f"{step} is missing" for step in plan.steps if not there.get(step, True)]
+    reasons = [f"{step} is missing" for step in plan.steps if not happened.get(step, True)]
     end = table.quality["deceleration_max"]
     if end < _SHORT * plan.end:
         reasons.append(f"the ramps end at {end:.2f} g, planned was {plan.end:.2f} g")
@@ -55,7 +55,7 @@ def _missing(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUse
     return reasons
 
 
-def document(found: Achieved) -> dict[str, object]:
+def document(achieved: Achieved) -> dict[str, object]:
     """The comparison as a JSON document."""
-    widths = {"planned": found.planned._asdict(), "achieved": found.achieved._asdict()}
-    return {**widths, "reached": found.reached, "reasons": list(found.reasons)}
+    widths = {"planned": achieved.planned._asdict(), "achieved": achieved.achieved._asdict()}
+    return {**widths, "reached": achieved.reached, "reasons": list(achieved.reasons)}

@@ -44,7 +44,7 @@ class HalfWidths(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Knowledge:
+class Prior:
     """What is known of a car before the drive.
 
     ``pad_level`` ln of the pads over those of the ``vehicle`` file, ``pad_ratio`` ln of front over
@@ -62,13 +62,13 @@ class Knowledge:
     logs: tuple[Log, ...] = ()
 
 
-def knowledge(
+def prior_of(
     vehicle: Vehicle,
     track: Track,
     sensors: frozenset[str] = frozenset(),
     table: Table | None = None,
     logs: Sequence[Log] = (),
-) -> Knowledge:
+) -> Prior:
     """What is known of a car: from its ``logs``, else from a ``table`` of it, else from its file.
 
     Raises as `calib.fitting.fit` for logs of which no table can be made.
@@ -80,12 +80,12 @@ def knowledge(
         level = Value(0.0, 0.1)  # pads of one grade scatter by 10 %
         ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
         stiff = Value(math.log(float(WET_ASPHALT.stiffness)), 0.2)
-        return Knowledge(vehicle, track, sensors, level, ratio, stiff, LEVELS)
+        return Prior(vehicle, track, sensors, level, ratio, stiff, LEVELS)
     pads = table.calibration
     level = _logarithm(pads.pad_scale)
     stiff = _logarithm(pads.slip_stiffness)
     noise = noise_of(table.noise)
-    return Knowledge(vehicle, track, sensors, level, pads.pad_log_ratio, stiff, noise, tuple(logs))
+    return Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiff, noise, tuple(logs))
 
 
 def _logarithm(value: Value) -> Value:
@@ -109,19 +109,19 @@ _POINTS = ((0.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
 """Cars that stand for all: ratio of the pads and stiffness of the tyres, in standard deviations."""
 
 
-def cars(known: Knowledge, count: int = len(_POINTS)) -> list[Model]:
+def cars(prior: Prior, count: int = len(_POINTS)) -> list[Model]:
     """The first ``count`` of the cars that stand for what is known: the mean, then two corners.
 
     Each has the known effects of the vehicle, and its usual drag and rolling resistance.
     """
-    model, pads = default_model(known.vehicle), math.exp(known.pad_level.value)
-    usual = identify(known.vehicle, ()).effects
+    model, pads = default_model(prior.vehicle), math.exp(prior.pad_level.value)
+    usual = identify(prior.vehicle, ()).effects
     model = replace(model, effects=usual)
-    made = []
+    models = []
     for ratio_at, stiffness_at in _POINTS[:count]:
-        half = math.exp(0.5 * (known.pad_ratio.value + ratio_at * known.pad_ratio.sigma))
-        stiffness = math.exp(known.stiffness.value + stiffness_at * known.stiffness.sigma)
-        made.append(
+        half = math.exp(0.5 * (prior.pad_ratio.value + ratio_at * prior.pad_ratio.sigma))
+        stiffness = math.exp(prior.stiffness.value + stiffness_at * prior.stiffness.sigma)
+        models.append(
             replace(
                 model,
                 pad_friction_f=pads * half * model.pad_friction_f,
@@ -129,21 +129,21 @@ def cars(known: Knowledge, count: int = len(_POINTS)) -> list[Model]:
                 tyre=replace(model.tyre, stiffness=stiffness),
             )
         )
-    return made
+    return models
 
 
-def half_widths(known: Knowledge, car: Model, done: Sequence[Measure], seed: int) -> HalfWidths:
+def half_widths(prior: Prior, car: Model, steps: Sequence[Measure], seed: int) -> HalfWidths:
     """Half widths of a fit of ``car`` after the measures, with noise by ``seed``.
 
     Raises ModelError for a run that cannot be driven, LogError where they make no table.
     """
-    runs = [drive(car, run, known.track, known.sensors) for run in done if run.driven]
-    kinds, pads = {measure.kind for measure in done}, (car.pad_friction_f, car.pad_friction_r)
+    runs = [drive(car, run, prior.track, prior.sensors) for run in steps if run.driven]
+    kinds, pads = {measure.kind for measure in steps}, (car.pad_friction_f, car.pad_friction_r)
     table = fit(
-        known.vehicle,
-        [*known.logs, *(add_noise(run, seed + i, known.noise) for i, run in enumerate(runs))],
-        mass=known.vehicle.mass if "weighing" in kinds else None,
-        bench=on_rollers(known.vehicle, pads, seed) if "rollers" in kinds else None,
+        prior.vehicle,
+        [*prior.logs, *(add_noise(run, seed + i, prior.noise) for i, run in enumerate(runs))],
+        mass=prior.vehicle.mass if "weighing" in kinds else None,
+        bench=on_rollers(prior.vehicle, pads, seed) if "rollers" in kinds else None,
     )
     return widths_of(table)
 
@@ -169,11 +169,11 @@ def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> Roller
     return RollerBench("rollers", "rollers", "", _ROLLER_TOLERANCE, *axles)
 
 
-def before_any_run(known: Knowledge) -> HalfWidths:
+def before_any_run(prior: Prior) -> HalfWidths:
     """Half widths by what is known of the pads before any log, the mass included."""
-    share = front_share(known.vehicle, known.pad_ratio.value)
-    level = math.hypot(known.pad_level.sigma, known.vehicle.mass_tolerance)
-    ratio = known.pad_ratio.sigma
+    share = front_share(prior.vehicle, prior.pad_ratio.value)
+    level = math.hypot(prior.pad_level.sigma, prior.vehicle.mass_tolerance)
+    ratio = prior.pad_ratio.sigma
     front, rear = (math.hypot(level, part * ratio) for part in (1.0 - share, share))
     return HalfWidths(Z95 * front, Z95 * rear, Z95 * level)
 

@@ -22,12 +22,12 @@ _BAR = 1e5
 
 def document(plan: Plan) -> dict[str, Any]:
     """The plan as a JSON document: half widths are relative [1], null where nothing is known."""
-    track = plan.known.track
+    track = plan.prior.track
     return {
-        "vehicle": plan.known.vehicle.name,
+        "vehicle": plan.prior.vehicle.name,
         "track": {"length": finite(track.length), "speed": track.speed},
-        "sensors": sorted(plan.known.sensors),
-        "noise": {name: level.sd for name, level in sorted(plan.known.noise.items())},
+        "sensors": sorted(plan.prior.sensors),
+        "noise": {name: level.sd for name, level in sorted(plan.prior.noise.items())},
         "want": {**_widths(plan.want.widths), "seconds": finite(plan.want.seconds)},
         "before": _widths(plan.before),
         "steps": [
@@ -67,7 +67,7 @@ def pressure_files(plan: Plan) -> Iterator[tuple[str, bytes]]:
     """Name and content of each file of pressure over time, of p_mc, every 10 ms."""
     for step, file in zip(plan.steps, _files(plan), strict=True):
         if file is not None:
-            time, pressure = pressure_trace(plan.known.vehicle, step.measure)
+            time, pressure = pressure_trace(plan.prior.vehicle, step.measure)
             lines = (f"{t:.2f},{p / _BAR:.3f}" for t, p in zip(time, pressure, strict=True))
             yield file, "\n".join(["time [s],p_mc [bar]", *lines, ""]).encode()
 

@@ -3,7 +3,7 @@
     gain = sum over front, rear, total of ln(width now / width then), a width as wanted is enough
 
 The first ramp is the one of the greatest mean gain over several cars, each with its own noise. Each
-next measure is that of the greatest gain per second of one car, the mean of what is known. What
+next measure is that of the greatest gain per second of one car, the mean of what is prior. What
 gained next to nothing is not tried again: what measures tell together is less than the sum of what
 each tells. The figures of the steps are medians over several cars, floors those of one.
 """
@@ -17,7 +17,7 @@ from calib.base.errors import BrakeCalError, LogError, ModelError
 from calib.base.processes import Mapped, side_by_side
 from calib.plan.expected import (
     HalfWidths,
-    Knowledge,
+    Prior,
     before_any_run,
     cars,
     half_widths,
@@ -80,14 +80,14 @@ class Step:
 class Plan:
     """What to do, in this order, and what it will bring.
 
-    ``before`` the widths by what is known now; ``not_worth`` the measures that would gain less than
+    ``before`` the widths by what is prior now; ``not_worth`` the measures that would gain less than
     `_WORTH` beside the steps, each with its gain [1]; ``impossible`` those that cannot be done
     here, each with the reason; ``floor`` the widths after all that can be done here, whatever its
     time, ``floor_of_runs`` after all runs without a workshop; ``with_speed`` those of the steps
     with ``v`` logged as well, None where it is logged.
     """
 
-    known: Knowledge
+    prior: Prior
     want: Want
     before: HalfWidths
     steps: tuple[Step, ...]
@@ -108,29 +108,29 @@ class Plan:
         return sum(step.seconds for step in self.steps)
 
 
-def plan(known: Knowledge, want: Want, workers: int = 1) -> Plan:
+def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
     """Find the best sequence of measures for what is wanted, the same in any number of processes.
 
     Raises LogError where no ramp can be driven here, with the reason of each.
     """
     with side_by_side(workers, "calib.plan.search") as mapped:
-        before = before_any_run(known)
-        if known.logs:
-            (before,) = _medians(mapped, known, [()], 1)
-        search = _Search(known, want, mapped)
-        chosen = search.run(before)
+        now = before_any_run(prior)
+        if prior.logs:
+            (now,) = _medians(mapped, prior, [()], 1)
+        search = _Search(prior, want, mapped)
+        chosen = search.run(now)
         others = [m for m in measures() if m not in search.impossible and not _is_whole_ramp(m)]
         everything = tuple(dict.fromkeys((*chosen, *others)))
         runs = tuple(m for m in everything if m.driven)
-        floor, floor_of_runs = _medians(mapped, known, [everything, runs], 1)
-        after = _medians(mapped, known, [chosen[: i + 1] for i in range(len(chosen))], _CARS)
-        faster = replace(known, sensors=known.sensors | {"v"})
-        with_speed = None if "v" in known.sensors else _medians(mapped, faster, [chosen], _CARS)[0]
+        floor, floor_of_runs = _medians(mapped, prior, [everything, runs], 1)
+        after = _medians(mapped, prior, [chosen[: i + 1] for i in range(len(chosen))], _CARS)
+        faster = replace(prior, sensors=prior.sensors | {"v"})
+        with_speed = None if "v" in prior.sensors else _medians(mapped, faster, [chosen], _CARS)[0]
     seconds = [_seconds_of(measure, i == 0) for i, measure in enumerate(chosen)]
     return Plan(
-        known=known,
+        prior=prior,
         want=want,
-        before=before,
+        before=now,
         steps=tuple(map(Step, chosen, seconds, after)),
         not_worth={m: x for m, x in search.gains.items() if m not in chosen and x < _WORTH},
         impossible=search.impossible,
@@ -156,16 +156,16 @@ def _is_whole_ramp(measure: Measure) -> bool:
 class _Search:
     """The greedy search; ``gains`` of measures when they were last tried, ``impossible`` ones."""
 
-    def __init__(self, known: Knowledge, want: Want, mapped: Mapped) -> None:
-        self.known, self.want, self.mapped = known, want, mapped
+    def __init__(self, prior: Prior, want: Want, mapped: Mapped) -> None:
+        self.prior, self.want, self.mapped = prior, want, mapped
         self.gains: dict[Measure, float] = {}
-        reasons = {measure: _why_not_driven(known, measure) for measure in measures()}
+        reasons = {measure: _why_not_driven(prior, measure) for measure in measures()}
         self.impossible = {measure: reason for measure, reason in reasons.items() if reason}
 
     def run(self, now: HalfWidths) -> _Sequel:
         """The measures in their order. Raises LogError where there can be no ramp."""
         chosen: _Sequel = ()
-        spent, first = 0.0, not self.known.logs
+        spent, first = 0.0, not self.prior.logs
         while not self.want.met_by(now):
             options = [m for m in measures() if self._is_option(m, chosen, first, spent)]
             widths = self._tried(chosen, options, now, _CARS if first else 1)
@@ -181,9 +181,9 @@ class _Search:
 
     def _pruned(self, chosen: _Sequel, now: HalfWidths) -> _Sequel:
         """The steps without those that later ones made superfluous, the longest first."""
-        kept = 0 if self.known.logs else 1  # the first ramp makes the table
-        shorter = {m: tuple(x for x in chosen if x != m) for m in chosen[kept:]}
-        outcomes = _outcomes(self.mapped, self.known, list(shorter.values()), 1)
+        fixed = 0 if self.prior.logs else 1  # the first ramp makes the table
+        shorter = {m: tuple(x for x in chosen if x != m) for m in chosen[fixed:]}
+        outcomes = _outcomes(self.mapped, self.prior, list(shorter.values()), 1)
         for measure, of_cars in sorted(
             zip(shorter, outcomes, strict=True), key=lambda pair: -_seconds_of(pair[0], False)
         ):
@@ -213,7 +213,7 @@ class _Search:
 
         Sets the mean gain of each, or the reason why it is impossible.
         """
-        outcomes = _outcomes(self.mapped, self.known, [(*chosen, m) for m in options], count)
+        outcomes = _outcomes(self.mapped, self.prior, [(*chosen, m) for m in options], count)
         widths = {}
         for measure, of_cars in zip(options, outcomes, strict=True):
             if isinstance(of_cars, str):
@@ -227,55 +227,55 @@ class _Search:
         reasons = "; ".join(dict.fromkeys(self.impossible.values()))
         return LogError(
             f"no ramp can be driven here: {reasons or 'none is short enough'}",
-            where=self.known.vehicle.name,
+            where=self.prior.vehicle.name,
             expected="a ramp of 7 s from 60 km/h or more",
             do="give a longer track, a higher speed or more time",
         )
 
 
-def _why_not_driven(known: Knowledge, measure: Measure) -> str:
+def _why_not_driven(prior: Prior, measure: Measure) -> str:
     """Why the mean car cannot be driven so; "" where it can."""
     try:
         if measure.driven:
-            drive(cars(known, 1)[0], measure, known.track, known.sensors)
+            drive(cars(prior, 1)[0], measure, prior.track, prior.sensors)
     except ModelError as error:
         return error.problem
     return ""
 
 
 def _medians(
-    mapped: Mapped, known: Knowledge, sequels: Sequence[_Sequel], count: int
+    mapped: Mapped, prior: Prior, sequels: Sequence[_Sequel], count: int
 ) -> list[HalfWidths]:
     """Median widths over ``count`` cars after each of the sequels.
 
     Raises LogError with the reason for one that cannot be done.
     """
     medians = []
-    for of_cars in _outcomes(mapped, known, sequels, count):
+    for of_cars in _outcomes(mapped, prior, sequels, count):
         if isinstance(of_cars, str):
-            raise LogError(of_cars, where=known.vehicle.name)
+            raise LogError(of_cars, where=prior.vehicle.name)
         medians.append(median(of_cars))
     return medians
 
 
 def _outcomes(
-    mapped: Mapped, known: Knowledge, sequels: Sequence[_Sequel], count: int
+    mapped: Mapped, prior: Prior, sequels: Sequence[_Sequel], count: int
 ) -> list[list[HalfWidths] | str]:
     """Widths of ``count`` cars after each sequel, or why one of them cannot be driven or fitted."""
-    asked = [(number, done) for done in sequels for number in range(count)]
-    outcomes = list(mapped(partial(_outcome, known), asked))
+    cases = [(number, steps) for steps in sequels for number in range(count)]
+    outcomes = list(mapped(partial(_outcome, prior), cases))
     groups = [outcomes[i : i + count] for i in range(0, len(outcomes), count)]
-    found: list[list[HalfWidths] | str] = []
+    widths: list[list[HalfWidths] | str] = []
     for group in groups:
         reasons = [outcome for outcome in group if isinstance(outcome, str)]
-        found.append(reasons[0] if reasons else [w for w in group if isinstance(w, HalfWidths)])
-    return found
+        widths.append(reasons[0] if reasons else [w for w in group if isinstance(w, HalfWidths)])
+    return widths
 
 
-def _outcome(known: Knowledge, asked: tuple[int, _Sequel]) -> HalfWidths | str:
+def _outcome(prior: Prior, case: tuple[int, _Sequel]) -> HalfWidths | str:
     """Widths of the car of that number after the measures, or why it has none."""
-    number, done = asked
+    number, steps = case
     try:
-        return half_widths(known, cars(known)[number], done, SEED + 100 * number)
+        return half_widths(prior, cars(prior)[number], steps, SEED + 100 * number)
     except BrakeCalError as error:
         return error.problem

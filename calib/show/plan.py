@@ -7,7 +7,7 @@ from calib.plan.measure import Measure, pressure_trace
 from calib.plan.search import Plan, Step
 from calib.show.facts import DIR, FAILED, PASSED, UNJUDGED, Facts, Table
 
-_HEADS = ("torque known to (95 %)", "front [%]", "rear [%]", "total [%]")
+_HEADS = ("torque prior to (95 %)", "front [%]", "rear [%]", "total [%]")
 
 
 def plan_facts(plan: Plan) -> Facts:
@@ -23,7 +23,7 @@ def plan_facts(plan: Plan) -> Facts:
     rows.append(("and all measurements of a workshop", *_cells(plan.floor)))
     total = f"{plan.seconds:.0f}{NBSP}s"
     return Facts(
-        title=f"Plan for {plan.known.vehicle.name}",
+        title=f"Plan for {plan.prior.vehicle.name}",
         verdict=(PASSED if met else FAILED) if wanted else UNJUDGED,
         word=("Enough" if met else "Not enough") if wanted else "Planned",
         headline=f"{_in_words(plan.after)} after {total}",
@@ -34,7 +34,7 @@ def plan_facts(plan: Plan) -> Facts:
     )
 
 
-def _cells(widths: HalfWidths, none: str = "not known") -> tuple[str, ...]:
+def _cells(widths: HalfWidths, none: str = "not prior") -> tuple[str, ...]:
     return tuple(f"{100.0 * w:.1f}" if 0.0 < w < 10.0 else none for w in widths)
 
 
@@ -59,9 +59,9 @@ def _card(plan: Plan, step: Step, number: int) -> Facts:
     measure = step.measure
     rows = [("time", f"{step.seconds:.0f}{NBSP}s")]
     if measure.driven:
-        rows.insert(0, ("from", f"{3.6 * plan.known.track.speed:.0f}{NBSP}km/h"))
+        rows.insert(0, ("from", f"{3.6 * plan.prior.track.speed:.0f}{NBSP}km/h"))
     if measure.kind == "ramp":
-        top = float(pressure_trace(plan.known.vehicle, measure)[1].max()) / 1e5
+        top = float(pressure_trace(plan.prior.vehicle, measure)[1].max()) / 1e5
         rows.append(("pressure at the end", f"{top:.0f}{NBSP}bar"))
     return Facts(f"{number}. {measure.text}", headline=measure.driver, rows=rows)
 

@@ -14,7 +14,7 @@ from calib.logs.read import read_log
 from calib.model.sensor_noise import add_noise
 from calib.plan import search
 from calib.plan.achieved import compare
-from calib.plan.expected import knowledge, noise_of
+from calib.plan.expected import noise_of, prior_of
 from calib.plan.measure import Track, measures, pressure_trace
 from calib.plan.plan_file import DOCUMENT, document, pressure_files, read_plan
 from calib.plan.search import Want, plan
@@ -24,7 +24,7 @@ from tests.support.reference_car import CAR as WEIGHED_CAR
 CAR = replace(WEIGHED_CAR, mass_tolerance=0.03)
 RUNS = {measure.name: measure for measure in measures()}
 FEW = tuple(RUNS[name] for name in ("ramp_60_3", "coast", "weighing", "rear_alone"))
-KNOWN = knowledge(CAR, Track(speed=33.0), frozenset({"v"}))
+KNOWN = prior_of(CAR, Track(speed=33.0), frozenset({"v"}))
 
 
 @pytest.fixture(scope="module")

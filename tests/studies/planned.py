@@ -18,7 +18,7 @@ from calib.fitting.fit import fit
 from calib.help.samples import sample_logs
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
-from calib.plan.expected import HalfWidths, knowledge, on_rollers, widths_of
+from calib.plan.expected import HalfWidths, on_rollers, prior_of, widths_of
 from calib.plan.measure import Measure, Track, pressure_trace
 from calib.plan.search import Plan, Want, plan
 from tests.support.plant import WHEELS, Plant, Tyre, as_log, brush, burckhardt, drive, dugoff
@@ -72,7 +72,7 @@ def achieved(car: Car, planned: Plan, seed: int) -> HalfWidths:
     measures = [step.measure for step in planned.steps]
     kinds = {measure.kind for measure in measures}
     runs = [m for m in measures if m.driven]
-    logs = [car.run(m, planned.known.sensors, 100 * seed + i) for i, m in enumerate(runs)]
+    logs = [car.run(m, planned.prior.sensors, 100 * seed + i) for i, m in enumerate(runs)]
     bench = on_rollers(car.vehicle, car.friction, seed) if "rollers" in kinds else None
     mass = car.vehicle.mass if "weighing" in kinds else None
     return widths_of(fit(car.vehicle, logs, mass=mass, bench=bench))
@@ -102,8 +102,8 @@ def main(seeds: int = 2) -> None:
     ratios = []
     for name, car in cars.items():
         for case, (sensors, seconds) in cases.items():
-            known = knowledge(car.vehicle, Track(speed=car.speed), sensors)
-            planned = plan(known, Want(seconds=seconds), cores())
+            prior = prior_of(car.vehicle, Track(speed=car.speed), sensors)
+            planned = plan(prior, Want(seconds=seconds), cores())
             steps = ", ".join(step.measure.name for step in planned.steps)
             widths = " ".join(f"{100.0 * w:.1f}" for w in planned.after)
             shares = [np.divide(achieved(car, planned, s + 1), planned.after) for s in range(seeds)]
