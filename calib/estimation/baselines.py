@@ -21,6 +21,7 @@ from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle
 from calib.estimation.estimator import Estimate
+from calib.run.filters import recursive
 from calib.table.table import Table
 
 RATE, PRESSURE = 8.0, 20e5
@@ -43,11 +44,9 @@ def mean_gain(e: Estimate) -> Pair:
     its gain is found recursively and rests on the deceleration of the car alone. Here that is the
     accelerometer's, known resistance taken out. It cannot see a difference between the axles.
     """
-    from scipy.signal import lfilter
-
     u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
     pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
-    above, below = (lfilter([1.0], pole, x) for x in (u * e.forces.balance.demanded, u * u))
+    above, below = (recursive(x, pole) for x in (u * e.forces.balance.demanded, u * u))
     factor = np.divide(above, below, out=np.ones_like(u), where=below > 0.0)
     return nominal(e, factor)
 

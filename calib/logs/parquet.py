@@ -9,6 +9,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.bounded import LOG
 from calib.base.errors import LogError
+from calib.logs.arrow import numbers
 from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import column_from_cell, from_first, over_midnight
 from calib.logs.text.encoding import too_large
@@ -67,8 +68,7 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
                 if (unit := _clock_unit(column.type)) is not None:
                     arrays.append(_from_first(column, unit, f"{where}: {columns[i].name}"))
                 else:
-                    values = column.cast(pa.float64()).to_numpy()
-                    arrays.append(values.astype(np.float64, copy=False))
+                    arrays.append(numbers(column))
         except (pa.ArrowException, OSError, ValueError) as cause:
             raise damaged(where, f"damaged: {cause}") from cause
         return arrays

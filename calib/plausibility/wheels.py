@@ -259,15 +259,16 @@ def lost_pulses(e: Evidence) -> Iterator[Measured]:
     alike, so twice the share above is taken off; a wheel that slips is below for longer than the
     median spans.
     """
-    from scipy.ndimage import median_filter
-
     s = e.run.signals
     rolling = (s.lead_in | (np.maximum(s.p_f, s.p_r) < BITE)) & (s.speed > MOVING)
     if np.count_nonzero(rolling) * s.sample_time < _TIME:
         return
     for name in (f"omega_{wheel}" for wheel in WHEELS):
         omega = e.run.log[name][rolling]
-        away = omega - median_filter(omega, _SPAN)
+        around = np.lib.stride_tricks.sliding_window_view(
+            np.pad(omega, _SPAN // 2, "symmetric"), _SPAN
+        )
+        away = omega - np.median(around, axis=-1)
         far = _SIGMA * max(scatter(away), 1e-3 * float(np.mean(omega)))
         lost = max(float(np.mean(away < -far) - 2.0 * np.mean(away > far)), 0.0)
         yield Measured("lost_pulses", lost, words={"wheel": name})

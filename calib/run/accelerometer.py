@@ -31,7 +31,7 @@ from calib.car.beliefs import SENSOR
 from calib.car.braking import BITE
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST
-from calib.run.filters import centred_mean
+from calib.run.filters import centred_mean, recursive
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
 _THERE, _STILL = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002])
@@ -212,14 +212,12 @@ def _against_speed(
     """
     if compared is None:
         return _AgainstSpeed(np.zeros((3, 3)), np.zeros(3), 0.0, _LAG**-2.0, 0.0, np.zeros(2))
-    from scipy.signal import lfilter
-
     white, walk = densities[1] ** 2 / h, (G * densities[0]) ** 2 * h
     columns, usable = compared
     average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
     start = np.zeros_like(columns[:1])
     start[0, :2] = -1.0, 1.0  # the noise of the first v, which all others are compared with
-    rows = lfilter([1.0], average, np.concatenate([columns, start]))[:, :last] / sigma
+    rows = recursive(np.concatenate([columns, start]), average)[:, :last] / sigma
     products = rows @ rows.T
     likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
     precision, vector = np.zeros((3, 3)), np.zeros(3)

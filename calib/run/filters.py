@@ -1,5 +1,6 @@
 """Means, low-pass and intervals of a sampled signal, and what least squares leave of many."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -61,11 +62,37 @@ def low_pass(x: Array, step: float, time_constant: float) -> Array:
     ``step`` and ``time_constant`` [s]. The input is constant between samples; for an input that is
     linear between samples, use `calib.car.lag.first_order`.
     """
-    from scipy.signal import lfilter
-
     gain = 1.0 - float(np.exp(-step / time_constant))
-    start = [(1.0 - gain) * x[0]]
-    return np.asarray(lfilter([gain], [1.0, gain - 1.0], x, zi=start)[0])
+    return recursive(np.append(x[:1], gain * x[1:]), [1.0, gain - 1.0])
+
+
+def recursive(x: Array, poles: Sequence[float] | Array) -> Array:
+    """Output y of y[k] + poles[1] y[k-1] + poles[2] y[k-2] + ... = x[k], from rest, (..., n).
+
+    A banded system of equations: `scipy.signal`, which has such a filter, takes longer to import
+    than a log to estimate.
+
+    >>> recursive(np.array([1.0, 0.0, 0.0]), [1.0, -0.5])
+    array([1.  , 0.5 , 0.25])
+    """
+    from scipy.linalg.lapack import dtbtrs
+
+    bands = np.repeat(np.asarray(poles)[:, None], x.shape[-1], axis=1)
+    y, _ = dtbtrs(bands, x.reshape(-1, x.shape[-1]).T, uplo="L", diag="U")
+    return np.asarray(y.T.reshape(x.shape))
+
+
+def sliding_minimum(x: Array, width: int) -> Array:
+    """Least of the ``width`` samples around each, an odd number; fewer at the ends. Shape (n,).
+
+    >>> sliding_minimum(np.array([3.0, 1.0, 2.0, 4.0]), 3)
+    array([1., 1., 1., 2.])
+    """
+    beyond = np.full(width // 2, np.inf)
+    least, size = np.concatenate([beyond, x, beyond]), 1
+    while 2 * size <= width:
+        least, size = np.minimum(least[:-size], least[size:]), 2 * size
+    return np.asarray(np.minimum(least[: x.size], least[width - size :][: x.size]))
 
 
 def since(time: Array, event: Mask) -> Array:

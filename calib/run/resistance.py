@@ -76,8 +76,6 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
     Raises ModelError if the vehicle names an effect or parameter that the catalogue does not know,
     or a value out of its range.
     """
-    from scipy.optimize import lsq_linear
-
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
     priors = [e.card.parameters[0] for e in (AERODYNAMIC_DRAG, ROLLING_RESISTANCE)]
@@ -104,7 +102,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
     if np.any(free):
         low, high = np.asarray([(p.low - 1e-12, p.high) for p in priors])[free].T
         residual = y - A[:, ~free] @ solution[~free]
-        solution[free] = lsq_linear(A[:, free], residual, bounds=(low, high)).x
+        solution[free] = _bounded(A[:, free], residual, low, high)
     covariance = np.linalg.inv(A.T @ A)
     values = np.maximum(solution, 0.0)
     parameters: dict[str, dict[str, float]] = {}
@@ -120,6 +118,16 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         covariance=tuple(tuple(row) for row in covariance.tolist()),
         specified=all(g is not None for g in specified),
     )
+
+
+def _bounded(A: Array, y: Array, low: Array, high: Array) -> Array:
+    """Least squares solution (k,) within bounds; without scipy.optimize where these do nothing."""
+    solution = np.linalg.lstsq(A, y, rcond=-1)[0]
+    if np.all((solution >= low) & (solution <= high)):
+        return np.asarray(solution)
+    from scipy.optimize import lsq_linear
+
+    return np.asarray(lsq_linear(A, y, bounds=(low, high)).x)
 
 
 def _drag_gain(vehicle: Vehicle, v: Array) -> Array:

@@ -23,7 +23,7 @@ from calib.base.intervals import second_differences, white_noise
 from calib.base.names import G
 from calib.car.lag import integral
 from calib.run.driving_record import GREATEST
-from calib.run.filters import block_mean
+from calib.run.filters import block_mean, recursive
 
 _BLOCK = 0.05  # length of the means that are compared [s]
 
@@ -152,12 +152,10 @@ class _DelayEvidence:
 
     def on_road(self, walks: float) -> "_DelayEvidence":
         """The same where the slope ``walks`` [g/s^0.5]."""
-        from scipy.signal import lfilter
-
         turned = (G * self.length * walks) ** 2 * self.length
         average, sigma = second_differences(*self.noise, turned)
         first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
-        begins = np.linalg.qr(lfilter([1.0], average, first, axis=0))[0]
+        begins = np.linalg.qr(recursive(first.T, average).T)[0]
         return replace(self, average=average, sigma=sigma, begins=begins)
 
     def first(self) -> float:
@@ -179,8 +177,6 @@ class _DelayEvidence:
         return self._filtered(self.v - gained), self._filtered(gained)
 
     def _filtered(self, x: Array) -> Array:
-        from scipy.signal import lfilter
-
-        white = lfilter([1.0], self.average, np.where(self.usable, np.diff(x, 2), 0.0))
+        white = recursive(np.where(self.usable, np.diff(x, 2), 0.0), self.average)
         white -= self.begins @ (self.begins.T @ white)
         return np.asarray(white / self.sigma)

@@ -25,7 +25,7 @@ from calib.base.warning import LIMITS
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord
-from calib.run.filters import block_mean, centred_mean, runs, without_single
+from calib.run.filters import block_mean, centred_mean, runs, sliding_minimum, without_single
 
 
 @dataclass(frozen=True)
@@ -212,11 +212,9 @@ def _swings(slip: Array, driving: DrivingRecord, inside: Mask) -> list[float]:
 
     A pedal, a bump or a ramp near the peak of its tyres lets a wheel slip once, or for long.
     """
-    from scipy.ndimage import minimum_filter1d
-
     width = max(1, round(LIMITS.swing_time / driving.step)) | 1
     above = inside & (driving.speed > MOVING)
-    above &= slip - minimum_filter1d(slip, width) > LIMITS.swing
+    above &= slip - sliding_minimum(slip, width) > LIMITS.swing
     starts = [float(driving.time[start]) for start, _ in runs(above)]
     near = np.diff(starts) < LIMITS.abs_cycle
     return starts if np.count_nonzero(near) + 1 >= LIMITS.swings else []

@@ -5,10 +5,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from calib.base.arrays import Array
 from calib.base.errors import LogError
+from calib.logs.arrow import numbers
 from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import (
     clock_seconds,
@@ -186,7 +185,7 @@ class TextRows:
         return [
             clock_seconds(column.to_pylist(), EMPTY, f"{self.where}: {self.columns[i].name}")
             if i in self.clocks
-            else column.to_numpy().astype(np.float64, copy=False)  # null becomes NaN
+            else numbers(column)
             for i, column in zip(indices, table.columns, strict=True)
         ]
 
