@@ -80,5 +80,5 @@ def test_every_rule_has_a_figure_and_every_refusal_says_what_to_do():
         if rule.does in (REFUSE, VOID):
             assert rule.do, rule.code
             assert (rule.low, rule.high) != (-np.inf, np.inf), rule.code
-        assert set(rule.purposes) <= {*rules.PURPOSES, "check", "vehicle"}, rule.code
+        assert set(rule.purposes) <= {*rules.PURPOSES, "check", "vehicle", "station"}, rule.code
     assert len(UNITS) > 90

@@ -14,6 +14,7 @@ from calib.plausibility.pads import (
     of_changes,
     require_possible_pads,
 )
+from calib.plausibility.rules import VALIDATE
 from calib.table.table import Calibration, Value
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 
@@ -79,7 +80,7 @@ def test_pads_that_changed_apart(apart, sigma, named):
     ids=["heavier", "lighter", "unsure", "as usual", "soaked pads"],
 )
 def test_brakes_that_another_load_or_sensor_makes_seem_changed(level, sigma, named):
-    found = judged("log", of_changes((level, sigma), (0.0, 0.02)))
+    found = judged("log", of_changes((level, sigma), (0.0, 0.02)), VALIDATE)
     assert len(found) == named
     for one in found:
         assert one.measured == pytest.approx(math.expm1(level))
