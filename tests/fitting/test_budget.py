@@ -18,7 +18,7 @@ UNWEIGHED = replace(CAR, mass_tolerance=0.03)
 EFFECTS = Effects(
     {"aerodynamic_drag": {"drag_area": 0.66}, "rolling_resistance": {"coefficient": 0.011}}
 )
-SURE = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 0.0)), known=True)
+SURE = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 0.0)), specified=True)
 
 
 @pytest.fixture(scope="module")

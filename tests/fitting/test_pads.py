@@ -16,7 +16,7 @@ from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, prepared, r
 SHARE = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
 """Of the front brakes in the force at one pressure, Table I."""
 
-SURE = Resistance(Effects(), ((0.0, 0.0), (0.0, 0.0)), known=True)
+SURE = Resistance(Effects(), ((0.0, 0.0), (0.0, 0.0)), specified=True)
 
 
 @pytest.fixture(scope="module")

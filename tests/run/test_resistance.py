@@ -81,7 +81,7 @@ def test_a_lead_in_gives_the_sum_and_leaves_the_parts(ramp):
     alone = identify(CAR, [])
     assert alone.mean == pytest.approx([p.typical for p in PRIOR], rel=1e-9)
     assert np.asarray(alone.covariance) == pytest.approx(np.diag([p.spread**2 for p in PRIOR]))
-    assert not alone.known
+    assert not alone.specified
     assert found.sigma_z(CAR, v)[0] < 0.3 * alone.sigma_z(CAR, v)[0]
     for i in (0, 1):
         assert found.covariance[i][i] > 0.2 * PRIOR[i].spread ** 2
@@ -117,7 +117,7 @@ def test_known_effects_are_kept(coast):
         ),
     )
     found = identify(told, [seen(coast)])
-    assert found.known
+    assert found.specified
     assert found.mean == (0.66, 0.011)  # though the coast says 0.80 and 0.015
     assert found.effects.parameters == told.effects.parameters
 
@@ -125,7 +125,7 @@ def test_known_effects_are_kept(coast):
 def test_one_known_effect_gives_the_other_from_a_lead_in(ramp):
     told = replace(CAR, effects=Effects({"aerodynamic_drag": {"drag_area": TRUE[0]}}))
     found = identify(told, [seen(ramp)])
-    assert not found.known
+    assert not found.specified
     assert found.mean[0] == TRUE[0]
     assert abs(found.mean[1] - TRUE[1]) < 3.0 * np.sqrt(found.covariance[1][1])
     assert np.sqrt(found.covariance[1][1]) < 0.2 * PRIOR[1].spread
