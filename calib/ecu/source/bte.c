@@ -328,22 +328,25 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     const bte_inputs *x = &s->last;
     const bte_real omega[BTE_WHEELS] = {x->omega_fl, x->omega_fr, x->omega_rl, x->omega_rr};
-    bte_real fastest = R(0.0), slowest = R(0.0);
+    bte_real fastest = s->fastest - c->slows * c->sample_time, slowest = R(1e9);
     for (unsigned w = 0; w < (unsigned)BTE_WHEELS; w++) {
         bte_real *past = s->wheels[w];
-        const bte_real last = s->started ? past[1] : omega[w];
-        const bte_real first = s->started ? past[0] : last;
-        const bte_real middle = clip(omega[w], smallest(first, last), largest(first, last));
-        past[0] = last;
+        if (!s->started) {
+            past[0] = omega[w];
+            past[1] = omega[w];
+        }
+        const bte_real low = smallest(past[0], past[1]), high = largest(past[0], past[1]);
+        const bte_real middle = clip(omega[w], low, high);
+        past[0] = past[1];
         past[1] = omega[w];
-        fastest = w == 0U ? middle : largest(fastest, middle);
-        slowest = w == 0U ? middle : smallest(slowest, middle);
+        fastest = largest(fastest, middle);
+        slowest = smallest(slowest, middle);
     }
     const bte_real mean = R(0.5) * (x->omega_rl + x->omega_rr);
     const bte_real speed = c->rolling_radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
-    s->fastest = largest(fastest, s->fastest - c->slows * c->sample_time);
-    const bool locks = s->fastest - slowest > c->lock * largest(s->fastest, R(1.0))
-                       && s->fastest > c->turning;
+    const bool locks = fastest - slowest > c->lock * largest(fastest, R(1.0))
+                       && fastest > c->turning;
+    s->fastest = fastest;
     s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
     s->since_abs = x->abs_active > R(0.5) ? R(0.0) : s->since_abs + c->sample_time;
     const bte_real apart = (x->omega_rr - x->omega_rl) / largest(mean, R(1.0));
@@ -351,12 +354,13 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     const bte_real leaned = R(4.0) * slip * c->cg_height / (GRAVITY * c->track_width);
     const bte_real turned = apart / (c->track_width / square(largest(speed, c->moving)) + leaned);
     s->lateral = s->started ? s->lateral + c->lateral_part * (turned - s->lateral) : turned;
+    const bte_real recent = c->recover + R(0.5) * c->sample_time;
     bte_reason why;
     if (!fine) {
         why = BTE_FAULT;
-    } else if (s->since_abs <= c->recover + R(0.5) * c->sample_time) {
+    } else if (s->since_abs <= recent) {
         why = BTE_ABS;
-    } else if (s->since_lock <= c->recover + R(0.5) * c->sample_time) {
+    } else if (s->since_lock <= recent) {
         why = BTE_LOCKED;
     } else if (!(MATH(fabs)(s->lateral) < c->lateral)) {
         why = BTE_CORNERS;
@@ -512,16 +516,14 @@ bool bte_resume(bte_state *s, const bte_car *car) {
 
 static bte_reason step(bte_state *s, const bte_inputs *x) {
     const uint32_t failing = take_sample(s, x);
-    const bool fine = failing == 0U, begins = s->count == 0U;
+    const bool fine = failing == 0U;
     const bte_reason disturbed = disturbance(s, fine);
     const bte_inputs *last = &s->last;
-    const bte_sums_of_block none = {R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)};
     bte_sums_of_block *sum = &s->sum;
     s->started = true;
-    s->worst = begins || disturbed > s->worst ? disturbed : s->worst;
-    s->failed = !fine || (!begins && s->failed);
-    s->driven = last->driven > R(0.5) || (!begins && s->driven);
-    *sum = begins ? none : *sum;
+    s->worst = disturbed > s->worst ? disturbed : s->worst;
+    s->failed = s->failed || !fine;
+    s->driven = s->driven || last->driven > R(0.5);
     sum->p_mc += last->p_mc;
     sum->z += -last->a_x / GRAVITY;
     sum->omega_f += R(0.5) * (last->omega_fl + last->omega_fr);
@@ -530,8 +532,12 @@ static bte_reason step(bte_state *s, const bte_inputs *x) {
     sum->drive_r += last->T_drive_r;
     s->count++;
     if (s->count >= s->car->samples) {
-        s->count = 0;
         block_ends(s);
+        s->count = 0;
+        s->worst = BTE_VALID;
+        s->failed = false;
+        s->driven = false;
+        (void)memset(sum, 0, sizeof *sum);
     }
     diagnose(s, failing | ((uint32_t)s->checks << (unsigned)BTE_INPUTS));
     answer_torques(s);
