@@ -54,7 +54,7 @@ def _first(structure: Member) -> Iterator[tuple[str, float]]:
 
 def header(numbers: Iterable[tuple[str, str]], how: Precision) -> tuple[str, str]:
     """bte.h, and the number of its layout; ``numbers`` as C declares them, with a comment each."""
-    structures = {type(x): x for _, x in filters() if is_dataclass(x)}
+    structures = {type(x): x for _, x in members_of(State()) if is_dataclass(x)}
     read, answered = (((x.name, f"{x.meaning} [{x.unit}]") for x in of.values())
                       for of in (CHANNELS, ANSWERS))  # fmt: skip
     text = source("bte.h").safe_substitute(
@@ -84,13 +84,8 @@ def cell(how: Precision) -> str:
     return f"int{how.bits}_t" if how.bits else "bte_real"
 
 
-def filters() -> list[tuple[str, Member]]:
-    """Members of the filters' state with their first values: what is true or false comes last."""
-    return members_of(State())
-
-
 def members_of(structure: Member) -> list[tuple[str, Member]]:
-    """Members of a structure with their values, in the order of C."""
+    """Members of a structure with their values, in the order of C: booleans come last."""
     members = [
         (x.name, getattr(structure, x.name)) for x in fields(structure) if x.name not in _BY_HAND
     ]

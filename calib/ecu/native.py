@@ -83,11 +83,11 @@ class Native:
 
 
 def coded(table: Table, how: Precision) -> Coded:
-    """Runs the code of a table as it is exported, on logs of any rate and mass.
+    """Return what runs the exported code of a table on logs of any rate and mass.
 
-    What it makes of a log is in the place of what an estimate has of the ECU; the change since the
-    ramp, which the code does not have, stays that of the estimate. Raises ProgramError where there
-    is no compiler, StoreError for a table that has no code.
+    Its answers replace those of the estimate's ECU, but for the change since the ramp, which the
+    code does not have. Raises ProgramError where there is no compiler, StoreError for a table that
+    has no code.
     """
     compiler()
     require_plain(table)

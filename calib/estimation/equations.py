@@ -33,7 +33,7 @@ from calib.estimation.state import (
 
 
 class BlockState(NamedTuple, Generic[Number]):
-    """What is known of brakes and tyres once a block is taken in."""
+    """Estimate of brakes and tyres after a block."""
 
     level: Number  # of the pads [1], its variance
     level_variance: Number
@@ -63,9 +63,9 @@ class SlipEvidence(NamedTuple):
 
     slip: Array  # how far ln(slip/z) is from that of the map, in its sigma
     slip_sigma: Array
-    scaled: Array  # share of a_x that is deceleration [1]: what the slip was off, it was
-    pads: Array  # level as it is now, of the pressure as it is now [1]
-    noise: Array  # its variance
+    scaled: Array  # share of a_x that is deceleration [1], with the slip of the map
+    pads: Array  # level at the pressure of now, with the lag [1]
+    noise: Array  # variance of the level by noise
     accelerometer: Array  # and by a_x
 
 
@@ -127,7 +127,7 @@ def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
 
 
 def rough_force(c: Constants, s: State, x: Sample[float]) -> float:
-    """Variance of a block's brake force by road and body, and by what is still to come of it."""
+    """Variance of a block's brake force by road, body and what the lag still holds back."""
     to_come = c.r_lag * s.level.level * (x.nominal - s.acting)
     return (c.r_level * (x.demand - s.demand.value)) ** 2 + to_come**2
 
@@ -232,9 +232,10 @@ def unexplained(c: Constants, s: State, x: Sample[float]) -> float:
 
 
 def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
-    """Whether the deceleration changes as the torque of a motor does, which else is wrong.
+    """Whether a change of a motor's torque shows in the deceleration.
 
-    Then the demand, which has the torque in it, changes by as much and the brakes explain nothing.
+    If the torque is wrong, the demand, of which it is a part, changes by as much, and the brakes
+    do not explain it.
     """
     f: LevelFilter = s.level
     e: Check = s.check
@@ -268,7 +269,7 @@ def check_a_x(c: Constants, s: State) -> None:
 
 
 def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, counts: bool) -> None:
-    """Whether innovations and states are such as no car has, and the level before a step."""
+    """Check innovations and states against what cars have; follow the level before a step."""
     e: Check = s.check
     y = x.demand - s.demand.value
     check_a_x(c, s)
@@ -282,9 +283,9 @@ def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, cou
 
 
 def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
-    """The speed by a_x, until it is measured.
+    """Predict the speed by a_x.
 
-    ``bends`` by how much the mean deceleration changed [1].
+    ``bends`` is the change of the mean deceleration [1].
     """
     f: SpeedFilter = s.speed
     rims = rim_speed(s, x)
@@ -319,7 +320,7 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
 
 
 def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
-    """The speed by the wheels; what does not fit is offset, scale and slip."""
+    """Update the speed by the wheels; what does not fit changes offset, scale and slip."""
     e: Check = s.check
     v, over = s.rim + s.speed.v, max(x.demand - s.demand.value, 0.0)
     slip = over * math.exp(s.speed.slip) if braking else 0.0
@@ -331,7 +332,7 @@ def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) ->
 
 
 def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
-    """What a block tells of brakes and speed."""
+    """Update the filters of brakes and speed by a block."""
     dt, braking, last_mean = c.block, x.pressure > c.bite, s.mean_z
     if braking:
         s.braked += dt
@@ -358,7 +359,7 @@ def failed_checks(c: Constants, s: State) -> float:
 
 
 def block_state(c: Constants, s: State, x: Sample[float], *, counts: bool) -> BlockState[float]:
-    """What is known of brakes and tyres."""
+    """Return the estimate of brakes and tyres after a block."""
     f: SpeedFilter = s.speed
     n = s.sums.blocks if s.sums.blocks > 0.0 else 1.0
     return BlockState(
