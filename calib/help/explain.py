@@ -6,6 +6,7 @@ Reason        why an answer of the estimator is not valid
 """
 
 import math
+import re
 
 from calib.base.plain import METRICS
 from calib.base.warning import REFUSE, RULES, VOID, WARN
@@ -30,7 +31,7 @@ def explained(code: str) -> Facts:
 def _rules(code: str) -> list[Row]:
     rows: list[Row] = []
     for rule in (one for one in RULES if one.code == code):
-        causes = [*rule.causes, *rule.below]
+        causes = [cause for cell in (*rule.causes, *rule.below) if (cause := _open(cell)) != "..."]
         rows += [
             ("measures", f"{rule.means}, in {rule.unit}" if rule.unit != "1" else rule.means),
             (
@@ -38,9 +39,14 @@ def _rules(code: str) -> list[Row]:
                 _range(rule.low, rule.high),
             ),
             *(("likely" if not i else "or", cause) for i, cause in enumerate(causes)),
-            ("what to do", rule.do),
+            ("what to do", _open(rule.do)),
         ]
     return [row for row in rows if row[1]]
+
+
+def _open(text: str) -> str:
+    """A text with dots where a log puts in its own words."""
+    return re.sub(r"\{\w+[^{}]*\}", "...", text)
 
 
 def _range(low: float, high: float) -> str:

@@ -111,11 +111,10 @@ def _late(delays: Mapping[str, PressureDelay], cut: bool) -> Iterator[Measured]:
 
     for (surely, words, entry), channels in groupby(delays, alike):
         every = ", ".join(channels)
-        how = f"{every} {'are' if ',' in every else 'is'} {words} against the deceleration"
-        zero = "a zero of p_mc that is too low, so that it is cut at 0"
-        causes = [zero, how] if cut and surely < 0.0 else [how]
-        entries = {"causes": "|".join(causes), "entry": f"{entry} to {every}"}
-        yield Measured("pressure_late", surely, words=entries)
+        zero = "a zero of p_mc that is too low, so that it is cut at 0, or "
+        how = f"{every} {'are' if ',' in every else 'is'} {words}"
+        how = f"{zero * (cut and surely < 0.0)}{how}"
+        yield Measured("pressure_late", surely, words={"how": how, "entry": f"{entry} to {every}"})
 
 
 def speed(e: Evidence) -> Iterator[Measured]:

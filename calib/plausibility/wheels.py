@@ -77,20 +77,20 @@ def wheels(e: Evidence) -> Iterator[Measured]:
 
 def _against_v(axle: str, mistakes: Sequence[SpeedMistake]) -> Measured:
     """The likeliest of the ``mistakes`` that v and the wheels of an ``axle`` show, or of both."""
-    likeliest = mistakes[0]
-    causes = [cause for mistake in mistakes for cause in _causes(axle, mistake)]
-    code = "v_clock" if likeliest.kind == CLOCK else "wheel_offset"
-    return Measured(code, likeliest.size, likeliest.sigma, words={"causes": "|".join(causes)})
+    first, *others = mistakes
+    words = {"or": " or ".join(map(_in_words, others)), "percent": f"{100.0 * first.size:+.1f}"}
+    if first.kind == CLOCK:
+        return Measured("v_clock", first.size, first.sigma, words=words)
+    words["wheels"] = f"{AXLE_NAMES[axle]} wheel speeds" if axle else "wheel speeds"
+    words["of_v"] = (
+        "" if axle else f"an offset of v of {-3.6 * first.size * first.radius:+.1f} km/h"
+    )
+    return Measured("wheel_offset", first.size, first.sigma, words=words)
 
 
-def _causes(axle: str, mistake: SpeedMistake) -> Iterator[str]:
-    if mistake.kind == CLOCK:
-        yield f"a clock of v of its own, which runs {100.0 * mistake.size:+.1f} % off"
-        return
-    wheels = f"{AXLE_NAMES[axle]} wheel speeds" if axle else "wheel speeds"
-    yield f"an offset of the {wheels}, which their decoding lacks"
-    if not axle:
-        yield f"an offset of v of {-3.6 * mistake.size * mistake.radius:+.1f} km/h"
+def _in_words(mistake: SpeedMistake) -> str:
+    of_clock = f"a clock of v that runs {100.0 * mistake.size:+.1f} % off"
+    return of_clock if mistake.kind == CLOCK else "an offset of the wheel speeds"
 
 
 def _of_v(radius: float, by_a_x: float) -> Iterator[Measured]:
