@@ -44,7 +44,7 @@ def _sensors(written: str | None) -> frozenset[str]:
 
 @command(
     "brake-cal plan --vehicle sample_logs/sedan/vehicle.toml --time '30 s'",
-    "brake-cal plan --vehicle sample_logs/sedan/vehicle.toml --want 'front 3 %, rear 5 %' "
+    "brake-cal plan --vehicle sample_logs/sedan/vehicle.toml --want 'front 3 %, rear 6 %' "
     "--sensors v,p_fl,p_fr,p_rl,p_rr --out drive",
     report=True,
 )

@@ -13,7 +13,7 @@ from calib.base.warning import REFUSE, RULES, VOID, WARN
 from calib.estimation.reasons import CHECKS, Reason
 from calib.show.facts import Facts, Row
 
-_DOES = {REFUSE: "refuses", VOID: "lets no sample count", WARN: "warns"}
+_ELSE = {REFUSE: "else it is refused", VOID: "else no sample counts", WARN: "else a warning"}
 
 
 def codes() -> list[str]:
@@ -32,13 +32,11 @@ def _rules(code: str) -> list[Row]:
     rows: list[Row] = []
     for rule in (one for one in RULES if one.code == code):
         causes = [cause for cell in (*rule.causes, *rule.below) if (cause := _open(cell)) != "..."]
+        where = ", ".join(rule.purposes)
         rows += [
             ("measures", f"{rule.means}, in {rule.unit}" if rule.unit != "1" else rule.means),
-            (
-                f"{_DOES[rule.does]} in {', '.join(rule.purposes)}",
-                _range(rule.low, rule.high),
-            ),
-            *(("likely" if not i else "or", cause) for i, cause in enumerate(causes)),
+            ("expected", f"{_range(rule.low, rule.high)} ({where}), {_ELSE[rule.does]}"),
+            *(("or" if i else "likely", cause) for i, cause in enumerate(causes)),
             ("what to do", _open(rule.do)),
         ]
     return [row for row in rows if row[1]]
@@ -50,13 +48,11 @@ def _open(text: str) -> str:
 
 
 def _range(low: float, high: float) -> str:
-    if math.isinf(low) and math.isinf(high):
-        return "unless it is plausible"
     if math.isinf(low):
-        return f"unless at most {high:g}"
+        return "what cars have" if math.isinf(high) else f"at most {high:g}"
     if math.isinf(high):
-        return f"unless at least {low:g}"
-    return f"unless {low:g}" if low == high else f"unless {low:g} to {high:g}"
+        return f"at least {low:g}"
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
 def _metric(code: str) -> list[Row]:

@@ -73,7 +73,7 @@ def per_bar(table: Table) -> list[str]:
     ]
 
 
-class TorqueErrors(NamedTuple):
+class _TorqueErrors(NamedTuple):
     """Rms errors of the ECU's torques over the rms of what they are ``against`` [1], front to both.
 
     ``against`` is `TRUTH`, `REFERENCE` for the best estimate with the speed v, or `NONE`.
@@ -96,22 +96,18 @@ class TorqueErrors(NamedTuple):
 _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
 
 
-def errors(r: Validation) -> TorqueErrors:
+def errors(r: Validation) -> _TorqueErrors:
     """Errors of the ECU's torques in a stop, against the truth, or else against v."""
-    against_truth = [x for x in map(r.figures.get, _ERRORS) if x is not None]
-    if truth_of(r.estimate) is not None:
-        return (
-            TorqueErrors(TRUTH, tuple(against_truth))
-            if len(against_truth) == len(SIDES)
-            else TorqueErrors(NONE)
-        )
+    against_truth = tuple(x for x in map(r.figures.get, _ERRORS) if x is not None)
+    if len(against_truth) == len(SIDES):
+        return _TorqueErrors(TRUTH, against_truth)
     valid = valid_samples(r) & r.estimate.valid
     if r.estimate.blocks.v is None or not valid.any():
-        return TorqueErrors(NONE)
+        return _TorqueErrors(NONE)
     columns = r.estimate.columns()
     pairs = zip(torques(columns), torques(columns, ""), strict=True)
     values = (_relative(ecu.value[valid], best.value[valid]) for ecu, best in pairs)
-    return TorqueErrors(REFERENCE, tuple(values))
+    return _TorqueErrors(REFERENCE, tuple(values))
 
 
 def true_means(r: Validation, samples: Mask) -> list[str]:
