@@ -58,7 +58,7 @@ TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": 
 them."""
 
 _TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
-_TAKEN = ("journal.jsonl", "journal.head")
+_FILES_OF_STORE = ("journal.jsonl", "journal.head")
 """Files of a store, beside which tables are folders."""
 _DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 """Names that Windows keeps for devices, with any ending."""
@@ -75,5 +75,5 @@ def names_a_table(name: str) -> bool:
     >>> [names_a_table(x) for x in ("sedan-2up", "a b", "journal.head", "nul.2", "car.")]
     [True, False, False, False, False]
     """
-    taken = name.lower() in _TAKEN or _DEVICE.fullmatch(name)
+    taken = name.lower() in _FILES_OF_STORE or _DEVICE.fullmatch(name)
     return bool(_TABLE_NAME.fullmatch(name)) and ".." not in f"{name}." and not taken

@@ -203,8 +203,14 @@ def unexplained(
     that seem to lock, has that cause and no other.
     """
     every = tuple(warnings)
-    explained = {code for one in (*every, *beside) for code in _OF[one.code][0].makes}
+    explained = {code for one in (*every, *beside) for code in _made_by(one)}
     return tuple(sorted((one for one in every if one.code not in explained), key=_place))
+
+
+def _made_by(warning: PlausibilityWarning) -> tuple[str, ...]:
+    """Codes that follow from a warning: none from one that is within the first row of its code."""
+    first = _OF[warning.code][0]
+    return () if first.low <= warning.measured <= first.high else first.makes
 
 
 def _place(warning: PlausibilityWarning) -> int:

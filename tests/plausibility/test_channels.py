@@ -234,6 +234,13 @@ def test_a_zero_that_is_cut_is_told_from_a_clock(shift, zero, first):
     assert first in reasons["pressure_late"].causes[0]
 
 
+def test_a_bend_hides_no_abs():
+    bent = {"omega_fr": 1.02 * RAMP["omega_fr"], "omega_fl": RAMP["omega_fl"].copy()}
+    dips = (RAMP["p_mc"] > 0.7 * RAMP["p_mc"].max()) * np.maximum(np.sin(31.0 * RAMP.time), 0.0)
+    bent["omega_fl"] *= 1.0 - 0.2 * dips
+    assert {"sides_f", "abs"} <= {one.code for one in check(changed(RAMP, **bent)).warnings}
+
+
 def test_a_rule_makes_only_what_stands_behind_it():
     places = {rule.code: place for place, rule in reversed([*enumerate(RULES)])}
     for rule in RULES:
