@@ -67,7 +67,7 @@ def _as_written(e: Estimate) -> Pair:
     car, s = e.car, e.read
     spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
     b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
-    return _adapted(e, by_curves(e.table, e.eta, b), gain(car.front))
+    return _adapted(e, _by_curves(e.table, e.eta, b), gain(car.front))
 
 
 def _adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
@@ -86,7 +86,7 @@ def _adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
     return adapt(e.car.front, e.read.p_f, brakes[0]), adapt(e.car.rear, e.read.p_r, brakes[1])
 
 
-def by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
+def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
     """Brake forces [N] of tyres at z + f1(eta) and z + f2(eta), (11)-(14), as exported.
 
     ``eta`` zeroed (22) (n,); z the sum of the tyre forces of ``b`` over the weight. Beyond the ends
@@ -120,6 +120,6 @@ METHODS: dict[str, Callable[[Estimate], Pair]] = {
     "nominal": nominal,
     "mean_gain": mean_gain,
     "gradient_as_written": _as_written,
-    "gradient_paper": lambda e: _adapted(e, by_curves(e.table, e.eta, e.forces.balance)),
+    "gradient_paper": lambda e: _adapted(e, _by_curves(e.table, e.eta, e.forces.balance)),
 }
 """The methods by the names that they have in files."""

@@ -83,7 +83,7 @@ def _of_log(r: Validation) -> dict[str, object]:
     }
 
 
-def write_result(e: Estimate, path: Path) -> None:
+def _write_result(e: Estimate, path: Path) -> None:
     """Write the columns of one estimate as Parquet. Raises OSError if it cannot."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -109,6 +109,6 @@ def write_results(results: list[Validation], summary: dict[str, object], out: Pa
 def fill(results: list[Validation], summary: dict[str, object], work: Path) -> None:
     """Write the files of `write_results` into the folder ``work``. Raises OSError."""
     for result in results:
-        write_result(result.estimate, work / f"{result.log}.parquet")
+        _write_result(result.estimate, work / f"{result.log}.parquet")
     text = json.dumps(summary, indent=2, allow_nan=False) + "\n"
     write_whole(work / SUMMARY, text.encode())

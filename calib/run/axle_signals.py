@@ -82,7 +82,8 @@ def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
     """
     read, step = causal_signals(log, radius), log.sample_time
     omega_f, omega_r = (
-        0.5 * (without_runout(log[f"omega_{a}l"], step) + without_runout(log[f"omega_{a}r"], step))
+        0.5
+        * (_without_runout(log[f"omega_{a}l"], step) + _without_runout(log[f"omega_{a}r"], step))
         for a in AXLES
     )
     v, delay = _reference_speed(log)
@@ -246,7 +247,7 @@ _ALIKE = 0.5
 goes with the car, as noise of a slow bus, has another phase in each half."""
 
 
-def without_runout(omega: Array, step: float) -> Array:
+def _without_runout(omega: Array, step: float) -> Array:
     """A wheel speed [rad/s] (n,) without the error of its ring; as it is where none is sure.
 
     ``step`` is the sample time [s].

@@ -61,7 +61,7 @@ _STEADY = 0.3
 step says nothing: it may be the delay, that is not exact."""
 
 
-class ForceStep(NamedTuple):
+class _ForceStep(NamedTuple):
     """The largest step of the braking force that the pressure does not make.
 
     ``time`` [s]; ``share`` over the usual brake force [1], above zero where the car brakes more
@@ -73,7 +73,7 @@ class ForceStep(NamedTuple):
     sigma: float
 
 
-_NO_STEP = ForceStep(0.0, 0.0, 1.0)
+_NO_STEP = _ForceStep(0.0, 0.0, 1.0)
 """Of a run that is too short for one."""
 
 
@@ -94,7 +94,7 @@ class BrakeResponse:
     share_sigma: float
     fading: float = 0.0
     fading_sigma: float = _FADING
-    step: ForceStep = _NO_STEP
+    step: _ForceStep = _NO_STEP
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     )
 
 
-def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Array) -> ForceStep:
+def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Array) -> _ForceStep:
     """The largest step of ``residual`` (n,) in the longest braking, by medians: a bump is no step.
 
     ``nominal`` what the pressure makes; both over the usual brake force [1]; ``step`` [s].
@@ -194,7 +194,7 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Arr
         return _NO_STEP
     largest = int(np.argmax(np.where(comparable, np.abs(steps), 0.0)))
     sigma = scatter(steps[comparable] - np.median(steps[comparable]))
-    return ForceStep(float(middles[largest]), float(steps[largest]), sigma)
+    return _ForceStep(float(middles[largest]), float(steps[largest]), sigma)
 
 
 def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:

@@ -51,7 +51,7 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
 
 def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Pairs of channels that are one signal, each with the correlation of their noise [1]."""
-    periods = {name: period_of(log[name]) for name in names}
+    periods = {name: _period_of(log[name]) for name in names}
     whole = {name: _rough(log, name) for name in names}
     for first, other in combinations(names, 2):
         sent, x, y = log, whole[first], whole[other]
@@ -73,7 +73,7 @@ def _as_sent(log: Log, channels: Sequence[str]) -> Log:
     Values that are kept over several samples all rest and step together, which says nothing of
     where they come from.
     """
-    if min(period_of(log[name]) for name in channels) < _HELD:
+    if min(_period_of(log[name]) for name in channels) < _HELD:
         return log
     came = np.flatnonzero(np.diff(log[channels[0]])) + 1
     return replace(log, channels={name: x[came] for name, x in log.channels.items()})
@@ -110,7 +110,7 @@ _SAME = 0.6  # rest from which on an unchanged value counts as one more value [p
 _LONGEST = 0.25  # longest period [s]: what changes less often rests, or is as coarse as a counter
 
 
-def period_of(x: Array) -> float:
+def _period_of(x: Array) -> float:
     """Samples [1] for which a channel (n,) keeps each value; 1 where it changes with its clock."""
     ahead = np.diff(np.flatnonzero(np.diff(x)))
     if ahead.size < _FEWEST:
@@ -121,16 +121,16 @@ def period_of(x: Array) -> float:
     return float(np.mean(ahead[ahead < _LATER * shortest]))
 
 
-def came_at(x: Array, longest: float) -> Index | None:
+def _came_at(x: Array, longest: float) -> Index | None:
     """Samples at which the values of a channel (n,) came, ascending; None for those of its clock.
 
     A value that stays for several periods came again with each. One that is kept for more than
     ``longest`` [samples] is not one that is sent.
 
-    >>> came_at(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
+    >>> _came_at(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
     array([0, 4, 8])
     """
-    period = period_of(x)
+    period = _period_of(x)
     if not 1.0 < period <= longest:
         return None
     first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
@@ -149,7 +149,7 @@ def without_holds(log: Log) -> Log:
     longest, end = _LONGEST / log.sample_time, log.time.size
     channels, straight = dict(log.channels), set(log.interpolated)
     for name in (c for c in _CHANNELS if c in log):
-        came = came_at(log[name], longest)
+        came = _came_at(log[name], longest)
         if came is not None:
             channels[name] = np.interp(np.arange(log.time.size), came, log[name][came])
             end = min(end, int(came[-1]) + 1)

@@ -52,11 +52,11 @@ def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
     """
     step, moving = b.length, b.speed > MOVING
     halves = _halves(log)
-    omega = [long_run_density(block_mean(h, b.samples)[moving], step) for h in halves]
-    v = 0.0 if b.v is None else long_run_density(b.v[moving], step, b.omega_r[moving], 2.0)
+    omega = [_long_run_density(block_mean(h, b.samples)[moving], step) for h in halves]
+    v = 0.0 if b.v is None else _long_run_density(b.v[moving], step, b.omega_r[moving], 2.0)
     return SensorNoise(
         omega=max(_rms(omega), _NOISE_FLOOR["omega"]),
-        z=max(long_run_density(b.z[moving], step, b.p_f[moving]), _NOISE_FLOOR["z"]),
+        z=max(_long_run_density(b.z[moving], step, b.p_f[moving]), _NOISE_FLOOR["z"]),
         v=max(v, _NOISE_FLOOR["v"]),
         omega_white=_rms([_white(h) for h in halves]),
     )
@@ -97,7 +97,7 @@ def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
     return SensorNoise(omega_long, z, v, omega_white=omega)
 
 
-def long_run_density(
+def _long_run_density(
     x: Array, step: float, companion: Array | None = None, window: float = 4.0, group: float = 0.2
 ) -> float:
     """Long-run noise density [unit s^0.5] of block means ``x`` taken every ``step`` [s].

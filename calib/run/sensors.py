@@ -91,7 +91,7 @@ class Sensor:
         name, x = self.channel, self._x
         if name in _RESTING or (name.startswith("p_") and _is_held(x, self.driving)):
             return 0.0
-        return saturation(-x if name == "a_x" else x, self.log.sample_time)
+        return _saturation(-x if name == "a_x" else x, self.log.sample_time)
 
 
 FIGURES = ("channel", "low", "high", "resolution", "noise", "flat", "stuck", "saturated")
@@ -124,7 +124,7 @@ def _flatness(x: Array) -> float:
     return float(np.unique(x, return_counts=True)[1].max() / x.size) if x.size else 0.0
 
 
-def saturation(x: Array, step: float) -> float:
+def _saturation(x: Array, step: float) -> float:
     """Time at the highest value [s], if no other value is constant for as long; else 0.
 
     A value that is constant from the first sample on is a signal at rest, not saturation.

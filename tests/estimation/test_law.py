@@ -100,7 +100,7 @@ def test_curves_give_the_straight_tyre_and_the_level():
     eta = 1.0 + np.linspace(1e-4, 0.0045, 30)
     z = K * (eta - 1.0)
     b = balance(z, z - 0.02)
-    F_f, F_r = forces(law.by_curves(made_table(rows=41), eta, b), b)
+    F_f, F_r = forces(law._by_curves(made_table(rows=41), eta, b), b)
     assert F_f - F_r == pytest.approx(C * (eta - 1.0), rel=0.012)
     front = (1.6494 + 0.615 * z) / 2.805
     assert front * F_f + (1.0 - front) * F_r == pytest.approx(z - 0.02, abs=1.5e-6)  # (18)

@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow.parquet as pq
 
-from calib.estimation.results import write_result
+from calib.estimation.results import _write_result
 from tests.estimation.test_metrics import N, made_estimate
 
 SEEN = ("z", "eta", "normalised_force_f", "normalised_force_r")
@@ -35,7 +35,7 @@ CONTRACT = (
 
 def test_columns_are_those_of_the_contract(tmp_path):
     path = tmp_path / "a.parquet"
-    write_result(made_estimate(), path)
+    _write_result(made_estimate(), path)
     schema = pq.read_schema(path)
     assert set(schema.names) == set(CONTRACT)
     assert schema.names[:5] == ["time", *SEEN]
@@ -48,7 +48,7 @@ def test_columns_are_those_of_the_contract(tmp_path):
 
 def test_a_frame_has_the_columns_of_the_file_and_their_units(tmp_path):
     e = made_estimate(0.41, 0.35, valid=np.arange(N) % 3 == 0)
-    write_result(e, tmp_path / "a.parquet")
+    _write_result(e, tmp_path / "a.parquet")
     frame = e.to_frame()
     assert list(frame.columns) == pq.read_schema(tmp_path / "a.parquet").names
     assert frame.attrs["units"] == CONTRACT

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from calib.base.errors import ExchangeError
 from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
-from calib.estimation.baselines import by_curves
+from calib.estimation.baselines import _by_curves
 from calib.exports.build import build
 from calib.exports.dataset import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.exports.write import printable
@@ -34,11 +34,11 @@ def test_any_name_gives_identifiers(name, part):
 
 
 def test_ends_are_clamped_as_the_look_up_does(stored):
-    """What every file says of the ends is what `by_curves` does."""
+    """What every file says of the ends is what `_by_curves` does."""
     z, eta, car = np.full(2, 0.1), np.array([0.9, 1.1]), stored.table.vehicle
     curves = {c.label: c.values for c in build(stored).curves}
     b = force_balance(car, Effects(), z, z, z, z)
-    brake_f, brake_r = by_curves(stored.table, eta, b)
+    brake_f, brake_r = _by_curves(stored.table, eta, b)
     F_f, F_r = (brake_f + b.moment_f) / b.load_f, (brake_r + b.moment_r) / b.load_r
     assert (F_f - z).tolist() == pytest.approx(curves["sedan_f1"][[0, -1]].tolist())
     assert (F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())

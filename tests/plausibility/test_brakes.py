@@ -10,7 +10,7 @@ from calib.base.names import WHEELS
 from calib.plausibility.channels import at_rest, pressure_sides
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.forces import brakes
-from calib.run.brake_response import BrakeResponse, ForceStep
+from calib.run.brake_response import BrakeResponse, _ForceStep
 from calib.run.run import Run
 from tests.support.reference_car import REAL, noisy, stop
 from tests.support.refusals import broken
@@ -44,9 +44,9 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
         (response(share=-0.08), ["braking_force_missing"]),
         (response(delay=-0.15), ["pressure_lag"]),
         (response(delay=0.15, sigma=0.1), []),
-        (response(step=ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
-        (response(step=ForceStep(4.0, 0.08, 0.02)), []),
-        (response(step=ForceStep(4.0, 0.02, 0.001)), []),
+        (response(step=_ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
+        (response(step=_ForceStep(4.0, 0.08, 0.02)), []),
+        (response(step=_ForceStep(4.0, 0.02, 0.001)), []),
     ],
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):

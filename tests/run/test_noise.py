@@ -8,8 +8,8 @@ from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
 from calib.run.noise import (
     WALK,
+    _long_run_density,
     lead_in_noise,
-    long_run_density,
     sensor_noise,
     sigma_growth,
 )
@@ -44,7 +44,7 @@ def test_density_is_that_of_theory_as_far_as_it_says(share, window, reads):
     found = []
     for _ in range(60):
         x = coloured(rng, 200 * seconds, share).reshape(-1, 10).mean(axis=1)
-        found.append(long_run_density(x + 0.1 * t + 3.0 * companion, 0.05, companion, window))
+        found.append(_long_run_density(x + 0.1 * t + 3.0 * companion, 0.05, companion, window))
     assert np.mean(found) == pytest.approx(reads * theory(share), rel=0.1)
 
 
@@ -53,7 +53,7 @@ def test_a_brake_that_bites_in_one_window_is_hardly_noise(bite):
     """It is out of the variance, and r stays below 0.8: at most sqrt(1.8/0.2) = 3 times."""
     x = np.random.default_rng(3).normal(size=600)
     x[210:] -= bite
-    assert 0.75 < long_run_density(x, 0.05) / np.sqrt(0.05) < 3.0 * 1.25
+    assert 0.75 < _long_run_density(x, 0.05) / np.sqrt(0.05) < 3.0 * 1.25
 
 
 def test_noise_of_a_made_run_is_what_was_put_in():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.run.driving_record import driving_record
-from calib.run.sensors import resolution_of, saturation, sensors_of
+from calib.run.sensors import _saturation, resolution_of, sensors_of
 from tests.support.made_runs import changed, made_run, ramp, stop
 
 
@@ -39,9 +39,9 @@ def test_no_resolution_in_smooth_values_and_in_a_channel_that_was_interpolated()
 
 def test_saturated_value_is_held_as_no_other_is():
     x = np.random.default_rng(5).normal(size=2000) + 10 * np.sin(np.arange(2000) / 200)
-    assert saturation(x, 0.005) == 0.0
-    assert saturation(np.minimum(x, 9.0), 0.005) == 0.0  # noise takes it off its limit again
-    assert saturation(np.minimum(x, 3.0), 0.005) > 1.0
+    assert _saturation(x, 0.005) == 0.0
+    assert _saturation(np.minimum(x, 9.0), 0.005) == 0.0  # noise takes it off its limit again
+    assert _saturation(np.minimum(x, 3.0), 0.005) > 1.0
 
 
 @pytest.mark.parametrize("noise", [0.0, 1.0])
@@ -84,7 +84,7 @@ def test_a_motor_back_at_rest_is_not_saturation():
     share = np.clip((log.time - 1.0) / log.time[-1], 0.0, 0.3)
     regenerating = -200.0 * share * (0.3 - share) + np.sin(40.0 * share) * (share - 0.3)
     torque = np.minimum(regenerating, 0.0)
-    assert saturation(torque, log.sample_time) > 1.0
+    assert _saturation(torque, log.sample_time) > 1.0
     log = changed(log, T_drive_r=torque)
     assert sensor(log, "T_drive_r").saturated == 0.0
 
@@ -107,7 +107,7 @@ def test_a_pressure_that_is_held_is_not_stuck():
 def test_a_pressure_that_is_held_is_not_at_the_end_of_its_range():
     log = made_run(lambda t: np.clip(40.0 * (t - 0.3), 0.0, 40.0), duration=6.0)
     held = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
-    assert saturation(held["p_mc"], 0.005) > 1.0  # by its values alone it could be
+    assert _saturation(held["p_mc"], 0.005) > 1.0  # by its values alone it could be
     assert sensor(held, "p_mc").saturated == 0.0
 
 

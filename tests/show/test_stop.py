@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.estimation.results import write_result
+from calib.estimation.results import _write_result
 from calib.show import stop
 from calib.show.result import read_result
 from tests.support.plot_lines import line, panel
@@ -44,7 +44,7 @@ def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped)
 
 
 def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
-    write_result(stopped.estimate, tmp_path / "stop.parquet")
+    _write_result(stopped.estimate, tmp_path / "stop.parquet")
     sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
     assert sheet.result in drawn.result
     for name, label in (("pads", REAR), ("normalised-forces", "rear"), ("axle-torques", TOTAL)):
