@@ -24,6 +24,7 @@ of draws of nu MS/chi2(nu) for each expected mean square. How often they contain
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -193,18 +194,14 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     ``tolerance`` is the width USL - LSL in the metric's unit. Raises ValueError if repeats do not
     scatter.
     """
-    if (
-        sum(source.ss for source in analysis.sources) <= 0.0
-        or analysis.variances[REPEATABILITY] <= 0.0
-    ):
+    if analysis.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
-    point = _derived({name: np.maximum(x, 0.0) for name, x in analysis.variances.items()})
-    spread = _derived({name: np.maximum(x, 0.0) for name, x in _drawn(analysis).items()})
-    ends = {name: np.sqrt(_ends(x)).tolist() for name, x in spread.items()}
-    components = {
-        name: _Component(math.sqrt(x), (ends[name][0], ends[name][1])) for name, x in point.items()
-    }
-    (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(spread)
+    point, draws = _derived(analysis.variances), _derived(_drawn(analysis))
+    components = {}
+    for name, x in point.items():
+        low, high = _ends(draws[name])
+        components[name] = _Component(math.sqrt(x), (math.sqrt(low), math.sqrt(high)))
+    (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(draws)
     gauge, per = components[GAUGE], _SIGMAS / tolerance if tolerance else math.nan
     low, high = gauge.ci95
     return GaugeRR(
@@ -234,7 +231,9 @@ def _chi2(nu: float, stream: int) -> Array:
     return np.random.default_rng([20, stream]).chisquare(nu, _DRAWS)
 
 
-def _derived(v: dict[str, Array]) -> dict[str, Array]:
+def _derived(variances: Mapping[str, Array | float]) -> dict[str, Array]:
+    """All components of the scatter, a negative variance as zero."""
+    v = {name: np.maximum(x, 0.0) for name, x in variances.items()}
     stations = {n: v[n] for n in (STATION, INTERACTION) if n in v}
     out = {REPEATABILITY: v[REPEATABILITY], **stations}
     if stations:
