@@ -38,7 +38,7 @@ _TAIL, _FEWEST = 6.0, 10
 
 def fleet_facts(summary: Summary) -> Facts:
     """Facts of a fleet; the logs that stand apart come first."""
-    looks = [look for look in summary.looks if look.spread.count]
+    looks = [look for look in summary.looks if look.values.size]
     drawn = [x for x in summary.looks if x.values.size and (x.drifts or x.outlying.any())]
     drawn.sort(key=lambda look: not look.drifts)
     apart = [
@@ -88,7 +88,7 @@ def _reason(summary: Summary, o: Outlier) -> str:
     look = next(look for look in summary.looks if look.column.name == o.figure)
     shown = _shown(look)
     low, high = map(shown, look.others)
-    side = "above" if o.value > look.spread.median else "below"
+    side = "above" if o.value > look.median else "below"
     value = f"{plain(o.figure).name} {shown(o.value)}"
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
@@ -98,8 +98,8 @@ def _shown(look: MetricSummary) -> Callable[[float], str]:
     metric = plain(look.column.name, look.column.unit)
     if metric.step:
         return metric.with_unit
-    unit, quantiles = f"{NBSP}{metric.unit}" if metric.unit else "", look.spread.quantiles
-    step = 0.1 * metric.factor * (quantiles[3] - quantiles[0])
+    unit, quantiles = f"{NBSP}{metric.unit}" if metric.unit else "", look.quantiles
+    step = 0.1 * metric.factor * (quantiles["95"] - quantiles["5"])
     return lambda value: number(metric.factor * value, step) + unit
 
 
@@ -113,17 +113,17 @@ def _verdict(summary: Summary) -> str:
 
 def _row(summary: Summary, look: MetricSummary) -> tuple[str, ...]:
     """One metric: its scatter, the logs that stand apart, and where its level changes."""
-    s, shown, c = look.spread, _shown(look), look.change
+    shown, c = _shown(look), look.change
     low, high = map(shown, look.others)
-    judged = bool(np.isfinite(s.z).any())
+    judged = bool(np.isfinite(look.z).any())
     drift = "not tested" if c is None else "no"
     if look.drifts and c is not None:
         place = f"{summary.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
         drift = f"from {shown(c.old_level)} to {shown(c.new_level)} about {place} (p {c.p:.1e})"
     return (
         look.name,
-        str(s.count),
-        shown(s.median),
+        str(look.values.size),
+        shown(look.median),
         f"{low} to {high}",
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
@@ -140,7 +140,7 @@ def metric_sheet(summary: Summary, look: MetricSummary) -> Sheet:
     low, high = (np.full(2, k * end) for end in look.others)
     lines = [
         Line(x, y, dots(NOMINAL, 4.5, ".", alpha=1.0 if few else 0.5)),
-        Line(whole, [k * look.spread.median] * 2, _THIN, f"median, {share}", (low, high)),
+        Line(whole, [k * look.median] * 2, _THIN, f"median, {share}", (low, high)),
     ]
     if look.drifts and (change := look.change) is not None:
         parts = (
@@ -154,7 +154,7 @@ def metric_sheet(summary: Summary, look: MetricSummary) -> Sheet:
     if (outlying := look.outlying).any():
         lines.append(Line(x[outlying], y[outlying], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
     names = [as_text(Path(log).stem) for log in summary.logs]
-    away = np.argsort(-np.abs(look.values - look.spread.median), kind="stable")
+    away = np.argsort(-np.abs(look.values - look.median), kind="stable")
     farthest = [i for i in away if look.outlying[i]][:_NAMED]
     room = 0.06 * (ends[1] - ends[0])
     panel = Panel(
@@ -175,8 +175,8 @@ def metric_sheet(summary: Summary, look: MetricSummary) -> Sheet:
 def window(look: MetricSummary) -> tuple[float, float]:
     """Range of the axis: all values, but at most `_TAIL` scales from the median."""
     low, high = float(np.min(look.values)), float(np.max(look.values))
-    if look.spread.scale > 0.0 and look.values.size >= _FEWEST:
-        reach = _TAIL * look.spread.scale
-        low, high = max(low, look.spread.median - reach), min(high, look.spread.median + reach)
+    if look.scale > 0.0 and look.values.size >= _FEWEST:
+        reach = _TAIL * look.scale
+        low, high = max(low, look.median - reach), min(high, look.median + reach)
     alike = high - low <= 1e-9 * max(abs(low), abs(high))
     return (low - 0.5, high + 0.5) if alike else (low, high)

@@ -29,7 +29,7 @@ def test_every_log_is_a_point_and_the_far_one_a_mark_at_the_edge(found):
     assert 134 in x
     assert max(y) == high < 0.55
     assert ("car134", 134.0, high) in order.texts
-    assert line(order, "level")[1].tolist() == [pads.change.before] * 2
+    assert line(order, "level")[1].tolist() == [pads.change.old_level] * 2
     assert "level" not in labels(panel(metric_sheet(found, calm), "order"))
 
 

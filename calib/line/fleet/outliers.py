@@ -40,39 +40,22 @@ _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
 """Degrees of freedom of Student's distribution; the first is the normal one."""
 _QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
 """Upper quartile of one side of each of them: its quantile 87.5 %."""
-_MAD = 0.67449
-"""Median absolute deviation of a normal distribution of sigma 1."""
 _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
 """Weight of each of them before any car is seen."""
 
 
 @dataclass(frozen=True)
-class MetricSpread:
-    """Centre and scale of one metric, and the position of each car.
+class Judged:
+    """All metrics of a fleet, each array (m, n) and NaN where a metric is not known or not judged.
 
-    ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) the normal
-    number that is as rare, NaN if the metric is not known or not judged; ``p`` two-sided (n,), NaN
-    likewise; ``quantiles`` 5, 25, 75 and 95 %.
+    ``z`` the normal number that is as rare; ``p`` two-sided; ``named`` the reasons for which a car
+    is named; ``p_of_car`` (n,) over its metrics.
     """
 
-    count: int
-    median: float
-    scale: float
     z: Array
     p: Array
-    quantiles: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class _Judged:
-    """All metrics of a fleet: ``spreads``; ``named`` (m, n) the reasons for which a car is named.
-
-    ``p`` (n,) of each car over its metrics.
-    """
-
-    spreads: tuple[MetricSpread, ...]
     named: Mask
-    p: Array
+    p_of_car: Array
 
 
 class _Side(NamedTuple):
@@ -86,30 +69,30 @@ class _Side(NamedTuple):
     distance: Array
 
 
-def judge(values: Array, least: Sequence[float] | None = None) -> _Judged:
+def judge(values: Array, least: Sequence[float]) -> Judged:
     """Judge ``values`` (m, n) of m metrics of n cars, NaN if a car does not have one.
 
-    ``least`` (m,): differences that matter, in the unit of each metric; none without it.
+    ``least`` (m,): differences that matter, in the unit of each metric, 0 for any.
     """
-    m, n = values.shape
-    judged = {
-        i: sides
-        for i, (x, at_least) in enumerate(zip(values, least or [0.0] * m, strict=True))
-        if (sides := _sides(x, at_least))
-    }
+    from scipy.special import ndtri
+
+    (m, n), every = values.shape, zip(values, least, strict=True)
+    judged = {i: sides for i, x in enumerate(every) if (sides := _sides(*x))}
     together = effective(values[[*judged]])
-    p = np.full((m, n), np.nan)
+    z, p = np.full((2, m, n), np.nan)
     for part in (0, -1):  # the narrower sides of all metrics, then the wider ones
         weights = _tails([sides[part].distance for sides in judged.values()], together)
         for i, sides in judged.items():
             p[i, sides[part].rows] = _two_sided(sides[part].distance, weights)
+    for i in judged:
+        away = values[i] - np.nanmedian(values[i])
+        z[i] = -np.sign(away) * ndtri(np.maximum(0.5 * p[i], 1e-19))
     car = np.full(n, np.nan)
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
     cars = named(car, SHARE * min(1.0, n / _MANY))
     limit = max(_REASON, float(car[cars].max())) if cars.any() else 0.0
-    spreads = tuple(_spread(values[i], p[i]) for i in range(m))
-    return _Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car)
+    return Judged(z, p, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car)
 
 
 def named(p: Array, share: float = SHARE) -> Mask:
@@ -191,16 +174,3 @@ def _two_sided(distance: Array, weights: Array) -> Array:
     from scipy.special import stdtr
 
     return np.asarray(2.0 * stdtr(_FREEDOM, -distance[:, None] * _QUARTILE) @ weights)
-
-
-def _spread(values: Array, p: Array) -> MetricSpread:
-    from scipy.special import ndtri
-
-    finite = values[np.isfinite(values)]
-    if finite.size == 0:
-        return MetricSpread(0, np.nan, np.nan, p, p, (np.nan,) * 4)
-    median = float(np.median(finite))
-    scale = float(np.median(np.abs(finite - median))) / _MAD
-    z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
-    quantiles = tuple(map(float, np.quantile(finite, [0.05, 0.25, 0.75, 0.95])))
-    return MetricSpread(finite.size, median, float(scale), z, p, quantiles)

@@ -13,14 +13,16 @@ from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import InputError
 from calib.base.plain import counted, plain
 from calib.base.toml import did_you_mean
-from calib.line.fleet import drift, outliers
 from calib.line.fleet.drift import LevelChange, change, least_p
-from calib.line.fleet.outliers import SHARE, MetricSpread, judge, named
+from calib.line.fleet.outliers import FEWEST, SHARE, Judged, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
 _DRIFT = 0.01
 """Expected share of false ones among the metrics with a drift [1]."""
+
+_MAD = 0.67449
+"""Median absolute deviation of a normal distribution of sigma 1."""
 
 _EXAMPLES = 3
 """Most logs that are named for a kind of error."""
@@ -53,22 +55,44 @@ class _Apart:
 class MetricSummary:
     """One metric, a number, over the fleet.
 
-    ``rows`` (k,) with a value, in order; ``values`` (k,); ``change`` None if too few for a
-    significant one among so many metrics; ``drifts`` whether it is significant among all metrics.
+    ``rows`` (k,) with a value, in order; ``values``, their ``z`` and ``outlying`` (k,); ``change``
+    None if too few for a significant one among so many metrics; ``drifts`` whether it is
+    significant among all metrics.
     """
 
     column: Column
     rows: Index
     values: Array
-    spread: MetricSpread
+    z: Array
+    outlying: Mask
     change: LevelChange | None
     drifts: bool
-    outlying: Mask
 
     @property
     def name(self) -> str:
         """The plain name of the metric."""
         return plain(self.column.name, self.column.unit).name
+
+    @property
+    def median(self) -> float:
+        """In the metric's unit; NaN without a value, and so are scale and quantiles."""
+        return float(np.median(self._values))
+
+    @property
+    def scale(self) -> float:
+        """Standard deviation of a normal distribution with the same median deviation."""
+        return float(np.median(np.abs(self._values - self.median))) / _MAD
+
+    @property
+    def quantiles(self) -> dict[str, float]:
+        """The values below which 5, 25, 75 and 95 % are, by percent."""
+        shares = ("5", "25", "75", "95")
+        quantiles = np.quantile(self._values, [0.05, 0.25, 0.75, 0.95]).tolist()
+        return dict(zip(shares, quantiles, strict=True))
+
+    @property
+    def _values(self) -> Array:
+        return self.values if self.values.size else np.full(1, np.nan)
 
     @property
     def others(self) -> tuple[float, float]:
@@ -119,8 +143,7 @@ class Summary:
     @property
     def too_few(self) -> bool:
         """Whether no metric has enough logs to be judged."""
-        counts = [look.spread.count for look in self.looks]
-        return max(counts, default=0) < min(outliers.FEWEST, drift.FEWEST)
+        return all(look.values.size < FEWEST for look in self.looks)
 
     @property
     def drift_tested(self) -> bool:
@@ -131,31 +154,14 @@ class Summary:
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
     metrics = _chosen(fleet, wanted)
-    numbers = [m for m in metrics if m.kind is float]
-    every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(
-        len(numbers), len(fleet.logs)
-    )
-    judged = judge(every, [plain(m.name).step for m in numbers])
-    rows = [np.flatnonzero(np.isfinite(x)) for x in every]
-    values = [x[known] for x, known in zip(every, rows, strict=True)]
-    # the column that orders the line always increases along it
-    along = [i for i, m in enumerate(numbers) if m.name != fleet.ordered_by]
-    drifts = zip(*drifting([values[i] for i in along]), strict=True)
-    changes = dict(zip(along, drifts, strict=True))
-    looks = tuple(
-        MetricSummary(
-            m,
-            rows[i],
-            values[i],
-            judged.spreads[i],
-            *changes.get(i, (None, False)),
-            judged.named[i][rows[i]],
-        )
-        for i, m in enumerate(numbers)
-    )
-    words, digests = fleet.values("status"), fleet.values("digest")
+    looks, judged = _looks(fleet, [m for m in metrics if m.kind is float])
+    words = fleet.values("status")
     status = Counter(words)
     verdicts = zip_longest(fleet.logs, words, fleet.values("not_held"))
+    recordings: dict[object, list[str]] = {}
+    for log, digest in zip(fleet.logs, fleet.values("digest"), strict=False):
+        if digest is not None:
+            recordings.setdefault(digest, []).append(log)
     return Summary(
         fleet.logs,
         fleet.ordered_by,
@@ -163,10 +169,30 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
         looks,
         dict(_classes(fleet, metrics)),
-        _apart(fleet, looks, judged.p),
+        _apart(fleet.logs, looks, judged),
         failures(fleet.logs, fleet.values("error")),
-        [same for same in _grouped(fleet.logs, digests).values() if len(same) > 1],
+        [copies for copies in recordings.values() if len(copies) > 1],
     )
+
+
+def _looks(fleet: FleetFile, metrics: Sequence[Column]) -> tuple[tuple[MetricSummary, ...], Judged]:
+    """Each metric over the fleet, and how all together judge the logs."""
+    every = np.array([fleet.numbers(m.name) for m in metrics]).reshape(-1, len(fleet.logs))
+    judged = judge(every, [plain(m.name).step for m in metrics])
+    rows = [np.flatnonzero(np.isfinite(x)) for x in every]
+    # the column that orders the line always increases along it: no value of it is tested
+    lines = [x[r] for m, x, r in zip(metrics, every, rows, strict=True)]
+    tested = [
+        x[:0] if m.name == fleet.ordered_by else x for m, x in zip(metrics, lines, strict=True)
+    ]
+    drifts = zip(*drifting(tested), strict=True)
+    looks = tuple(
+        MetricSummary(metric, r, x, z[r], apart[r], *drift)
+        for metric, r, x, z, apart, drift in zip(
+            metrics, rows, lines, judged.z, judged.named, drifts, strict=True
+        )
+    )
+    return looks, judged
 
 
 def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:
@@ -199,39 +225,34 @@ def _classes(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[tuple[st
             yield metric.name, dict(counts.most_common())
 
 
-def _apart(fleet: FleetFile, looks: tuple[MetricSummary, ...], p: Array) -> tuple[_Apart, ...]:
-    """The logs that stand apart, each with its metrics; ``p`` (n,) of all logs."""
-    reasons: dict[int, list[Outlier]] = {}
-    for look in looks:
-        for value, row in zip(look.values[look.outlying], look.rows[look.outlying], strict=True):
-            numbers = float(value), float(look.spread.z[row]), float(look.spread.p[row])
-            outlier = Outlier(fleet.logs[row], look.column.name, *numbers)
-            reasons.setdefault(int(row), []).append(outlier)
-    cars = [
-        _Apart(fleet.logs[row], float(p[row]), tuple(sorted(why, key=lambda o: (o.p, -abs(o.z)))))
-        for row, why in reasons.items()
-    ]
+def _apart(
+    logs: tuple[str, ...], looks: tuple[MetricSummary, ...], judged: Judged
+) -> tuple[_Apart, ...]:
+    """The logs that stand apart, each with its metrics."""
+    cars = []
+    for row in np.flatnonzero(judged.named.any(axis=0)):
+        reasons = [
+            Outlier(logs[row], look.column.name, *map(float, numbers))
+            for i, look in enumerate(looks)
+            if judged.named[i, row]
+            for numbers in [(look.values[look.rows == row][0], judged.z[i, row], judged.p[i, row])]
+        ]
+        reasons.sort(key=lambda o: (o.p, -abs(o.z)))
+        cars.append(_Apart(logs[row], float(judged.p_of_car[row]), tuple(reasons)))
     return tuple(sorted(cars, key=lambda car: (car.p, -abs(car.reasons[0].z), car.log)))
 
 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
     """Errors grouped by kind, the most frequent first."""
-    kinds = [
-        kind_of(error, log) if isinstance(error, str) else None
-        for log, error in zip(logs, errors, strict=True)
-    ]
-    messages = dict(zip(reversed(kinds), reversed(errors), strict=True))
-    ranked = sorted(_grouped(logs, kinds).items(), key=lambda kind: (-len(kind[1]), kind[0]))
-    return tuple(_Failure(str(messages[k]), len(g), tuple(g[:_EXAMPLES])) for k, g in ranked)
-
-
-def _grouped(logs: tuple[str, ...], keys: Sequence[object]) -> dict[str, list[str]]:
-    """The logs by their keys, in their order; None is no key."""
-    groups: dict[str, list[str]] = {}
-    for log, key in zip(logs, keys, strict=False):
-        if key is not None:
-            groups.setdefault(str(key), []).append(log)
-    return groups
+    kinds: dict[str, list[tuple[str, str]]] = {}
+    for log, error in zip(logs, errors, strict=True):
+        if isinstance(error, str):
+            kinds.setdefault(kind_of(error, log), []).append((error, log))
+    ranked = sorted(kinds.items(), key=lambda kind: (-len(kind[1]), kind[0]))
+    return tuple(
+        _Failure(group[0][0], len(group), tuple(log for _, log in group[:_EXAMPLES]))
+        for _, group in ranked
+    )
 
 
 def kind_of(error: str, log: str) -> str:
@@ -250,7 +271,7 @@ def headline(summary: Summary) -> str:
     errors = sum(failure.count for failure in summary.failures)
     failed = f"; {counted(errors, 'log')} with an error" if errors else ""
     if summary.too_few:
-        some = any(look.spread.count for look in summary.looks)
+        some = any(look.values.size for look in summary.looks)
         why = "too few to judge outliers or drift" if some else "none has a metric"
         return f"{counted(len(summary.logs), 'log')}: {why}{failed}."
     names, logs = [look.name for look in summary.looks if look.drifts], len(summary.apart)
@@ -284,14 +305,14 @@ def document(summary: Summary) -> dict[str, Any]:
 
 
 def _entry(summary: Summary, look: MetricSummary) -> dict[str, Any]:
-    s, c = look.spread, look.change
+    c = look.change
     return {
         "unit": look.column.unit,
-        "count": s.count,
-        "median": s.median,
-        "scale": s.scale,
-        "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
-        "beyond_3": int(np.sum(np.abs(s.z) > 3.0)),
+        "count": look.values.size,
+        "median": look.median,
+        "scale": look.scale,
+        "quantiles": look.quantiles,
+        "beyond_3": int(np.sum(np.abs(look.z) > 3.0)),
         "outliers": int(look.outlying.sum()),
         "change": c
         and {

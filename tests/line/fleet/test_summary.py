@@ -24,6 +24,7 @@ def test_the_drift_is_found_where_it_is_and_only_there(found):
     assert abs(pads.rows[pads.change.first] - DRIFT_AT) <= 10
     assert pads.change.new_level - pads.change.old_level == pytest.approx(0.01, abs=0.004)
     assert not look(found, "settling").drifts
+    assert (pads.values.size, pads.scale) == (397, pytest.approx(0.01, rel=0.1))
 
 
 def test_the_outlier_is_named(found):
