@@ -166,8 +166,8 @@ def watch(
     job, out = inputs.job(command), inputs.out
 
     def tell(row: "Row") -> None:
-        as_json = json_module.dumps(row.to_dict(command), allow_nan=False) if json else ""
-        emit_line(as_json or row.line(command))
+        document = {**row.head(), "figures": row.metrics(command)}
+        emit_line(json_module.dumps(document, allow_nan=False) if json else row.line(command))
 
     pool = Pool(inputs.workers or cores())
     try:

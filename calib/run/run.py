@@ -268,7 +268,7 @@ class Run:
 
 
 def figures(run: Run) -> dict[str, float | None]:
-    """Every figure in SI, see `calib.line.fleet.columns`; None where the log gives none."""
+    """Every figure in SI, as `batch check` has it; None where the log gives none."""
     clock, pressure = run.clock, run.sensor("p_mc")
     zero = run.axles.front_rear if run.axles else None
     return {

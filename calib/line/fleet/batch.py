@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, BrokenExecutor, Future, wait
 from contextlib import closing
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
@@ -31,45 +30,14 @@ _AHEAD = 3
 """Submitted chunks for each worker: one in progress and the others waiting."""
 
 
-@dataclass(frozen=True)
-class _Batch:
-    """A batch, so far: ``counts`` of rows by status, of ``total`` logs.
-
-    ``fresh`` of them were computed in this run, in ``elapsed`` [s]; the others before.
-    """
-
-    results: Path
-    total: int
-    counts: Counter[Status]
-    fresh: int
-    elapsed: float
-
-    @property
-    def finished(self) -> int:
-        """Number of logs with a row."""
-        return self.counts.total()
-
-    def document(self) -> dict[str, object]:
-        """The counts, and data on this run, as plain data."""
-        return {
-            "schema": 1,
-            "results": self.results,
-            "logs": self.finished,
-            "counts": {status: self.counts[status] for status in Status},
-            "done_now": self.fresh,
-            "seconds": self.elapsed,
-            "logs_per_second": self.fresh / self.elapsed if self.elapsed > 0.0 else 0.0,
-        }
-
-
 def run_batch(
     job: Job,
     arguments: Sequence[str],
     out: Path,
     executor: Executor,
-    report: Callable[[_Batch], None] = lambda batch: None,
+    report: Callable[["Sweep"], None] = lambda sweep: None,
     fresh: bool = False,
-) -> _Batch:
+) -> "Sweep":
     """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
 
     Continues an earlier run with the same settings; ``fresh`` starts again. A log that fails gets a
@@ -82,13 +50,14 @@ def run_batch(
         sweep = Sweep(job, journal, executor, len(logs), report)
         sweep.work(logs.items())
         write_results(journal.rows(sorted(logs)), settings, out)
-        return sweep.batch()
+        return sweep
 
 
 class Sweep:
     """Submits ``total`` logs to the workers, and writes their rows into the journal.
 
-    ``report`` is called with the batch so far after each chunk, ``tell`` with each of its new rows.
+    ``counts`` of rows by status so far; ``fresh`` of them are of this run, the others older.
+    ``report`` is called with the sweep after each chunk, ``tell`` with each new row.
     """
 
     def __init__(
@@ -97,20 +66,33 @@ class Sweep:
         journal: BatchJournal,
         executor: Executor,
         total: int,
-        report: Callable[[_Batch], None] = lambda batch: None,
+        report: Callable[["Sweep"], None] = lambda sweep: None,
         tell: Callable[[Row], None] = lambda row: None,
     ):
         self.packed, self.journal, self.executor = pickle.dumps(job), journal, executor
         self.most, self.total, self.report, self.tell = _CHUNK[job.command], total, report, tell
         self.pending: dict[Future[Rows], tuple[WorkItem, ...]] = {}
-        self.counts: Counter[Status] = Counter()
+        self.results, self.counts = journal.folder / NAME, Counter[Status]()
         self.fresh = 0
         self.start = time.monotonic()
 
-    def batch(self) -> _Batch:
-        """The batch so far."""
+    @property
+    def finished(self) -> int:
+        """Number of logs with a row."""
+        return self.counts.total()
+
+    def document(self) -> dict[str, object]:
+        """The counts, and data on this run, as plain data."""
         elapsed = time.monotonic() - self.start
-        return _Batch(self.journal.folder / NAME, self.total, self.counts, self.fresh, elapsed)
+        return {
+            "schema": 1,
+            "results": self.results,
+            "logs": self.finished,
+            "counts": {status: self.counts[status] for status in Status},
+            "done_now": self.fresh,
+            "seconds": elapsed,
+            "logs_per_second": self.fresh / elapsed if elapsed > 0.0 else 0.0,
+        }
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
         """Compute all ``logs``, each as (name of its row, path)."""
@@ -178,7 +160,7 @@ class Sweep:
         self.fresh += len(computed)
         stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
         self.counts.update(row.status for row in (*computed, *self.journal.rows(stored)))
-        self.report(self.batch())
+        self.report(self)
         for row in new:
             self.tell(row)
 

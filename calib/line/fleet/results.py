@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.bounded import RESULT, bytes_of
 from calib.base.errors import InputError
+from calib.base.plain import plain
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
@@ -31,31 +32,18 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    schema = _schema_of((*HEAD, *columns_of(Command(settings["command"]))), settings)
-    unwritten, written = iter(rows), pa.BufferOutputStream()
-    with pq.ParquetWriter(written, schema, compression="zstd") as writer:
-        while group := list(itertools.islice(unwritten, _GROUP)):
-            writer.write_table(_table(group, schema))
-    write_whole(folder / NAME, written.getvalue().to_pybytes())
-
-
-def _schema_of(columns: tuple[Column, ...], settings: dict[str, str]) -> Any:
-    import pyarrow as pa
-
+    command = Command(settings["command"])
     types = {float: pa.float64(), bool: pa.bool_(), str: pa.string()}
     fields = [
-        pa.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
-        for c in columns
+        pa.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": plain(c.name).name})
+        for c in (*HEAD, *columns_of(command))
     ]
-    return pa.schema(fields, metadata={f"brake_cal.{k}": v for k, v in settings.items()})
-
-
-def _table(rows: list[Row], schema: Any) -> Any:
-    import pyarrow as pa
-
-    none = (None,) * (len(schema) - len(HEAD))
-    full = [(r.log, r.digest, r.status, r.error, *(r.cells or none)) for r in rows]
-    return pa.table(dict(zip(schema.names, zip(*full, strict=True), strict=True)), schema=schema)
+    schema = pa.schema(fields, metadata={f"brake_cal.{k}": v for k, v in settings.items()})
+    cells, written = (row.head() | row.metrics(command) for row in rows), pa.BufferOutputStream()
+    with pq.ParquetWriter(written, schema, compression="zstd") as writer:
+        while group := list(itertools.islice(cells, _GROUP)):
+            writer.write_table(pa.Table.from_pylist(group, schema=schema))
+    write_whole(folder / NAME, written.getvalue().to_pybytes())
 
 
 @dataclass(frozen=True)
@@ -100,10 +88,10 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
     if odd or not table.num_rows:
         problem = f"status {odd[0]!r}" if odd else "no rows"
         raise InputError(problem, where=path, expected=f"rows with {', '.join(Status)}")
-    values = table.column(order).to_pylist()
-    unknown = sum(map(_is_unknown, values))
+    positions = list(map(_position, table.column(order).to_pylist()))
+    unknown = sum(is_unknown for is_unknown, _ in positions)
     note = f" ({unknown} rows without it at the end)" if unknown else ""
-    table = table.take(_line_order(values))
+    table = table.take(sorted(range(len(positions)), key=positions.__getitem__))
     head = {column.name for column in HEAD}
     return FleetFile(
         path,
@@ -114,26 +102,18 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
     )
 
 
-def _line_order(values: Sequence[object]) -> list[int]:
-    """Indices that sort ``values``, text in natural order; unknown values go to the end.
+def _position(value: Any) -> tuple[bool, Any]:
+    """Key that sorts values, text in natural order; an unknown value goes to the end.
 
-    >>> _line_order(["car10", "car9", None, "car1"])
-    [3, 1, 0, 2]
+    >>> sorted(["car10", "car9", None, "car1"], key=_position)
+    ['car1', 'car9', 'car10', None]
     """
-    return sorted(range(len(values)), key=lambda i: (_is_unknown(values[i]), _key(values[i])))
-
-
-def _is_unknown(value: object) -> bool:
-    return value is None or value != value
-
-
-def _key(value: object) -> Any:
-    if _is_unknown(value):
-        return 0
+    if value is None or value != value:
+        return True, 0
     if not isinstance(value, str):
-        return value
+        return False, value
     parts = re.split(r"(\d+)", value)
-    return [(1, int(p), "") if p.isdecimal() else (0, 0, p) for p in parts]
+    return False, [(1, int(p), "") if p.isdecimal() else (0, 0, p) for p in parts]
 
 
 def _read(path: Path) -> Any:
@@ -153,7 +133,8 @@ def _column_of(field: Any) -> Column:
     """A column from the file's schema; integers are numbers, and unknown types are text."""
     import pyarrow.types as types
 
-    metadata = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
+    unit = (field.metadata or {}).get(b"unit", b"1").decode()
     number = types.is_floating(field.type) or types.is_integer(field.type)
-    kind = float if number else bool if types.is_boolean(field.type) else str
-    return Column(field.name, metadata.get("unit", "1"), metadata.get("meaning", ""), kind)
+    return Column(
+        field.name, unit, float if number else bool if types.is_boolean(field.type) else str
+    )

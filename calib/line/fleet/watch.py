@@ -38,14 +38,11 @@ class _Settled:
 
     def look(self, paths: Iterable[str], now: float) -> list[str]:
         """Those of ``paths`` that are complete and new or changed; ``now`` [s]."""
-        stamps = {path: stamp for path in paths if (stamp := _stamp(path)) is not None}
-        earlier, changed = self._files, now + self.settle
-        self._files = {
-            path: earlier[path]
-            if path in earlier and earlier[path][0] == stamp
-            else (stamp, changed)
-            for path, stamp in stamps.items()
-        }
+        earlier, self._files = self._files, {}
+        for path in paths:
+            if stamp := _stamp(path):
+                old = earlier.get(path)
+                self._files[path] = old if old and old[0] == stamp else (stamp, now + self.settle)
         return [path for path, (_, ready) in self._files.items() if now >= ready]
 
     def give(self, path: str, again: float = math.inf) -> None:

@@ -14,7 +14,7 @@ from calib.base.plain import finite
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, Limit
-from calib.line.fleet.rows import FIT, Cell, Command, Row, Status
+from calib.line.fleet.rows import QUALITY, Cell, Command, Row, Status
 from calib.logs.channel_map import ChannelMap
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
@@ -169,8 +169,7 @@ def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
     table = fit(job.vehicle, [_log(job, item, files)])
     cal, q = table.calibration, table.quality
     pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
-    quality = [column.name for column in FIT[6:-2]]
-    metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in quality)]
+    metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in QUALITY)]
     return Status.DONE, (*map(finite, metrics), _codes(table.warnings), table.digest)
 
 

@@ -1,8 +1,6 @@
 """Who computes the rows: processes of this machine, or the workers of a Dask cluster."""
 
-import math
 import socket
-import time
 from concurrent.futures import Future
 from functools import partial
 from typing import Any
@@ -17,13 +15,8 @@ Rows = list[Row | None]
 
 _PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
-    *(
-        "scipy.special",
-        "calib.plausibility.check",
-        "calib.fitting.fit",
-        "calib.estimation.validate",
-    ),
-    *("calib.diagnosis.diagnose", "calib.line.fleet.work"),
+    *("scipy.special", "calib.plausibility.check", "calib.fitting.fit"),
+    *("calib.estimation.validate", "calib.diagnosis.diagnose", "calib.line.fleet.work"),
 )
 """What the library imports late; the server from which workers are forked imports it once."""
 
@@ -76,19 +69,16 @@ class Cluster:
                 do=f"start `dask scheduler`, and some `dask worker {address}`",
             ) from cause
         self._address = address
-        self._asked, self._threads = -math.inf, 1
 
     @property
     def workers(self) -> int:
-        """Number of threads of all workers, updated once a second because workers may change."""
-        if time.monotonic() - self._asked > 1.0:
-            self.renew()
-            try:
-                self._threads = max(1, sum(self._client.nthreads().values()))
-            except OSError as cause:
-                raise self._gone() from cause
-            self._asked = time.monotonic()
-        return self._threads
+        """Number of threads of all workers, which may change."""
+        self.renew()
+        try:
+            threads: int = sum(self._client.nthreads().values())
+        except OSError as cause:
+            raise self._gone() from cause
+        return max(1, threads)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit logs to the scheduler."""

@@ -62,7 +62,7 @@ def test_rows_are_those_of_validate_to_the_last_bit(job, run, six):
 
 def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, six):
     first = run(six, "logs/*.csv", "logs/car_00000.csv", "logs/missing.csv")
-    assert (first.counts.total(), first.done, first.total) == (7, 7, 7)
+    assert (first.counts.total(), first.finished, first.total) == (7, 7, 7)
     files = (first.results, Path("out", NAME))
     before = [file.read_bytes() for file in files]
     again = run(six, "logs/missing.csv")
@@ -145,7 +145,7 @@ from calib.line.fleet.workers import Pool
 
 if __name__ == "__main__":
     job, logs, out = pickle.loads(sys.stdin.buffer.read())
-    run_batch(job, [logs], Path(out), Pool(1), lambda batch: print(batch.done, flush=True))
+    run_batch(job, [logs], Path(out), Pool(1), lambda batch: print(batch.finished, flush=True))
 """
 
 

@@ -12,11 +12,11 @@ from tests.support.fleet_results import LOST, results
 def test_metrics_with_kind_and_unit(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet"))
     assert fleet.metrics == (
-        Column("pad_friction_f", "1", "", float),
-        Column("settling", "s", "", float),
-        Column("built", "s", "", float),
-        Column("usable", "1", "", bool),
-        Column("verdict", "1", "", str),
+        Column("pad_friction_f", "1", float),
+        Column("settling", "s", float),
+        Column("built", "s", float),
+        Column("usable", "1", bool),
+        Column("verdict", "1", str),
     )
     assert np.flatnonzero(np.isnan(fleet.numbers("pad_friction_f"))).tolist() == list(LOST)
 

@@ -27,9 +27,9 @@ from calib.line.fleet.batch import run_batch
 job, logs, out, address, victim = pickle.loads(sys.stdin.buffer.read())
 def report(pace):
     global victim
-    if pace.done >= 4 and victim:
+    if pace.finished >= 4 and victim:
         os.kill(victim, signal.SIGKILL)
-        print("killed after", pace.done)
+        print("killed after", pace.finished)
         victim = None
 cluster = Cluster(address)
 cluster._client.wait_for_workers(2, timeout=30)
