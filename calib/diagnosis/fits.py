@@ -21,7 +21,8 @@ _PRUNED = 20.0  # what ln of the evidence can gain where effects not worth their
 class Fits:
     """``fitted`` explanations of a problem by their keys; ``held`` the logs that are held out.
 
-    ``base`` the one without effects; ``densities`` ln of those of the hold-outs.
+    ``base`` the one without effects; ``densities`` ln of those of the hold-outs; ``attempts`` at
+    parts, by their keys and those of what they are parts of.
     """
 
     problem: Problem
@@ -29,6 +30,7 @@ class Fits:
     base: Explanation = field(init=False)
     fitted: dict[object, Explanation] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)
+    attempts: set[object] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.base = fit(self.problem, Hypothesis(), start_of(self.problem))
@@ -81,7 +83,9 @@ class Fits:
 
     def _part(self, at: Explanation, part: Hypothesis, promised: float) -> Explanation:
         """A part of an explanation as it is known, else fitted from where that is."""
-        if not self.known(part, promised):
+        attempt = part.key, at.hypothesis.key
+        if attempt not in self.attempts and not self.known(part, promised):
+            self.attempts.add(attempt)
             keep = np.isin(at.prior.of, ["", *part.names])
             x, same = at.state.x[keep[: at.state.x.size]], part.sizes == at.hypothesis.sizes
             state = State(x, at.state.form, np.where(same, at.state.own, 0.0))
@@ -110,6 +114,7 @@ class Fits:
                 at,
                 problem=replace(at.problem, runs=(*at.problem.runs, *held.runs)),
                 state=replace(at.state, own=np.vstack([at.state.own, own])),
+                predictions=[*at.predictions, *other.predictions],
                 innovations=[*at.innovations, *other.innovations],
                 columns=[*at.columns, *other.columns],
                 rest=[*at.rest, *other.rest],

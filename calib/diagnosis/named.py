@@ -204,7 +204,7 @@ def _products(at: Explanation, others: Sequence[tuple[Base, Effects]]) -> list[P
     """Inner products of each log, with what the ``others`` change behind its own columns."""
     changes = [
         np.stack([innovations(at.problem, *other, run, lag) - r for other in others])
-        for run, lag, r in zip(at.runs, at.lags(), at.innovations, strict=True)
+        for run, lag, r in zip(at.runs, at.lags, at.innovations, strict=True)
     ]
     return at.products_with(changes)
 

@@ -59,14 +59,14 @@ def trials(at: Explanation, names: Iterable[str] | None = None) -> list[Trial]:
 def _tried(at: Explanation, name: str) -> list[Trial]:
     """An effect at full strength of either sign, then with each further parameter a spread away."""
     elements, out = elements_of(at.problem.vehicle.effects, name), []
-    lags = at.lags()
+    lags = at.lags
     wider, unit = replace(at.hypothesis, names=(*at.names, name)), np.eye(len(elements))
     shifts = [0.0 * unit[0], *(s * other for other in unit[1:] for s in (-1.0, 1.0))]
     for sign, shift in product((1.0, -1.0), shifts):
         point = sign * unit[0] + shift
         if all(e.low <= x <= e.high for e, x in zip(elements, point, strict=True)):
             state = replace(at.state, x=np.append(at.state.x, point))
-            moved = zip(of_all(at.problem, wider, state, lags), at.innovations, strict=True)
+            moved = zip(of_all(at.problem, wider, state, lags)[1], at.innovations, strict=True)
             out.append(Trial(name, point, [a - b for a, b in moved]))
     return out
 

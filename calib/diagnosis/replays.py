@@ -18,7 +18,7 @@ from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import OWN, SLOPE, ZERO, Base
-from calib.diagnosis.explanation.explanation import Explanation, columns_by_own, of_all, runs_of
+from calib.diagnosis.explanation.explanation import Explanation, columns_by_own, runs_of
 from calib.diagnosis.explanation.fit import SETTLED, fit
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
@@ -236,10 +236,9 @@ def placed(held: Problem, at: Explanation) -> Array:
     own, which = np.zeros((len(held.runs), len(OWN))), np.flatnonzero(S)
     for _ in range(_ROUNDS):
         state = State(at.state.x, at.state.form, own)
-        r = of_all(held, at.hypothesis, state)
-        there = replace(at, problem=held, state=state, innovations=r)
+        there = replace(at, problem=held).moved(state)
         columns, before = columns_by_own(there, which.tolist()), own.copy()
-        for one, N, states in zip(r, columns, own, strict=True):
+        for one, N, states in zip(there.innovations, columns, own, strict=True):
             products = Products.of(np.zeros((0, one.size)), N, one, states[which])
             states[which] -= products.reduced(S[which])[1][:, -1]
         if np.all(np.abs(own - before) <= _NEAR * S):

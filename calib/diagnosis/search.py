@@ -99,8 +99,8 @@ class Search:
             if not any(map(self.accept, better)) or self.no_effect() or self.quieter():
                 break
         self.rivals = self._rivals()
-        if self.rivals and self.fits.value(self.rivals[0]) > self.fits.value(self.best):
-            self.accept(self.rivals[0], least=0.0)
+        likeliest = max((self.best, *self.rivals), key=self._odds)
+        if likeliest is not self.best and self.accept(likeliest, least=-SURE):
             self.rivals = self._rivals()
         found = self._with_alike()
         self.base, self.best = self.base if found.names else found, found
@@ -248,13 +248,17 @@ class Search:
         ]
         return promised > max(p.log_evidence for p in found)
 
+    def _odds(self, at: Explanation) -> float:
+        """ln of the odds between rivals: what every car has comes before what only some have."""
+        return self.fits.value(at) + at.hypothesis.expected
+
     def _rivals(self) -> tuple[Explanation, ...]:
         """Explanations of no more parameters that no log, searched or held out, rules out."""
         best, value, out = self.best, self.fits.value, []
         most, least = value(best), best.log_evidence - 2.0 * SURE
         for e in list(self.fits.fitted.values()):
-            simple = len(e.names) <= len(best.names) and e.state.x.size <= best.state.x.size
-            if set(e.names) <= set(best.names) or not simple or e.log_evidence < least:
+            more = e.state.x.size > best.state.x.size
+            if set(e.names) <= set(best.names) or more or e.log_evidence < least:
                 continue
             if value(e) >= most - 2.0 * SURE:
                 one = fit(self.problem, e.hypothesis, e.state, e.columns, ALMOST)

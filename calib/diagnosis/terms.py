@@ -106,7 +106,7 @@ def _pulses(at: Explanation, place: str) -> list[Array]:
     Pulses of a comb are so far apart that each moves innovations of its own.
     """
     base, effects, out = at.base, at.effects, []
-    for run, lag, r in zip(at.runs, at.lags(), at.innovations, strict=True):
+    for run, lag, r in zip(at.runs, at.lags, at.innovations, strict=True):
         middles = _middles(run)
         time = thinned(run, run.time - run.time[0])
         rows = np.tile(time[-by_channel(r).shape[1] :], len(CHANNELS))

@@ -46,6 +46,8 @@ UNITS = {row["name"]: row["unit"] for row in _OWN_ROWS}
 FACTOR_ON = {row["name"]: row["factor_on"] for row in _OWN_ROWS if row["factor_on"]}
 """States that are logarithms of factors, with the base parameters that they multiply."""
 
+_FACTORS = [OWN.index(name) for name in FACTOR_ON]
+
 _OF_KIND = np.array([row["kind"] for row in _OWN_ROWS])
 _ALIKE_OWN, _USUAL, _OTHER = (
     np.array([float(row[key]) for row in _OWN_ROWS]) for key in ("alike", "usual", "other")
@@ -74,8 +76,7 @@ class Base:
 
     def of_log(self, own: Array) -> Self:
         """As a log has it, whose pads and road may differ: by the factors of its ``own`` (8,)."""
-        factors = dict(zip(OWN, np.exp(own * np.isin(OWN, list(FACTOR_ON))).tolist(), strict=True))
-        on = {FACTOR_ON[name]: factors[name] for name in FACTOR_ON}
+        on = dict(zip(FACTOR_ON.values(), np.exp(own[_FACTORS]).tolist(), strict=True))
         return replace(
             self,
             pad_friction_f=on["pad_friction_f"] * self.pad_friction_f,

@@ -32,7 +32,7 @@ from calib.diagnosis.explanation.base import (
 from calib.diagnosis.explanation.channels import CHANNELS, of_wheels, residuals, whiten
 from calib.diagnosis.explanation.gaussian import Marginal, Products
 from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, Prior, State, based, prior_of
-from calib.diagnosis.explanation.predict import ObservedRun, RunLag, lag_of, predict
+from calib.diagnosis.explanation.predict import ObservedRun, Prediction, RunLag, predict
 from calib.diagnosis.explanation.problem import Problem
 
 _BENT = 2.0  # mean square of pads and tyres over their priors' from which they are bent [1]
@@ -44,14 +44,16 @@ _STEP_OF_OWN = 1.0 / 15.0  # of an own state, over the largest of its usual size
 class Explanation:
     """A hypothesis fitted to the logs of a problem.
 
-    Of each log its ``innovations`` (n,), and their derivatives: ``columns`` (m + 2 k, n) by x and
-    the form of tyres, ``rest`` (4, n) by its own slope, zero of a_x, and first heats of its discs.
+    Of each log its ``predictions``, its ``innovations`` (n,), and their derivatives: ``columns``
+    (m + 2 k, n) by x and the form of tyres, ``rest`` (4, n) by its own slope, zero of a_x, and
+    first heats of its discs.
     ``settled`` the fall of the squares that a fit left to promise at most.
     """
 
     problem: Problem
     hypothesis: Hypothesis
     state: State
+    predictions: list[Prediction]
     innovations: list[Array]
     columns: list[Array]
     rest: list[Array]
@@ -133,10 +135,15 @@ class Explanation:
         """The runs with what each has of its own."""
         return runs_of(self.problem, self.state.own)
 
+    @property
     def lags(self) -> list[RunLag]:
         """How the wheels of each run follow, for predictions nearby."""
-        vehicle, base, effects = self.problem.vehicle, self.base, self.effects
-        return [lag_of(vehicle, base, effects, run) for run in self.runs]
+        return [made.lag for made in self.predictions]
+
+    def moved(self, state: State) -> Self:
+        """The same at another state, with the columns of this one."""
+        predictions, r = of_all(self.problem, self.hypothesis, state)
+        return replace(self, state=state, predictions=predictions, innovations=r)
 
     def own_columns(self, i: int) -> Array:
         """Derivatives (8, n) of a log by its own states; of a factor those of what it is on."""
@@ -192,11 +199,16 @@ def of_all(
     hypothesis: Hypothesis,
     state: State,
     lags: Iterable[RunLag | None] = repeat(None),
-) -> list[Array]:
-    """Innovations (n,) of each log."""
+) -> tuple[list[Prediction], list[Array]]:
+    """Prediction and innovations (n,) of each log."""
     base, effects = based(problem, hypothesis, state)
-    pairs = zip(runs_of(problem, state.own), lags, strict=False)
-    return [innovations(problem, base, effects, run, lag) for run, lag in pairs]
+    runs = runs_of(problem, state.own)
+    made = [
+        predict(problem.vehicle, base, effects, run, lag)
+        for run, lag in zip(runs, lags, strict=False)
+    ]
+    left = map(residuals, problem.runs, made)
+    return made, [whiten(r, problem.noise) for r in left]
 
 
 def runs_of(problem: Problem, own: Array) -> list[ObservedRun]:
@@ -205,40 +217,39 @@ def runs_of(problem: Problem, own: Array) -> list[ObservedRun]:
 
 
 def seen(
-    problem: Problem,
-    hypothesis: Hypothesis,
-    state: State,
-    known: Sequence[Array] = (),
-    *,
-    form_too: bool = True,
+    problem: Problem, hypothesis: Hypothesis, state: State, known: Sequence[Array] = ()
 ) -> Explanation:
-    """A hypothesis at a state, its columns by differences.
+    """A hypothesis at a state, its columns by differences; see `with_columns`."""
+    predictions, r = of_all(problem, hypothesis, state)
+    return with_columns(Explanation(problem, hypothesis, state, predictions, r, [], []), known)
+
+
+def with_columns(at: Explanation, known: Sequence[Array] = ()) -> Explanation:
+    """The same with columns of its own place, by differences.
 
     Those by the first elements of x of each log may be ``known`` from a state nearby, and the last
     ones, by the form, too.
     """
-    at = Explanation(problem, hypothesis, state, of_all(problem, hypothesis, state), [], [])
-    m, k = state.x.size, state.form.size
+    state, m, k = at.state, at.state.x.size, at.state.form.size
     first = len(known[0]) - k if known else 0
     steps = np.where(state.x + _STEP < at.prior.high[:m], _STEP, -_STEP)
     moved = [replace(state, x=state.x + step) for step in np.diag(steps)[first:]]
     J = _differences(at, moved, steps[first:])
-    form = known if known and form_too else _by_form(at)
+    form = known or _by_form(at)
     parts = zip(known or form, J, form, strict=True)
-    J = [np.vstack([a[:first], b, hypothesis.departs * c[-k:]]) for a, b, c in parts]
+    J = [np.vstack([a[:first], b, at.hypothesis.departs * c[-k:]]) for a, b, c in parts]
     if FADE in at.effects:
         heat = columns_by_own(at, (FRONT_HEAT, REAR_HEAT))
     else:
         heat = [np.zeros((2, r.size)) for r in at.innovations]
-    rest = [np.vstack(both) for both in zip(problem.courses, heat, strict=True)]
+    rest = [np.vstack(both) for both in zip(at.problem.courses, heat, strict=True)]
     return replace(at, columns=J, rest=rest)
 
 
 def _by_form(at: Explanation) -> list[Array]:
     """Derivatives (2 k, n) of the innovations of each log by the form of front and rear tyres."""
-    base, effects, found, hats = at.base, at.effects, [], np.eye(FORM_AT.size)
-    for run in at.runs:
-        made = predict(at.problem.vehicle, base, effects, run)
+    found, hats = [], np.eye(FORM_AT.size)
+    for run, made in zip(at.problem.runs, at.predictions, strict=True):
         shares = np.stack([[np.interp(use, FORM_AT, hat) for use in made.use] for hat in hats])
         omega = np.stack([shares * made.lost] * 2)
         omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0
@@ -255,8 +266,7 @@ def columns_by_own(at: Explanation, which: Sequence[int]) -> list[Array]:
 
 def _differences(at: Explanation, moved: Sequence[State], steps: Array) -> list[Array]:
     """Derivatives (m, n) of the innovations of each log, each by a state that has moved."""
-    lags = at.lags()
-    found = [of_all(at.problem, at.hypothesis, state, lags) for state in moved]
+    found = [of_all(at.problem, at.hypothesis, state, at.lags)[1] for state in moved]
     return [
         (np.array([other[i] for other in found]).reshape(-1, r.size) - r) / steps[:, None]
         for i, r in enumerate(at.innovations)

@@ -26,6 +26,9 @@ from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
 FADE = "pad_thermal_fade"
 
 _TURNING = ("disc_thickness_variation", "tone_ring_runout")  # with the angle of the wheels
+_IN_EVERY_CAR = frozenset({"aerodynamic_drag", "rolling_resistance", "rolling_radius_mismatch"})
+"""Effects that no car is without: their size alone is in question."""
+
 STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
 _FURTHER = 1.0  # the same of its further parameters
 PRICE = 5.0  # ln of the odds, before logs are read, against an effect or a kind they differ in
@@ -106,6 +109,11 @@ class Hypothesis:
         """ln of the odds against it before so many logs are read."""
         parts = len(self.names) + len(self.kinds) + (self.walk is not None)
         return PRICE * parts + self.phases(runs)
+
+    @property
+    def expected(self) -> float:
+        """The part of these odds that is of effects in every car: none where logs cannot tell."""
+        return PRICE * len(_IN_EVERY_CAR & {*self.names})
 
     def phases(self, runs: int) -> float:
         """The part of these odds that is the angles at which its effects begin."""

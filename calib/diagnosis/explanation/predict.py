@@ -83,7 +83,7 @@ class Prediction:
     """``a_x`` [m/s^2], ``gained`` speed since the start [m/s], ``omega`` [rad/s], all as read.
 
     Of the wheels (4, n) ``use`` the force over the load [1], ``lost`` the part of omega that the
-    slip of a tyre without a departure takes [rad/s].
+    slip of a tyre without a departure takes [rad/s]; ``lag`` how they follow.
     """
 
     a_x: Array
@@ -91,6 +91,7 @@ class Prediction:
     omega: Array
     use: Array
     lost: Array
+    lag: RunLag
 
 
 def run_of(log: Log) -> ObservedRun:
@@ -133,17 +134,8 @@ def run_of(log: Log) -> ObservedRun:
     )
 
 
-def lag_of(
-    vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun, known: RunLag | None = None
-) -> RunLag:
-    """How the wheels of a run follow, as is ``known`` if car and tyres are the same.
-
-    As if both axles used the road as the whole car does.
-    """
-    car = combined.as_driven(vehicle, effects).with_radii(base.radius)
-    car, tyre = replace(car, effects=Effects()), base.of_log(run.own).tyre
-    if known is not None and (known.car, known.tyre) == (car, tyre):
-        return known
+def _lag_of(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> RunLag:
+    """How the wheels of a run follow, as if both axles used the road as the whole car does."""
     load = np.stack(axle_loads(car, run.z))
     _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
     axles = (car.front, car.rear)
@@ -155,7 +147,7 @@ def lag_of(
 def predict(
     vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun, known: RunLag | None = None
 ) -> Prediction:
-    """Predict a run; ``known`` is how its wheels follow behind a car and tyres that may be others.
+    """Predict a run; ``known`` is how its wheels follow, taken if its car and tyres are the same.
 
     The deceleration acts on the tyre forces through the inertia of the wheels alone, so each pass
     leaves 3 % of its error. Where the second one finds the torques of the first, they depend on
@@ -163,9 +155,11 @@ def predict(
 
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
-    car = combined.as_driven(vehicle, effects).with_radii(base.radius)
-    lag = lag_of(vehicle, base, effects, run, known).lag
+    car = replace(combined.as_driven(vehicle, effects).with_radii(base.radius), effects=Effects())
     base = base.of_log(run.own)
+    same = known is not None and (known.car, known.tyre) == (car, base.tyre)
+    of_run = known if known is not None and same else _lag_of(car, base.tyre, run)
+    lag = of_run.lag
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
     lines = combined.line_pressure(effects, pressed)
     clamps = np.stack(combined.caliper_pressure(effects, pressed, *lines))
@@ -201,6 +195,7 @@ def predict(
         omega=omega,
         use=_by_wheel(use),
         lost=_by_wheel(turning * plain),
+        lag=of_run,
     )
 
 

@@ -9,8 +9,8 @@ import calib
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import BASE, OWN
-from calib.diagnosis.explanation.explanation import Explanation, innovations, of_all, seen
+from calib.diagnosis.explanation.base import BASE, LOW, NAMES, OWN
+from calib.diagnosis.explanation.explanation import Explanation, innovations, seen
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
 from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.replays import without_form
@@ -71,11 +71,21 @@ def test_columns_of_the_form_are_differences_of_predictions(fading):
         for step in (1e-3, -1e-3):
             form = fading.state.form.copy()
             form[k] += step
-            ends.append(of_all(fading.problem, fading.hypothesis, replace(fading.state, form=form)))
+            ends.append(fading.moved(replace(fading.state, form=form)).innovations)
         for found, above, below in zip(columns, *ends, strict=True):
             assert same(found[k], (above - below) / 2e-3, 1e-6)
     reached = [np.any(found, axis=1).sum() for found in columns]
     assert min(reached) >= 6  # knots of both axles up to half a g
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_base_parameter_acts_at_its_lower_bound(fading, name):
+    """Else a fit that comes there stays: nothing shows it the way out."""
+    k = NAMES.index(name)
+    x = fading.state.x.copy()
+    x[k] = LOW[k]
+    found = seen(fading.problem, fading.hypothesis, replace(fading.state, x=x))
+    assert any(np.any(J[k]) for J in found.columns)
 
 
 def hard(vehicle: Vehicle, plant: Plant) -> Problem:

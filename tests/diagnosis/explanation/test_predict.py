@@ -8,7 +8,7 @@ import pytest
 from calib.base.names import G
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.tyre import MagicFormula
-from calib.diagnosis.explanation.predict import Base, lag_of, predict, run_of
+from calib.diagnosis.explanation.predict import Base, predict, run_of
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
 from tests.support.reference_car import without
@@ -78,7 +78,7 @@ def test_a_term_over_the_deceleration_does_not_predict_noise_from_itself(run, pl
 
 
 def test_a_known_lag_of_the_wheels_serves_only_behind_the_same_tyres(run):
-    lag = lag_of(SEDAN, BASE, Effects(), run)
+    lag = predict(SEDAN, BASE, Effects(), run).lag
     for one in (BASE, replace(BASE, tyre=MagicFormula(18.0, 0.95))):
         told = predict(SEDAN, one, Effects(), run, lag)
         assert np.array_equal(told.omega, predict(SEDAN, one, Effects(), run).omega)
