@@ -12,8 +12,8 @@ from calib.car.effects.effect import SLOWING, acts_on
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.base import OWN
-from calib.diagnosis.explanation.explanation import runs_of
-from calib.diagnosis.explanation.fit import SETTLED
+from calib.diagnosis.explanation.fit import runs_of
+from calib.diagnosis.explanation.gauss_newton import CONVERGED
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Tell, problem_of, silent
 from calib.diagnosis.named import base_estimates, confusion_of, drives, named
@@ -26,7 +26,7 @@ from calib.diagnosis.runs import (
     unexplained_warnings,
     with_even_sides,
 )
-from calib.diagnosis.search import searched
+from calib.diagnosis.search import run_search
 from calib.diagnosis.verdict import Verdict, unexplained_of, verdict_of
 from calib.logs.log import Log
 from calib.run.copies import without_holds
@@ -75,60 +75,63 @@ def diagnose(
     """
     tell("checking the logs", 0, 1)
     warnings = checked(vehicle, calibration, holdout)
-    given = [*sorted(calibration, key=lambda log: log.digest), *holdout]
-    given, n = [without_holds(log) for log in given], len(calibration)
+    recorded = [*sorted(calibration, key=lambda log: log.digest), *holdout]
+    recorded, n = [without_holds(log) for log in recorded], len(calibration)
     known_to_all = map if vehicle.effects.user_defined else mapped
     for largest in (LARGEST, USUAL):
-        logs, sides = with_even_sides(given, largest)
+        logs, sides = with_even_sides(recorded, largest)
         runs = [run_of(log) for log in logs[:n]]
-        search = searched(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
+        search = run_search(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
         require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
-        found = verdict_of(search)
+        verdict = verdict_of(search)
         slowed = any(
-            acts_on(definition(vehicle.effects, name), SLOWING) for name in found.best.names
+            acts_on(definition(vehicle.effects, name), SLOWING) for name in verdict.best.names
         )
-        if max(map(abs, sides.values())) <= USUAL or not (slowed or found.terms):
+        if max(map(abs, sides.values())) <= USUAL or not (slowed or verdict.terms):
             break  # else it may be a brake that drags on one wheel
-    best, last = found.best, _with_term(found) if found.terms else found.after
-    rest = unexplained_of(best, found.terms) if found.terms else None
+    best, last = verdict.best, _with_term(verdict) if verdict.terms else verdict.after
+    unexplained = unexplained_of(best, verdict.terms) if verdict.terms else None
     tell("asking what these logs could not show", 0, 1)
-    confusion = confusion_of(best, found.rivals)
-    kept = [set(step.names) for step in search.steps]
-    withdrawn = (names for names in search.withdrawn.values() if set(names) not in kept)
-    every_run = (*best.runs, *runs_of(search.held.problem, found.after.own))
+    confusion = confusion_of(best, verdict.rivals)
+    accepted = [set(step.names) for step in search.steps]
+    withdrawn = (names for names in search.withdrawn.values() if set(names) not in accepted)
+    every_run = (*best.runs, *runs_of(search.holdouts.problem, verdict.after.random_effects))
     return Diagnosis(
-        verdict=found.word,
-        effects=named(found, confusion),
-        unexplained=rest,
+        verdict=verdict.word,
+        effects=named(verdict, confusion),
+        unexplained=unexplained,
         base=base_estimates(best),
-        gap=gap_of(last.before, last.logs, search.held.logs),
+        gap=gap_of(last.base_logs, last.logs, search.holdouts.logs),
         model_before=model_of(vehicle, last.base.base, last.base.effects),
-        model_after=model_of(vehicle, last.at.base, last.at.effects),
-        before=last.before,
-        after=last.logs,
-        measured=search.held.logs,
+        model_after=model_of(vehicle, last.simulated.base, last.simulated.effects),
+        replays_before=last.base_logs,
+        replays_after=last.logs,
+        measured=search.holdouts.logs,
         reduced_before=search.base.reduced,
-        reduced_after=last.at.reduced if rest else best.reduced,
-        left=remainder_of(search.gap(found.after), found.after.logs, search.held.logs),
+        reduced_after=last.simulated.reduced if unexplained else best.reduced,
+        remainder=remainder_of(search.gap(verdict.after), verdict.after.logs, search.holdouts.logs),
         withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
         noise=search.problem.noise,
-        own={run.source: dict(zip(OWN, run.own.tolist(), strict=True)) for run in every_run},
+        random_effects={
+            run.source: dict(zip(OWN, run.random_effects.tolist(), strict=True))
+            for run in every_run
+        },
         drives=drives(best),
         confusion=confusion,
         sides=sides,
         warnings=unexplained_warnings(
-            warnings, left=rest is not None, grouped=bool(best.hypothesis.kinds)
+            warnings, unexplained=unexplained is not None, grouped=bool(best.hypothesis.kinds)
         ),
     )
 
 
-def _with_term(found: Verdict) -> Replayed:
+def _with_term(verdict: Verdict) -> Replayed:
     """The replays with the best empirical term; without it where it does not help."""
     try:
-        last = found.search.replayed(found.terms[0], SETTLED)
+        last = verdict.search.replayed(verdict.terms[0], CONVERGED)
     except ModelError:  # such a term need not have an equilibrium
-        return found.after
-    helped = gap_of(found.after.logs, last.logs, found.search.held.logs).closed > 0.0
-    return last if helped else found.after
+        return verdict.after
+    helped = gap_of(verdict.after.logs, last.logs, verdict.search.holdouts.logs).closed > 0.0
+    return last if helped else verdict.after

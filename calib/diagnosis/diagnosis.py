@@ -140,10 +140,10 @@ class ShowingDrive:
 class Diagnosis:
     """The whole answer.
 
-    ``before`` and ``after`` are the hold-outs replayed open loop; ``unexplained`` is None where
-    nothing significant is left, ``confusion`` where one explanation stands alone; ``sides`` by how
-    much the right wheel of an axle rolled faster than the left one before that was taken out [1],
-    by axle; ``own`` by log what it has of its own, by the names and in the units of
+    ``replays_before`` and ``replays_after`` are the hold-outs replayed open loop; ``unexplained``
+    is None where nothing significant is left, ``confusion`` where one explanation stands alone;
+    ``sides`` by how much the right wheel of an axle rolled faster than the left one before that was
+    taken out [1], by axle; ``random_effects`` by log, by the names and in the units of
     `calib.diagnosis.explanation.base`; ``withdrawn`` names of effects that fit the calibration logs
     and not the hold-outs; ``drives`` of effects that these logs could not have shown; ``warnings``
     what speaks against the logs and is not explained.
@@ -156,16 +156,16 @@ class Diagnosis:
     gap: Gap
     model_before: Model
     model_after: Model
-    before: tuple[Log, ...]
-    after: tuple[Log, ...]
+    replays_before: tuple[Log, ...]
+    replays_after: tuple[Log, ...]
     measured: tuple[Log, ...]
     reduced_before: float
     reduced_after: float
-    left: Remainder
+    remainder: Remainder
     withdrawn: tuple[tuple[str, ...], ...]
     steps: tuple[SearchStep, ...]
     noise: ChannelNoise
-    own: Mapping[str, Mapping[str, float]]
+    random_effects: Mapping[str, Mapping[str, float]]
     drives: tuple[ShowingDrive, ...]
     confusion: Confusion | None
     sides: Mapping[str, float]
@@ -179,62 +179,62 @@ class Diagnosis:
                 interval = f"{p.value:.4g}{behind(p.unit)} (95 % {low:.4g} to {high:.4g})"
                 lines.append(f"  {effect.name}: {name} = {interval}")
         if self.effects and self.unexplained is not None:
-            lines.append(f"  and something else: {self.left.size:.1f} times the noise is left")
+            lines.append(f"  and something else: {self.remainder.size:.1f} times the noise is left")
         lines.append(f"  gap on the hold-outs: {100.0 * self.gap.closed:.0f} % closed")
         return "\n".join(lines)
 
 
-def to_dict(found: Diagnosis) -> dict[str, Any]:
+def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     """The whole diagnosis, JSON-able, most of it field by field; null for what is not finite."""
-    names = [effect.name for effect in found.effects]
-    rest, gap = found.unexplained, found.gap
+    names = [effect.name for effect in diagnosis.effects]
+    unexplained, gap = diagnosis.unexplained, diagnosis.gap
     whole = {
         "schema": 1,
-        "verdict": found.verdict,
-        "effects": found.effects,
+        "verdict": diagnosis.verdict,
+        "effects": diagnosis.effects,
         "own_effects": [
             {"name": name, "file": one.file, "sha256": one.sha256, "named": name in names}
-            for name, one in found.model_after.effects.user_defined.items()
+            for name, one in diagnosis.model_after.effects.user_defined.items()
         ],
-        "known": found.model_before.vehicle.effects.parameters,
-        "unexplained": rest
+        "known": diagnosis.model_before.vehicle.effects.parameters,
+        "unexplained": unexplained
         and {
-            **_plain(rest),
+            **_plain(unexplained),
             "beside": names,
-            "in_model": found.model_after.effects.terms != (),
-            "replays": found.left,
-            "innovation": found.reduced_after if names else found.reduced_before,
-            "term": _plain(rest.term) | {"driver_unit": DRIVERS[rest.term.driver]},
+            "in_model": diagnosis.model_after.effects.terms != (),
+            "replays": diagnosis.remainder,
+            "innovation": diagnosis.reduced_after if names else diagnosis.reduced_before,
+            "term": _plain(unexplained.term) | {"driver_unit": DRIVERS[unexplained.term.driver]},
             "runners_up": [
                 {"place": place, "driver": driver, "explained": share}
-                for place, driver, share in rest.runners_up
+                for place, driver, share in unexplained.runners_up
             ],
         },
-        "own_states": found.own,
-        "sides": found.sides,
-        "confusion": found.confusion,
-        "not_resolved": [drive.effect for drive in found.drives],
-        "would_show": found.drives,
-        "base": found.base,
-        "innovation": {"before": found.reduced_before, "after": found.reduced_after},
-        "noise": {"from": found.noise.source, "at_floor": found.noise.at_floor},
-        "left": found.left,
-        "steps": found.steps,
-        "withdrawn": found.withdrawn,
+        "own_states": diagnosis.random_effects,
+        "sides": diagnosis.sides,
+        "confusion": diagnosis.confusion,
+        "not_resolved": [drive.effect for drive in diagnosis.drives],
+        "would_show": diagnosis.drives,
+        "base": diagnosis.base,
+        "innovation": {"before": diagnosis.reduced_before, "after": diagnosis.reduced_after},
+        "noise": {"from": diagnosis.noise.source, "at_floor": diagnosis.noise.at_floor},
+        "left": diagnosis.remainder,
+        "steps": diagnosis.steps,
+        "withdrawn": diagnosis.withdrawn,
         "gap": {
             **_gap(gap),
             "closed": gap.closed,
             "unit": "rms over the noise of the sensors",
             "by_log": {log: _gap(gap, log) for log in gap.logs},
         },
-        "warnings": found.warnings,
+        "warnings": diagnosis.warnings,
     }
     return {key: _plain(value) for key, value in whole.items()}
 
 
-def text_of(found: Diagnosis) -> str:
+def text_of(diagnosis: Diagnosis) -> str:
     """The text of diagnosis.json."""
-    return json.dumps(to_dict(found), indent=2, allow_nan=False) + "\n"
+    return json.dumps(to_dict(diagnosis), indent=2, allow_nan=False) + "\n"
 
 
 def _plain(value: Any) -> Any:
@@ -257,16 +257,16 @@ def _gap(gap: Gap, log: str | None = None) -> dict[str, Any]:
     """The gap of one log or all, over the noise; of each channel in its unit."""
     channels = {}
     for channel, noise in zip(CHANNELS, gap.noise.tolist(), strict=True):
-        before, after = gap.of(log, channel)
+        rms_before, rms_after = gap.rms(log, channel)
         channels[channel] = {
-            "before": noise * before,
-            "after": noise * after,
+            "before": noise * rms_before,
+            "after": noise * rms_after,
             "noise": noise,
-            "closed": 1.0 - after / before if before > 0.0 else None,
+            "closed": 1.0 - rms_after / rms_before if rms_before > 0.0 else None,
             "unit": UNITS[channel],
         }
-    before, after = gap.of(log)
-    return {"before": before, "after": after, "by_channel": channels}
+    rms_before, rms_after = gap.rms(log)
+    return {"before": rms_before, "after": rms_after, "by_channel": channels}
 
 
 def files_of(stems: list[str]) -> list[Path]:
@@ -275,7 +275,7 @@ def files_of(stems: list[str]) -> list[Path]:
     return [Path(_DOCUMENT), Path(_MODEL), Path(_REPORT), *sims]
 
 
-def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
+def write_folder(diagnosis: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
     """Write everything to ``out``, the document last, and return the paths.
 
     Replays of an earlier run that are not made again are removed. Other files in ``out`` stay.
@@ -285,13 +285,16 @@ def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> lis
 
     with workshop(out) as work:
         write_whole(work / _DOCUMENT, document.encode())
-        write_model(found.model_after, work / _MODEL)
+        write_model(diagnosis.model_after, work / _MODEL)
         write_whole(work / _REPORT, report.encode())
-        sims, paths = (*found.before, *found.after), files_of([sim.name for sim in found.before])
+        sims, paths = (
+            (*diagnosis.replays_before, *diagnosis.replays_after),
+            files_of([sim.name for sim in diagnosis.replays_before]),
+        )
         for sim, path in zip(sims, paths[-len(sims) :], strict=True):
             (work / path).parent.mkdir(parents=True, exist_ok=True)
-            told = {name: sim[name] for name in ("time", *CHANNELS)}
-            write_csv(replace(sim, channels=told, truth={}), work / path)
+            channels = {name: sim[name] for name in ("time", *CHANNELS)}
+            write_csv(replace(sim, channels=channels, truth={}), work / path)
         return publish(work, out, _DOCUMENT, _replays)
 
 

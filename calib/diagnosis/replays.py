@@ -18,8 +18,8 @@ from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import OWN, SLOPE, ZERO, Base
-from calib.diagnosis.explanation.explanation import Explanation, columns_by_own, runs_of
-from calib.diagnosis.explanation.fit import SETTLED, fit
+from calib.diagnosis.explanation.fit import Fit, random_columns_of, runs_of
+from calib.diagnosis.explanation.gauss_newton import CONVERGED, fit_logs
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.problem import Problem
@@ -59,34 +59,34 @@ class Gap:
     noise: Array
     squares: Array
 
-    def of(self, log: str | None = None, channel: str | None = None) -> tuple[float, float]:
+    def rms(self, log: str | None = None, channel: str | None = None) -> tuple[float, float]:
         """Rms before and after in units of the noise, of one log or all, of one channel or all."""
         rows = [i for i, one in enumerate(self.logs) if log in (None, one)]
         columns = [j for j, one in enumerate(CHANNELS) if channel in (None, one)]
         squares = self.squares[:, rows][:, :, columns]
-        before, after = np.sqrt(np.mean(squares, axis=(1, 2))).tolist()
-        return before, after
+        rms_before, rms_after = np.sqrt(np.mean(squares, axis=(1, 2))).tolist()
+        return rms_before, rms_after
 
     @property
-    def before(self) -> float:
+    def rms_before(self) -> float:
         """Rms of all without the effects, in units of the noise."""
-        return self.of()[0]
+        return self.rms()[0]
 
     @property
-    def after(self) -> float:
+    def rms_after(self) -> float:
         """Rms of all with the effects, in units of the noise."""
-        return self.of()[1]
+        return self.rms()[1]
 
     @property
     def closed(self) -> float:
         """Share of the gap that is closed [1], 0 where there is none."""
-        before, after = self.of()
-        return 1.0 - after / before if before > 0.0 else 0.0
+        rms_before, rms_after = self.rms()
+        return 1.0 - rms_after / rms_before if rms_before > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
 class Remainder:
-    """What is left in the replays with an explanation.
+    """What is left in the replays with a fit.
 
     ``size`` rms of their errors without noise, over the noise of the sensors [1]; ``channel``,
     ``log`` where that is ``largest`` [1]; ``pressure`` [Pa], ``speed`` [m/s], ``time`` [s since the
@@ -103,12 +103,14 @@ class Remainder:
     unit: str = "rms of replay errors over the noise of the sensors"
 
 
-def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
+def gap_of(
+    base_replays: Sequence[Log], replays_after: Sequence[Log], measured: Sequence[Log]
+) -> Gap:
     """Compare replays with their logs, over their common samples above 1 m/s."""
     noise = noises_of(measured)
     squares = [
         [np.mean(_errors_of(*pair) ** 2, axis=1) for pair in zip(replays, measured, strict=True)]
-        for replays in (before, after)
+        for replays in (base_replays, replays_after)
     ]
     beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
     return Gap(tuple(log.name for log in measured), noise, beyond)
@@ -139,8 +141,8 @@ def _noise_of(log: Log, channel: str) -> float:
 
 def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
     """What ``replays`` leave of ``measured`` logs, after a ``gap``."""
-    left = gap.squares[1]
-    row, column = divmod(int(np.argmax(left)), len(CHANNELS))
+    squares = gap.squares[1]
+    row, column = divmod(int(np.argmax(squares)), len(CHANNELS))
     log, channel = measured[row], CHANNELS[column]
     size = max(1, round(_BLOCK / log.sample_time))
     error = block_mean(_errors_of(replays[row], log)[column], size)
@@ -148,8 +150,8 @@ def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> R
     weight = np.abs(np.diff(error, prepend=0.0)) if channel == "v" else error**2
     drivers = (log["p_mc"], log["v"], log.time - log.time[0])
     pressure, speed, time = (range_of(block_mean(x, size), weight) for x in drivers)
-    largest = float(np.sqrt(left[row, column]))
-    return Remainder(gap.after, channel, log.name, largest, pressure, speed, time)
+    largest = float(np.sqrt(squares[row, column]))
+    return Remainder(gap.rms_after, channel, log.name, largest, pressure, speed, time)
 
 
 def range_of(driver: Array, weight: Array) -> tuple[float, float]:
@@ -166,19 +168,19 @@ class HoldOuts:
     logs: tuple[Log, ...]
     problem: Problem
 
-    def replays(self, at: Explanation, own: Array) -> tuple[Log, ...]:
-        """Every log replayed open loop with what it has of its ``own`` (runs, 8).
+    def replays(self, fit: Fit, random_effects: Array) -> tuple[Log, ...]:
+        """Replay every log open loop with its ``random_effects`` (runs, 8).
 
         Ripples follow the measured angle of the wheels; no torque and no speed is fed in. Raises
         ModelError if it cannot be computed.
         """
         out = []
-        for log, run in zip(self.logs, runs_of(self.problem, own), strict=True):
-            slope, zero = run.own[[SLOPE, ZERO]].tolist()
+        for log, run in zip(self.logs, runs_of(self.problem, random_effects), strict=True):
+            slope, zero = run.random_effects[[SLOPE, ZERO]].tolist()
             acts = {"road_grade": {"grade": slope, "felt": 1.0}} if slope else {}
             acts |= {"accelerometer_bias": {"bias": zero}} if zero else {}
-            effects = at.effects.with_(Effects(acts))
-            model = model_of(self.problem.vehicle, at.base.of_log(run.own), effects)
+            effects = fit.effects.with_(Effects(acts))
+            model = model_of(self.problem.vehicle, fit.base.of_log(run.random_effects), effects)
             angles = {"f": run.angle_f, "r": run.angle_r}
             angles = {axle: np.interp(log.time, run.time, x) for axle, x in angles.items()}
             out.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
@@ -193,54 +195,52 @@ def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
 
 @dataclass(frozen=True)
 class Replayed:
-    """An explanation, and ``at`` and ``base``, the same and the one without effects, as a model
-    has them: without a departure of the tyre.
+    """A ``fit``, and ``simulated`` and ``base``, the same and the one without effects, as a model
+    can have them: without a discrepancy of the tyre.
 
-    ``own`` (runs, 8) of the hold-outs, ``logs`` their replays, ``before`` those of the base, with
-    the same pads and roads, so that effects alone make the difference.
+    ``random_effects`` (runs, 8) of the hold-outs, ``logs`` their replays, ``base_logs`` those of
+    the base, with the same pads and roads, so that effects alone make the difference.
     """
 
-    of: Explanation
-    at: Explanation
-    base: Explanation
-    own: Array
-    before: tuple[Log, ...]
+    fit: Fit
+    simulated: Fit
+    base: Fit
+    random_effects: Array
+    base_logs: tuple[Log, ...]
     logs: tuple[Log, ...]
 
 
-def replayed(
-    held: HoldOuts, at: Explanation, base: Explanation, settled: float = SETTLED
-) -> Replayed:
-    """Fit an explanation as a model has it, as ``base`` is, and replay the hold-outs.
+def replayed(holdouts: HoldOuts, fit: Fit, base: Fit, tolerance: float = CONVERGED) -> Replayed:
+    """Fit a hypothesis as a model can have it, as ``base`` is, and replay the hold-outs.
 
     Raises ModelError.
     """
-    plain = without_form(at, settled)
-    own = placed(held.problem, plain)
-    logs = held.replays(plain, own)
-    if not at.names and at.hypothesis.walk is None:
-        return Replayed(at, plain, plain, own, logs, logs)
-    return Replayed(at, plain, base, own, held.replays(base, own), logs)
+    plain = without_form(fit, tolerance)
+    random_effects = placed(holdouts.problem, plain)
+    logs = holdouts.replays(plain, random_effects)
+    if not fit.names and fit.hypothesis.walk is None:
+        return Replayed(fit, plain, plain, random_effects, logs, logs)
+    return Replayed(fit, plain, base, random_effects, holdouts.replays(base, random_effects), logs)
 
 
-def without_form(at: Explanation, settled: float = SETTLED) -> Explanation:
-    """The same hypothesis, with tyres that do not depart from their form."""
-    state = replace(at.state, form=np.zeros_like(at.state.form))
-    hypothesis = replace(at.hypothesis, departs=False)
-    return fit(at.problem, hypothesis, state, at.columns, settled)
+def without_form(fit: Fit, tolerance: float = CONVERGED) -> Fit:
+    """Fit the same hypothesis with tyres that do not depart from their form."""
+    state = replace(fit.state, form=np.zeros_like(fit.state.form))
+    hypothesis = replace(fit.hypothesis, has_discrepancy=False)
+    return fit_logs(fit.problem, hypothesis, state, fit.columns, tolerance)
 
 
-def placed(held: Problem, at: Explanation) -> Array:
-    """What each hold-out has of its own, (runs, 8), of all that logs may differ in."""
-    S = at.hypothesis.sizes
-    own, which = np.zeros((len(held.runs), len(OWN))), np.flatnonzero(S)
+def placed(holdouts: Problem, fit: Fit) -> Array:
+    """Random effects (runs, 8) of each hold-out, those that logs may have."""
+    S = fit.hypothesis.sizes
+    random_effects, free = np.zeros((len(holdouts.runs), len(OWN))), np.flatnonzero(S)
     for _ in range(_ROUNDS):
-        state = State(at.state.x, at.state.form, own)
-        there = replace(at, problem=held).moved(state)
-        columns, before = columns_by_own(there, which.tolist()), own.copy()
-        for one, N, states in zip(there.innovations, columns, own, strict=True):
-            products = Products.of(np.zeros((0, one.size)), N, one, states[which])
-            states[which] -= products.reduced(S[which])[1][:, -1]
-        if np.all(np.abs(own - before) <= _NEAR * S):
+        state = State(fit.state.x, fit.state.form, random_effects)
+        placed_fit = replace(fit, problem=holdouts).moved(state)
+        columns, previous = random_columns_of(placed_fit, free.tolist()), random_effects.copy()
+        for one, N, states in zip(placed_fit.innovations, columns, random_effects, strict=True):
+            products = Products.from_columns(np.zeros((0, one.size)), N, one, states[free])
+            states[free] -= products.reduced(S[free])[1][:, -1]
+        if np.all(np.abs(random_effects - previous) <= _NEAR * S):
             break
-    return own
+    return random_effects

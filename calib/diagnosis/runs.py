@@ -37,7 +37,7 @@ _SEARCHED = (
 """Codes of what effects, pads or roads make as well as mistakes do. Where the diagnosis explains
 the logs, it has named their cause, and nothing is warned of."""
 
-_FITTED = 3  # explanations of logs with exchanged axles
+_FITTED = 3  # fits of logs with exchanged axles
 
 # differences of the sides [1]; a seized brake makes 0.001 to 0.008
 USUAL = 1e-3  # that tyres of one age make as they wear
@@ -76,26 +76,26 @@ def checked(
 
 
 def unexplained_warnings(
-    warnings: Sequence[PlausibilityWarning], *, left: bool, grouped: bool
+    warnings: Sequence[PlausibilityWarning], *, unexplained: bool, grouped: bool
 ) -> tuple[PlausibilityWarning, ...]:
     """The warnings that the result does not explain.
 
-    ``left`` whether something significant is left unexplained; ``grouped`` whether the logs have
+    ``unexplained`` whether something significant is left; ``grouped`` whether the logs have
     pads or roads of their own, which may be mistakes in their pressure.
     """
-    explained = () if left else tuple(c for c in _SEARCHED if c != _LEVEL or not grouped)
+    explained = () if unexplained else tuple(c for c in _SEARCHED if c != _LEVEL or not grouped)
     return tuple(warning for warning in warnings if warning.code not in explained)
 
 
 def _evidence_of(runs: Sequence[Run]) -> list[Evidence]:
     """The runs, with drag and rolling resistance of those without braking."""
     coasts = (run for run in runs if not run.events)
-    known = identify_resistance(runs[0].car, ((run.blocks, run.noise.z) for run in coasts))
-    responses = [run.response(known.effects) for run in runs]
+    resistance = identify_resistance(runs[0].car, ((run.blocks, run.noise.z) for run in coasts))
+    responses = [run.response(resistance.effects) for run in runs]
     return [
         Evidence(
             run,
-            run.accelerometer(known),
+            run.accelerometer(resistance),
             response,
             levels=[one.level for one in (*responses[:i], *responses[i + 1 :]) if one],
         )
@@ -113,21 +113,21 @@ def require_right_axles(
     a motor. The more probable one is believed: the logs as given, by what a search found, or with
     their axles exchanged, by the best of a few effects of the first ranking, or of none.
     """
-    told = {one.log: one for one in warnings if one.code == _SWAPPED}
-    if not told:
+    swapped = {one.log: one for one in warnings if one.code == _SWAPPED}
+    if not swapped:
         return
     every = [_exchanged(log) for log in logs]
-    some = [b if b.name in told else a for a, b in zip(logs, every, strict=True)]
-    found = search.fits.value(search.best)
-    if any(_log_evidence(search.problem, others) > found for others in (some, every)):
-        sources = [log.source for log in logs if log.name in told]
-        raise LogError(next(iter(told.values())).text, where=", ".join(sources))
+    some = [b if b.name in swapped else a for a, b in zip(logs, every, strict=True)]
+    best = search.fits.value(search.best)
+    if any(_log_evidence(search.problem, others) > best for others in (some, every)):
+        sources = [log.source for log in logs if log.name in swapped]
+        raise LogError(next(iter(swapped.values())).text, where=", ".join(sources))
 
 
-def _log_evidence(given: Problem, logs: Sequence[Log]) -> float:
-    """ln of the evidence of other logs with the same noise, by the best of a few explanations."""
-    runs = turned(given.vehicle, [run_of(log) for log in logs], given.noise)
-    problem = replace(given, runs=runs)
+def _log_evidence(recorded: Problem, logs: Sequence[Log]) -> float:
+    """ln of the evidence of other logs with the same noise, by the best of a few fits."""
+    runs = turned(recorded.vehicle, [run_of(log) for log in logs], recorded.noise)
+    problem = replace(recorded, runs=runs)
     fits = Fits(problem, problem)
     fits.best_of(promises(fits.base, trials(fits.base))[:_FITTED], fits.base)
     return max(one.log_evidence for one in fits.fitted.values())

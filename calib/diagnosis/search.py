@@ -15,8 +15,8 @@ import numpy as np
 from calib.base.errors import ModelError
 from calib.diagnosis.explanation.base import SCATTERED
 from calib.diagnosis.explanation.channels import ChannelNoise
-from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.explanation.fit import ALMOST, ROUGHLY, fit
+from calib.diagnosis.explanation.fit import Fit
+from calib.diagnosis.explanation.gauss_newton import FINAL, ROUGH, fit_logs
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned, unbraked_noise
 from calib.diagnosis.fits import Fits
@@ -28,11 +28,11 @@ from calib.logs.log import Log
 SURE = 10.0  # ln of the odds, of all logs together, from which more is believed, or ruled out
 
 _SHARE = 0.05  # share of all that is left which a cause of it takes at least
-_WIDER = 0.25  # share by which an explanation may widen the gap on the way to a better one
+_WIDER = 0.25  # share by which a fit may widen the gap on the way to a better one
 _WITHIN = 0.5  # what it may widen it by at least, in units of the noise
-_FRESH = 8  # further effects tried anew beside every explanation; others are as without effects
+_FRESH = 8  # further effects tried anew beside every fit; others are as without effects
 _MOST = 12  # moves at most
-_QUIETER = 0.9  # share of a channel's noise below which an explanation leaves it quieter
+_QUIETER = 0.9  # share of a channel's noise below which a fit leaves it quieter
 _WRONG = 0.5  # share of a gain by which a linear model is wrong at most, of a motor's parameters
 
 
@@ -53,10 +53,10 @@ class SearchStep:
     innovation_gain: float = 0.0
 
 
-def searched(problem: Problem, holdout: Sequence[Log]) -> "Search":
+def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
     """A search in a problem, judged by the logs that are held out.
 
-    It begins anew with the noise that an explanation leaves where that is quieter: an effect that
+    It begins anew with the noise that a fit leaves where that is quieter: an effect that
     acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
     """
     while True:
@@ -71,25 +71,25 @@ def searched(problem: Problem, holdout: Sequence[Log]) -> "Search":
 @dataclass
 class Search:
     """The course of a search; ``fits`` all that was fitted; ``first`` and ``further`` effects at
-    the base and at the best explanation; ``withdrawn`` what the hold-outs speak against, by keys.
+    the base and at the best fit; ``withdrawn`` what the hold-outs speak against, by keys.
     """
 
     problem: Problem
-    held: HoldOuts
-    base: Explanation = field(init=False)
-    best: Explanation = field(init=False)
+    holdouts: HoldOuts
+    base: Fit = field(init=False)
+    best: Fit = field(init=False)
     fits: Fits = field(init=False)
     first: list[Trial] = field(init=False)
     further: list[Trial] = field(init=False)
-    rivals: tuple[Explanation, ...] = ()
+    rivals: tuple[Fit, ...] = ()
     steps: list[SearchStep] = field(default_factory=list)
     accepted: list[Replayed] = field(default_factory=list)
     withdrawn: dict[object, tuple[str, ...]] = field(default_factory=dict)
 
     def run(self) -> None:
-        """Find the best explanation."""
+        """Find the best fit."""
         self.problem.tell("fitting the model without effects", 0, 1)
-        self.fits = Fits(self.problem, self.held.problem)
+        self.fits = Fits(self.problem, self.holdouts.problem)
         self.base = self.best = self.fits.base
         self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
         self.further = self.first = trials(self.base)
@@ -102,28 +102,28 @@ class Search:
         likeliest = max((self.best, *self.rivals), key=self._odds)
         if likeliest is not self.best and self.accept(likeliest, least=-SURE):
             self.rivals = self._rivals()
-        found = self._with_alike()
-        self.base, self.best = self.base if found.names else found, found
+        fit = self._with_alike()
+        self.base, self.best = self.base if fit.names else fit, fit
 
     def quieter(self) -> ChannelNoise | None:
         """The noise that effects leave in the unbraked parts, if a channel has less with them."""
-        at, problem = self.best, self.problem
-        if not at.names:
+        fit, problem = self.best, self.problem
+        if not fit.names:
             return None
-        noise = unbraked_noise(problem.vehicle, at.base, at.effects, problem.runs)
+        noise = unbraked_noise(problem.vehicle, fit.base, fit.effects, problem.runs)
         return noise if np.any(noise.sigma <= _QUIETER * problem.noise.sigma) else None
 
     @cached_property
-    def _plain(self) -> Explanation:
+    def _plain(self) -> Fit:
         """The base as a model has it."""
-        return without_form(self.base, ROUGHLY)
+        return without_form(self.base, ROUGH)
 
-    def replayed(self, at: Explanation, settled: float = ROUGHLY) -> Replayed:
-        """The hold-outs with an explanation. Raises ModelError."""
-        return replayed(self.held, at, self._plain, settled)
+    def replayed(self, fit: Fit, tolerance: float = ROUGH) -> Replayed:
+        """Replay the hold-outs with a fit. Raises ModelError."""
+        return replayed(self.holdouts, fit, self._plain, tolerance)
 
     @cached_property
-    def before(self) -> Replayed:
+    def base_replayed(self) -> Replayed:
         """The hold-outs without effects, on the pads and roads that fit those best."""
         return self.replayed(self.base)
 
@@ -132,20 +132,20 @@ class Search:
 
         What is wrong may have far pads, with which anything would shrink the gap.
         """
-        return gap_of(self.before.logs, after.logs, self.held.logs)
+        return gap_of(self.base_replayed.logs, after.logs, self.holdouts.logs)
 
     def widens(self, after: Replayed) -> bool:
         """Whether effects widen the gap of the replays, beyond what noise does."""
         gap = self.gap(after)
-        return gap.after > gap.before + max(_WIDER * gap.before, _WITHIN)
+        return gap.rms_after > gap.rms_before + max(_WIDER * gap.rms_before, _WITHIN)
 
-    def accept(self, new: Explanation, least: float = SURE) -> bool:
+    def accept(self, new: Fit, least: float = SURE) -> bool:
         """Go on from what is better by ``least`` when it is fitted on, and widens no gap far."""
-        new = fit(self.problem, new.hypothesis, new.state, new.columns)
+        new = fit_logs(self.problem, new.hypothesis, new.state, new.columns)
         self.fits.add(new)
-        more, held = self._gained(new)
+        more, holdout_gain = self._gained(new)
         same = new.hypothesis.key == self.best.hypothesis.key
-        if more + held <= (0.0 if same else least):
+        if more + holdout_gain <= (0.0 if same else least):
             return False
         try:
             after = self.replayed(new)
@@ -161,52 +161,54 @@ class Search:
             added = tuple(name for name in new.names if name not in last.names)
             removed = tuple(name for name in last.names if name not in new.names)
             gain = last.innovation - new.reduced
-            self.steps.append(SearchStep(new.names, new.reduced, more, held, added, removed, gain))
+            self.steps.append(
+                SearchStep(new.names, new.reduced, more, holdout_gain, added, removed, gain)
+            )
             mostly = (p.hypothesis.names[-1] for p in promises(new, self.first, 1))
             tops = [*dict.fromkeys(mostly)][:_FRESH]
             others = (trial for trial in self.first if trial.name not in tops)
             self.further = [*trials(new, tops), *others]
         return True
 
-    def beside(self, *, other: bool = False) -> list[Explanation]:
+    def beside(self, *, other: bool = False) -> list[Fit]:
         """One effect more; with ``other`` logs may differ in further kinds besides.
 
         What is near the best promise, for all that a linear model can be wrong.
         """
         best, tops = self.best, []
-        found = promises(best, self.further, 1, other)
+        promised = promises(best, self.further, 1, other)
         for kinds in (False, True):
-            those = [p for p in found if (p.hypothesis.kinds > best.hypothesis.kinds) == kinds]
+            those = [p for p in promised if (p.hypothesis.kinds > best.hypothesis.kinds) == kinds]
             most = max((p.log_evidence - best.log_evidence for p in those), default=0.0)
             least = best.log_evidence + max(5.0, (1.0 - _WRONG) * most - 5.0)
             tops += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
         return self.fits.best_of(tops, best)
 
-    def more_probable(self, news: Iterable[Explanation]) -> Iterator[Explanation]:
+    def more_probable(self, news: Iterable[Fit]) -> Iterator[Fit]:
         """Those that are surely more probable than the best, by evidence."""
         best = self.best
         # what takes a twentieth of all that is left or less is no cause of it
-        left = best.reduced - 1.0 - 3.0 * best.scatter
-        worth = max(SURE, _SHARE * 0.5 * left * best.count)
+        excess = best.reduced - 1.0 - 3.0 * best.scatter
+        worth = max(SURE, _SHARE * 0.5 * excess * best.count)
         more = {e.hypothesis.key: e for e in news if e.log_evidence > best.log_evidence}
         for key, e in sorted(more.items(), key=lambda one: -one[1].log_evidence)[:3]:
             if key == best.hypothesis.key:
                 if e.log_evidence > best.log_evidence + 2.0:
                     yield e
             elif key not in self.withdrawn:
-                gain, held = self._gained(e)
-                if held > -SURE and gain + held > worth:
+                gain, holdout_gain = self._gained(e)
+                if holdout_gain > -SURE and gain + holdout_gain > worth:
                     yield e
                 elif gain > SURE:
                     self.withdrawn[key] = e.names
 
-    def _gained(self, new: Explanation) -> tuple[float, float]:
+    def _gained(self, new: Fit) -> tuple[float, float]:
         """ln of the odds against the best by the logs that are searched, and by those held out."""
-        held = self.fits.density(new) - self.fits.density(self.best)
-        return float(new.log_evidence - self.best.log_evidence), float(held)
+        holdout_gain = self.fits.density(new) - self.fits.density(self.best)
+        return float(new.log_evidence - self.best.log_evidence), float(holdout_gain)
 
-    def exchanged(self) -> list[Explanation]:
-        """One or two effects, or other kinds, in the place of a part of the best explanation.
+    def exchanged(self) -> list[Fit]:
+        """One or two effects, or other kinds, in the place of a part of the best fit.
 
         Or two where it has none. A part may have stood for two. Without it a linear model may be
         far wrong, so the best two are tried whatever they promise; two effects must promise more.
@@ -215,13 +217,13 @@ class Search:
         parts, other = len(best.names), bool(best.hypothesis.kinds)
         for e in self.fits.fewer(best, best.names) or [best]:
             further = trials(e) if e.names else self.first
-            found = promises(e, further, 1 if other else 2, other)
-            one = [p for p in found if len(p.hypothesis.names) <= parts]
-            wider = (p for p in found if len(p.hypothesis.names) > parts)
+            promised = promises(e, further, 1 if other else 2, other)
+            single = [p for p in promised if len(p.hypothesis.names) <= parts]
+            wider = (p for p in promised if len(p.hypothesis.names) > parts)
             out = best.hypothesis.parts - e.hypothesis.parts
             others = (p for p in wider if not out or not out <= p.hypothesis.parts)
             two = [p for p in others if p.log_evidence > best.log_evidence + SURE]
-            news += self.fits.best_of([*one[:2], *two[:1]], e)
+            news += self.fits.best_of([*single[:2], *two[:1]], e)
         return news
 
     @cached_property
@@ -230,30 +232,30 @@ class Search:
         return ranked_terms(self.base)
 
     def no_effect(self) -> bool:
-        """Whether a term alone promises more than the best explanation, and what may follow it.
+        """Whether a term alone promises more than the best fit, and what may follow it.
 
         With any further effects, and logs that differ in any kinds.
         """
         best = self.best
-        left = best.reduced > 1.01 + 3.0 * best.scatter or best.strain > 5.0
-        if not (best.names and left):
+        is_excess = best.reduced > 1.01 + 3.0 * best.scatter or best.random_effects_excess > 5.0
+        if not (best.names and is_excess):
             return False
-        promised = self.base.log_evidence + self.terms[0].log_gain - SURE
-        if promised < best.log_evidence:
+        by_term = self.base.log_evidence + self.terms[0].log_gain - SURE
+        if by_term < best.log_evidence:
             return False
-        found = [
+        others = [
             *promises(best, self.further),
             *promises(best, self.further, 1, other=True),
             *promises(self.base, self.first),
         ]
-        return promised > max(p.log_evidence for p in found)
+        return by_term > max(p.log_evidence for p in others)
 
-    def _odds(self, at: Explanation) -> float:
+    def _odds(self, fit: Fit) -> float:
         """ln of the odds between rivals: what every car has comes before what only some have."""
-        return self.fits.value(at) + at.hypothesis.expected
+        return self.fits.value(fit) + fit.hypothesis.expected
 
-    def _rivals(self) -> tuple[Explanation, ...]:
-        """Explanations of no more parameters that no log, searched or held out, rules out."""
+    def _rivals(self) -> tuple[Fit, ...]:
+        """Fits of no more parameters that no log, searched or held out, rules out."""
         best, value, out = self.best, self.fits.value, []
         most, least = value(best), best.log_evidence - 2.0 * SURE
         for e in list(self.fits.fitted.values()):
@@ -261,16 +263,16 @@ class Search:
             if set(e.names) <= set(best.names) or more or e.log_evidence < least:
                 continue
             if value(e) >= most - 2.0 * SURE:
-                one = fit(self.problem, e.hypothesis, e.state, e.columns, ALMOST)
-                self.fits.add(one)
-                if value(one) > most - SURE:
-                    out.append(one)
+                rival = fit_logs(self.problem, e.hypothesis, e.state, e.columns, FINAL)
+                self.fits.add(rival)
+                if value(rival) > most - SURE:
+                    out.append(rival)
         return tuple(sorted(out, key=lambda e: -value(e)))
 
-    def _with_alike(self) -> Explanation:
+    def _with_alike(self) -> Fit:
         """The best one with logs alike in what they usually differ in, where that is likelier."""
-        at = self.best
+        fit = self.best
         some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
-        options = [replace(at.hypothesis, alike=alike - at.hypothesis.kinds) for alike in some]
-        likeliest = max(options, key=lambda one: at.marginal(sizes=one.sizes).evidence())
-        return fit(at.problem, likeliest, at.state, at.columns, ALMOST)
+        options = [replace(fit.hypothesis, alike=alike - fit.hypothesis.kinds) for alike in some]
+        likeliest = max(options, key=lambda one: fit.marginal(sizes=one.sizes).evidence())
+        return fit_logs(fit.problem, likeliest, fit.state, fit.columns, FINAL)

@@ -19,8 +19,8 @@ from calib.car.braking import BITE
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, thinned
-from calib.diagnosis.explanation.explanation import Explanation, innovations
-from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.fit import Fit, innovations
+from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.hypothesis import PRICE, Walk
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
@@ -46,18 +46,18 @@ class Ranked:
     log_gain: float
 
 
-def ranked_terms(at: Explanation) -> list[Ranked]:
-    """Every place and driver beside an explanation, by one linear model; best first."""
-    pulses, found = {}, at.problem.mapped(partial(_pulses, at.alone), _BASIC)
-    for done, (place, of_place) in enumerate(zip(_BASIC, found, strict=True)):
-        at.problem.tell("looking for the place of what is left", done, len(_BASIC))
+def ranked_terms(fit: Fit) -> list[Ranked]:
+    """Rank every place and driver beside a fit, by one linear model; best first."""
+    pulses, by_place = {}, fit.problem.mapped(partial(_pulses, fit.alone), _BASIC)
+    for done, (place, of_place) in enumerate(zip(_BASIC, by_place, strict=True)):
+        fit.problem.tell("looking for the place of what is left", done, len(_BASIC))
         pulses[place] = of_place
     # with the deceleration that is predicted: the noise of a measured one would predict itself
-    predicted = [predict(at.problem.vehicle, at.base, at.effects, run) for run in at.runs]
-    histories = [replace(run, z=-p.a_x / G) for run, p in zip(at.runs, predicted, strict=True)]
-    cold = {a for a in AXLES for run in at.runs if getattr(run, f"temperature_{a}") is None}
+    predicted = [predict(fit.problem.vehicle, fit.base, fit.effects, run) for run in fit.runs]
+    histories = [replace(run, z=-p.a_x / G) for run, p in zip(fit.runs, predicted, strict=True)]
+    cold = {a for a in AXLES for run in fit.runs if getattr(run, f"temperature_{a}") is None}
     ranked = [
-        _ranked(at, place, driver, pulses, histories)
+        _ranked(fit, place, driver, pulses, histories)
         for driver in DRIVERS
         for place in PLACES
         if driver != "temperature" or not cold & {*DISCS[PLACES[place]]}
@@ -65,30 +65,30 @@ def ranked_terms(at: Explanation) -> list[Ranked]:
     return sorted(ranked, key=lambda one: -one.log_gain)
 
 
-def with_terms(at: Explanation, ranked: Sequence[Ranked]) -> list[Explanation]:
-    """The explanation with the best of these terms, fitted, best first.
+def with_terms(fit: Fit, ranked: Sequence[Ranked]) -> list[Fit]:
+    """Fit the best of these terms beside a fit; best first.
 
     A constant is among them where it promises hardly less: every other driver can imitate it, and
     a linear model is no judge of so little.
     """
-    alone, least = replace(at, problem=at.problem.alone), (1.0 - PLAIN) * ranked[0].log_gain
+    alone, least = replace(fit, problem=fit.problem.alone), (1.0 - PLAIN) * ranked[0].log_gain
     plain = [one for one in ranked if one.walk.driver == "constant" and one.log_gain >= least]
     some = [*plain, *(one for one in ranked if one.walk.driver != "constant")][:_FITTED]
-    found = at.problem.mapped(partial(_fitted, alone), some)
-    best_first = sorted(found, key=lambda one: -one.log_evidence)
-    return [replace(one, problem=at.problem) for one in best_first]
+    fits = fit.problem.mapped(partial(_fitted, alone), some)
+    best_first = sorted(fits, key=lambda one: -one.log_evidence)
+    return [replace(one, problem=fit.problem) for one in best_first]
 
 
-def _fitted(at: Explanation, one: Ranked) -> Explanation:
-    state = replace(at.state, x=np.concatenate([at.state.x, one.values]))
-    return fit(at.problem, replace(at.hypothesis, walk=one.walk), state, at.columns)
+def _fitted(fit: Fit, ranked: Ranked) -> Fit:
+    state = replace(fit.state, x=np.concatenate([fit.state.x, ranked.values]))
+    return fit_logs(fit.problem, replace(fit.hypothesis, walk=ranked.walk), state, fit.columns)
 
 
-def _knots(at: Explanation, place: str, driver: str) -> Array:
+def _knots(fit: Fit, place: str, driver: str) -> Array:
     """Knots over what the logs have of a driver; of pressure from where the pads bite."""
     if driver == "constant":
         return np.zeros(1)
-    signals = [x for run in at.problem.runs for x in drivers_of(place, driver, run)]
+    signals = [x for run in fit.problem.runs for x in drivers_of(place, driver, run)]
     low, high = np.percentile(np.concatenate(signals), [1.0, 99.0])
     if driver == "pressure":
         return np.concatenate([[0.0], np.linspace(BITE, max(high, 2.0 * BITE), _KNOTS - 1)])
@@ -100,38 +100,38 @@ def _middles(run: ObservedRun) -> Array:
     return np.arange(0.0, run.time[-1] - run.time[0] + _PULSE, _PULSE)
 
 
-def _pulses(at: Explanation, place: str) -> list[Array]:
+def _pulses(fit: Fit, place: str) -> list[Array]:
     """Derivatives (k, n) of the innovations of each log by a value in each of its pulses.
 
     Pulses of a comb are so far apart that each moves innovations of its own.
     """
-    base, effects, out = at.base, at.effects, []
-    for run, lag, r in zip(at.runs, at.lags, at.innovations, strict=True):
+    base, effects, out = fit.base, fit.effects, []
+    for run, lag, r in zip(fit.runs, fit.lags, fit.innovations, strict=True):
         middles = _middles(run)
         time = thinned(run, run.time - run.time[0])
         rows = np.tile(time[-by_channel(r).shape[1] :], len(CHANNELS))
         begin, end = middles[:, None] - _BEFORE, middles[:, None] + _AFTER
-        found = np.zeros((middles.size, r.size))
+        derivatives = np.zeros((middles.size, r.size))
         for first in range(min(_APART, middles.size)):
             comb = np.arange(middles.size) % _APART == first
             values = tuple((_STEP * comb).tolist())
             term = EmpiricalTerm(place, "elapsed", tuple(middles.tolist()), values)
-            moved = innovations(at.problem, base, replace(effects, terms=(term,)), run, lag)
-            own = (rows >= begin[comb]) & (rows < end[comb])
-            found[comb] = np.where(own, (moved - r) / _STEP, 0.0)
-        out.append(found)
+            moved = innovations(fit.problem, base, replace(effects, terms=(term,)), run, lag)
+            near = (rows >= begin[comb]) & (rows < end[comb])
+            derivatives[comb] = np.where(near, (moved - r) / _STEP, 0.0)
+        out.append(derivatives)
     return out
 
 
 def _ranked(
-    at: Explanation,
+    fit: Fit,
     place: str,
     driver: str,
     pulses: dict[str, list[Array]],
     histories: Sequence[ObservedRun],
 ) -> Ranked:
     """The best size of a random walk on a place over a driver."""
-    knots, columns = _knots(at, place, driver), []
+    knots, columns = _knots(fit, place, driver), []
     parts = ("front_brakes", "rear_brakes") if place == "brakes" else (place,)
     for i, run in enumerate(histories):
         of_parts = []
@@ -141,13 +141,13 @@ def _ranked(
             weights = np.stack([np.interp(along, knots, hat) for hat in np.eye(knots.size)])
             of_parts.append(weights @ pulses[part][i])
         columns.append(np.sum(of_parts, axis=0))
-    E, g = at.marginal(at.products_with(columns)).beyond()
-    found = []
+    E, g = fit.marginal(fit.products_with(columns)).beyond()
+    by_size = []
     for size in _WALKS[place.endswith("brakes")]:
         walk = Walk(place, driver, tuple(knots.tolist()), size)
         H = E + walk.precision
         values = np.linalg.solve(H, g)
         more = np.linalg.slogdet(walk.precision)[1] - np.linalg.slogdet(H)[1]
         gain = 0.5 * float(g @ values + more) - PRICE
-        found.append(Ranked(walk, np.clip(values, -walk.limit, walk.limit), gain))
-    return max(found, key=lambda one: one.log_gain)
+        by_size.append(Ranked(walk, np.clip(values, -walk.limit, walk.limit), gain))
+    return max(by_size, key=lambda one: one.log_gain)

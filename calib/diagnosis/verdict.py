@@ -1,6 +1,6 @@
 """From the search to a verdict: what is named, what is as likely, and whether something is left.
 
-    best explanation --> replays of the hold-outs --> anything left? --> more likely by a term?
+    best fit --> replays of the hold-outs --> anything left? --> more likely by a term?
                                                         no: named          yes: unknown
 
 Something is left where an empirical term is surely more probable, where the innovations have far
@@ -23,8 +23,8 @@ from calib.base.errors import ModelError
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.channels import A_X, CHANNELS, DRIFT, STEP, by_channel, thinned
-from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.explanation.fit import SETTLED
+from calib.diagnosis.explanation.fit import Fit
+from calib.diagnosis.explanation.gauss_newton import CONVERGED
 from calib.diagnosis.replays import Replayed
 from calib.diagnosis.search import SURE, Search
 from calib.diagnosis.terms import PLAIN, Ranked, ranked_terms, with_terms
@@ -59,21 +59,21 @@ does, is in all of them; a swing of 0.5 Hz or more has at most a fifth at 0.25 H
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a ``search`` comes to: the explanation whose hold-outs are ``after``.
+    """What a ``search`` comes to: the fit whose hold-outs are ``after``.
 
-    ``rivals`` as likely; ``terms`` explanations with the best empirical terms beside it, where
+    ``rivals`` as likely; ``terms`` fits with the best empirical terms beside it, where
     something is left, the one that describes it first.
     """
 
     search: Search
     after: Replayed
-    rivals: tuple[Explanation, ...]
-    terms: tuple[Explanation, ...]
+    rivals: tuple[Fit, ...]
+    terms: tuple[Fit, ...]
 
     @property
-    def best(self) -> Explanation:
+    def best(self) -> Fit:
         """What is named, or the base without effects."""
-        return self.after.of
+        return self.after.fit
 
     @property
     def word(self) -> str:
@@ -87,49 +87,51 @@ def verdict_of(search: Search) -> Verdict:
     """The verdict on the ``best`` of a search, by its hold-outs."""
     base = search.base
     after, terms, beside = _standing(search)
-    best = after.of
-    if not beside and search.gap(after).after > (_FAR if best.names else 2.0 * _FAR):
+    best = after.fit
+    if not beside and search.gap(after).rms_after > (_FAR if best.names else 2.0 * _FAR):
         beside = with_terms(best, terms)
     if beside and best.names:
         alone = with_terms(base, search.terms)
         if alone[0].log_evidence > best.log_evidence + SURE:
-            best, after, beside = base, search.before, alone
+            best, after, beside = base, search.base_replayed, alone
     rivals = search.rivals if best is search.best else ()
     return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
 
 
-def _standing(search: Search) -> tuple[Replayed, list[Ranked], list[Explanation]]:
-    """The last explanation of a search that closes the gap of the replays, with terms beside it.
+def _standing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
+    """Return the last fit of a search that closes the gap of the replays, with terms beside it.
 
     By `_CLOSED` where something is left with it; else it must not widen the gap.
     """
     accepted = [*search.accepted]
     with suppress(ModelError):  # else the last one stands as it was accepted
-        accepted[-1:] = [search.replayed(search.best, SETTLED)]
-    for one in reversed(accepted):
-        best = one.of
-        if best.names and search.widens(one):
+        accepted[-1:] = [search.replayed(search.best, CONVERGED)]
+    for replayed in reversed(accepted):
+        best = replayed.fit
+        if best.names and search.widens(replayed):
             continue
         terms = ranked_terms(best)
-        beside = _left(search, best, terms)
-        taken = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
-        if not best.names or not beside or min(search.gap(one).closed, taken) > _CLOSED:
-            return one, terms, beside
-    return search.before, search.terms, _left(search, search.base, search.terms)
+        beside = _remaining_terms(search, best, terms)
+        explained = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
+        if not best.names or not beside or min(search.gap(replayed).closed, explained) > _CLOSED:
+            return replayed, terms, beside
+    return search.base_replayed, search.terms, _remaining_terms(search, search.base, search.terms)
 
 
-def _left(search: Search, at: Explanation, terms: Sequence[Ranked]) -> list[Explanation]:
-    """An explanation with the best of these terms, where more than noise is left; else none.
+def _remaining_terms(search: Search, fit: Fit, terms: Sequence[Ranked]) -> list[Fit]:
+    """Fits with the best of these terms, where more than noise is left; else none.
 
     That is where a term is surely more probable, on the hold-outs, too: no law stands behind it.
     """
-    strange = at.reduced > 1.01 + _STRANGE * at.scatter
-    if not strange and terms[0].log_gain < SURE:
+    is_strange = fit.reduced > 1.01 + _STRANGE * fit.scatter
+    if not is_strange and terms[0].log_gain < SURE:
         return []
-    found, fits = with_terms(at, terms), search.fits
-    held = fits.density(found[0]) - fits.density(at)
-    sure = held > 0.0 and found[0].log_evidence - at.log_evidence + held > SURE
-    return found if strange or sure else []
+    with_term, fits = with_terms(fit, terms), search.fits
+    holdout_gain = fits.density(with_term[0]) - fits.density(fit)
+    is_sure = (
+        holdout_gain > 0.0 and with_term[0].log_evidence - fit.log_evidence + holdout_gain > SURE
+    )
+    return with_term if is_strange or is_sure else []
 
 
 @dataclass(frozen=True)
@@ -185,36 +187,36 @@ def held_from(term: EmpiricalTerm) -> float | None:
     return None
 
 
-def plainest_first(at: Explanation, terms: Sequence[Explanation]) -> list[Explanation]:
+def plainest_first(fit: Fit, terms: Sequence[Fit]) -> list[Fit]:
     """The best of ``terms`` first, but one of a single number before what is hardly better.
 
     Such a term is constant, or holds a torque.
     """
-    hardly = PLAIN * _excess(at) / at.count
+    hardly = PLAIN * _excess(fit) / fit.count
 
-    def behind(one: Explanation) -> bool:
-        term = one.effects.terms[0]
+    def is_behind(described: Fit) -> bool:
+        term = described.effects.terms[0]
         plain = term.driver == "constant" or held_from(term) is not None
-        return not plain or one.reduced >= terms[0].reduced + hardly
+        return not plain or described.reduced >= terms[0].reduced + hardly
 
-    return sorted(terms, key=behind)
+    return sorted(terms, key=is_behind)
 
 
-def _excess(at: Explanation) -> float:
+def _excess(fit: Fit) -> float:
     """What the sum of squares of the innovations has beyond noise, at least its scatter."""
-    return max((at.reduced - 1.0) * at.count, float(np.sqrt(2.0 * at.count)))
+    return max((fit.reduced - 1.0) * fit.count, float(np.sqrt(2.0 * fit.count)))
 
 
-def unexplained_of(at: Explanation, terms: Sequence[Explanation]) -> Unexplained:
-    """What is left on top of ``at``, by explanations with ``terms`` beside it, plainest first."""
-    excess = _excess(at)
-    shares = [min((at.reduced - one.reduced) * at.count / excess, 1.0) for one in terms]
+def unexplained_of(fit: Fit, terms: Sequence[Fit]) -> Unexplained:
+    """Describe what is left on top of ``fit``, by fits with ``terms`` beside it, plainest first."""
+    excess = _excess(fit)
+    shares = [min((fit.reduced - one.reduced) * fit.count / excess, 1.0) for one in terms]
     term, *others = (one.effects.terms[0] for one in terms)
-    held = held_from(term)
-    whitened = [by_channel(r) for r in at.innovations]
-    turning, turned = _turning(at, whitened, excess)
+    pressure = held_from(term)
+    whitened = [by_channel(r) for r in fit.innovations]
+    turning, turned = _turning(fit, whitened, excess)
     swing = oscillation_of(whitened, excess)
-    slips = held is not None and PLACES[term.place] != "rear"
+    slips = pressure is not None and PLACES[term.place] != "rear"
     causes = (
         (max(shares[0], _NO_TERM), SLIP if slips else term.driver, term.place),
         (turning, WHEEL_ANGLE, term.place),
@@ -229,16 +231,16 @@ def unexplained_of(at: Explanation, terms: Sequence[Explanation]) -> Unexplained
         explained=shares[0],
         turning=turning,
         oscillation=swing,
-        held_from=held,
+        held_from=pressure,
         term=term,
         runners_up=tuple((t.place, t.driver, s) for t, s in zip(others, shares[1:], strict=True)),
     )
 
 
-def _turning(at: Explanation, whitened: Sequence[Array], excess: float) -> tuple[float, str]:
+def _turning(fit: Fit, whitened: Sequence[Array], excess: float) -> tuple[float, str]:
     """Share of the excess that goes with the angle of the front or rear wheels, and which [1]."""
     shares = {"front": 0.0, "rear": 0.0}
-    for run, x in zip(at.problem.runs, whitened, strict=True):
+    for run, x in zip(fit.problem.runs, whitened, strict=True):
         for axle, angle in (("front", run.angle_f), ("rear", run.angle_r)):
             phase = np.outer(_HARMONICS, thinned(run, angle)[-x.shape[1] :])
             shown = [CHANNELS.index(name) for name in ("rim", "front_rear", f"{axle}_sides")]
@@ -280,8 +282,8 @@ def _one_sided(whitened: Sequence[Array], excess: float) -> str | None:
     """The wheel that is always slower than that beside it, if much of the excess is that."""
     every = np.hstack(whitened)
     lasting = np.sum(every, axis=1) / np.sqrt(every.shape[1])
-    left = {axle: float(lasting[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}
-    axle = max(left, key=lambda one: abs(left[one]))
-    if left[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
+    mean = {axle: float(lasting[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}
+    axle = max(mean, key=lambda one: abs(mean[one]))
+    if mean[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
         return None
-    return f"{axle}_{'left' if left[axle] < 0.0 else 'right'}"
+    return f"{axle}_{'left' if mean[axle] < 0.0 else 'right'}"

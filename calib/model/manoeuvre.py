@@ -70,11 +70,11 @@ def manoeuvre(
     if not _RATES[0] <= rate <= _RATES[1]:
         expected = f"{_RATES[0]:g} to {_RATES[1]:g} Hz"
         raise ModelError(f"sample rate {rate:g} Hz", where=name, expected=expected)
-    for what, value, unit in (
+    for quantity, value, unit in (
         ("pressure", pressure, "Pa"), ("first speed", v0, "m/s"), ("duration", duration, "s"),
     ):  # fmt: skip
         if value is not None and not 0.0 < value < np.inf:
-            raise ModelError(f"{what} {value:g} {unit}", where=name, expected="more than zero")
+            raise ModelError(f"{quantity} {value:g} {unit}", where=name, expected="more than zero")
     if duration is not None and duration > _LONGEST:
         expected = f"up to {_LONGEST:g} s"
         raise ModelError(f"duration {duration:g} s", where=name, expected=expected)

@@ -194,16 +194,16 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
     )
     turning = np.maximum(b.omega_f, 1.0)  # [rad/s]; what turns slower takes no part
     eta_density = np.asarray(np.sqrt(2.0) * noise.omega / turning)  # [s^0.5]
-    known = np.isfinite(sigma_growth(b.end, b.lead_in, eta_density))
+    is_zeroed = np.isfinite(sigma_growth(b.end, b.lead_in, eta_density))
     if ramp.slip is not None:
         speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
         slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / turning))
-        known |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
+        is_zeroed |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
     # the pressure changes slowly enough, and has just before
     B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
     rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))
     steady = since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
-    return replace(ramp, use=ramp.use & known & (b.lead_in | steady))
+    return replace(ramp, use=ramp.use & is_zeroed & (b.lead_in | steady))
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:

@@ -97,9 +97,9 @@ class RollerBench:
         scatter = float(np.sqrt((front.squares + rear.squares) / freedom))
         wide = scatter * quantile95(freedom) / Z95
         sigma_f, sigma_r = (wide * line.lever / line.slope for line in (front, rear))
-        own = 2.0 * (1.0 - _COMMON) * self.tolerance**2
+        of_tolerance = 2.0 * (1.0 - _COMMON) * self.tolerance**2
         value = float(np.log(front.slope)) - float(np.log(rear.slope))
-        return Value(value, float(np.sqrt(sigma_f**2 + sigma_r**2 + own)))
+        return Value(value, float(np.sqrt(sigma_f**2 + sigma_r**2 + of_tolerance)))
 
     def _line(self, vehicle: Vehicle, axle: str) -> "_Line":
         """The line of an axle's forces over nominal ones, by least squares.
@@ -145,8 +145,8 @@ def _nominal(vehicle: Vehicle, axle: str, pressure: Array, source: str) -> Array
     run = constant_speed(time, pressure, _SPEED, source=source)
     brakes = brakes_of(default_model(vehicle), run, {})
     torques = brakes.torques(run)
-    both = sum((torques[brakes.twin(f"{axle}{side}")] for side in "lr"), np.zeros_like(pressure))
-    return np.asarray(both / brakes.axle(f"{axle}l").rolling_radius)
+    torque = sum((torques[brakes.twin(f"{axle}{side}")] for side in "lr"), np.zeros_like(pressure))
+    return np.asarray(torque / brakes.axle(f"{axle}l").rolling_radius)
 
 
 class _Line(NamedTuple):

@@ -52,13 +52,13 @@ class _AxleRows(Section):
     @model_validator(mode="after")
     def _are_rows(self: Any) -> Any:
         forces = (self.brake_force, self.brake_force_left, self.brake_force_right)
-        given = [force for force in forces if force is not None]
-        if len(given) != (2 if self.brake_force is None else 1):
+        columns = [force for force in forces if force is not None]
+        if len(columns) != (2 if self.brake_force is None else 1):
             raise wrong(
-                f"{counted(len(given), 'list')} of brake forces",
+                f"{counted(len(columns), 'list')} of brake forces",
                 "brake_force of both wheels, or brake_force_left and brake_force_right",
             )
-        counts = [len(one) for one in (self.p_mc, *given)]
+        counts = [len(one) for one in (self.p_mc, *columns)]
         if len(set(counts)) > 1:
             raise wrong(
                 f"{counts[0]} pressures and {' and '.join(map(str, counts[1:]))} forces",

@@ -78,7 +78,7 @@ def reading(
     shocks = random.standard_normal(truth.size)
     shocks[1:] *= np.sqrt(1.0 - a * a)  # the first sample has the stationary distribution
     colour = level.sd * np.sqrt(level.coloured) * lfilter([1.0], [1.0, -a], shocks)
-    seen: Array = truth + white + colour
+    noisy: Array = truth + white + colour
     if level.quantum:
-        seen = np.round(seen / level.quantum) * level.quantum
-    return np.asarray(np.maximum(seen, level.floor))
+        noisy = np.round(noisy / level.quantum) * level.quantum
+    return np.asarray(np.maximum(noisy, level.floor))

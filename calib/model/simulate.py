@@ -104,26 +104,28 @@ def simulate(
         raise ModelError("time does not increase", expected="two samples or more, increasing")
     clock, samples = fine_clock(time)
     (p_mc,) = _along(time, clock, {"pressure": pressure}, ("pressure",)).values()
-    own = _along(time, clock, wheel_pressure, WHEELS)
+    at_wheels = _along(time, clock, wheel_pressure, WHEELS)
     heat, engine, angle = (
         _along(time, clock, x, AXLES) for x in (temperature, drive_torque, wheel_angle)
     )
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
-    rest = constant_speed(clock, p_mc, v0, heat, name, start_heat)
+    history_at_v0 = constant_speed(clock, p_mc, v0, heat, name, start_heat)
     none = np.zeros_like(clock)
     torque = (engine.get("f", none), engine.get("r", none))
-    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)
+    run = Drive(
+        brakes_of(driven, history_at_v0, at_wheels), history_at_v0, v0, stop_speed, torque, angle
+    )
     state = solve(run)
     end, note = end_of(run, state)
-    kept = samples[: np.searchsorted(samples, end)]
-    if kept.size < 2:
+    places = samples[: np.searchsorted(samples, end)]
+    if places.size < 2:
         raise ModelError("nothing to simulate", expected="two samples or more", do=note)
     history = history_of(run, state)
-    logged = {f"p_{w}": own[w] for w in WHEELS if w in own}
-    for kind, given in (("T_disc", heat), ("T_drive", engine)):
-        logged |= {f"{kind}_{a}": given[a] for a in AXLES if a in given}
-    made = _channels(run, state, history) | logged, _truth(run, state, history)
-    channels, truth = ({name: x[kept] for name, x in each.items()} for each in made)
+    logged = {f"p_{w}": at_wheels[w] for w in WHEELS if w in at_wheels}
+    for kind, inputs in (("T_disc", heat), ("T_drive", engine)):
+        logged |= {f"{kind}_{a}": inputs[a] for a in AXLES if a in inputs}
+    signals = _channels(run, state, history) | logged, _truth(run, state, history)
+    channels, truth = ({name: x[places] for name, x in each.items()} for each in signals)
     return Log(
         name=name,
         source=f"simulation of {model.vehicle.name}",
@@ -200,12 +202,12 @@ def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:
 
 
 def _along(
-    time: Array, clock: Array, inputs: Mapping[str, Array] | None, known: tuple[str, ...]
+    time: Array, clock: Array, inputs: Mapping[str, Array] | None, names: tuple[str, ...]
 ) -> dict[str, Array]:
     """Inputs along the fine clock. Raises ModelError for a name or values that cannot be."""
     for name, values in (inputs or {}).items():
-        if name not in known:
-            raise ModelError(f"unknown input {name!r}", expected=f"one of {', '.join(known)}")
+        if name not in names:
+            raise ModelError(f"unknown input {name!r}", expected=f"one of {', '.join(names)}")
         if values.shape != time.shape or not np.all(np.isfinite(values)):
             raise ModelError(
                 f"values of shape {values.shape} or not finite",
@@ -218,7 +220,7 @@ def _along(
 def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
     model, brakes = run.brakes.model, run.brakes
     a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
-    channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
+    channels = {"time": run.time, "p_mc": run.inputs.p_mc, "a_x": a_x}
     read = wheel_speed_factors(
         model.vehicle, model.effects, Motion(run.moving(state.v), *state.loads, history)
     )
@@ -249,5 +251,5 @@ def fine_clock(time: Array) -> tuple[Array, Index]:
     [0.0, 0.005, 0.01, 0.015, 0.02, 0.021]
     """
     parts = np.ceil(np.diff(time) / STEP - 1e-6).astype(np.intp)
-    at = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))]).astype(np.intp)
-    return np.interp(np.arange(at[-1] + 1), at, time), at
+    places = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))]).astype(np.intp)
+    return np.interp(np.arange(places[-1] + 1), places, time), places

@@ -89,9 +89,9 @@ class RisingTyre:
 
     def force(self, slip: Array) -> Array:
         """Normalised force [1]."""
-        held = np.clip(slip, -self.edge, self.edge)
-        beyond = (slip - held) * self.tyre.slope(self.edge, self.relative_load)
-        return self.tyre.force(held, self.relative_load) + beyond
+        clipped = np.clip(slip, -self.edge, self.edge)
+        beyond = (slip - clipped) * self.tyre.slope(self.edge, self.relative_load)
+        return self.tyre.force(clipped, self.relative_load) + beyond
 
     def slope(self, slip: Array) -> Array:
         """Slope d force/d slip [1], above zero everywhere."""
@@ -125,12 +125,12 @@ def next_slip(
 class Drive:
     """Inputs that do not change between iterations.
 
-    ``brakes`` with the model; ``rest`` clock, pressure and temperatures; the others as in
+    ``brakes`` with the model; ``inputs`` clock, pressure and temperatures; the others as in
     `calib.model.simulate`, ``drive_torque`` front and rear.
     """
 
     brakes: Brakes
-    rest: RunHistory
+    inputs: RunHistory
     v0: float
     stop_speed: float
     drive_torque: Pair
@@ -139,7 +139,7 @@ class Drive:
     @property
     def time(self) -> Array:
         """[s] (n,)."""
-        return self.rest.time
+        return self.inputs.time
 
     def total(self, force: Mapping[str, Array]) -> Array:
         """Sum of the tyre forces of all four wheels [N] (n,); one without a twin counts twice.
@@ -187,9 +187,9 @@ def solve(run: Drive) -> SolverState:
         end, why = end_of(run, new)
         if end < 2:
             raise ModelError("nothing to simulate", expected="two samples or more", do=why)
-        before = slice(0, end)
-        changes = [(new.v - state.v)[before] / run.v0]
-        changes += [(new.slip[w] - state.slip[w])[before] for w in new.slip]
+        valid = slice(0, end)
+        changes = [(new.v - state.v)[valid] / run.v0]
+        changes += [(new.slip[w] - state.slip[w])[valid] for w in new.slip]
         state = new
         if np.max(np.abs(changes)) < TOLERANCE:
             return state
@@ -203,7 +203,7 @@ def solve(run: Drive) -> SolverState:
 def history_of(run: Drive, state: SolverState) -> RunHistory:
     """The run as input of the effects, with wheel angles and dissipated heat."""
     if not run.brakes.model.effects:
-        return run.rest
+        return run.inputs
     v = run.moving(state.v)
     angle, energy = {}, {}
     for a in AXLES:
@@ -213,7 +213,7 @@ def history_of(run: Drive, state: SolverState) -> RunHistory:
         angle[a] = run.wheel_angle[a] if a in run.wheel_angle else integral(run.time, omega)
         energy[a] = integral(run.time, np.abs(torque * omega))  # a brake only dissipates
     return replace(
-        run.rest,
+        run.inputs,
         v=v,
         z=state.z,
         angle_f=angle["f"],
@@ -243,7 +243,7 @@ def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
 def _first(run: Drive) -> SolverState:
     """Start of the iteration: brakes only, no inertia, linear tyres."""
     vehicle, zero = run.brakes.model.vehicle, np.zeros_like(run.time)
-    torque = run.brakes.torques(run.rest)
+    torque = run.brakes.torques(run.inputs)
     force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
     z = run.total(force) / vehicle.weight
     straight = np.clip(z / np.mean(run.brakes.model.tyre.stiffness), -0.02, 0.02)

@@ -99,9 +99,9 @@ def _closed(diagnosis: Diagnosis) -> str:
     """The gap of the hold-outs before, and after what is named."""
     gap, hold_outs = diagnosis.gap, counted(len(diagnosis.measured), "hold-out")
     if diagnosis.verdict == "no_gap":
-        return f"{gap.before:.1f} times the noise, on {hold_outs}"
+        return f"{gap.rms_before:.1f} times the noise, on {hold_outs}"
     closed = f"{100.0 * gap.closed:.1f} % closed"
-    return f"{gap.before:.1f} to {gap.after:.1f} times the noise, {closed}, on {hold_outs}"
+    return f"{gap.rms_before:.1f} to {gap.rms_after:.1f} times the noise, {closed}, on {hold_outs}"
 
 
 def _next(diagnosis: Diagnosis) -> str:
@@ -128,7 +128,7 @@ def outcome(diagnosis: Diagnosis) -> str:
     "named" only if the gap of the hold-outs is smaller than before and nothing significant is left;
     "unknown" only if they have a gap.
     """
-    if diagnosis.verdict == "unknown" and diagnosis.gap.before < _WITHIN:
+    if diagnosis.verdict == "unknown" and diagnosis.gap.rms_before < _WITHIN:
         return "within_noise"
     if diagnosis.verdict not in ("named", "ambiguous"):
         return diagnosis.verdict
@@ -202,7 +202,7 @@ def _something_else(diagnosis: Diagnosis) -> str:
     """Remaining gap beside the named effects; "" without one."""
     if diagnosis.unexplained is None or not diagnosis.effects:
         return ""
-    gap = diagnosis.left
+    gap = diagnosis.remainder
     text = f"a {_INNOVATION} of {diagnosis.reduced_after:.2f}; in the replays "
     text += f"errors of {gap.size:.1f} times the sensors' noise"
     region = f"{span(gap.pressure, 'Pa')} and {span(gap.speed, 'm/s')}"
@@ -295,7 +295,7 @@ def _gap(diagnosis: Diagnosis) -> Facts:
     has_changed, gap = moved(diagnosis), diagnosis.gap
     rows: list[tuple[str, ...]] = []
     for i, log in enumerate(gap.logs, 1):
-        ends = [gap.of(log, channel) for channel in (None, *CHANNELS)]
+        ends = [gap.rms(log, channel) for channel in (None, *CHANNELS)]
         cells = (f"{a:.1f} to {b:.1f}" if has_changed else f"{a:.1f}" for a, b in ends)
         rows.append((f"{i} {log}", *cells))
     noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))

@@ -61,12 +61,12 @@ def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
 
 def moved(diagnosis: Diagnosis) -> bool:
     """Whether the diagnosis changed the replays."""
-    return diagnosis.gap.before != diagnosis.gap.after
+    return diagnosis.gap.rms_before != diagnosis.gap.rms_after
 
 
 def worst(diagnosis: Diagnosis) -> int:
     """Index of the hold-out with the largest gap."""
-    gaps = [diagnosis.gap.of(log)[0] for log in diagnosis.gap.logs]
+    gaps = [diagnosis.gap.rms(log)[0] for log in diagnosis.gap.logs]
     return gaps.index(max(gaps))
 
 
@@ -107,9 +107,12 @@ def _errors(
     noise = sum((w * diagnosis.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
     half, start, names = Z95 * math.sqrt(noise), 0.0, []
     lines: list[Line] = []
-    replays = [("after", diagnosis.after, IDENTIFIED), ("before", diagnosis.before, NOMINAL)]
+    replays = [
+        ("after", diagnosis.replays_after, IDENTIFIED),
+        ("before", diagnosis.replays_before, NOMINAL),
+    ]
     if not moved(diagnosis):
-        replays = [("replay", diagnosis.before, NOMINAL)]
+        replays = [("replay", diagnosis.replays_before, NOMINAL)]
     whole = sum(float(diagnosis.measured[i].time[-1] - diagnosis.measured[i].time[0]) for i in logs)
     for i in logs:
         measured, first = diagnosis.measured[i], not lines

@@ -58,7 +58,7 @@ def test_a_single_effect_is_named_with_an_interval_that_holds_it(drag, told):
     low, high = found.effects[0].parameters["drag_area"].ci95
     assert low <= drag.hidden.drag_area <= high
     assert found.gap.closed > 0.8
-    assert found.gap.after < 1.5  # in units of the noise
+    assert found.gap.rms_after < 1.5  # in units of the noise
     assert all(0 <= done < total for _, done, total in steps)
     assert len({stage for stage, _, _ in steps}) > 4
 
@@ -154,7 +154,7 @@ def test_half_the_sample_rate_finds_the_same_effects(drag):
         ("offsets", 0, ("zero",), 0.02),
     ],
 )
-def test_what_each_log_has_of_its_own_is_told_and_is_no_effect(kind, seed, own, margin):
+def test_what_each_log_has_of_its_own_is_told_and_is_no_effect(kind, seed, random_effects, margin):
     """Two groups of pads with nothing hidden; pads, slopes or zeros of each log beside a cause."""
     names = {"unlike": ("pad_speed_dependence",), "offsets": ("pad_pressure_dependence",)}
     case = draw(kind, seed, names.get(kind, ()), severity=1)
@@ -163,15 +163,15 @@ def test_what_each_log_has_of_its_own_is_told_and_is_no_effect(kind, seed, own, 
     assert found.verdict == ("named" if kind in names else "no_gap")
     assert found.unexplained is None
     assert found.warnings == ()
-    assert found.gap.after < 2.0
+    assert found.gap.rms_after < 2.0
     assert to_dict(found)["own_states"].keys() == {log.name for log in logs}
     variety = case.answer["variety"]
     grounds = [variety["grounds"][i] for i in variety["of_run"]]
     braked = [i for i, log in enumerate(logs) if log["p_mc"].max() > 5e5]
-    for k, name in enumerate(own):
+    for k, name in enumerate(random_effects):
         of = {"slope": "grade", "zero": "bias"}.get(name)
         true = np.array([g[of] if of else np.log(g["pad_scale"][k]) for g in grounds])
-        told = np.array([found.own[log.name][name] for log in logs])
+        told = np.array([found.random_effects[log.name][name] for log in logs])
         off = (told - true)[braked]
         assert off - off.mean() == pytest.approx(np.zeros(off.size), abs=margin)
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.explanation.base import OWN
-from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.fit import Fit
+from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.diagnosis.named import best_drives, confusion_of, drives, manoeuvres
 from calib.diagnosis.replays import model_of, without_form
@@ -30,7 +30,7 @@ def rivals():
     return [fitted(problem, (name,)) for name in NAMES]
 
 
-def refitted(rivals: list[Explanation], made: Explanation, run: ObservedRun) -> float:
+def refitted(rivals: list[Fit], made: Fit, run: ObservedRun) -> float:
     """How much worse the second explains logs and a drive that the first ``made`` [sigma].
 
     Both are fitted anew to logs and drive together; priors count.
@@ -44,8 +44,8 @@ def refitted(rivals: list[Explanation], made: Explanation, run: ObservedRun) -> 
     more = replace(made.problem, runs=(*made.problem.runs, run_of(driven)))
     found = []
     for at in rivals:
-        own = np.vstack([at.state.own, np.zeros((1, len(OWN)))])
-        anew = fit(more, at.hypothesis, replace(at.state, own=own))
+        random_effects = np.vstack([at.state.random_effects, np.zeros((1, len(OWN)))])
+        anew = fit_logs(more, at.hypothesis, replace(at.state, random_effects=random_effects))
         found.append(anew.squares)
     return float(np.sqrt(found[1] - found[0]))
 

@@ -39,17 +39,17 @@ def test_every_log_and_channel_has_its_own_gap(gap):
     assert gap.noise == pytest.approx(NOISE, rel=0.1)
     for log, (before, after) in OFF.items():
         for channel, noise in zip(CHANNELS, gap.noise, strict=True):
-            first, last = gap.of(log, channel)
+            first, last = gap.rms(log, channel)
             assert noise * first == pytest.approx(before, rel=0.01)
             assert noise * last == pytest.approx(after, rel=0.02)
 
 
 def test_log_and_channel_add_up_to_the_whole(gap):
     for log in gap.logs:
-        cells = np.array([gap.of(log, channel) for channel in CHANNELS])
-        assert gap.of(log) == pytest.approx(np.sqrt(np.mean(cells**2, axis=0)))
-    logs = np.array([gap.of(log) for log in gap.logs])
-    assert (gap.before, gap.after) == pytest.approx(np.sqrt(np.mean(logs**2, axis=0)))
+        cells = np.array([gap.rms(log, channel) for channel in CHANNELS])
+        assert gap.rms(log) == pytest.approx(np.sqrt(np.mean(cells**2, axis=0)))
+    logs = np.array([gap.rms(log) for log in gap.logs])
+    assert (gap.rms_before, gap.rms_after) == pytest.approx(np.sqrt(np.mean(logs**2, axis=0)))
     assert gap.closed < 0.0  # the far log got worse by more than the near one got better
 
 

@@ -63,12 +63,12 @@ def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     held = HoldOuts(tuple(logs[2:]), replace(problem, runs=kept))
     base = fitted(problem)
     after = replayed(held, fitted(problem, (name,)), base)
-    gap = gap_of(after.before, after.logs, held.logs)
+    gap = gap_of(after.base_logs, after.logs, held.logs)
     shown = "a_x" if name == "disc_thickness_variation" else "omega_fl"
-    first, last = gap.of(channel=shown)
+    first, last = gap.rms(channel=shown)
     assert last < 0.5 * first
     runs = tuple(replace(run, angle_f=run.angle_f + np.pi) for run in kept)
     late = replace(held, problem=replace(problem, runs=runs))
-    lost = late.replays(after.at, after.own)
+    lost = late.replays(after.simulated, after.random_effects)
     # a wrong phase doubles the ripple
-    assert gap_of(after.before, lost, held.logs).of(channel=shown)[1] > 1.5 * first
+    assert gap_of(after.base_logs, lost, held.logs).rms(channel=shown)[1] > 1.5 * first

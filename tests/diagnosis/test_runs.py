@@ -59,8 +59,8 @@ def test_a_motor_on_the_rear_axle_is_warned_of_where_it_is_not_named():
     assert case.hidden.regen_axle == 1
     warnings = checked(case.vehicle, list(case.calibration), list(case.holdout))
     assert "axles_swapped" in {one.code for one in warnings}
-    assert unexplained_warnings(warnings, left=False, grouped=False) == ()
-    assert set(unexplained_warnings(warnings, left=True, grouped=False)) == set(warnings)
+    assert unexplained_warnings(warnings, unexplained=False, grouped=False) == ()
+    assert set(unexplained_warnings(warnings, unexplained=True, grouped=False)) == set(warnings)
 
 
 def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
@@ -87,7 +87,7 @@ def test_a_pressure_of_another_run_is_refused(late):
 def test_a_zero_of_the_pressure_is_warned_of_whatever_was_found(late):
     logs = with_(late, "hot", lambda log: changed(log, p_mc=log["p_mc"] + 0.8e5))
     warnings = checked(late.vehicle, logs, list(late.holdout))
-    kept = unexplained_warnings(warnings, left=False, grouped=False)
+    kept = unexplained_warnings(warnings, unexplained=False, grouped=False)
     assert [(one.code, one.log) for one in kept] == [("pressure_zero", "hot")]
 
 

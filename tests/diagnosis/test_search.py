@@ -102,8 +102,8 @@ def test_discs_that_begin_unlike_are_told_by_their_fade(hot_stops):
 @pytest.mark.slow
 def test_two_processes_find_what_one_does(pair):
     with side_by_side(2, "calib.diagnosis.search") as mapped:
-        problem, held = (replace(p, mapped=mapped) for p in (pair.problem, pair.held.problem))
-        together = Search(problem, replace(pair.held, problem=held))
+        problem, held = (replace(p, mapped=mapped) for p in (pair.problem, pair.holdouts.problem))
+        together = Search(problem, replace(pair.holdouts, problem=held))
         together.run()
     assert [step.names for step in together.steps] == [step.names for step in pair.steps]
     assert together.best.state.x == pytest.approx(pair.best.state.x, rel=1e-6, abs=1e-9)

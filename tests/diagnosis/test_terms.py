@@ -11,7 +11,7 @@ import pytest
 import calib
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import PLACES
-from calib.diagnosis.explanation.explanation import Explanation
+from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.explanation.hypothesis import Hypothesis, Walk
 from calib.diagnosis.terms import ranked_terms, with_terms
 from calib.model.sensor_noise import add_noise
@@ -27,7 +27,7 @@ RUNS = {
 """Begin [s], rise [Pa/s], top [Pa] of the pressure, and speed [m/s]."""
 
 
-def found(term: EmpiricalTerm) -> Explanation:
+def found(term: EmpiricalTerm) -> Fit:
     """The best explanation with a term, of runs that hide one."""
     model = replace(calib.default_model(SEDAN), effects=Effects(terms=(term,)))
     logs = []

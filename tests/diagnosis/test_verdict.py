@@ -35,9 +35,12 @@ def offset_logs(kind: str, shares: list[float], first: int = 0):
     p, logs = np.clip(10e5 * (RAMP_TIME - 2.0), 0.0, 25e5), []
     for i, share in enumerate(shares, first):
         size = share * SIZES[kind]
-        own = {"road_grade": {"grade": size, "felt": 1.0}, "accelerometer_bias": {"bias": size}}
+        random_effects = {
+            "road_grade": {"grade": size, "felt": 1.0},
+            "accelerometer_bias": {"bias": size},
+        }
         name = "road_grade" if kind == "slope" else "accelerometer_bias"
-        model = replace(calib.default_model(SEDAN), effects=Effects({name: own[name]}))
+        model = replace(calib.default_model(SEDAN), effects=Effects({name: random_effects[name]}))
         logs.append(add_noise(calib.simulate(model, RAMP_TIME, p, 30.0, name=f"ramp {i}"), i))
     return logs
 
@@ -51,18 +54,18 @@ def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_thei
     at = fitted(problem, kinds=[kind])
     place = OWN.index(kind)
     # four standard deviations of a difference of two, of what a log says of it beside its pads
-    N = at.own_columns(0)[[0, 1, 2, place]] * at.hypothesis.sizes[[0, 1, 2, place], None]
+    N = at.random_columns(0)[[0, 1, 2, place]] * at.hypothesis.sizes[[0, 1, 2, place], None]
     sd = np.sqrt(np.linalg.inv(np.eye(4) + N @ N.T)[3, 3]) * at.hypothesis.sizes[place]
     within = 4.0 * np.sqrt(2.0) * float(sd)
-    found = at.state.own[:, place]
+    found = at.state.random_effects[:, place]
     assert found - found[0] == pytest.approx(SIZES[kind] * np.array(known), abs=within)
     placed_at = placed(kept, at)[:, place]
     assert placed_at - found[0] == pytest.approx(SIZES[kind] * np.array(held), abs=within)
     proof, base = HoldOuts(tuple(logs), kept), fitted(problem)
     after, plain = replayed(proof, at, base), replayed(proof, base, base)
     assert gap_of(plain.logs, after.logs, logs).closed > 0.5
-    assert not np.any(plain.own[:, place])
-    assert not np.any(plain.at.state.form)
+    assert not np.any(plain.random_effects[:, place])
+    assert not np.any(plain.simulated.state.form)
 
 
 @pytest.fixture(scope="module")
@@ -113,8 +116,10 @@ def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
     found = left_in(case := hiding("tank_slosh", 35))
     assert (found.axle, found.driver) == ("body", "frequency")
     # a mass on a spring, beside a car that it moves with
-    mass, own = case.hidden.slosh_mass, case.hidden.slosh_frequency
-    assert found.oscillation.frequency == pytest.approx(own / np.sqrt(1.0 - mass), rel=0.1)
+    mass, random_effects = case.hidden.slosh_mass, case.hidden.slosh_frequency
+    assert found.oscillation.frequency == pytest.approx(
+        random_effects / np.sqrt(1.0 - mass), rel=0.1
+    )
     assert found.oscillation.share > 0.5
 
 

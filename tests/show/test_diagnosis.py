@@ -97,7 +97,9 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
     logs = tuple(replace(named.measured[0], name=f"{i:02}" * (length // 2)) for i in range(count))
     squares = np.repeat(named.gap.squares, count, axis=1)
     gap = replace(named.gap, logs=tuple(log.name for log in logs), squares=squares)
-    found = replace(named, effects=five, gap=gap, before=logs, after=logs, measured=logs)
+    found = replace(
+        named, effects=five, gap=gap, replays_before=logs, replays_after=logs, measured=logs
+    )
     drawn = diagnosis_sheet(found)
     for figure in (drawn.overview(), *(drawn.figure(name) for name in drawn.names)):
         figure.canvas.draw()

@@ -95,7 +95,8 @@ def carry_out(job: Job) -> Row:
 def diagnosed(case: HiddenCase) -> tuple[dict[str, Any], Replays, Replays]:
     """Run the program on what it may see."""
     found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
-    before, after = ({log.name: log.channels for log in of} for of in (found.before, found.after))
+    replays = found.replays_before, found.replays_after
+    before, after = ({log.name: log.channels for log in logs} for logs in replays)
     return told(found), before, after
 
 

@@ -8,13 +8,12 @@ import numpy as np
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.explanation.explanation import Explanation
-from calib.diagnosis.explanation.fit import ALMOST, fit
+from calib.diagnosis.explanation.fit import Fit
+from calib.diagnosis.explanation.gauss_newton import FINAL, fit_logs
 from calib.diagnosis.explanation.hypothesis import Hypothesis, elements_of, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
-from calib.diagnosis.search import Search
-from calib.diagnosis.search import searched as searched_in
+from calib.diagnosis.search import Search, run_search
 from calib.diagnosis.terms import ranked_terms, with_terms
 from calib.diagnosis.verdict import Unexplained, plainest_first, unexplained_of
 from calib.logs.log import Log
@@ -31,23 +30,23 @@ def asked_of(case: HiddenCase) -> Problem:
     return asked(case.vehicle, case.calibration)
 
 
-def fitted(problem: Problem, names: tuple[str, ...] = (), kinds: Sequence[str] = ()) -> Explanation:
+def fitted(problem: Problem, names: tuple[str, ...] = (), kinds: Sequence[str] = ()) -> Fit:
     """Effects and kinds fitted from nothing; strengths begin with one spread."""
     start, hypothesis = start_of(problem), Hypothesis(names, frozenset(kinds))
     known = problem.vehicle.effects
     more = [np.eye(len(elements_of(known, name)))[0] for name in names]
     state = replace(start, x=np.concatenate([start.x, *more]))
-    return fit(problem, hypothesis, state, settled=ALMOST)
+    return fit_logs(problem, hypothesis, state, tolerance=FINAL)
 
 
-def based(case: HiddenCase) -> Explanation:
+def based(case: HiddenCase) -> Fit:
     """The vehicle re-identified on the calibration logs, without effects."""
     return fitted(asked_of(case))
 
 
 def searched(vehicle: Vehicle, logs: Sequence[Log], held: Sequence[Log]) -> Search:
     """The search in some logs, judged by others."""
-    return searched_in(asked(vehicle, logs), held)
+    return run_search(asked(vehicle, logs), held)
 
 
 def diagnosed(case: HiddenCase) -> Diagnosis:

@@ -1,1 +1,1 @@
-"""An explanation: a model of all runs, its prediction of the sensors, and its fit."""
+"""A model of all runs: its prediction of the sensors, its prior, and its fit."""

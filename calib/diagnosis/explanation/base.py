@@ -74,9 +74,9 @@ class Base:
     clock: float = 0.0
     form: Array = field(default_factory=lambda: np.zeros((2, FORM_AT.size)), compare=False)
 
-    def of_log(self, own: Array) -> Self:
-        """As a log has it, whose pads and road may differ: by the factors of its ``own`` (8,)."""
-        on = dict(zip(FACTOR_ON.values(), np.exp(own[_FACTORS]).tolist(), strict=True))
+    def of_log(self, random_effects: Array) -> Self:
+        """Base of a log, by the factors of its ``random_effects`` (8,) on pads and tyres."""
+        on = dict(zip(FACTOR_ON.values(), np.exp(random_effects[_FACTORS]).tolist(), strict=True))
         return replace(
             self,
             pad_friction_f=on["pad_friction_f"] * self.pad_friction_f,
@@ -87,12 +87,12 @@ class Base:
 
 def base_of(vehicle: Vehicle, x: Array) -> Base:
     """Base parameters from the first ones (11,) of the vector."""
-    values = np.where(_LOGARITHM, _MIDDLE * np.exp(x), _MIDDLE + _SCALE * x)
-    of = dict(zip(NAMES, values.tolist(), strict=True))
-    front = of.pop("pad_friction_f") * vehicle.front.pad_friction
-    rear = of.pop("pad_friction_r") * vehicle.rear.pad_friction
-    radius, clock = of.pop("radius"), of.pop("clock")
-    return Base(front, rear, MagicFormula(**of), radius, clock)
+    numbers = np.where(_LOGARITHM, _MIDDLE * np.exp(x), _MIDDLE + _SCALE * x)
+    values = dict(zip(NAMES, numbers.tolist(), strict=True))
+    front = values.pop("pad_friction_f") * vehicle.front.pad_friction
+    rear = values.pop("pad_friction_r") * vehicle.rear.pad_friction
+    radius, clock = values.pop("radius"), values.pop("clock")
+    return Base(front, rear, MagicFormula(**values), radius, clock)
 
 
 def base_sigma(sample: float) -> Array:

@@ -70,9 +70,9 @@ class ChannelNoise:
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
     """Measured less predicted, (6, m) at the clock of the evidence, as long as the car moves."""
-    left = of_wheels(run, run.omega - predicted.omega)
-    left[:2] = thinned(run, np.stack([run.a_x - predicted.a_x, run.v_read - predicted.gained]))
-    return left
+    r = of_wheels(run, run.omega - predicted.omega)
+    r[:2] = thinned(run, np.stack([run.a_x - predicted.a_x, run.v_read - predicted.gained]))
+    return r
 
 
 def of_wheels(run: ObservedRun, omega: Array) -> Array:
@@ -107,9 +107,9 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
         each = np.full(len(CHANNELS), float(freedom))
         each[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in long)
         return replace(unit, sigma=np.maximum(np.sqrt(squares / each), _FLOOR))
-    found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
+    scatter = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
     # the median over the runs: a bite or a release does not move it
-    sigma = np.maximum(np.median(found, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
+    sigma = np.maximum(np.median(scatter, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
     freedom = sum(x.shape[1] for x in wholes) // 4  # a third difference joins four samples
     white = np.zeros((len(CHANNELS), ORDER))
     return ChannelNoise(white, sigma, "differences between samples", freedom)
@@ -135,17 +135,17 @@ def _kept_drift(x: Array) -> Array:
     from scipy.signal import lfilter
 
     # a difference of white noise, smoothed back: variance 2/(1 + WALK) of the noise
-    kept = lfilter([1.0], [1.0, -WALK], np.diff(x))
-    return np.asarray(kept / np.sqrt(2.0 / (1.0 + WALK)))
+    smoothed = lfilter([1.0], [1.0, -WALK], np.diff(x))
+    return np.asarray(smoothed / np.sqrt(2.0 / (1.0 + WALK)))
 
 
 def whiten(residual: Array, noise: ChannelNoise) -> Array:
     """Innovations (..., n) over their sigma of residuals (..., 6, m), channel after channel."""
     size = residual.shape[-1] - ORDER
-    told = (noise.coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
-    kept = residual[..., ORDER:] - sum(told)
-    kept[..., DRIFT, :] = _kept_drift(residual[..., DRIFT, :])[..., -size:]
-    return np.asarray(kept / noise.sigma[:, None]).reshape(*residual.shape[:-2], -1)
+    terms = (noise.coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
+    innovations = residual[..., ORDER:] - sum(terms)
+    innovations[..., DRIFT, :] = _kept_drift(residual[..., DRIFT, :])[..., -size:]
+    return np.asarray(innovations / noise.sigma[:, None]).reshape(*residual.shape[:-2], -1)
 
 
 def by_channel(innovations: Array) -> Array:

@@ -26,9 +26,11 @@ class Products:
     state: Array
 
     @classmethod
-    def of(cls, shared: Array, own: Array, r: Array, state: Array) -> "Products":
+    def from_columns(
+        cls, shared: Array, random_effects: Array, r: Array, state: Array
+    ) -> "Products":
         """From columns (m, n) and (k, n), innovations (n,), and own states (k,) at them."""
-        rows = np.vstack([shared, r, own])
+        rows = np.vstack([shared, r, random_effects])
         return cls(rows @ rows.T, state)
 
     def reduced(self, sizes: Array, damping: float = 0.0) -> tuple[Array, Array, float]:
@@ -69,7 +71,7 @@ class Marginal:
     steps: list[Array]
 
     @classmethod
-    def of(
+    def from_products(
         cls,
         products: list[Products],
         sizes: Array,
@@ -106,5 +108,5 @@ class Marginal:
 
     def beyond(self) -> tuple[Array, Array]:
         """What columns behind the prior do beyond the others: products (c, c), -r along (c,)."""
-        left = self.behind - self.cross.T @ np.linalg.solve(self.information, self.cross)
-        return left[:-1, :-1], -left[:-1, -1]
+        schur = self.behind - self.cross.T @ np.linalg.solve(self.information, self.cross)
+        return schur[:-1, :-1], -schur[:-1, -1]

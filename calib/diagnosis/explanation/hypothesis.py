@@ -39,11 +39,11 @@ _BEGIN = 0.25  # logarithm of the peak from which a fit begins, over the usual o
 
 @dataclass(frozen=True)
 class State:
-    """``x`` of base and effects as `based` reads it, ``form`` (2 k,), ``own`` (runs, 8)."""
+    """``x`` of base and effects as for `based`, ``form`` (2 k,), ``random_effects`` (runs, 8)."""
 
     x: Array
     form: Array
-    own: Array
+    random_effects: Array
 
     @property
     def shared(self) -> Array:
@@ -81,14 +81,14 @@ class Hypothesis:
     """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.base`.
 
     And those in which they are ``alike``; with a ``walk`` over a driver, where something is left
-    that no effect explains; ``departs`` whether tyres may depart from their form.
+    that no effect explains; ``has_discrepancy`` whether tyres may depart from their form.
     """
 
     names: tuple[str, ...] = ()
     kinds: frozenset[str] = frozenset()
     alike: frozenset[str] = frozenset()
     walk: Walk | None = None
-    departs: bool = True
+    has_discrepancy: bool = True
 
     @property
     def key(self) -> object:
@@ -149,13 +149,13 @@ class Element:
         return min(max(self.origin + x * p.spread, p.low), p.high)
 
 
-def elements_of(known: Effects, name: str) -> list[Element]:
+def elements_of(effects: Effects, name: str) -> list[Element]:
     """The parameters of one effect, beside those that the vehicle file has."""
-    card = definition(known, name).card
-    given = known.parameters.get(name, {card.parameters[0].name: card.neutral})
+    card = definition(effects, name).card
+    values = effects.parameters.get(name, {card.parameters[0].name: card.neutral})
     sigmas = [STRENGTH, *[_FURTHER] * (len(card.parameters) - 1)]
     pairs = zip(card.parameters, sigmas, strict=True)
-    return [Element(name, p, given.get(p.name, p.typical), sigma) for p, sigma in pairs]
+    return [Element(name, p, values.get(p.name, p.typical), sigma) for p, sigma in pairs]
 
 
 def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
@@ -163,10 +163,10 @@ def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
 
     That load is not sure to be as usual where the rest of the drag is known: its prior is wider.
     """
-    known = problem.vehicle.effects
-    out = [one for name in names for one in elements_of(known, name)]
+    effects = problem.vehicle.effects
+    out = [one for name in names for one in elements_of(effects, name)]
     if problem.free_share:
-        (share,) = (one for one in elements_of(known, DRAG) if one.parameter.name == SHARE)
+        (share,) = (one for one in elements_of(effects, DRAG) if one.parameter.name == SHARE)
         out.insert(0, replace(share, sigma=STRENGTH))
     return out
 
@@ -175,30 +175,30 @@ def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
 class Prior:
     """Of all that logs share, x and the form of tyres (m + 2 k,): normal about zero.
 
-    With this ``precision`` (m + 2 k, m + 2 k), from ``low`` to ``high``. ``of`` the effect that has
-    each, "" for base, walk and form.
+    With this ``precision`` (m + 2 k, m + 2 k), from ``low`` to ``high``. ``effect_names``
+    (m + 2 k,) of the effect that has each, "" for base, walk and form.
     """
 
-    of: NDArray[np.str_]
+    effect_names: NDArray[np.str_]
     low: Array
     high: Array
     precision: Array
 
 
 def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
-    """What is believed of a hypothesis before the logs are read."""
+    """Return the prior of a hypothesis, before the logs are read."""
     from scipy.linalg import block_diag
 
-    found = elements(problem, hypothesis.names)
+    of_effects = elements(problem, hypothesis.names)
     walks = [] if hypothesis.walk is None else [hypothesis.walk]
     most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRIOR) * [np.inf]]
     slowest = max(run.step / run.averaged for run in problem.runs)
-    sigma = np.append(base_sigma(slowest), [one.sigma for one in found])
-    effects = [one.effect for one in found][problem.base_size - LOW.size :]
+    sigma = np.append(base_sigma(slowest), [one.sigma for one in of_effects])
+    effects = [one.effect for one in of_effects][problem.base_size - LOW.size :]
     return Prior(
         np.array([*problem.base_size * [""], *effects, *len(most) * [""]]),
-        np.concatenate([LOW, [one.low for one in found], np.negative(most)]),
-        np.concatenate([HIGH, [one.high for one in found], most]),
+        np.concatenate([LOW, [one.low for one in of_effects], np.negative(most)]),
+        np.concatenate([HIGH, [one.high for one in of_effects], most]),
         block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), FORM_PRIOR),
     )
 
@@ -208,11 +208,13 @@ def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base,
 
     The load that a known drag moves is that of the drag's own parameters where it is found anew.
     """
-    known, found = problem.vehicle.effects, dict[str, dict[str, float]]()
-    for one, at in zip(elements(problem, hypothesis.names), state.x[BASE:].tolist(), strict=False):
-        values = found.setdefault(one.effect, dict(known.parameters.get(one.effect, {})))
-        values[one.parameter.name] = one.value(at)
-    effects = known.with_(Effects(found, sigma=known.without(*hypothesis.names).sigma))
+    car_effects, parameters = problem.vehicle.effects, dict[str, dict[str, float]]()
+    for one, fit in zip(elements(problem, hypothesis.names), state.x[BASE:].tolist(), strict=False):
+        values = parameters.setdefault(one.effect, dict(car_effects.parameters.get(one.effect, {})))
+        values[one.parameter.name] = one.value(fit)
+    effects = car_effects.with_(
+        Effects(parameters, sigma=car_effects.without(*hypothesis.names).sigma)
+    )
     if (walk := hypothesis.walk) is not None:
         values_of_walk = tuple(state.x[-len(walk.knots) :].tolist())
         term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values_of_walk)

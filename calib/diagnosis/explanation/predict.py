@@ -46,24 +46,28 @@ class ObservedRun(RunHistory):
     As a history: ``v`` without sensor noise, for forces; ``z`` as measured; temperatures smoothed;
     no energy yet; ``source`` its name. Besides, ``step`` of its clock; ``v_read`` the speed as
     measured; ``omega`` (4, n) in the order of `WHEELS`; ``drive`` (2, n) torque of engine or motor
-    [N m per axle], zero if not logged; ``own`` (8,) what it has of its own, in the order of `OWN`.
+    [N m per axle], zero if not logged; ``random_effects`` (8,) in the order of `OWN`.
     """
 
     step: float
     v_read: Array
     omega: Array
     drive: Array
-    own: Array = field(default_factory=lambda: np.zeros(len(OWN)))
+    random_effects: Array = field(default_factory=lambda: np.zeros(len(OWN)))
 
     @property
     def a_x(self) -> Array:
         """Measured acceleration [m/s^2]."""
         return -G * self.z
 
-    def with_own(self, own: Array) -> Self:
-        """The same with other ``own`` (8,), and with its start heats."""
-        front = START + float(own[FRONT_HEAT])
-        return replace(self, own=own, start_heat=(front, front + float(own[REAR_HEAT])))
+    def with_random_effects(self, random_effects: Array) -> Self:
+        """Return the same with other ``random_effects`` (8,), and with their start heats."""
+        front = START + float(random_effects[FRONT_HEAT])
+        return replace(
+            self,
+            random_effects=random_effects,
+            start_heat=(front, front + float(random_effects[REAR_HEAT])),
+        )
 
 
 @dataclass(frozen=True)
@@ -141,13 +145,13 @@ def _lag_of(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> RunLag:
     axles = (car.front, car.rear)
     heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
     tau = heavy * run.v / (0.5 * load * slope)
-    return RunLag(car, tyre, WheelLag.of(tau, tyre.relaxation, run.v, run.step))
+    return RunLag(car, tyre, WheelLag.from_tau(tau, tyre.relaxation, run.v, run.step))
 
 
 def predict(
-    vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun, known: RunLag | None = None
+    vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun, run_lag: RunLag | None = None
 ) -> Prediction:
-    """Predict a run; ``known`` is how its wheels follow, taken if its car and tyres are the same.
+    """Predict a run; ``run_lag`` is how its wheels follow, taken if car and tyres are the same.
 
     The deceleration acts on the tyre forces through the inertia of the wheels alone, so each pass
     leaves 3 % of its error. Where the second one finds the torques of the first, they depend on
@@ -156,9 +160,9 @@ def predict(
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
     car = replace(combined.as_driven(vehicle, effects).with_radii(base.radius), effects=Effects())
-    base = base.of_log(run.own)
-    same = known is not None and (known.car, known.tyre) == (car, base.tyre)
-    of_run = known if known is not None and same else _lag_of(car, base.tyre, run)
+    base = base.of_log(run.random_effects)
+    same = run_lag is not None and (run_lag.car, run_lag.tyre) == (car, base.tyre)
+    of_run = run_lag if run_lag is not None and same else _lag_of(car, base.tyre, run)
     lag = of_run.lag
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
     lines = combined.line_pressure(effects, pressed)
@@ -166,18 +170,18 @@ def predict(
     history, torque = run, np.zeros(0)
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(_PASSES_OF_TERM if leans else _PASSES):
-        before, torque = torque, _torque(car, base, effects, history, clamps)
+        previous, torque = torque, _torque(car, base, effects, history, clamps)
         force, rate, motion, z = _balance(car, effects, history, torque, lag)
         # of one brake of each axle
         energy = np.cumsum(np.mean(torque, axis=0) * run.omega[::2], axis=-1) * run.step
         history = replace(run, z=z, energy_f=energy[0], energy_r=energy[1])
-        if turn == 1 and not leans and np.array_equal(before, torque):
+        if turn == 1 and not leans and np.array_equal(previous, torque):
             break
     load = np.maximum(0.5 * np.stack([motion.load_f, motion.load_r]), 1.0)
     plain = _slip(car, base.tyre, (force, rate), load, lag)
     use = np.abs(force / load)
-    bent = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
-    slip = plain * (1.0 + np.stack(bent, axis=1))
+    discrepancy = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
+    slip = plain * (1.0 + np.stack(discrepancy, axis=1))
     late = combined.reading_delay(effects, "wheel_speed_delay")
     slip = np.array([[delayed(run.time, x, late) for x in side] for side in slip])
     gained = integral(run.time, -G * z)
@@ -190,8 +194,8 @@ def predict(
     for w, factor in combined.wheel_speed_factors(car, effects, motion).items():
         omega[WHEELS.index(w)] *= factor
     return Prediction(
-        a_x=combined.as_read(car, effects, history, -G * z) + run.own[ZERO],
-        gained=shown - G * run.own[SLOPE] * (run.time - run.time[0]),
+        a_x=combined.as_read(car, effects, history, -G * z) + run.random_effects[ZERO],
+        gained=shown - G * run.random_effects[SLOPE] * (run.time - run.time[0]),
         omega=omega,
         use=_by_wheel(use),
         lost=_by_wheel(turning * plain),
@@ -239,8 +243,8 @@ def _slip(
 ) -> Array:
     """Slip [1] of wheels while their tyres carry a force [N] that has a rate [N/s]."""
     carried = force[0] / load
-    slip, slope, held = tyre.rising(carried, 4.0 * load / car.weight, _EDGE)
+    slip, slope, past_edge = tyre.rising(carried, 4.0 * load / car.weight, _EDGE)
     if tyre.relaxation == 0.0:
         return slip
     change = (force[1] - carried * np.gradient(load, lag.step, axis=-1)) / load
-    return slip + np.where(held, 0.0, lag.way * change / slope)
+    return slip + np.where(past_edge, 0.0, lag.way * change / slope)

@@ -36,7 +36,7 @@ Tell = Callable[[str, int, int], None]
 """Called at each step: the stage in words, how many of its steps are done, how many it has."""
 
 
-def silent(stage: str, done: int, total: int) -> None:
+def silent(stage: str, step: int, total: int) -> None:
     """Tell nobody of the progress."""
 
 
@@ -66,8 +66,8 @@ class Problem:
     @cached_property
     def free_share(self) -> bool:
         """Whether a drag is known, but not how much load it moves."""
-        known = self.vehicle.effects.parameters.get(DRAG)
-        return known is not None and SHARE not in known
+        drag = self.vehicle.effects.parameters.get(DRAG)
+        return drag is not None and SHARE not in drag
 
     @cached_property
     def courses(self) -> list[Array]:
@@ -76,13 +76,13 @@ class Problem:
         v falls by g s t more than the forces say, for the slope's sine s, uphill positive, and a_x,
         which is specific force, does not move (Gillespie, Fundamentals of Vehicle Dynamics, ch. 1).
         """
-        found = []
+        columns = []
         for time in (thinned(run, run.time) for run in self.runs):
             changed = np.zeros((2, len(CHANNELS), time.size))
             changed[0, DRIFT] = G * (time - time[0])
             changed[1, A_X] = -1.0
-            found.append(whiten(changed, self.noise))
-        return found
+            columns.append(whiten(changed, self.noise))
+        return columns
 
 
 def problem_of(
@@ -109,8 +109,8 @@ def turned(
         looked_for = np.zeros((len(CHANNELS), torque.size), complex)
         turn = np.exp(1j * thinned(run, run.angle_f))
         looked_for[A_X], looked_for[FRONT_REAR] = torque * turn, (torque + _COASTING) * turn
-        left = residuals(run, predict(vehicle, base, vehicle.effects, run))
-        ripple = np.sum(whiten(left, noise) * whiten(looked_for, noise))
+        r = residuals(run, predict(vehicle, base, vehicle.effects, run))
+        ripple = np.sum(whiten(r, noise) * whiten(looked_for, noise))
         out.append(replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi))
     return tuple(out)
 

@@ -40,7 +40,7 @@ class WheelLag:
     taps: Array
 
     @classmethod
-    def of(cls, time_constant: Array, relaxation: float, v: Array, step: float) -> Self:
+    def from_tau(cls, time_constant: Array, relaxation: float, v: Array, step: float) -> Self:
         """From tau [s] (k, n), the relaxation length [m], speed [m/s] (n,) and step [s]."""
         way = max(relaxation, _SHORTEST) / np.maximum(v, MOVING)
         times = np.maximum(time_constant, _LEAST)[:, 1:] / step, way[1:] / step
@@ -54,12 +54,12 @@ class WheelLag:
         """Force [N] and rate [N/s] for that in ``balance`` [N], where it starts; (..., k, n)."""
         from scipy.linalg.lapack import dtbtrs
 
-        here, after = balance[..., :-1], balance[..., 1:]
-        before = np.concatenate([2.0 * here[..., :1] - after[..., :1], here[..., :-1]], axis=-1)
+        u, u_next = balance[..., :-1], balance[..., 1:]
+        u_last = np.concatenate([2.0 * u[..., :1] - u_next[..., :1], u[..., :-1]], axis=-1)
         right = np.zeros((*balance.shape, 2))
         right[..., 0, 0] = balance[..., 0]
         for row, (old, middle, new) in enumerate(self.taps):
-            right[..., 1:, row] = old * before + middle * here + new * after
+            right[..., 1:, row] = old * u_last + middle * u + new * u_next
         columns = right.reshape(-1, self.band.shape[1]).T
         out = dtbtrs(self.band, columns, uplo="L", diag="U", overwrite_b=1)[0].T
         force, rate = np.moveaxis(out.reshape(right.shape), -1, 0)
@@ -74,8 +74,8 @@ def _free(tau: Array, way: Array) -> Array:
     mean = -0.5 / way
     root = np.sqrt(mean**2 - 1.0 / (tau * way) + 0.0j)  # imaginary where the wheel swings
     root = np.where(root == 0.0, _LEAST, root)
-    one, other = np.exp(mean + root), np.exp(mean - root)
-    even, odd = 0.5 * (one + other).real, (0.5 * (one - other) / root).real
+    slow, fast = np.exp(mean + root), np.exp(mean - root)
+    even, odd = 0.5 * (slow + fast).real, (0.5 * (slow - fast) / root).real
     return np.array([[even - odd * mean, odd], [-odd / (tau * way), even + odd * mean]])
 
 

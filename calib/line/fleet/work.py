@@ -201,7 +201,7 @@ def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
         for part in (CALIBRATION, HOLDOUT)
     )
     diagnosis = diagnose(vehicle, calibration, holdout)
-    gap = (diagnosis.gap.before, diagnosis.gap.after, diagnosis.gap.closed)
+    gap = (diagnosis.gap.rms_before, diagnosis.gap.rms_after, diagnosis.gap.closed)
     names = "+".join(effect.name for effect in diagnosis.effects)
     return Status.DONE, (diagnosis.verdict, names, *map(finite, gap))
 

@@ -46,11 +46,11 @@ class Drawn:
 
     def products(self, count: int = SHARED + BEHIND) -> list[Products]:
         logs = zip(self.shared, self.own, self.r, self.state, strict=True)
-        return [Products.of(A[:count], N, r, u) for A, N, r, u in logs]
+        return [Products.from_columns(A[:count], N, r, u) for A, N, r, u in logs]
 
     def marginal(self) -> Marginal:
         """With columns behind those that have a prior."""
-        return Marginal.of(self.products(), SIZES, self.precision, self.off)
+        return Marginal.from_products(self.products(), SIZES, self.precision, self.off)
 
     def log_density(self, behind: float = 0.0) -> float:
         """r = A'(x0 - x) + N'(u0 - u) + noise, over all x and u; columns ``behind`` of that sd."""
@@ -68,7 +68,7 @@ CONSTANT = -0.5 * sum(ROWS) * np.log(2.0 * np.pi)
 @SEEDS
 def test_the_evidence_is_the_density_of_all_rows(seed):
     drawn = Drawn.of(seed)
-    found = Marginal.of(drawn.products(SHARED), SIZES, drawn.precision, drawn.off)
+    found = Marginal.from_products(drawn.products(SHARED), SIZES, drawn.precision, drawn.off)
     assert found.evidence() + CONSTANT == pytest.approx(drawn.log_density(), abs=1e-8)
     assert drawn.marginal().evidence() == pytest.approx(found.evidence(), abs=1e-9)
 
