@@ -48,7 +48,7 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
 
 @dataclass(frozen=True)
 class FleetFile:
-    """Results in the order of the line, which ``ordered_by`` names.
+    """Results in the order of the column ``order``, for people ``ordered_by``.
 
     ``logs`` (n,) names; ``metrics`` the columns after the first ones.
     """
@@ -56,6 +56,7 @@ class FleetFile:
     path: Path
     logs: tuple[str, ...]
     metrics: tuple[Column, ...]
+    order: str
     ordered_by: str
     table: Any
 
@@ -97,6 +98,7 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
         path,
         tuple(map(str, table.column("log").to_pylist())),
         tuple(_column_of(field) for field in table.schema if field.name not in head),
+        order,
         "the logs' names" if order == "log" else order + note,
         table,
     )

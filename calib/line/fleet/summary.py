@@ -154,7 +154,17 @@ class Summary:
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
     metrics = _chosen(fleet, wanted)
-    looks, judged = _looks(fleet, [m for m in metrics if m.kind is float])
+    numbers = [m for m in metrics if m.kind is float]
+    every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
+    judged = judge(every, [plain(m.name).step for m in numbers])
+    known = np.isfinite(every)
+    lines = list(zip(numbers, every, known, strict=True))
+    # the column that orders the line always increases along it: nothing of it is tested
+    drifts = drifting([x[k] if m.name != fleet.order else x[:0] for m, x, k in lines])
+    looks = tuple(
+        MetricSummary(m, np.flatnonzero(k), x[k], judged.z[i, k], judged.named[i, k], *drifts[i])
+        for i, (m, x, k) in enumerate(lines)
+    )
     words = fleet.values("status")
     status = Counter(words)
     verdicts = zip_longest(fleet.logs, words, fleet.values("not_held"))
@@ -169,33 +179,13 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
         looks,
         dict(_classes(fleet, metrics)),
-        _apart(fleet.logs, looks, judged),
+        _apart(fleet.logs, numbers, every, judged),
         failures(fleet.logs, fleet.values("error")),
         [copies for copies in recordings.values() if len(copies) > 1],
     )
 
 
-def _looks(fleet: FleetFile, metrics: Sequence[Column]) -> tuple[tuple[MetricSummary, ...], Judged]:
-    """Each metric over the fleet, and how all together judge the logs."""
-    every = np.array([fleet.numbers(m.name) for m in metrics]).reshape(-1, len(fleet.logs))
-    judged = judge(every, [plain(m.name).step for m in metrics])
-    rows = [np.flatnonzero(np.isfinite(x)) for x in every]
-    # the column that orders the line always increases along it: no value of it is tested
-    lines = [x[r] for m, x, r in zip(metrics, every, rows, strict=True)]
-    tested = [
-        x[:0] if m.name == fleet.ordered_by else x for m, x in zip(metrics, lines, strict=True)
-    ]
-    drifts = zip(*drifting(tested), strict=True)
-    looks = tuple(
-        MetricSummary(metric, r, x, z[r], apart[r], *drift)
-        for metric, r, x, z, apart, drift in zip(
-            metrics, rows, lines, judged.z, judged.named, drifts, strict=True
-        )
-    )
-    return looks, judged
-
-
-def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:
+def drifting(lines: Sequence[Array]) -> list[tuple[LevelChange | None, bool]]:
     """Change of each metric in the order of the line, and whether it is significant among all.
 
     None if even a clear step could not be significant.
@@ -206,7 +196,7 @@ def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[boo
         c if c and least_p(x.size) <= enough else None for c, x in zip(changes, lines, strict=True)
     ]
     p = np.array([c.p if c else np.nan for c in tested])
-    return tested, named(p, _DRIFT).tolist()
+    return list(zip(tested, named(p, _DRIFT).tolist(), strict=True))
 
 
 def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
@@ -226,16 +216,14 @@ def _classes(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[tuple[st
 
 
 def _apart(
-    logs: tuple[str, ...], looks: tuple[MetricSummary, ...], judged: Judged
+    logs: tuple[str, ...], metrics: Sequence[Column], values: Array, judged: Judged
 ) -> tuple[_Apart, ...]:
-    """The logs that stand apart, each with its metrics."""
-    cars = []
+    """The logs that stand apart, each with its metrics; ``values`` (m, n)."""
+    numbers, cars = np.stack([values, judged.z, judged.p]), []
     for row in np.flatnonzero(judged.named.any(axis=0)):
         reasons = [
-            Outlier(logs[row], look.column.name, *map(float, numbers))
-            for i, look in enumerate(looks)
-            if judged.named[i, row]
-            for numbers in [(look.values[look.rows == row][0], judged.z[i, row], judged.p[i, row])]
+            Outlier(logs[row], metrics[i].name, *numbers[:, i, row].tolist())
+            for i in np.flatnonzero(judged.named[:, row]).tolist()
         ]
         reasons.sort(key=lambda o: (o.p, -abs(o.z)))
         cars.append(_Apart(logs[row], float(judged.p_of_car[row]), tuple(reasons)))

@@ -18,7 +18,7 @@ from calib.line.fleet.rows import QUALITY, Cell, Command, Row, Status
 from calib.logs.channel_map import ChannelMap
 from calib.logs.formats import ending_of
 from calib.logs.log import Log
-from calib.logs.read import FORMATS, log_bytes, open_log, read_log, read_opened
+from calib.logs.read import FORMATS, REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
 VEHICLE = "vehicle.toml"
@@ -146,7 +146,8 @@ def _contents(job: Job, item: WorkItem) -> Files:
 
 def _log(job: Job, item: WorkItem, files: Files, name: str = "") -> Log:
     where, file = Path(item.name) / name, Path(item.path) / name
-    return read_log(where, job.channel_map, data=files[name], file=file)
+    require = () if job.command == Command.CHECK else REQUIRED
+    return read_log(where, job.channel_map, require=require, data=files[name], file=file)
 
 
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -181,10 +182,7 @@ def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.plausibility.check import check
     from calib.run.run import figures
 
-    where, file = Path(item.name), Path(item.path)
-    with open_log(where, job.channel_map, data=files[""], file=file) as opened:
-        log = read_opened(opened, job.channel_map, require=())
-        findings = check(log)
+    findings = check(_log(job, item, files))
     usable = (verdict.usable for verdict in findings.verdicts)
     metrics = map(finite, figures(findings.run).values())
     cells = (*usable, *metrics, _codes(findings.warnings))

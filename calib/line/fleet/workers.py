@@ -1,6 +1,5 @@
 """Who computes the rows: processes of this machine, or the workers of a Dask cluster."""
 
-import socket
 from concurrent.futures import Future
 from functools import partial
 from typing import Any
@@ -54,11 +53,12 @@ class Cluster:
     """
 
     def __init__(self, address: str):
-        Client = need("distributed", "dist", "--scheduler", BatchError).Client
+        distributed: Any = need("distributed", "dist", "--scheduler", BatchError)
         self._client: Any = None
         try:
-            _knock(address)
-            self._client = Client(address, timeout=_PATIENCE, set_as_default=False)
+            # without a host and a port the client ends with a traceback
+            distributed.comm.addressing.get_address_host_port(address)
+            self._client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
             self._client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, ValueError) as cause:
             self.close()
@@ -106,17 +106,6 @@ class Cluster:
 
 Executor = Pool | Cluster
 """Computes rows on this machine or a cluster. A future fails if its worker died."""
-
-
-def _knock(address: str) -> None:
-    """Raise OSError or ValueError if there is no scheduler: a Dask client ends with a traceback."""
-    from dask.utils import parse_timedelta
-    from distributed.comm.addressing import parse_address, parse_host_port
-
-    scheme, place = parse_address(address)
-    if scheme in ("tcp", "tls"):
-        where = parse_host_port(place, 8786)
-        socket.create_connection(where, timeout=parse_timedelta(_PATIENCE)).close()
 
 
 def _pass_on(rows: Future[Rows], dask_future: Any) -> None:

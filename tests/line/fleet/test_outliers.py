@@ -43,7 +43,7 @@ def repeated(rng, m, n):
 
 def alarms(values):
     """Whether the page of a fleet, (m, n), calls any car apart or any drift."""
-    return bool(judged(values).named.any() or any(drifting(values)[1]))
+    return bool(judged(values).named.any() or any(drifts for _, drifts in drifting(values)))
 
 
 def wrong(draw, metrics, cars):

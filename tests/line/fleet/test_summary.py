@@ -59,6 +59,16 @@ def test_drift_is_tested_where_a_plain_step_would_be_found(tmp_path):
         assert seen.drifts == tested
 
 
+@pytest.mark.parametrize("unknown", [0, 3])
+def test_the_column_that_orders_the_line_does_not_drift(tmp_path, unknown):
+    import pyarrow as pa
+
+    number = [None] * unknown + [float(i) for i in range(40 - unknown)]
+    extra = {"number": (number, pa.float64(), "1")}
+    fleet = open_fleet(results(tmp_path / "r.parquet", 40, extra=extra), "number")
+    assert not look(summarise(fleet), "number").drifts
+
+
 def test_only_what_is_wanted(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet", 12))
     assert [one.column.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]

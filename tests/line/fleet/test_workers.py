@@ -98,13 +98,14 @@ def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, address, worke
     assert (out / "results.parquet").read_bytes() == undisturbed
 
 
-def test_the_command_says_that_nobody_answers(tmp_path, fleet):
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense"])
+def test_the_command_says_that_nobody_answers(tmp_path, fleet, address):
     code = (
         "import sys; from calib.line.fleet import workers; workers._PATIENCE = '1s'; "
         "from cli.main import main; main()"
     )
     words = ["batch", "check", str(fleet), "--out", str(tmp_path / "out")]
-    words += ["--scheduler", "tcp://127.0.0.1:9"]
+    words += ["--scheduler", address]
     ran = subprocess.run(
         [sys.executable, "-c", code, *words], cwd=ROOT, capture_output=True, text=True
     )
