@@ -87,9 +87,7 @@ def with_effects(vehicle: Vehicle, model: Model) -> Vehicle:
 
 def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
     """Return the vehicle with the pads of a model, and with its effects added to its own."""
-    front = replace(vehicle.front, pad_friction=model.pad_friction_f)
-    rear = replace(vehicle.rear, pad_friction=model.pad_friction_r)
-    return with_effects(replace(vehicle, front=front, rear=rear), model)
+    return with_effects(vehicle.with_pads(model.pad_friction_f, model.pad_friction_r), model)
 
 
 def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:

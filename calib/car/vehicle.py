@@ -105,6 +105,11 @@ class Vehicle:
             self, front=self.front.with_radius(factor), rear=self.rear.with_radius(factor)
         )
 
+    def with_pads(self, front: float, rear: float) -> Self:
+        """The car with other pads, of these frictions [1]."""
+        front_axle = replace(self.front, pad_friction=front)
+        return replace(self, front=front_axle, rear=replace(self.rear, pad_friction=rear))
+
     def radius_mismatch(self, eta_zero: float) -> float:
         """Mismatch of the axles' radii over that of the file [1], from eta - 1 without brakes."""
         return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0

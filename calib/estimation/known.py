@@ -31,9 +31,7 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
     """
     car, pads = table.vehicle, vehicle or table.vehicle
     scale = 1.0 if vehicle else math.exp(pad_levels(car, table.calibration).level)
-    front = replace(car.front, pad_friction=scale * pads.front.pad_friction)
-    rear = replace(car.rear, pad_friction=scale * pads.rear.pad_friction)
-    return replace(car, front=front, rear=rear)
+    return car.with_pads(scale * pads.front.pad_friction, scale * pads.rear.pad_friction)
 
 
 def known_effects(table: Table) -> Effects:

@@ -116,9 +116,8 @@ def _goes_with_time(e: Estimate) -> bool:
 def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterator[Measured]:
     """Mistakes that explain a stop better than other pads than the ramp's, most probable first."""
     cal, car = e.table.calibration, e.run.car
-    front = replace(car.front, pad_friction=cal.pad_friction_f.value)
-    rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
-    car = replace(car, front=front, rear=rear, motor_odds=max(car.motor_odds, LEAST_ODDS))
+    car = car.with_pads(cal.pad_friction_f.value, cal.pad_friction_r.value)
+    car = replace(car, motor_odds=max(car.motor_odds, LEAST_ODDS))
     ramp = prepare(e.run, resistance.effects, evidence.accelerometer)
     try:
         yield from measured(causes_of(car, [ramp], other_road=True), beside_pads=False)

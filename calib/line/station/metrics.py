@@ -1,7 +1,6 @@
 """The metrics of a car as a whole; those of each hold-out are in `calib.estimation.metrics`."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,11 +72,9 @@ def _front_biased_up_to(table: Table) -> float:
 
     At most the value that stands for all larger ones.
     """
-    car, cal = table.vehicle, table.calibration
-    front = replace(car.front, pad_friction=cal.pad_friction_f.value)
-    rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
-    biased = front_biased_up_to(replace(car, front=front, rear=rear))
-    return min(biased, bound("front_biased_up_to", "cut"))
+    cal = table.calibration
+    car = table.vehicle.with_pads(cal.pad_friction_f.value, cal.pad_friction_r.value)
+    return min(front_biased_up_to(car), bound("front_biased_up_to", "cut"))
 
 
 def _largest(values: Sequence[float | None]) -> float | None:
