@@ -62,8 +62,7 @@ class FleetFile:
 
     def numbers(self, name: str) -> Array:
         """A column of numbers, (n,); NaN if a log has none."""
-        column = self.table.column(name).cast("float64").combine_chunks()
-        return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
+        return np.asarray(self.table.column(name).cast("float64").to_numpy(), dtype=np.float64)
 
     def values(self, name: str) -> tuple[str | bool | None, ...]:
         """A column of text or of yes and no; () if there is none."""

@@ -30,7 +30,6 @@ from calib.table.table import Table
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 REFUSED = "refused.json"
-_SCHEMA = 1
 _FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 
@@ -83,7 +82,7 @@ def write_refusal(
     stay; the next run that ends with a verdict removes it.
     """
     document = {
-        "schema": _SCHEMA,
+        "schema": 1,
         "identity": identity.by_name(),
         "logs": [printable(log.name) for log in logs],
         "program": PROGRAM,
@@ -97,7 +96,7 @@ def write_refusal(
 def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
     """The document as plain data; ``files`` are the other files in its folder."""
     return {
-        "schema": _SCHEMA,
+        "schema": 1,
         "verdict": outcome.verdict,
         "identity": outcome.identity.by_name(),
         "vehicle": outcome.table.vehicle.name,

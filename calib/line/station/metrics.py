@@ -11,7 +11,6 @@ from calib.base.warning import LIMITS
 from calib.car.balance import front_biased_up_to
 from calib.car.braking import MOVING
 from calib.car.forces import slip
-from calib.car.vehicle import Vehicle
 from calib.estimation.agreement import agreement
 from calib.estimation.validate import Validation
 from calib.line.station.golden import golden_metrics
@@ -42,11 +41,13 @@ def metrics_of(
     ``golden`` the table of its model.
     """
     cal, runs = table.calibration, [Run(log) for log in ramps]
+    zeros = [run.axles.front_rear for run in runs if run.axles]
+    mismatches = [table.vehicle.radius_mismatch(zero.value) for zero in zeros if zero]
     out: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
         "band_width": table.difference.band_width,
-        "ramp_eta_zero": _largest([_eta_zero(table.vehicle, run) for run in runs]),
+        "ramp_eta_zero": _largest(mismatches),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
         "front_biased_up_to": _front_biased_up_to(table),
@@ -60,11 +61,6 @@ def metrics_of(
     if golden:
         out |= golden_metrics(table, golden)
     return {name: out.get(name) for name in METRICS}
-
-
-def _eta_zero(vehicle: Vehicle, run: Run) -> float | None:
-    zero = run.axles.front_rear if run.axles else None
-    return None if zero is None else vehicle.radius_mismatch(zero.value)
 
 
 def _front_biased_up_to(table: Table) -> float:
