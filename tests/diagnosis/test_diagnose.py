@@ -146,7 +146,7 @@ def test_half_the_sample_rate_finds_the_same_effects(drag):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "seed", "own", "margin"),
+    ("kind", "seed", "random_effects", "margin"),
     [
         ("groups", 731002, ("front_pads", "rear_pads"), 0.015),
         ("unlike", 3, ("front_pads", "rear_pads"), 0.02),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.car.effects.catalogue import with_random_effects
+from calib.car.effects.catalogue import with_own
 from calib.car.effects.effect_file import read_own_effects
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import to_dict
@@ -34,15 +34,15 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(tmp_path):
     car = Car(CARS[1], magic(26.0, 1.0, curvature=-0.1), (0.95, 1.05), hidden=hidden)
     names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
     logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
-    (random_effects,) = read_own_effects([file])
-    found = diagnose(with_random_effects(CARS[1], [random_effects]), logs[:4], logs[4:])
+    (own,) = read_own_effects([file])
+    found = diagnose(with_own(CARS[1], [own]), logs[:4], logs[4:])
     assert found.verdict == "named"
     assert [effect.name for effect in found.effects] == ["air_brake_flap"]
     assert found.effects[0].parameters["flap_area"].value == pytest.approx(AREA, rel=0.1)
     assert found.effects[0].where.axle == "body"
     assert found.gap.closed > 0.85
     (told,) = to_dict(found)["effects"]
-    assert told["defined_in"] == {"file": file.name, "sha256": random_effects.sha256}
-    assert dict(diagnosis_facts(found).parts[0].rows)["Cause"] == random_effects.effect.card.cause
+    assert told["defined_in"] == {"file": file.name, "sha256": own.sha256}
+    assert dict(diagnosis_facts(found).parts[0].rows)["Cause"] == own.effect.card.cause
     (tried,) = to_dict(found)["own_effects"]
     assert tried == {"name": "air_brake_flap", **told["defined_in"], "named": True}

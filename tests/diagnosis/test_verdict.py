@@ -35,12 +35,12 @@ def offset_logs(kind: str, shares: list[float], first: int = 0):
     p, logs = np.clip(10e5 * (RAMP_TIME - 2.0), 0.0, 25e5), []
     for i, share in enumerate(shares, first):
         size = share * SIZES[kind]
-        random_effects = {
+        effects = {
             "road_grade": {"grade": size, "felt": 1.0},
             "accelerometer_bias": {"bias": size},
         }
         name = "road_grade" if kind == "slope" else "accelerometer_bias"
-        model = replace(calib.default_model(SEDAN), effects=Effects({name: random_effects[name]}))
+        model = replace(calib.default_model(SEDAN), effects=Effects({name: effects[name]}))
         logs.append(add_noise(calib.simulate(model, RAMP_TIME, p, 30.0, name=f"ramp {i}"), i))
     return logs
 
@@ -116,10 +116,8 @@ def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
     found = left_in(case := hiding("tank_slosh", 35))
     assert (found.axle, found.driver) == ("body", "frequency")
     # a mass on a spring, beside a car that it moves with
-    mass, random_effects = case.hidden.slosh_mass, case.hidden.slosh_frequency
-    assert found.oscillation.frequency == pytest.approx(
-        random_effects / np.sqrt(1.0 - mass), rel=0.1
-    )
+    mass, natural = case.hidden.slosh_mass, case.hidden.slosh_frequency
+    assert found.oscillation.frequency == pytest.approx(natural / np.sqrt(1.0 - mass), rel=0.1)
     assert found.oscillation.share > 0.5
 
 

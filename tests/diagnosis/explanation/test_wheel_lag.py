@@ -51,11 +51,9 @@ def test_a_released_wheel_swings_on_its_tyre():
     tau = inertia * v / (radius**2 * load * stiffness)
     t = STEP * np.arange(60)
     force = followed(tau, sigma, v, np.where(t < 0.1, 1.0, 0.0))[0]
-    random_effects = radius * np.sqrt(load * stiffness / (inertia * sigma))
+    natural = radius * np.sqrt(load * stiffness / (inertia * sigma))
     free = t > 0.15  # the step of the input is a ramp of two samples here
-    turns = np.exp(
-        (-0.5 * v / sigma + 1j * np.sqrt(random_effects**2 - (0.5 * v / sigma) ** 2)) * t[free]
-    )
+    turns = np.exp((-0.5 * v / sigma + 1j * np.sqrt(natural**2 - (0.5 * v / sigma) ** 2)) * t[free])
     A = np.stack([turns.real, turns.imag], axis=1)
     fitted = A @ np.linalg.lstsq(A, force[free], rcond=None)[0]
     assert force[free] == pytest.approx(fitted, abs=1e-6)
