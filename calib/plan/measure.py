@@ -56,6 +56,17 @@ class Measure:
         """Whether it is a run with a log, and not a measurement in a workshop."""
         return self.kind in ("ramp", "coast")
 
+    @property
+    def is_whole_ramp(self) -> bool:
+        """Whether it is a ramp with both axles, of which one is enough."""
+        return self.kind == "ramp" and not self.axle
+
+    @property
+    def duration(self) -> float:
+        """Time of the work, or to the end of the rise of a run [s]."""
+        lead_in = LEAD_IN * (self.kind == "ramp")
+        return lead_in + self.rise if self.driven else self.seconds
+
 
 @dataclass(frozen=True)
 class Track:
@@ -108,11 +119,10 @@ def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> 
     time, pressure = pressure_trace(model.vehicle, run)
     alone = {w: pressure * (w[0] == run.axle) for w in WHEELS} if run.axle else None
     log = simulate(model, time, pressure, track.speed, wheel_pressure=alone, name=run.name)
-    needed = LEAD_IN + run.rise if run.kind == "ramp" else run.rise
-    if log.time[-1] < needed or log["v"][-1] < _SLOWEST:
+    if log.time[-1] < run.duration or log["v"][-1] < _SLOWEST:
         raise ModelError(
             f"{run.text} would end after {log.time[-1]:.1f} s at {3.6 * log['v'][-1]:.0f} km/h",
-            expected=f"{needed:.1f} s, and {3.6 * _SLOWEST:.0f} km/h at the end",
+            expected=f"{run.duration:.1f} s, and {3.6 * _SLOWEST:.0f} km/h at the end",
         )
     if (way := float(np.trapezoid(log["v"], log.time))) > track.length:
         raise ModelError(f"{run.text} takes {way:.0f} m", expected=f"up to {track.length:.0f} m")

@@ -9,7 +9,6 @@ from typing import Any
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import InputError
-from calib.base.plain import finite
 from calib.plan.expected import HalfWidths
 from calib.plan.measure import pressure_trace
 from calib.plan.search import Plan
@@ -21,40 +20,36 @@ _BAR = 1e5
 
 
 def document(plan: Plan) -> dict[str, Any]:
-    """The plan as a JSON document: half widths are relative [1], null where nothing is known."""
+    """The plan as a JSON document: half widths are relative [1], infinite if nothing is known."""
     track = plan.prior.track
     return {
         "vehicle": plan.prior.vehicle.name,
-        "track": {"length": finite(track.length), "speed": track.speed},
+        "track": {"length": track.length, "speed": track.speed},
         "sensors": sorted(plan.prior.sensors),
         "noise": {name: level.sd for name, level in sorted(plan.prior.noise.items())},
-        "want": {**_widths(plan.want.widths), "seconds": finite(plan.want.seconds)},
-        "before": _widths(plan.before),
+        "want": {**plan.want.widths._asdict(), "seconds": plan.want.seconds},
+        "before": plan.before._asdict(),
         "steps": [
             {
                 "measure": step.measure.name,
                 "text": step.measure.text,
                 "driver": step.measure.driver,
                 "seconds": step.seconds,
-                "end": finite(step.measure.end),
+                "end": step.measure.end,
                 "file": file,
-                "half_width": _widths(step.widths),
+                "half_width": step.widths._asdict(),
             }
             for step, file in zip(plan.steps, _files(plan), strict=True)
         ],
-        "after": _widths(plan.after),
+        "after": plan.after._asdict(),
         "seconds": plan.seconds,
         "met": plan.want.met_by(plan.after),
-        "with_v": None if plan.with_speed is None else _widths(plan.with_speed),
-        "floor": _widths(plan.floor),
-        "floor_of_runs": _widths(plan.floor_of_runs),
+        "with_v": None if plan.with_speed is None else plan.with_speed._asdict(),
+        "floor": plan.floor._asdict(),
+        "floor_of_runs": plan.floor_of_runs._asdict(),
         "not_worth": {m.name: gain for m, gain in plan.not_worth.items()},
         "impossible": {m.name: reason for m, reason in plan.impossible.items()},
     }
-
-
-def _widths(widths: HalfWidths) -> dict[str, float | None]:
-    return {name: finite(width) for name, width in widths._asdict().items()}
 
 
 def _files(plan: Plan) -> list[str | None]:
@@ -76,7 +71,6 @@ def pressure_files(plan: Plan) -> Iterator[tuple[str, bytes]]:
 class PlannedRuns:
     """What a fit asks of a plan: its ``steps`` by name, their largest ``end`` [g], the widths."""
 
-    vehicle: str
     steps: tuple[str, ...]
     end: float
     sensors: frozenset[str]
@@ -91,7 +85,6 @@ def read_plan(path: Path) -> PlannedRuns:
         after = HalfWidths(*(_number(written["after"][name]) for name in HalfWidths._fields))
         ends = [float(step["end"]) for step in steps if step["measure"].startswith("ramp")]
         return PlannedRuns(
-            vehicle=str(written["vehicle"]),
             steps=tuple(str(step["measure"]) for step in steps),
             end=max(ends, default=0.0),
             sensors=frozenset(map(str, written["sensors"])),

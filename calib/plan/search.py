@@ -3,13 +3,13 @@
     gain = sum over front, rear, total of ln(width now / width then), a width as wanted is enough
 
 The first ramp is the one of the greatest mean gain over several cars, each with its own noise. Each
-next measure is that of the greatest gain per second of one car, the mean of what is prior. What
+next measure is that of the greatest gain per second of one car, the mean of the prior. What
 gained next to nothing is not tried again: what measures tell together is less than the sum of what
 each tells. The figures of the steps are medians over several cars, floors those of one.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -23,7 +23,7 @@ from calib.plan.expected import (
     half_widths,
     median,
 )
-from calib.plan.measure import LEAD_IN, Measure, drive, measures
+from calib.plan.measure import Measure, drive, measures
 
 SEED = 20
 """Seed of the noise of a plan: the same question has the same plan."""
@@ -80,7 +80,7 @@ class Step:
 class Plan:
     """What to do, in this order, and what it will bring.
 
-    ``before`` the widths by what is prior now; ``not_worth`` the measures that would gain less than
+    ``before`` the widths by the prior; ``not_worth`` the measures that would gain less than
     `_WORTH` beside the steps, each with its gain [1]; ``impossible`` those that cannot be done
     here, each with the reason; ``floor`` the widths after all that can be done here, whatever its
     time, ``floor_of_runs`` after all runs without a workshop; ``with_speed`` those of the steps
@@ -114,24 +114,21 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
     Raises LogError where no ramp can be driven here, with the reason of each.
     """
     with side_by_side(workers, "calib.plan.search") as mapped:
-        now = before_any_run(prior)
-        if prior.logs:
-            (now,) = _medians(mapped, prior, [()], 1)
+        now = _medians(mapped, prior, [()], 1)[0] if prior.logs else before_any_run(prior)
         search = _Search(prior, want, mapped)
         chosen = search.run(now)
-        others = [m for m in measures() if m not in search.impossible and not _is_whole_ramp(m)]
+        others = [m for m in measures() if m not in search.impossible and not m.is_whole_ramp]
         everything = tuple(dict.fromkeys((*chosen, *others)))
         runs = tuple(m for m in everything if m.driven)
         floor, floor_of_runs = _medians(mapped, prior, [everything, runs], 1)
         after = _medians(mapped, prior, [chosen[: i + 1] for i in range(len(chosen))], _CARS)
         faster = replace(prior, sensors=prior.sensors | {"v"})
         with_speed = None if "v" in prior.sensors else _medians(mapped, faster, [chosen], _CARS)[0]
-    seconds = [_seconds_of(measure, i == 0) for i, measure in enumerate(chosen)]
     return Plan(
         prior=prior,
         want=want,
         before=now,
-        steps=tuple(map(Step, chosen, seconds, after)),
+        steps=tuple(map(Step, chosen, _times(chosen), after)),
         not_worth={m: x for m, x in search.gains.items() if m not in chosen and x < _WORTH},
         impossible=search.impossible,
         floor=floor,
@@ -140,17 +137,14 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
     )
 
 
-def _seconds_of(measure: Measure, first: bool) -> float:
-    """Time that a measure takes [s]; a run that is not the ``first`` one with its turn."""
-    if not measure.driven:
-        return measure.seconds
-    driven = measure.rise if measure.kind == "coast" else LEAD_IN + measure.rise
-    return driven + (0.0 if first else _TURN)
+def _times(steps: _Sequel) -> list[float]:
+    """Time of each step [s]."""
+    return [_following(m) if i else m.duration for i, m in enumerate(steps)]
 
 
-def _is_whole_ramp(measure: Measure) -> bool:
-    """Whether it is a ramp with both axles, of which one is enough."""
-    return measure.kind == "ramp" and not measure.axle
+def _following(measure: Measure) -> float:
+    """Time of a measure that follows another [s]: a run has its turn before it."""
+    return measure.duration + _TURN * measure.driven
 
 
 class _Search:
@@ -165,63 +159,52 @@ class _Search:
     def run(self, now: HalfWidths) -> _Sequel:
         """The measures in their order. Raises LogError where there can be no ramp."""
         chosen: _Sequel = ()
-        spent, first = 0.0, not self.prior.logs
         while not self.want.met_by(now):
-            options = [m for m in measures() if self._is_option(m, chosen, first, spent)]
-            widths = self._tried(chosen, options, now, _CARS if first else 1)
-            worthy = {m: w for m, w in widths.items() if first or self.gains[m] >= _WORTH}
-            if first and not worthy:
+            first = not (chosen or self.prior.logs)
+            widths = self._tried(chosen, now, first)
+            if not widths and first:
                 raise self._no_ramp()
-            if not worthy:
+            if not widths:
                 break
-            best = max(worthy, key=lambda m: self._rate(m, first))
-            chosen, now = (*chosen, best), worthy[best]
-            spent, first = spent + _seconds_of(best, len(chosen) == 1), False
+            best = max(widths, key=lambda m: self.gains[m] / (1.0 if first else _following(m)))
+            chosen, now = (*chosen, best), widths[best]
         return self._pruned(chosen, now)
+
+    def _tried(self, chosen: _Sequel, now: HalfWidths, first: bool) -> dict[Measure, HalfWidths]:
+        """Median widths over cars after each measure that can come next and is worth its time.
+
+        Sets the mean gain of each, or the reason why it is impossible.
+        """
+        options = [m for m in measures() if self._is_option(m, chosen, first)]
+        sequels = [(*chosen, m) for m in options]
+        outcomes = _outcomes(self.mapped, self.prior, sequels, _CARS if first else 1)
+        widths = {}
+        for measure, (reason, of_cars) in zip(options, outcomes, strict=True):
+            if reason:
+                self.impossible[measure] = reason
+                continue
+            self.gains[measure] = sum(self.want.gain(now, w) for w in of_cars) / len(of_cars)
+            if first or self.gains[measure] >= _WORTH:
+                widths[measure] = median(of_cars)
+        return widths
+
+    def _is_option(self, measure: Measure, chosen: _Sequel, first: bool) -> bool:
+        """Whether a measure can come next: once, in the time left, if it gained before."""
+        if (first and not measure.is_whole_ramp) or measure in (*chosen, *self.impossible):
+            return False
+        in_time = sum(_times((*chosen, measure))) <= self.want.seconds
+        return in_time and self.gains.get(measure, _WORTH) >= _WORTH
 
     def _pruned(self, chosen: _Sequel, now: HalfWidths) -> _Sequel:
         """The steps without those that later ones made superfluous, the longest first."""
         fixed = 0 if self.prior.logs else 1  # the first ramp makes the table
-        shorter = {m: tuple(x for x in chosen if x != m) for m in chosen[fixed:]}
-        outcomes = _outcomes(self.mapped, self.prior, list(shorter.values()), 1)
-        for measure, of_cars in sorted(
-            zip(shorter, outcomes, strict=True), key=lambda pair: -_seconds_of(pair[0], False)
-        ):
-            if isinstance(of_cars, str):
-                continue
-            (widths,) = of_cars
+        dropped = sorted(chosen[fixed:], key=_following, reverse=True)
+        shorter = [tuple(x for x in chosen if x != m) for m in dropped]
+        outcomes = _outcomes(self.mapped, self.prior, shorter, 1)
+        for steps, (_, (widths,)) in zip(shorter, outcomes, strict=True):
             if self.want.met_by(widths) or self.want.gain(widths, now) < _WORTH:
-                return self._pruned(shorter[measure], now)
+                return self._pruned(steps, now)
         return chosen
-
-    def _rate(self, measure: Measure, first: bool) -> float:
-        """Gain of the first ramp, gain per second of what follows."""
-        return self.gains[measure] / (1.0 if first else _seconds_of(measure, first=False))
-
-    def _is_option(self, measure: Measure, chosen: _Sequel, first: bool, spent: float) -> bool:
-        """Whether a measure can come next: once, in the time left, if it gained before."""
-        if (first and not _is_whole_ramp(measure)) or measure in self.impossible:
-            return False
-        if measure in chosen or self.gains.get(measure, _WORTH) < _WORTH:
-            return False
-        return spent + _seconds_of(measure, not chosen) <= self.want.seconds
-
-    def _tried(
-        self, chosen: _Sequel, options: Sequence[Measure], now: HalfWidths, count: int
-    ) -> dict[Measure, HalfWidths]:
-        """Median widths of ``count`` cars after each option, but for impossible ones.
-
-        Sets the mean gain of each, or the reason why it is impossible.
-        """
-        outcomes = _outcomes(self.mapped, self.prior, [(*chosen, m) for m in options], count)
-        widths = {}
-        for measure, of_cars in zip(options, outcomes, strict=True):
-            if isinstance(of_cars, str):
-                self.impossible[measure] = of_cars
-            else:
-                widths[measure] = median(of_cars)
-                self.gains[measure] = sum(self.want.gain(now, w) for w in of_cars) / count
-        return widths
 
     def _no_ramp(self) -> LogError:
         reasons = "; ".join(dict.fromkeys(self.impossible.values()))
@@ -251,31 +234,28 @@ def _medians(
     Raises LogError with the reason for one that cannot be done.
     """
     medians = []
-    for of_cars in _outcomes(mapped, prior, sequels, count):
-        if isinstance(of_cars, str):
-            raise LogError(of_cars, where=prior.vehicle.name)
-        medians.append(median(of_cars))
+    for reason, widths in _outcomes(mapped, prior, sequels, count):
+        if reason:
+            raise LogError(reason, where=prior.vehicle.name)
+        medians.append(median(widths))
     return medians
 
 
 def _outcomes(
     mapped: Mapped, prior: Prior, sequels: Sequence[_Sequel], count: int
-) -> list[list[HalfWidths] | str]:
-    """Widths of ``count`` cars after each sequel, or why one of them cannot be driven or fitted."""
+) -> Iterator[tuple[str, list[HalfWidths]]]:
+    """Why a sequel cannot be done, "" where it can, and the widths of ``count`` cars after it."""
     cases = [(number, steps) for steps in sequels for number in range(count)]
     outcomes = list(mapped(partial(_outcome, prior), cases))
-    groups = [outcomes[i : i + count] for i in range(0, len(outcomes), count)]
-    widths: list[list[HalfWidths] | str] = []
-    for group in groups:
-        reasons = [outcome for outcome in group if isinstance(outcome, str)]
-        widths.append(reasons[0] if reasons else [w for w in group if isinstance(w, HalfWidths)])
-    return widths
+    for i in range(0, len(outcomes), count):
+        reasons, widths = zip(*outcomes[i : i + count], strict=True)
+        yield next(filter(None, reasons), ""), list(widths)
 
 
-def _outcome(prior: Prior, case: tuple[int, _Sequel]) -> HalfWidths | str:
-    """Widths of the car of that number after the measures, or why it has none."""
+def _outcome(prior: Prior, case: tuple[int, _Sequel]) -> tuple[str, HalfWidths]:
+    """Widths of the car of that number after the measures; infinite, and why, if it has none."""
     number, steps = case
     try:
-        return half_widths(prior, cars(prior)[number], steps, SEED + 100 * number)
+        return "", half_widths(prior, cars(prior)[number], steps, SEED + 100 * number)
     except BrakeCalError as error:
-        return error.problem
+        return error.problem, HalfWidths(math.inf, math.inf, math.inf)

@@ -1,58 +1,49 @@
 """A plan as facts: a card for the driver on one page, and what each step brings."""
 
+from collections.abc import Sequence
+
 from calib.base.plain import NBSP
 from calib.plan.achieved import Achieved
-from calib.plan.expected import HalfWidths
-from calib.plan.measure import Measure, pressure_trace
+from calib.plan.measure import pressure_trace
 from calib.plan.search import Plan, Step
 from calib.show.facts import DIR, FAILED, PASSED, UNJUDGED, Facts, Table
 
-_HEADS = ("torque prior to (95 %)", "front [%]", "rear [%]", "total [%]")
+_HEADS = ("torque known to (95 %)", "front [%]", "rear [%]", "total [%]")
 
 
 def plan_facts(plan: Plan) -> Facts:
     """What to do, what it brings, and what it cannot bring."""
+    named = plan.after._asdict().items()
+    widths = ", ".join(f"{axles} ±{100.0 * width:.1f}{NBSP}%" for axles, width in named)
     wanted, met = any(plan.want.widths), plan.want.met_by(plan.after)
-    rows = [("before", *_cells(plan.before))]
-    rows += [(f"{i}. {s.measure.text}", *_cells(s.widths)) for i, s in enumerate(plan.steps, 1)]
-    if plan.with_speed is not None:
-        rows.append(("the same, with the speed v logged", *_cells(plan.with_speed)))
-    if wanted:
-        rows.append(("wanted", *_cells(plan.want.widths, none="-")))
-    rows.append(("all runs that can be driven here", *_cells(plan.floor_of_runs)))
-    rows.append(("and all measurements of a workshop", *_cells(plan.floor)))
-    total = f"{plan.seconds:.0f}{NBSP}s"
+    rows = [
+        ("before", *_cells(plan.before)),
+        *((f"{i}. {s.measure.text}", *_cells(s.widths)) for i, s in enumerate(plan.steps, 1)),
+        ("the same, with the speed v logged", *_cells(plan.with_speed or ())),
+        ("wanted", *_cells(plan.want.widths if wanted else (), none="-")),
+        ("all runs that can be driven here", *_cells(plan.floor_of_runs)),
+        ("and all measurements of a workshop", *_cells(plan.floor)),
+    ]
     return Facts(
         title=f"Plan for {plan.prior.vehicle.name}",
         verdict=(PASSED if met else FAILED) if wanted else UNJUDGED,
         word=("Enough" if met else "Not enough") if wanted else "Planned",
-        headline=f"{_in_words(plan.after)} after {total}",
-        tables=[Table(_HEADS, rows)],
+        headline=f"{widths} after {plan.seconds:.0f}{NBSP}s",
+        tables=[Table(_HEADS, [row for row in rows if row[1:]])],
         notes=_notes(plan),
         next=f"brake-cal fit LOG... --vehicle V.toml --plan {DIR}/plan.json",
         parts=[_card(plan, step, i) for i, step in enumerate(plan.steps, 1)],
     )
 
 
-def _cells(widths: HalfWidths, none: str = "not prior") -> tuple[str, ...]:
+def _cells(widths: Sequence[float], none: str = "not known") -> tuple[str, ...]:
     return tuple(f"{100.0 * w:.1f}" if 0.0 < w < 10.0 else none for w in widths)
 
 
-def _in_words(widths: HalfWidths) -> str:
-    parts = (f"{name} ±{100.0 * w:.1f}{NBSP}%" for name, w in widths._asdict().items())
-    return ", ".join(parts)
-
-
 def _notes(plan: Plan) -> list[str]:
-    notes = []
-    if plan.not_worth:
-        notes.append(f"Not worth driving in addition: {_texts(plan.not_worth)}.")
-    notes += [f"Not possible here: {reason}." for reason in dict.fromkeys(plan.impossible.values())]
-    return notes
-
-
-def _texts(measures: dict[Measure, float]) -> str:
-    return ", ".join(measure.text for measure in measures)
+    texts = ", ".join(measure.text for measure in plan.not_worth)
+    notes = [f"Not worth driving in addition: {texts}."] if texts else []
+    return notes + [f"Not possible here: {x}." for x in dict.fromkeys(plan.impossible.values())]
 
 
 def _card(plan: Plan, step: Step, number: int) -> Facts:
