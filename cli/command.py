@@ -15,7 +15,7 @@ from functools import wraps
 from inspect import Parameter, signature
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, ForwardRef, NamedTuple, get_args, get_origin
 
 import typer
 from typer.core import TyperGroup
@@ -96,11 +96,10 @@ def command(
             p.name: p.annotation for p in declared if is_dataclass(p.annotation)
         }
         parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
-        more: dict[str, Any] = {"report": _Report} if report else {}
-        more |= {"quiet": Quiet, "verbose": Verbose} | (
-            {} if "json" in parameters else {"json": _Json}
-        )
-        every = [*parameters.values(), *(_added(name, hint) for name, hint in more.items())]
+        more = {"report": _Report} if report else {}
+        more |= {"quiet": Quiet, "verbose": Verbose, "json": _Json}
+        added = [_added(name, hint) for name, hint in more.items() if name not in parameters]
+        every = [*parameters.values(), *added]
         infos = {p.name: get_args(p.annotation)[1] for p in every}
         writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
         if any(i.writes != "folder" for i in writes.values()):
@@ -111,9 +110,8 @@ def command(
             for name, info in infos.items():
                 if getattr(info, "setting", "") and not values[name]:
                     setting = from_settings(info.setting) if info.when(values) else None
-                    if setting is None:
-                        setting = info.built_in if values[name] is None else values[name]
-                    values[name] = setting
+                    usual = info.built_in if values[name] is None else values[name]
+                    values[name] = usual if setting is None else setting
             for name in values.keys() - writes:
                 value = values[name] if isinstance(values[name], list) else [values[name]]
                 if files := [one for one in value if isinstance(one, Path)]:
@@ -222,12 +220,10 @@ def example(*lines: str) -> str:
 
 def _parts(parameter: Parameter) -> list[Parameter]:
     """A parameter, or the fields of a dataclass in its place: options that commands share."""
-    if not is_dataclass(parameter.annotation):
+    kind, keyword = parameter.annotation, Parameter.KEYWORD_ONLY
+    if not is_dataclass(kind):
         return [parameter]
-    return [
-        Parameter(f.name, Parameter.KEYWORD_ONLY, annotation=f.type)
-        for f in fields(parameter.annotation)
-    ]
+    return [Parameter(f.name, keyword, annotation=f.type) for f in fields(kind)]
 
 
 def _parameter(parameter: Parameter) -> Parameter:
@@ -235,14 +231,14 @@ def _parameter(parameter: Parameter) -> Parameter:
     kind, info = parameter.annotation, parameter.default
     if get_origin(kind) is Annotated:
         kind, info = get_args(kind)
-    hint: Any = Annotated[getattr(info, "typed", None) or kind, info]
+    is_made = isinstance(kind, str | ForwardRef)
+    hint: Any = Annotated[getattr(info, "typed", None) or (Path | None if is_made else kind), info]
     default = _default(hint, parameter.kind == Parameter.KEYWORD_ONLY)
     return parameter.replace(annotation=hint, default=default)
 
 
 def _default(hint: Any, optional: bool = True) -> Any:
-    kind = get_args(hint)[0]
-    info = get_args(hint)[1]
+    kind, info = get_args(hint)
     built_in = getattr(info, "built_in", None)
     if getattr(info, "setting", "") and built_in is not None:
         return None  # it may come from the settings

@@ -34,8 +34,7 @@ class _CommandRun:
     """Options and state of one run of the program.
 
     ``inputs`` are the files that were given, by the name of their parameter; ``documents`` counts
-    the JSON documents that were printed; ``project`` has the settings, once they were asked for;
-    ``interrupted`` by Ctrl-C or SIGTERM.
+    those of --json that were printed; ``project`` has the settings, once they were asked for.
     """
 
     quiet: bool = False
@@ -102,6 +101,9 @@ def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
     """Print a result on stdout; details of facts only with -v."""
     from calib.show.terminal import drawn
 
+    if isinstance(result, PageText) and sys.stdout.isatty():
+        _show_page(result)
+        return
     stream, run = to or sys.stdout, this_run()
     console, piped = _console(stream), _piped(stream)
     shown = {"quiet": run.quiet, "details": run.verbose}
@@ -109,11 +111,13 @@ def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
         console.print(part, soft_wrap=piped or isinstance(part, str))
 
 
-def show_page(text: str) -> None:
-    """Show the Markdown of a page: in a pager at the width of a terminal, else as it is."""
-    if not sys.stdout.isatty():
-        emit(text.rstrip("\n"))
-        return
+class PageText(str):
+    """Markdown of a page: a terminal shows it in a pager, at its width."""
+
+    __slots__ = ()
+
+
+def _show_page(text: PageText) -> None:
     from rich.markdown import Markdown
 
     from calib.help.page import for_terminal
@@ -171,16 +175,10 @@ def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
             say(task)
         yield lambda *_stage: None
         return
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TaskProgressColumn,
-        TextColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import Progress, TextColumn
 
     text = TextColumn("{task.description}", style="progress.description", markup=False)
-    columns = (text, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    columns = (text, *Progress.get_default_columns()[1:])
     with Progress(*columns, console=console, transient=True) as bar:
         task_id = bar.add_task(printable(task), total=total)
 

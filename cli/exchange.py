@@ -120,14 +120,14 @@ def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) ->
     """Refuse a place that holds anything but an export of this version."""
     from calib.ecu.code import OURS, files_of
 
-    digest = stored.digest.encode()
-    if not folder:
+    names = files_of(stored, prefix) if folder else []
+    if folder:
+        check_folder(out, names)
+    else:
         check_file(out)
-        refuse_foreign(out, lambda data: digest in data)
-        return
-    check_folder(out, files_of(stored, prefix))
-    refuse_foreign(out / "README.md", lambda data: digest in data)
-    for name in files_of(stored, prefix):
+    digest = stored.digest.encode()
+    refuse_foreign(out / "README.md" if folder else out, lambda data: digest in data)
+    for name in names:
         refuse_foreign(out / name, lambda data: OURS in data)
 
 

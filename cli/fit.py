@@ -1,7 +1,7 @@
 """`brake-cal fit`: from ramps to a new version of the vehicle's table."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
 from cli.console import progress, say, this_run
@@ -12,18 +12,6 @@ if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
     from calib.model.roller_bench import RollerBench
     from calib.plan.plan_file import PlannedRuns
-
-_BENCH = "Brake forces of both axles, of the same pads on a roller brake tester."
-_ROLLERS = "calib.model.roller_bench_file:read_roller_bench"
-_Bench = Annotated["RollerBench | None", option(_BENCH, "B.toml", typed=Path | None, make=_ROLLERS)]
-
-_TYRE = "Tyre property file (.tir) of both axles; given twice, of the front and the rear axle."
-_TIR = "calib.car.tyre_file:read_tyres"
-_Tyres = Annotated["tuple[TyreFile, ...]", option(_TYRE, "T.tir", typed=list[Path], make=_TIR)]
-_PLAN = "Plan of `brake-cal plan`, to compare what was reached with."
-_READ_PLAN = "calib.plan.plan_file:read_plan"
-_Plan = Annotated["PlannedRuns | None", option(_PLAN, "P.json", typed=Path | None, make=_READ_PLAN)]
-_FLEET = "Believe, to half, that tyres and loads are those of the released cars of this model."
 
 
 @command(
@@ -38,10 +26,25 @@ def fit(
     model: KnownModel,
     effect: OwnEffects,
     mass: Mass,
-    bench: _Bench,
-    tyre: _Tyres,
-    plan: _Plan,
-    fleet_prior: bool = option(_FLEET),
+    bench: "RollerBench | None" = option(
+        "Brake forces of both axles, of the same pads on a roller brake tester.",
+        "B.toml",
+        make="calib.model.roller_bench_file:read_roller_bench",
+    ),
+    tyre: "tuple[TyreFile, ...]" = option(
+        "Tyre property file (.tir) of both axles; given twice, of the front and the rear axle.",
+        "T.tir",
+        typed=list[Path],
+        make="calib.car.tyre_file:read_tyres",
+    ),
+    plan: "PlannedRuns | None" = option(
+        "Plan of `brake-cal plan`, to compare what was reached with.",
+        "P.json",
+        make="calib.plan.plan_file:read_plan",
+    ),
+    fleet_prior: bool = option(
+        "Believe, to half, that tyres and loads are those of the released cars of this model."
+    ),
     store: Tables,
     channel_map: Map,
 ) -> Answer:

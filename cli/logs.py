@@ -36,16 +36,12 @@ def read_all(
     return runs
 
 
-def read(path: Path, mapping: "ChannelMap | None", require: tuple[str, ...] | None = None) -> "Log":
-    """Read a log, a file or that on stdin, and tell with -v what was read.
-
-    Raises LogError as `calib.logs.read.read_log` does.
-    """
-    from calib.logs.read import REQUIRED, read_log
+def read(path: Path, mapping: "ChannelMap | None", **needs: tuple[str, ...]) -> "Log":
+    """Read a log as `calib.logs.read.read_log`, a file or that on stdin, and tell what was read."""
+    from calib.logs.read import read_log
 
     name, data = source_of(path)
-    needed = REQUIRED if require is None else require
-    log = read_log(name, mapping, require=needed, data=data)
+    log = read_log(name, mapping, data=data, **needs)
     tell(log)
     return log
 

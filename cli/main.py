@@ -6,79 +6,103 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
-from typing import Annotated, Any, ClassVar
+from collections.abc import Callable
+from importlib import import_module
+from itertools import takewhile
+from typing import Annotated, Any
 
 import typer
 
 from calib.base.errors import AnswerError, BrakeCalError, FolderGone, UsageError, program_failure
 from calib.base.names import PROGRAM
-from cli.command import Quiet, Row, Verbose, group
+from cli.command import Group, Quiet, Row, Verbose, add, group
 from cli.console import begin, complain, emit_json, say, this_run
-from cli.lazy import LazyGroup
 
 _UsageError: Any = typer.BadParameter.__base__
 """What typer raises for a wrong command line; it exports only the one for a wrong value."""
 
 _SUBJECTS = {
     "One car": {
-        "plan": "Say which runs make the torque better known, before they are driven",
-        "check": "Say for what each log can be used, as far as can be told without a vehicle file",
-        "fit": "Make the look-up table of a car from ramped brakings",
-        "validate": "Run the estimator with a table on other logs, and judge what an ECU makes of "
-        "it",
-        "plot": "Draw tables, logs and results",
+        "plan:plan": "Say which runs make the torque better known, before they are driven",
+        "log:check": "Say for what each log can be used, as far as can be told without a vehicle "
+        "file",
+        "fit:fit": "Make the look-up table of a car from ramped brakings",
+        "validate:validate": "Run the estimator with a table on other logs, and judge what an "
+        "ECU makes of it",
+        "plot:plot": "Draw tables, logs and results",
     },
-    "Tables": {"tables": "Look at tables, release or reject them, hand them out"},
+    "Tables": {"tables:tables": "Look at tables, release or reject them, hand them out"},
     "The line": {
-        "station": "Fit, validate and judge one car at the end of the line",
-        "limits": "Write a file of all limits, ready to be edited",
-        "repeatability": "Judge the calibration as a gauge, from repeated ramps",
-        "batch": "Run one command on many logs, one row per log",
-        "watch": "Process each log that appears in a folder, until stopped",
-        "fleet": "Show what stands apart in a batch, or the last cars of a station",
+        "station:station": "Fit, validate and judge one car at the end of the line",
+        "station:limits": "Write a file of all limits, ready to be edited",
+        "station:repeatability": "Judge the calibration as a gauge, from repeated ramps",
+        "many:batch": "Run one command on many logs, one row per log",
+        "many:watch": "Process each log that appears in a folder, until stopped",
+        "many:fleet": "Show what stands apart in a batch, or the last cars of a station",
     },
     "Where model and car disagree": {
-        "diagnose": "Name the effect that the model of a car lacks",
-        "simulate": "Drive a model of a car by the pressure of a log",
-        "effects": "List the effects that a model can have",
+        "diagnose:diagnose": "Name the effect that the model of a car lacks",
+        "simulate:simulate": "Drive a model of a car by the pressure of a log",
+        "reference:effects": "List the effects that a model can have",
     },
     "Files and settings": {
-        "log": "Show, draw, cut or convert logs",
-        "map": "Propose a channel map for a log of foreign names",
-        "settings": "Show each setting, its value and where it comes from",
-        "schema": "Print the JSON Schema of a file or a document",
-        "vehicle": "Vehicle files: write one, judge one, see what follows",
+        "log:log": "Show, draw, cut or convert logs",
+        "maps:map_": "Propose a channel map for a log of foreign names",
+        "reference:settings": "Show each setting, its value and where it comes from",
+        "reference:schema": "Print the JSON Schema of a file or a document",
+        "vehicles:vehicle": "Vehicle files: write one, judge one, see what follows",
     },
     "Help": {
-        "demo": "Try the program on the sample logs, in about half a minute",
-        "manual": "Show the pages of the manual, one of them, or what a code means",
-        "qualify": "Say whether the program works on this machine",
+        "machine:demo": "Try the program on the sample logs, in about half a minute",
+        "reference:manual": "Show the pages of the manual, one of them, or what a code means",
+        "machine:qualify": "Say whether the program works on this machine",
     },
 }
-"""Summary of every command by subject: the first sentence of its help, which imports it."""
+"""Place and summary of every command by subject: the first sentence of its help."""
 
-PLACES = {
-    "tables": "tables:app",
-    "check": "log:check",
-    **{name: f"station:{name}" for name in ("limits", "repeatability")},
-    **{name: f"many:{name}" for name in ("batch", "watch", "fleet")},
-    **{name: f"reference:{name}" for name in ("effects", "settings", "schema", "manual")},
-    "map": "maps:map_",
-    "vehicle": "vehicles:app",
-    **{name: f"machine:{name}" for name in ("demo", "qualify")},
+_PLACES = {
+    Row(subject, place.partition(":")[2].rstrip("_"), summary): place
+    for subject, summaries in _SUBJECTS.items()
+    for place, summary in summaries.items()
 }
-"""Where a command is, if not under its name in a file of its name."""
 
 
-class Commands(LazyGroup):
-    """The commands of the program."""
+class Commands(Group):
+    """The commands of the program, each imported when it is typed: the help imports none."""
 
-    places: ClassVar = {
-        Row(subject, name, summary): f"cli.{PLACES.get(name, f'{name}:{name}')}"
-        for subject, names in _SUBJECTS.items()
-        for name, summary in names.items()
-    }
+    def rows(self) -> list[Row]:
+        """Every command in the order of the help."""
+        return [*_PLACES]
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """The command of a name, None for another name."""
+        place = next((place for row, place in _PLACES.items() if row.name == name), None)
+        if name not in self.commands and place is not None:
+            self.commands[name] = _load(name, place)
+        return super().get_command(ctx, name)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that was typed; the error for one of a subgroup names that group."""
+        typed = args[0]
+        if typed not in self.list_commands(ctx):
+            every = [self.get_command(ctx, row.name) for row in self.rows()]
+            groups = [one.name for one in every if typed in getattr(one, "commands", ())]
+            if groups:
+                within = " or ".join(f"'{name} {typed}'" for name in groups)
+                ctx.fail(f"No such command {typed!r}. Did you mean {within}?")
+        return super().resolve_command(ctx, args)
+
+
+def _load(name: str, place: str) -> Any:
+    """Import a command or a group from its place."""
+    module, _, attribute = place.partition(":")
+    command = group = getattr(import_module(f"cli.{module}"), attribute)
+    if not isinstance(command, typer.Typer):
+        group = typer.Typer(rich_markup_mode=None, add_completion=False)
+        add(group, "", command)
+    loaded: Any = typer.main.get_command(group)
+    loaded.name = name
+    return loaded
 
 
 app = group(
@@ -152,8 +176,8 @@ def _ignored(raised: Any) -> None:
 
 
 def _run() -> int:
-    started, words = time.monotonic(), sys.argv[1:]
-    code = _code(words)
+    started = time.monotonic()
+    code = _code()
     if code == _INTERRUPTED:
         say("stopped; nothing is half-written: the same command goes on, or begins again")
     if this_run().verbose:
@@ -161,71 +185,59 @@ def _run() -> int:
     return code
 
 
-def _code(words: Sequence[str]) -> int:
-    """Exit code of a command line."""
+def _code() -> int:
+    """Exit code of the command line; an error is printed."""
     try:
         return app(prog_name="brake-cal", standalone_mode=False) or 0
     except _NotWritten:
         raise
     except Exception as error:
         # an interrupt within the import of a library comes back as an error of that import
-        return _INTERRUPTED if this_run().interrupted else _failed(words, error)
-
-
-def _failed(words: Sequence[str], error: Any) -> int:
-    """Exit code of an error, which is printed."""
-    if isinstance(error, BrakeCalError):
-        _fail(words, error.to_dict())
-        complain(str(error))
-    elif isinstance(error, _UsageError):
-        usage = _usage(error)
-        _fail(words, usage)
-        if error.message.startswith("Usage:"):  # nothing was typed after a group: its help
-            error.show()
+        if this_run().interrupted or isinstance(error, typer.Abort):
+            return _INTERRUPTED
+        failure = _failure(error)
+        _print_json(failure)
+        if isinstance(error, _UsageError) and error.message.startswith("Usage:"):
+            error.show()  # nothing was typed after a group: its help
         else:
-            complain(usage["message"])
-    elif isinstance(error, typer.Abort):
-        return _INTERRUPTED
-    else:
-        return _crashed(words, error)
-    return int(error.exit_code)
+            complain(str(failure))
+        return failure.exit_code
 
 
-def _crashed(words: Sequence[str], error: Exception) -> int:
-    """Exit code of an error that nobody caught: never that of a verdict; where, with -v."""
-    failure: BrakeCalError = program_failure(error)
-    if isinstance(error, FileNotFoundError):
-        try:
-            os.getcwd()
-        except FileNotFoundError:
-            failure = FolderGone("the working folder is gone", do="change to another")
+def _failure(error: Any) -> BrakeCalError:
+    """An error as one of the library's; of one that nobody caught -v tells where it was."""
+    if isinstance(error, BrakeCalError):
+        return error
+    if isinstance(error, _UsageError):
+        return _usage(error)
     if this_run().verbose:
         import traceback
 
         say("".join(traceback.format_exception(error)).rstrip())
-    _fail(words, failure.to_dict())
-    complain(str(failure))
-    return failure.exit_code
+    if isinstance(error, FileNotFoundError):
+        try:
+            os.getcwd()
+        except FileNotFoundError:
+            return FolderGone("the working folder is gone", do="change to another")
+    return program_failure(error)
 
 
-def _fail(words: Sequence[str], error: dict[str, Any]) -> None:
-    """Print the error as JSON where it was asked for and no document is there yet."""
-    options = words[: words.index("--")] if "--" in words else words
+def _print_json(failure: BrakeCalError) -> None:
+    """Print an error as JSON where it was asked for and no document is there yet."""
+    options = takewhile(lambda word: word != "--", sys.argv[1:])
     if "--json" in options and not this_run().documents:
-        emit_json({"schema": 1, "error": error})
+        emit_json({"schema": 1, "error": failure.to_dict()})
 
 
-def _usage(error: Any) -> dict[str, Any]:
-    """A wrong command line in the form of the library's errors, `calib.base.errors`."""
+def _usage(error: Any) -> UsageError:
+    """A wrong command line as an error of the library."""
     command = error.ctx.command_path if error.ctx else "brake-cal"
     hint = getattr(error, "param_hint", None) or ""
     where = hint if isinstance(hint, str) else " ".join(hint)
     # without a hint the parser names the option itself, and those that may be meant
     message = (error.message if where else error.format_message()).removesuffix(".")
-    usage = UsageError(
-        message[:1].lower() + message[1:], where=where or None, do=f"see `{command} --help`"
-    )
-    return usage.to_dict()
+    message = message[:1].lower() + message[1:]
+    return UsageError(message, where=where or None, do=f"see `{command} --help`")
 
 
 # What is printed arrives, or the run says that it did not: a full disk, a reader that went away.

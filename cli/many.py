@@ -2,8 +2,8 @@
 
 import json as json_module
 import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Event
@@ -26,21 +26,23 @@ if TYPE_CHECKING:
     from calib.line.fleet.work import Job
 
 
-def _is(command: Command) -> Callable[[dict[str, Any]], bool]:
-    """Whether the job is ``command``."""
-    return lambda given: given["command"] == command
-
-
 _JobCommand = Annotated[
     Command, typer.Argument(metavar="COMMAND", help="fit, validate, check or diagnose each log.")
 ]
 _JobTable = Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
 CAR = "fit, validate: vehicle file; of the settings for fit only."
-_Car = Annotated["Vehicle | None", options.vehicle(CAR, setting="vehicle", when=_is(Command.FIT))]
-LIMITS, WITH_LIMITS = "validate: limits for pass or fail.", _is(Command.VALIDATE)
+_Car = Annotated[
+    "Vehicle | None",
+    options.vehicle(CAR, setting="vehicle", when=lambda given: given["command"] == Command.FIT),
+]
 _JobLimits = Annotated[
     "tuple[Limit, ...] | None",
-    options.limits(LIMITS, options.LIMITS_OF_STOPS, always=False, when=WITH_LIMITS),
+    options.limits(
+        "validate: limits for pass or fail.",
+        options.LIMITS_OF_STOPS,
+        always=False,
+        when=lambda given: given["command"] == Command.VALIDATE,
+    ),
 ]
 _Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
 _Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
@@ -116,17 +118,14 @@ def batch(
     if inputs.workers is not None and scheduler is not None:
         raise misuse("the scheduler has its own workers", "--workers")
     job, out = inputs.job(command), inputs.out
-    executor = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
-    say(f"{command.value} on {counted(executor.workers, 'worker')}")
-    try:
-        with progress() as step, writing(out):
-            result = run_batch(
-                *(job, logs, out, executor),
-                lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),
-                inputs.fresh,
-            )
-    finally:
-        executor.close()
+    workers = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
+    with closing(workers) as executor, progress() as step, writing(out):
+        say(f"{command.value} on {counted(executor.workers, 'worker')}")
+        result = run_batch(
+            *(job, logs, out, executor),
+            lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),
+            inputs.fresh,
+        )
     counts = ", ".join(
         f"{n} {status.in_words(command)}" for status, n in sorted(result.counts.items())
     )
@@ -169,14 +168,10 @@ def watch(
         document = {**row.head(), "figures": row.metrics(command)}
         emit_line(json_module.dumps(document, allow_nan=False) if json else row.line(command))
 
-    pool = Pool(inputs.workers or cores())
-    try:
-        with writing(out), _stopped() as stop:
-            say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-            scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": inputs.fresh}
-            result = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
-    finally:
-        pool.close()
+    scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": inputs.fresh}
+    with closing(Pool(inputs.workers or cores())) as pool, writing(out), _stopped() as stop:
+        say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
+        result = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
     counts = ", ".join(f"{n} {status}" for status, n in sorted(result.items()))
     say(f"{counts}; {out / NAME}" if result else "no log came")
     return Answer({})
@@ -188,20 +183,17 @@ def _stopped() -> Iterator[Event]:
     stop = Event()
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
-    def restore() -> None:
+    def end(*_signal: object) -> None:
+        stop.set()
         for number, handler in handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
-
-    def end(number: int, frame: object) -> None:
-        stop.set()
-        restore()
 
     for number in handlers:
         signal.signal(number, end)
     try:
         yield stop
     finally:
-        restore()
+        end()
 
 
 @command(
@@ -227,13 +219,18 @@ def fleet(
     from calib.base.plain import counted
     from calib.line.fleet.results import open_fleet
     from calib.line.fleet.summary import document, summarise
+    from calib.line.station.index import INDEX, LIVE
     from calib.show.facts import facts_of
     from calib.show.html import page_of
+    from calib.show.station_index import write_index
 
     if results.is_dir():
         if order or metric or out:
             raise misuse("a DIR takes no option: its pages are written there")
-        return _index(results)
+        with writing(results, "DIR"):
+            number = write_index(results)
+        files = [results / INDEX, results / LIVE]
+        return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")
     check_folder(out, ("fleet.json", "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
@@ -245,14 +242,3 @@ def fleet(
         contents = (("report.html", page), ("fleet.json", json_text(document(summary)).encode()))
         write_folder(out, contents, "fleet.json")
     return Answer(document(summary), summary)
-
-
-def _index(folder: Path) -> Answer:
-    from calib.base.plain import counted
-    from calib.line.station.index import INDEX, LIVE
-    from calib.show.station_index import write_index
-
-    with writing(folder, "DIR"):
-        number = write_index(folder)
-    files = [folder / INDEX, folder / LIVE]
-    return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")

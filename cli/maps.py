@@ -76,8 +76,5 @@ def map_(
     record = asdict(proposal)
     record["left"] = record.pop("unused")
     document = {"certain": not proposal.doubts, **record, "toml": toml if certain else None}
-    return Answer(
-        document,
-        toml.rstrip("\n") if certain and out is None else "",
-        FAILED * bool(proposal.missing) if certain else UNREADABLE,
-    )
+    text = toml.rstrip("\n") if certain and out is None else ""
+    return Answer(document, text, FAILED * bool(proposal.missing) if certain else UNREADABLE)

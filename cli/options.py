@@ -7,6 +7,7 @@ gets, to typer what is typed.
 
 from collections.abc import Callable, Collection, Sequence
 from datetime import date
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.store.store import Store
 
-_READ_MAP = "calib.logs.channel_map_file:read_channel_map"
 LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
@@ -34,61 +34,54 @@ Make = Callable[[Any], Any] | str
 """What a value becomes: a function, or "module:NAME" of one that is imported when it is used."""
 
 
-def option(
-    text: str,
-    metavar: str | None = None,
-    *flags: str,
-    **more: Any,
-) -> Any:
+def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> Any:
     """An option with its help ``text``.
 
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    more : for typer, and: ``typed``, what is typed, if that is not what the command gets; ``make``,
-        what its value becomes, ``always`` of None, too; ``names``, "module:NAME" of a collection
-        whose names are completed and others refused; ``writes``, the kind of the file that is
-        written there, see `cli.outputs`, or "folder"; ``setting``, the key of the settings file
-        whose value it has where it is not given, and where ``when`` allows it of all that was
-        given, by name; ``built_in``, its value where nothing else gives one.
+    more : for typer, and: ``typed``, what is typed, if that is not what the command gets (a file
+        where that is quoted); ``make``, what its value becomes, ``always`` of None, too; ``names``,
+        "module:NAME" of a collection whose names are completed and others refused; ``writes``, the
+        kind of the file that is written there, see `cli.outputs`, or "folder"; ``setting``, the key
+        of the settings file whose value it has where it is not given, and where ``when`` allows it
+        of all that was given, by name; ``built_in``, its value where nothing else gives one.
     """
     as_typer_has_it: Any = typer.Option  # to its types the first flag is a default
-    return _declared(as_typer_has_it, flags, text, metavar, flags=flags, **more)
+    return _declared(partial(as_typer_has_it, *flags), text, metavar, flags=flags, **more)
+
+
+_OURS: dict[str, Any] = {
+    "typed": None,
+    "always": False,
+    "writes": None,
+    "built_in": None,
+    "flags": None,
+    "setting": "",
+    "when": lambda given: True,
+}
+"""What an option has besides what typer gives it, and its usual value."""
 
 
 def argument(text: str, metavar: str, **more: Any) -> Any:
     """An argument; see `option`."""
-    return _declared(typer.Argument, (), text, metavar, **more)
+    return _declared(typer.Argument, text, metavar, **more)
 
 
 def _declared(
     kind: Any,
-    words: tuple[str, ...],
     text: str,
     metavar: str | None,
     *,
     make: Make | None = None,
     names: str = "",
-    typed: Any = None,
-    always: bool = False,
-    writes: str | None = None,
-    built_in: Any = None,
-    flags: tuple[str, ...] | None = None,
-    setting: str = "",
-    when: Callable[[dict[str, Any]], bool] = lambda given: True,
     **more: Any,
 ) -> Any:
     if names:
         more["autocompletion"] = lambda incomplete: _names(names)
-    declared = kind(*words, help=text, metavar=metavar, **more)
-    ours = {"typed": typed, "always": always, "writes": writes, "built_in": built_in}
-    vars(declared).update(
-        ours,
-        flags=flags,
-        setting=setting,
-        when=when,
-        make=_checked(make, names) if make or names else None,
-    )
+    ours = {name: more.pop(name, usual) for name, usual in _OURS.items()}
+    declared = kind(help=text, metavar=metavar, **more)
+    vars(declared).update(ours, make=_checked(make, names) if make or names else None)
     return declared
 
 
@@ -212,24 +205,24 @@ def logs_by_name(text: str, metavar: str = "LOG...") -> Any:
     return argument(text, metavar, make=_files)
 
 
-# Shared options. What is quoted is what the command gets; ``typed`` is what typer reads.
+# Shared options. What is quoted is what the command gets; typer reads the path of a file.
 
 
 def limits(text: str, make: str, always: bool = True, **more: Any) -> Any:
     """Option for a file of limits, which the settings may name."""
-    typed: Any = Path | None
-    return option(text, "L.toml", typed=typed, make=make, always=always, setting="limits", **more)
+    return option(text, "L.toml", make=make, always=always, setting="limits", **more)
 
 
 def channel_map(text: str = "Channel map, and DBC.", **more: Any) -> Any:
     """Option for a channel map."""
-    return option(text, "M.toml", "--map", typed=Path | None, make=_READ_MAP, **more)
+    return option(
+        text, "M.toml", "--map", make="calib.logs.channel_map_file:read_channel_map", **more
+    )
 
 
 def vehicle(text: str, always: bool = False, **more: Any) -> Any:
     """Option for a vehicle file."""
-    typed: Any = Path | None
-    return option(text, "V.toml", typed=typed, make=read_vehicle, always=always, **more)
+    return option(text, "V.toml", make=read_vehicle, always=always, **more)
 
 
 Tables = Annotated[

@@ -12,8 +12,6 @@ from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 
-import typer
-
 from calib.base.errors import AnswerError
 from cli.console import misuse, say, this_run
 
@@ -86,7 +84,7 @@ def check_folder(out: Path | None, names: Iterable[str]) -> None:
     try:
         refuse_obstacles(out, names)
     except OSError as error:
-        raise _unwritable(Path(error.filename or out), error, OUT) from error
+        raise misuse(f"{error.filename or out} {_unwritable(error)}", OUT) from error
 
 
 def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) -> None:
@@ -103,8 +101,7 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
     except OSError:
         mine = False
     if not mine:
-        message = f"{out} exists and is not what is written here; --force replaces it"
-        raise misuse(message, option)
+        raise misuse(f"{out} exists and is not what is written here; --force replaces it", option)
 
 
 def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> None:
@@ -169,8 +166,9 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
         yield
     except OSError as error:
         if error.errno in FULL:
-            raise AnswerError(f"cannot be written ({error.strerror})", where=out) from error
-        raise _unwritable(out, error, option) from error
+            raise AnswerError(_unwritable(error), where=out) from error
+        why = _unwritable(error)
+        raise misuse(why if out is None else f"{out} {why}", option) from error
     finally:
         with suppress(OSError):
             for folder in folders:
@@ -194,6 +192,5 @@ def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:
             raise misuse(f"would overwrite {path}", option)
 
 
-def _unwritable(out: Path | None, error: OSError, option: str) -> typer.BadParameter:
-    message = f"cannot be written ({error.strerror})"
-    return misuse(message if out is None else f"{out} {message}", option)
+def _unwritable(error: OSError) -> str:
+    return f"cannot be written ({error.strerror})"

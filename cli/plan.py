@@ -1,7 +1,7 @@
 """`brake-cal plan`: which runs make the answer sharper, before anybody drives them."""
 
 import math
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from cli.command import FAILED, Answer, command
@@ -13,25 +13,18 @@ from cli.outputs import check_folder, write_folder
 Quantities = dict[str, float]
 """Quantities [SI] by name."""
 
-_WANT = {"front": "1", "rear": "1", "total": "1"}
-_TRACK = {"length": "m", "speed": "m/s"}
 
-
-def _quantities(units: dict[str, str]) -> Callable[[str], dict[str, float]]:
-    """Makes SI of a list such as "front 2 %, rear 4 %", by name."""
-
-    def make(written: str | None) -> dict[str, float]:
-        values: dict[str, float] = {}
-        for part in written.split(",") if written else ():
-            name, _, text = part.strip().partition(" ")
-            if name not in units:
-                raise misuse(f"unknown {name!r}; known: {', '.join(units)}")
-            values[name] = quantity(units[name])(text.strip())
-            if values[name] <= 0.0:
-                raise misuse(f"{part.strip()} must be more than 0")
-        return values
-
-    return make
+def _quantities(units: dict[str, str], written: str | None) -> Quantities:
+    """SI of a list such as "front 2 %, rear 4 %", by name."""
+    values: Quantities = {}
+    for part in written.split(",") if written else ():
+        name, _, text = part.strip().partition(" ")
+        if name not in units:
+            raise misuse(f"unknown {name!r}; known: {', '.join(units)}")
+        values[name] = quantity(units[name])(text.strip())
+        if values[name] <= 0.0:
+            raise misuse(f"{part.strip()} must be more than 0")
+    return values
 
 
 def _sensors(written: str | None) -> frozenset[str]:
@@ -57,7 +50,7 @@ def plan(
         'What is enough (95 %), such as "front 2 %, rear 4 %, total 2 %".',
         "TEXT",
         typed=str | None,
-        make=_quantities(_WANT),
+        make=partial(_quantities, {"front": "1", "rear": "1", "total": "1"}),
         always=True,
     ),
     time: float | None = option(
@@ -67,7 +60,7 @@ def plan(
         'Such as "length 300 m, speed 120 km/h"; 100 km/h if not given.',
         "TEXT",
         typed=str | None,
-        make=_quantities(_TRACK),
+        make=partial(_quantities, {"length": "m", "speed": "m/s"}),
         always=True,
     ),
     sensors: frozenset[str] = option(

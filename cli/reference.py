@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
-from cli.console import emit, emit_json, say, show_page
+from cli.console import PageText, emit, emit_json, say
 from cli.options import OwnEffects, argument, option, require_known
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 )
 def effects(
     name: str | None = argument(
-        "One effect; if not given, all.", "NAME", autocompletion=lambda: _catalogue()
+        "One effect; if not given, all.", "NAME", autocompletion=lambda: [*_catalogue()]
     ),
     *,
     effect: OwnEffects,
@@ -120,8 +120,6 @@ def manual(
         "PAGE|CODE",
         names=f"{__name__}:_topics",
     ),
-    *,
-    json: bool = option("Print one JSON document on stdout.", None, "--json"),
 ) -> Answer:
     """Show the pages of the manual, one of them, or what a code means.
 
@@ -134,21 +132,12 @@ def manual(
     from calib.show.facts import Facts, Table
 
     pages = contents()
-    page = pages.get(topic or "")
     if topic is None:
         rows = [(one.name, f"{one.title}: {one.about}") for one in pages.values()]
-        document: dict[str, object] = {"pages": list(pages.values())}
-        facts = Facts(tables=[Table(("page", "what it is about"), rows)])
         say("brake-cal manual PAGE shows one; brake-cal manual CODE explains a warning")
-    elif page is not None:
-        document = {"page": page, "text": page.text}
-    else:
-        facts = explained(topic)
-        document = {"code": topic, "text": [": ".join(row) for row in facts.rows]}
-    if json:
-        emit_json({"schema": 1, **document})
-    elif page is not None:
-        show_page(page.text)
-    else:
-        emit(facts)
-    return Answer({})
+        facts = Facts(tables=[Table(("page", "what it is about"), rows)])
+        return Answer({"pages": list(pages.values())}, facts)
+    if page := pages.get(topic):
+        return Answer({"page": page, "text": page.text}, PageText(page.text.rstrip("\n")))
+    facts = explained(topic)
+    return Answer({"code": topic, "text": [": ".join(row) for row in facts.rows]}, facts)

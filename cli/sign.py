@@ -70,16 +70,10 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
     if not no_password and password != _typed("The same once more: "):
         raise misuse("the two passwords differ; nothing was made")
     pair = generate(secret, public, password)
-    document = {
-        "key_id": pair.key_id,
-        "public_key": pair.text,
-        "secret": secret,
-        "public": public,
-        "password": bool(password),
-    }
+    key = {"key_id": pair.key_id, "public_key": pair.text}
     protection = "protected by the password" if password else "without a password"
     return Answer(
-        document,
+        {**key, "secret": secret, "public": public, "password": bool(password)},
         f"key {pair.key_id}\n"
         f"secret key in {secret}, {protection}: who has it can sign in your name\n"
         f"public key in {public}: {pair.text}",

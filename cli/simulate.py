@@ -65,14 +65,8 @@ def simulate(
 
     car = with_own(vehicle, effect)
     driven = read_model(model, car) if model else default_model(car)
-    manoeuvre_options = {
-        "--speed": speed,
-        "--pressure": pressure,
-        "--duration": duration,
-        "--rate": rate,
-    }
-    if log is not None and any(value is not None for value in manoeuvre_options.values()):
-        raise misuse("only with --manoeuvre", ", ".join(manoeuvre_options))
+    if log is not None and not speed is pressure is duration is rate is None:
+        raise misuse("only with --manoeuvre", "--speed, --pressure, --duration, --rate")
     if log is not None and manoeuvre is None:
         say(f"replaying the pressure of {log} with {car.name}")
         driven_log = replay(driven, read(log, channel_map, require=("time", "p_mc")))

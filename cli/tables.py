@@ -43,9 +43,7 @@ def show(table: options.Table, *, store: options.Tables) -> Answer:
 
 @command("brake-cal tables log sedan-2up")
 def log(
-    table: str = argument("name, or name@version", "TABLE"),
-    *,
-    store: options.Tables,
+    table: str = argument("name, or name@version", "TABLE"), *, store: options.Tables
 ) -> Answer:
     """Print what happened to a table: when, by whom and why."""
     from calib.show.store import history
@@ -201,9 +199,9 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     return Answer(document, f"{after.id} is {after.state.words}; {same}{proof_text}")
 
 
-app = group(
+tables = group(
     "tables", "Look at tables, release or reject them, hand them out.", "brake-cal tables list"
 )
-add(app, "Look", list_, show, diff, log, verify)
-add(app, "Decide", release, reject, withdraw, sign)
-add(app, "Hand out", export, compare, merge)
+add(tables, "Look", list_, show, diff, log, verify)
+add(tables, "Decide", release, reject, withdraw, sign)
+add(tables, "Hand out", export, compare, merge)

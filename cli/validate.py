@@ -78,7 +78,7 @@ def validate(
     car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
     used = replace(stored.table, vehicle=car)
     how = shape.precision(code is not None)
-    choices: dict[str, Any] = {"mass": mass} | (_exported(used, how) if how else {})
+    choices = _exported(used, how) if how else {}
     runs: list[Log] = []
     results: list[Validation] = []
     task = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
@@ -86,15 +86,14 @@ def validate(
         for path in logs:
             run = read(path, channel_map)
             refuse_copy(run, [], runs)
-            results.append(validate_one(used, run, vehicle, limits, **choices))
+            results.append(validate_one(used, run, vehicle, limits, mass=mass, **choices))
             runs.append(run)
             step()
     summary = to_dict(stored, results, how)
     if out is not None:
         with writing(out):
-            paths = write_results(results, summary, out)
-        for path in paths:
-            say(f"wrote {path}")
+            for path in write_results(results, summary, out):
+                say(f"wrote {path}")
     failed = FAILED * (not all(result.passed for result in results))
     judged = Validated(stored, results, how, files_of("vehicle", "model", "limits"))
     return Answer(summary, judged, failed, out)

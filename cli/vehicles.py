@@ -38,7 +38,7 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     from calib.car.figures import plausible, to_confirm
     from calib.car.vehicle_file import read_vehicle
 
-    judged, failed, lines = [], [], []
+    judged, failed, lines, code = [], [], [], 0
     for path in files:
         try:
             car = read_vehicle(path)
@@ -52,11 +52,11 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
         judged.append({"source": path, "vehicle": car.name, "plausible": not warnings, **details})
         verdict = "plausible, if you can confirm this" if open_ else "plausible"
         if warnings:
+            code = FAILED
             verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"
         lines += [f"{path}: {car.name}: {verdict}", *(f"to confirm: {one}" for one in open_)]
-    implausible = FAILED * any(not one["plausible"] for one in judged)
-    code = UNREADABLE if failed else implausible
-    return Answer({"vehicles": judged, "unreadable": failed}, "\n".join(lines), code)
+    document = {"vehicles": judged, "unreadable": failed}
+    return Answer(document, "\n".join(lines), UNREADABLE if failed else code)
 
 
 @command(
@@ -87,9 +87,9 @@ def show(
     return Answer({"name": car.name, "facts": what_follows(car), "warnings": warnings}, car)
 
 
-app = group(
+vehicle = group(
     "vehicle",
     "Vehicle files: write one, judge one, see what follows.",
     "brake-cal vehicle check sample_logs/sedan/vehicle.toml",
 )
-add(app, "Commands", init, check, show)
+add(vehicle, "Commands", init, check, show)
