@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, requires, version
+from importlib.metadata import distributions
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -40,13 +40,9 @@ def environment() -> dict[str, str]:
 
 def packages() -> Iterator[tuple[Requirement, str, str]]:
     """Each package that is declared for users, its installed version and extra; "" for none."""
-    lines = list[str]()
-    with suppress(PackageNotFoundError):
-        lines = requires(NAME) or []
-    for need in map(Requirement, lines):
-        installed = ""
-        with suppress(PackageNotFoundError):
-            installed = version(need.name)
+    declared = next((x.requires for x in distributions(name=NAME)), None)
+    for need in map(Requirement, declared or ()):
+        installed = next((x.version for x in distributions(name=need.name)), "")
         for extra in ("", *EXTRAS):
             if need.marker is None or need.marker.evaluate({"extra": extra}):
                 yield need, installed, extra
@@ -84,13 +80,13 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
 def _package(package: tuple[Requirement, str, str]) -> _Finding:
     need, installed, extra = package
     text = f"{installed or 'missing'} (needs {need.specifier})"
-    name = f"{need.name} [{extra}]" if extra else need.name
     if installed and need.specifier.contains(installed, prereleases=True):
-        return _Finding(name, FINE, text)
-    if extra:
-        do = f"for {EXTRAS[extra]}: pip install '{NAME}[{extra}]'"
-        return _Finding(name, NOTE, text, do)
-    return _Finding(name, WRONG, text, f"install it again: pip install --upgrade {NAME}")
+        state, do = FINE, ""
+    elif extra:
+        state, do = NOTE, f"for {EXTRAS[extra]}: pip install '{NAME}[{extra}]'"
+    else:
+        state, do = WRONG, f"install it again: pip install --upgrade {NAME}"
+    return _Finding(f"{need.name} [{extra}]" if extra else need.name, state, text, do)
 
 
 def _store(store: Path) -> _Finding:

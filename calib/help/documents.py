@@ -23,12 +23,8 @@ _TYPES = {
     "true or false": "boolean",
     "object": "object",
     "list": "array",
-    "list of text": "string",
-    "list of numbers": "number",
-    "list of objects": "object",
-    "list of lists": "array",
 }
-"""The type of a value or, after "list of", of each item, by the words of `documents.toml`."""
+"""The type of a value, and of each item of a list of several, by the words of `documents.toml`."""
 
 _SEVERAL = " ..."
 """End of a key that stands for any number of keys which begin alike."""
@@ -58,9 +54,9 @@ class Document:
 def _value(words: str, meaning: str) -> dict[str, Any]:
     """The JSON Schema of a value by the words of `documents.toml`."""
     bare = words.removesuffix(" or null")
-    several = bare.startswith("list of ")
-    kind = "array" if several else _TYPES[bare]
-    items = {"items": {"type": _TYPES[bare]}} if several else {}
+    container, _, several = bare.partition(" of ")
+    kind = _TYPES[container]
+    items = {"items": {"type": _TYPES[several.removesuffix("s")]}} if several else {}
     return {"type": kind if bare == words else [kind, "null"], **items, "description": meaning}
 
 
