@@ -12,7 +12,7 @@ file is read; warnings, the result and the page of --report are printed and writ
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import Parameter, Signature, signature
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ForwardRef, NamedTuple, get_args, get_origin
@@ -70,13 +70,13 @@ def _ask(context: typer.Context, option: typer.CallbackParam, is_set: bool) -> N
 
 
 def _flag(text: str, *flags: str) -> Any:
-    return typer.Option(*flags, callback=_ask, expose_value=False, help=text)
+    return option(text, None, *flags, callback=_ask, expose_value=False)
 
 
 Quiet = Annotated[bool, _flag("Print the verdict alone, warnings and errors.", "--quiet", "-q")]
 Verbose = Annotated[bool, _flag("Print all details of the answer.", "--verbose", "-v")]
 Force = Annotated[bool, _flag("Replace a file that exists, whatever it holds.", "--force")]
-_Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+_Json = Annotated[bool, option("Print one JSON document on stdout.", None, "--json")]
 _Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")]
 
 
@@ -92,23 +92,21 @@ def command(
 
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
         declared = signature(body).parameters.values()
-        groups: dict[str, Any] = {
-            p.name: p.annotation for p in declared if is_dataclass(p.annotation)
-        }
+        groups = {p.name: p.annotation for p in declared if is_dataclass(p.annotation)}
         parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
         more = {"report": _Report} if report else {}
         more |= {"quiet": Quiet, "verbose": Verbose, "json": _Json}
         added = [_added(name, hint) for name, hint in more.items() if name not in parameters]
         every = [*parameters.values(), *added]
         infos = {p.name: get_args(p.annotation)[1] for p in every}
-        writes = {n: i for n, i in infos.items() if getattr(i, "writes", None) is not None}
+        writes = {name: info for name, info in infos.items() if info.writes is not None}
         if any(i.writes != "folder" for i in writes.values()):
             every.append(_added("force", Force))
 
         @wraps(body)
         def run(**values: Any) -> None:
             for name, info in infos.items():
-                if getattr(info, "setting", "") and not values[name]:
+                if info.setting and not values[name]:
                     setting = from_settings(info.setting) if info.when(values) else None
                     usual = info.built_in if values[name] is None else values[name]
                     values[name] = usual if setting is None else setting
@@ -128,11 +126,9 @@ def command(
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 
-        vars(run)["__signature__"] = signature(body).replace(
-            parameters=every, return_annotation=None
-        )
+        typed = Signature(every, return_annotation=None)
         run.__annotations__ = {p.name: p.annotation for p in every}
-        vars(run).update(examples=examples, cls=cls)
+        vars(run).update(__signature__=typed, examples=examples, cls=cls)
         return run
 
     return declare
@@ -232,30 +228,28 @@ def _parameter(parameter: Parameter) -> Parameter:
     if get_origin(kind) is Annotated:
         kind, info = get_args(kind)
     is_made = isinstance(kind, str | ForwardRef)
-    hint: Any = Annotated[getattr(info, "typed", None) or (Path | None if is_made else kind), info]
+    hint: Any = Annotated[info.typed or (Path | None if is_made else kind), info]
     default = _default(hint, parameter.kind == Parameter.KEYWORD_ONLY)
     return parameter.replace(annotation=hint, default=default)
 
 
 def _default(hint: Any, optional: bool = True) -> Any:
     kind, info = get_args(hint)
-    built_in = getattr(info, "built_in", None)
-    if getattr(info, "setting", "") and built_in is not None:
+    if info.setting and info.built_in is not None:
         return None  # it may come from the settings
-    if built_in is not None or type(None) in get_args(kind):
-        return built_in
+    if info.built_in is not None or type(None) in get_args(kind):
+        return info.built_in
     if kind is bool:
         return False
-    return [] if optional and getattr(kind, "__origin__", None) is list else Parameter.empty
+    return [] if optional and get_origin(kind) is list else Parameter.empty
 
 
 def _converted(name: str, info: Any, value: Any) -> Any:
     """The value of an option, converted; an error that names no option is of this one."""
-    make = getattr(info, "make", None)
-    if make is None or (value is None and not info.always):
+    if info.make is None or (value is None and not info.always):
         return value
     try:
-        return make(value)
+        return info.make(value)
     except typer.BadParameter as error:
         error.param_hint = error.param_hint or _flag_of(name, info)
         raise
@@ -264,10 +258,9 @@ def _converted(name: str, info: Any, value: Any) -> Any:
 
 
 def _flag_of(name: str, info: Any) -> str:
-    flags = getattr(info, "flags", None)
-    if flags is None:
+    if info.flags is None:
         return str(info.metavar)
-    return str(flags[0]) if flags else f"--{name.replace('_', '-')}"
+    return str(info.flags[0]) if info.flags else f"--{name.replace('_', '-')}"
 
 
 def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:

@@ -9,8 +9,6 @@ from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from calib.base.errors import printable
 from calib.line.fleet.rows import Command, Status
 from cli import options
@@ -26,9 +24,7 @@ if TYPE_CHECKING:
     from calib.line.fleet.work import Job
 
 
-_JobCommand = Annotated[
-    Command, typer.Argument(metavar="COMMAND", help="fit, validate, check or diagnose each log.")
-]
+_JobCommand = Annotated[Command, argument("fit, validate, check or diagnose each log.", "COMMAND")]
 _JobTable = Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
 CAR = "fit, validate: vehicle file; of the settings for fit only."
 _Car = Annotated[

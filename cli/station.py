@@ -95,14 +95,10 @@ def station(
             signed.check(golden, reference)
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:
-            fitted, coasts, stops = (
-                [read(path, channel_map) for path in part] for part in (ramps, coast, holdouts)
-            )
+            groups = (ramps, coast, holdouts)
             outcome = judged_car(
                 vehicle,
-                fitted,
-                coasts,
-                stops,
+                *([read(path, channel_map) for path in group] for group in groups),
                 limits,
                 identification,
                 mass=mass,
@@ -211,11 +207,8 @@ def repeatability(
     if any(place.vehicle is None for place in places):
         raise misuse("needed: not every log has one in the plan", "--vehicle")
     with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
-        result = study(
-            readings(places, channel_map, reference, metric or METRICS, step),
-            gauge_limits,
-            reference,
-        )
+        values = readings(places, channel_map, reference, metric or METRICS, step)
+        result = study(values, gauge_limits, reference)
     document = to_dict(result)
     if out is not None:
         written = json_text({"schema": 1, **document}).encode()

@@ -100,11 +100,8 @@ def verify(
         verdicts, note = verify_signed(store, read_public_key(key), name)
     else:
         verdicts, note = store.verify(name), ""
-    rows = [
-        {"id": v.id, "sound": v.sound, "violations": v.violations}
-        | ({"signed": v.signed} if key else {})
-        for v in verdicts
-    ]
+    keys = ("id", "sound", "violations", *(["signed"] if key else []))
+    rows = [{name: getattr(verdict, name) for name in keys} for verdict in verdicts]
     unfinished, sound = store.unfinished(), all(v.sound for v in verdicts)
     for path in unfinished:
         say(f"{path}: being written, or left by a run that was stopped; the next one clears it")
@@ -184,17 +181,12 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
             expected="a table of pressures that an ECU has",
             do="declare rear_proportioning in the vehicle file, or fit the ramp without them",
         )
-    proofs = (proof,) if proof else ()
+    proofs, before = (proof,) if proof else (), stored.state
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)
-    same = "nothing to change" if stored.state == after.state else f"it was {stored.state.word}"
-    document = {
-        "table": after.id,
-        "digest": after.digest,
-        "before": stored.state.word,
-        "state": after.state.word,
-        "why": after.state.words,
-    }
+    same = "nothing to change" if before == after.state else f"it was {before.word}"
+    states = {"before": before.word, "state": after.state.word, "why": after.state.words}
+    document = {"table": after.id, "digest": after.digest, **states}
     proof_text = f"; the evidence: {verdict}" * (verdict in (CONSISTENT, "warning"))
     return Answer(document, f"{after.id} is {after.state.words}; {same}{proof_text}")
 
