@@ -92,9 +92,10 @@ def command(
 
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
         declared = signature(body).parameters.values()
-        groups = {p.name: p.annotation for p in declared if is_dataclass(p.annotation)}
+        kinds: dict[str, Any] = {p.name: p.annotation for p in declared}
+        groups = {name: kind for name, kind in kinds.items() if is_dataclass(kind)}
         parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
-        more = {"report": _Report} if report else {}
+        more: dict[str, Any] = {"report": _Report} if report else {}
         more |= {"quiet": Quiet, "verbose": Verbose, "json": _Json}
         added = [_added(name, hint) for name, hint in more.items() if name not in parameters]
         every = [*parameters.values(), *added]

@@ -45,11 +45,6 @@ class Shape:
             return Precision(self.points, self.bits, single, code)
 
 
-_EXPORT_OPTIONS = (
-    "--format, --points, --fixed-point, --float, --sample-time, --prefix, --elf, --without-effect"
-)
-
-
 @command(
     "brake-cal tables export sedan-2up --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
@@ -92,14 +87,15 @@ def export(
     signed.check(table, stored)
     kind = (form or "").lower()
     _check_out(out, stored, prefix, kind == FOLDER)
-    choices: dict[str, Any] = {
-        "elf": elf,
-        "quality": read_quality(validation, stored) if validation else UNPROVED,
-        "without_effects": without_effect,
-        "unreleased": unreleased,
-    }
+    quality = read_quality(validation, stored) if validation else UNPROVED
+    choices: dict[str, Any] = {"elf": elf, "quality": quality, "unreleased": unreleased}
+    choices["without_effects"] = without_effect
     written: WrittenCode | Exported
-    with at_option(_EXPORT_OPTIONS, ExchangeError), writing(out):
+    options = (
+        "--format, --points, --fixed-point, --float, --sample-time, --prefix, --elf, "
+        "--without-effect"
+    )
+    with at_option(options, ExchangeError), writing(out):
         if kind in CODES:
             how = shape.precision(kind == FOLDER) or Precision()
             if sample_time is None:
@@ -145,10 +141,8 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     returned_file = read_back(file)
     stored = parent(returned_file, store)
     differences = difference(returned_file, stored)
-    document = returned_document(returned_file, stored, differences)
-    return Answer(
-        document, returned(returned_file, stored, differences), DAMAGED * bool(differences.wrong)
-    )
+    result = returned_file, stored, differences
+    return Answer(returned_document(*result), returned(*result), DAMAGED * bool(differences.wrong))
 
 
 def _name(name: str) -> str:

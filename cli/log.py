@@ -43,11 +43,9 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
                 failed.append((path, error))
     for _, wrong in failed:
         complain(str(wrong))
-    document = {
-        **({"error": failed[0][1].to_dict()} if failed else {}),
-        "logs": [to_dict(f) for f in findings],
-        "unreadable": [{"source": path, "error": str(wrong)} for path, wrong in failed],
-    }
+    unreadable = [{"source": path, "error": str(wrong)} for path, wrong in failed]
+    first = {"error": failed[0][1].to_dict()} if failed else {}
+    document = {**first, "logs": [to_dict(f) for f in findings], "unreadable": unreadable}
     useless = FAILED * (not all(one.usable for one in findings))
     return Answer(document, check_facts(findings), UNREADABLE if failed else useless)
 
@@ -104,10 +102,8 @@ def log(
         looked.append((part, inventory(part), run_events(channels_log(whole))))
     if out is not None:
         _draw(*looked[0], out)
-    return Answer(
-        {"out": out, "logs": [document(*one) for one in looked]},
-        Facts(parts=[log_facts(*one) for one in looked]),
-    )
+    facts = Facts(parts=[log_facts(*one) for one in looked])
+    return Answer({"out": out, "logs": [document(*one) for one in looked]}, facts)
 
 
 def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":

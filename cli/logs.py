@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cli.console import Step, say, this_run
 
@@ -36,7 +36,7 @@ def read_all(
     return runs
 
 
-def read(path: Path, mapping: "ChannelMap | None", **needs: tuple[str, ...]) -> "Log":
+def read(path: Path, mapping: "ChannelMap | None", **needs: Any) -> "Log":
     """Read a log as `calib.logs.read.read_log`, a file or that on stdin, and tell what was read."""
     from calib.logs.read import read_log
 

@@ -60,12 +60,10 @@ def _qualified(out: Path) -> Answer:
     task = f"comparing {counted(sum(map(len, SUITE.values())), 'number')} of the sample logs"
     with progress(task, len(SUITE)) as step:
         document = made(SUITE, datetime.now(UTC).isoformat(timespec="seconds"), step)
-    page = page_of(qualification_facts(document)).encode()
-    contents = [(REPORT, page), (DOCUMENT, json_text(document).encode())]
+    facts = qualification_facts(document)
+    contents = (REPORT, page_of(facts).encode()), (DOCUMENT, json_text(document).encode())
     write_folder(out, contents, DOCUMENT)
-    return Answer(
-        document, qualification_facts(document), FAILED * (document["verdict"] == "failed")
-    )
+    return Answer(document, facts, FAILED * (document["verdict"] == "failed"))
 
 
 @command("brake-cal demo", "brake-cal demo --out somewhere")
@@ -98,11 +96,9 @@ def demo(
     index = demo_facts(ran)
     write_file(out / INDEX, page_of(index).encode())
     answers = [vars(step) | vars(answer) for step, answer in ran.items()]
-    return Answer(
-        {"folder": out, "index": out / INDEX, "verdict": index.verdict, "steps": answers},
-        replace(index, tables=[], next=f"open {out / INDEX}"),
-        FAILED * (index.verdict == "failed"),
-    )
+    document = {"folder": out, "index": out / INDEX, "verdict": index.verdict, "steps": answers}
+    facts = replace(index, tables=[], next=f"open {out / INDEX}")
+    return Answer(document, facts, FAILED * (index.verdict == "failed"))
 
 
 def _run(folder: Path, step: "Step") -> "Ran":
@@ -112,7 +108,7 @@ def _run(folder: Path, step: "Step") -> "Ran":
     from cli.main import main
 
     environment, argv = dict(os.environ), sys.argv
-    os.environ |= {SETTINGS_VARIABLE: ""}  # no settings of a project around it
+    os.environ[SETTINGS_VARIABLE] = ""  # no settings of a project around it
     os.environ.pop("COLUMNS", None)  # lines stay whole
     out, err, code = io.StringIO(), io.StringIO(), 0
     with chdir(folder), redirect_stdout(out), redirect_stderr(err):

@@ -48,12 +48,15 @@ def plot(
     """
     from dataclasses import replace
 
-    from calib.show.choose import sheet_facts
+    from calib.show.choose import sheet_facts, sheets
 
     inputs = _read(sources, store, vehicle, channel_map)
     if inputs.tables and inputs.logs:
         inputs = replace(inputs, limits=limits)
-    drawn = _chosen(inputs, figure)
+    drawn = list(sheets(inputs))
+    if figure is not None:
+        for sheet in drawn:
+            require_known(figure, sheet.names, "figure ")
     if out is not None and out.suffix.lower() in PAGES:
         files = [out]
         write_page(out, sheet_facts(drawn, figure))
@@ -93,17 +96,6 @@ def _read(
         results=tuple(read_result(path) for path in results),
         vehicle=vehicle,
     )
-
-
-def _chosen(inputs: "PlotInput", figure: str | None) -> "list[Sheet]":
-    """Every sheet; each has the one ``figure``, if it is given."""
-    from calib.show.choose import sheets
-
-    drawn = list(sheets(inputs))
-    for sheet in drawn:
-        if figure is not None:
-            require_known(figure, sheet.names, "figure ")
-    return drawn
 
 
 def _draw(drawn: "list[Sheet]", out: Path | None, figure: str | None) -> list[Path]:

@@ -83,20 +83,16 @@ def settings() -> Answer:
     if project.file is None:
         folders = f"no {SETTINGS_FILE} in {', '.join(map(str, project.folders))}"
         say(folders if project.folders else f"no settings file: {SETTINGS_VARIABLE} is empty")
-    unset = {"store": (STORE, "built-in"), "require_signed": (False, "built-in"),
-             "by": (user(), "environment")}  # fmt: skip
-    rows: list[tuple[str, object, str]] = []
+    usual = {"store": STORE, "require_signed": False, "by": user()}
+    settings: dict[str, dict[str, object]] = {}
     for key, value in project.settings.items():
-        source = f"file:{project.file}"
-        if value is None:
-            value, source = unset.get(key, (None, "built-in"))
-        rows.append((key, value, source))
-    document = {
-        "file": project.file,
-        "searched": project.folders,
-        "settings": {key: {"value": value, "source": source} for key, value, source in rows},
-    }
-    cells = [(key, _written(value), source) for key, value, source in rows]
+        source = "environment" if key == "by" else "built-in"
+        settings[key] = {
+            "value": usual.get(key) if value is None else value,
+            "source": source if value is None else f"file:{project.file}",
+        }
+    cells = [(k, _written(one["value"]), str(one["source"])) for k, one in settings.items()]
+    document = {"file": project.file, "searched": project.folders, "settings": settings}
     return Answer(document, Facts(tables=[Table(("setting", "value", "from"), cells)]))
 
 

@@ -53,12 +53,10 @@ def sign(
     signed = signature.sign(store, table, secret, by or "")
     if signed.note:
         say(signed.note)
-    record = signed.stored.path / RECORD
-    return Answer(
-        signed.to_dict(),
-        f"{signed.stored.id} is signed as {signed.stored.state.word} by key {signed.key_id}\n"
-        f"check it with: minisign -Vm {record} -x {signed.path} -p PUBLIC",
-    )
+    stored = signed.stored
+    text = f"{stored.id} is signed as {stored.state.word} by key {signed.key_id}"
+    check = f"minisign -Vm {stored.path / RECORD} -x {signed.path} -p PUBLIC"
+    return Answer(signed.to_dict(), f"{text}\ncheck it with: {check}")
 
 
 def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) -> Answer:

@@ -95,10 +95,14 @@ def station(
             signed.check(golden, reference)
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:
-            groups = (ramps, coast, holdouts)
+            fitted, coasts, stops = (
+                [read(path, channel_map) for path in part] for part in (ramps, coast, holdouts)
+            )
             outcome = judged_car(
                 vehicle,
-                *([read(path, channel_map) for path in group] for group in groups),
+                fitted,
+                coasts,
+                stops,
                 limits,
                 identification,
                 mass=mass,

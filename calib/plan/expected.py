@@ -81,10 +81,8 @@ def prior_of(
         ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
         stiff = Value(math.log(float(WET_ASPHALT.stiffness)), 0.2)
         return Prior(vehicle, track, sensors, level, ratio, stiff, LEVELS)
-    pads = table.calibration
-    level = _logarithm(pads.pad_scale)
-    stiff = _logarithm(pads.slip_stiffness)
-    noise = noise_of(table.noise)
+    pads, noise = table.calibration, noise_of(table.noise)
+    level, stiff = _logarithm(pads.pad_scale), _logarithm(pads.slip_stiffness)
     return Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiff, noise, tuple(logs))
 
 
@@ -114,21 +112,16 @@ def cars(prior: Prior, count: int = len(_POINTS)) -> list[Model]:
 
     Each has the known effects of the vehicle, and its usual drag and rolling resistance.
     """
-    model, pads = default_model(prior.vehicle), math.exp(prior.pad_level.value)
+    mean, pads = default_model(prior.vehicle), math.exp(prior.pad_level.value)
     usual = identify(prior.vehicle, ()).effects
-    model = replace(model, effects=usual)
     models = []
     for ratio_at, stiffness_at in _POINTS[:count]:
         half = math.exp(0.5 * (prior.pad_ratio.value + ratio_at * prior.pad_ratio.sigma))
         stiffness = math.exp(prior.stiffness.value + stiffness_at * prior.stiffness.sigma)
-        models.append(
-            replace(
-                model,
-                pad_friction_f=pads * half * model.pad_friction_f,
-                pad_friction_r=pads / half * model.pad_friction_r,
-                tyre=replace(model.tyre, stiffness=stiffness),
-            )
-        )
+        front, rear = pads * half * mean.pad_friction_f, pads / half * mean.pad_friction_r
+        tyre = replace(mean.tyre, stiffness=stiffness)
+        model = replace(mean, pad_friction_f=front, pad_friction_r=rear, tyre=tyre, effects=usual)
+        models.append(model)
     return models
 
 

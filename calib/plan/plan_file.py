@@ -81,21 +81,17 @@ def read_plan(path: Path) -> PlannedRuns:
     """Read the document of a plan. Raises InputError for a file that is none."""
     try:
         written = json.loads(read_bounded(path, VALIDATION))
-        steps = written["steps"]
-        after = HalfWidths(*(_number(written["after"][name]) for name in HalfWidths._fields))
+        steps, widths = written["steps"], written["after"]
         ends = [float(step["end"]) for step in steps if step["measure"].startswith("ramp")]
         return PlannedRuns(
             steps=tuple(str(step["measure"]) for step in steps),
             end=max(ends, default=0.0),
             sensors=frozenset(map(str, written["sensors"])),
-            after=after,
+            after=HalfWidths(*(_number(widths[name]) for name in HalfWidths._fields)),
         )
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(
-            "is no plan",
-            where=path,
-            expected=f"the {DOCUMENT} of `brake-cal plan --out DIR`",
-        ) from error
+        expected = f"the {DOCUMENT} of `brake-cal plan --out DIR`"
+        raise InputError("is no plan", where=path, expected=expected) from error
 
 
 def _number(written: float | None) -> float:
