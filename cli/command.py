@@ -93,7 +93,7 @@ def command(
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
         declared = signature(body).parameters.values()
         kinds: dict[str, Any] = {p.name: p.annotation for p in declared}
-        groups = {name: kind for name, kind in kinds.items() if is_dataclass(kind)}
+        groups: dict[str, Any] = {n: kind for n, kind in kinds.items() if is_dataclass(kind)}
         parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
         more: dict[str, Any] = {"report": _Report} if report else {}
         more |= {"quiet": Quiet, "verbose": Verbose, "json": _Json}

@@ -8,7 +8,7 @@ from typer.core import TyperCommand
 from cli.command import Answer, command
 from cli.console import progress, say
 from cli.logs import named, read_all
-from cli.options import Car, Map, OwnEffects, Workers, logs, option
+from cli.options import Car, Map, OwnEffects, Workers, argument, option
 from cli.outputs import check_folder, stems_of, writing
 
 
@@ -36,7 +36,7 @@ class _Greedy(TyperCommand):
     cls=_Greedy,
 )
 def diagnose(
-    logs: list[Path] = logs("Logs to search in."),
+    logs: list[Path] = argument("Logs to search in.", "LOG..."),
     *,
     vehicle: Car,
     out: Path = option("Write diagnosis, model and report here.", "DIR", writes="folder"),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, misuse, progress, say
 from cli.logs import named, source_of, tell
-from cli.options import Map, logs, option, require_known
+from cli.options import Map, argument, option, require_known
 from cli.outputs import PAGES, write_file, write_page
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @command("brake-cal check sample_logs/sedan/*.csv")
-def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answer:
+def check(logs: list[Path] = argument("logs to check", "LOG..."), *, channel_map: Map) -> Answer:
     """Say for what each log can be used, as far as can be told without a vehicle file.
 
     One line for each; -v shows what the log contains as well. Exit code 1 if a log is usable for
@@ -55,7 +55,7 @@ def check(logs: list[Path] = logs("logs to check"), *, channel_map: Map) -> Answ
     "brake-cal log sample_logs/sedan/dry_asphalt_stop.csv --from 0.5 --until 4 --out cut.csv",
 )
 def log(
-    logs: list[Path] = logs("logs of any format"),
+    logs: list[Path] = argument("logs of any format", "LOG..."),
     *,
     out: Path | None = option(
         "Draw it (.png, .svg, .pdf, .html) or write it (.csv, .parquet, .mf4).",

@@ -115,8 +115,8 @@ def batch(
         raise misuse("the scheduler has its own workers", "--workers")
     job, out = inputs.job(command), inputs.out
     workers = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
+    say(f"{command.value} on {counted(workers.workers, 'worker')}")
     with closing(workers) as executor, progress() as step, writing(out):
-        say(f"{command.value} on {counted(executor.workers, 'worker')}")
         result = run_batch(
             *(job, logs, out, executor),
             lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),

@@ -145,24 +145,20 @@ def read_vehicle(path: Path | None) -> "Vehicle":
     return vehicle_file.read_vehicle(path)
 
 
-def quantity(si: str) -> Callable[[str], float]:
-    """Makes SI of a quantity as a vehicle file has it."""
+def in_si(unit: str, written: str) -> float:
+    """A quantity as a vehicle file has it, in the SI ``unit``."""
+    from calib.base.errors import InputError
+    from calib.base.toml import quantity
 
-    def make(written: str) -> float:
-        from calib.base.errors import InputError
-        from calib.base.toml import quantity
-
-        with at_option(None, InputError):
-            return quantity(written, si, None, InputError)
-
-    return make
+    with at_option(None, InputError):
+        return quantity(written, unit, None, InputError)
 
 
 def _mass(written: str) -> float:
     """A mass [kg] within what a vehicle file may say."""
     from calib.car.keys import KEYS
 
-    mass, limits = quantity("kg")(written), next(key for key in KEYS if key.name == "mass")
+    mass, limits = in_si("kg", written), next(key for key in KEYS if key.name == "mass")
     if not limits.least <= mass <= limits.most:
         raise misuse(
             f"{mass:g} kg is not believable; expected {limits.least:g} to {limits.most:g} kg"
@@ -193,11 +189,6 @@ def _files(paths: Sequence[Path]) -> Sequence[Path]:
     if any(str(path) == "-" for path in paths):
         raise misuse("a table names the logs that it is made of: give a file, not -")
     return paths
-
-
-def logs(text: str) -> Any:
-    """Argument for logs."""
-    return argument(text, "LOG...")
 
 
 def logs_by_name(text: str, metavar: str = "LOG...") -> Any:

@@ -7,7 +7,7 @@ from pathlib import Path
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress
 from cli.logs import read_all
-from cli.options import Car, Map, Tables, Workers, option, quantity, require_known
+from cli.options import Car, Map, Tables, Workers, in_si, option, require_known
 from cli.outputs import check_folder, write_folder
 
 Quantities = dict[str, float]
@@ -21,7 +21,7 @@ def _quantities(units: dict[str, str], written: str | None) -> Quantities:
         name, _, text = part.strip().partition(" ")
         if name not in units:
             raise misuse(f"unknown {name!r}; known: {', '.join(units)}")
-        values[name] = quantity(units[name])(text.strip())
+        values[name] = in_si(units[name], text.strip())
         if values[name] <= 0.0:
             raise misuse(f"{part.strip()} must be more than 0")
     return values
@@ -54,7 +54,7 @@ def plan(
         always=True,
     ),
     time: float | None = option(
-        'Time to spend, such as "90 s".', "TIME", typed=str | None, make=quantity("s")
+        'Time to spend, such as "90 s".', "TIME", typed=str | None, make=partial(in_si, "s")
     ),
     track: Quantities = option(
         'Such as "length 300 m, speed 120 km/h"; 100 km/h if not given.',

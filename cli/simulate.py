@@ -1,5 +1,6 @@
 """`brake-cal simulate`: a model driven with the pressure of a log, or through a manoeuvre."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -7,7 +8,7 @@ from cli import options
 from cli.command import Answer, command
 from cli.console import at_option, misuse, say
 from cli.logs import read
-from cli.options import Car, OwnEffects, argument, option, quantity
+from cli.options import Car, OwnEffects, argument, in_si, option
 from cli.outputs import writing
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ SPEED, RATE = 120 / 3.6, 200.0
 
 
 def _quantity(si: str, text: str) -> Any:
-    return option(text, typed=str | None, make=quantity(si))
+    return option(text, typed=str | None, make=partial(in_si, si))
 
 
 @command(

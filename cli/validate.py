@@ -9,7 +9,7 @@ from cli.console import at_option, progress, say, this_run
 from cli.exchange import Shape
 from cli.fit import files_of
 from cli.logs import named, read
-from cli.options import logs, option
+from cli.options import argument, option
 from cli.outputs import check_folder, stems_of, writing
 from cli.sign import Signed
 
@@ -31,7 +31,7 @@ CODES = ("ecu",)
 )
 def validate(
     table: options.Table,
-    logs: list[Path] = logs("Hold-out logs."),
+    logs: list[Path] = argument("Hold-out logs.", "LOG..."),
     *,
     store: options.Tables,
     vehicle: options.OtherPads,
