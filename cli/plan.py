@@ -83,7 +83,7 @@ def plan(
     --report it writes a card for the driver. Exit code 1 if what is wanted cannot be had.
     """
     from calib.base.processes import cores
-    from calib.plan.expected import prior_of
+    from calib.plan.expected import HalfWidths, prior_of
     from calib.plan.measure import Track
     from calib.plan.plan_file import DOCUMENT, document, pressure_files
     from calib.plan.search import Want
@@ -95,7 +95,8 @@ def plan(
         step(f"planning runs of {vehicle.name}", len(logs), len(logs) + 1)
         car = store.load(table).table if table else None
         situation = prior_of(vehicle, Track(**track), sensors, car, logs)
-        result = search(situation, Want(**want, seconds=time or math.inf), workers or cores())
+        wanted = Want(HalfWidths(**want), time or math.inf)
+        result = search(situation, wanted, workers or cores())
     answer = document(result)
     if out is not None:
         files = [*pressure_files(result), (DOCUMENT, json_text(answer).encode())]

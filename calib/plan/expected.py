@@ -38,9 +38,9 @@ _ROLLER_SCATTER = 0.005
 class HalfWidths(NamedTuple):
     """Half of the 95 % interval over the value [1] of the torque of front, rear and both axles."""
 
-    front: float
-    rear: float
-    total: float
+    front: float = 0.0
+    rear: float = 0.0
+    total: float = 0.0
 
 
 @dataclass(frozen=True)

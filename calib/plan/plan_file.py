@@ -81,18 +81,14 @@ def read_plan(path: Path) -> PlannedRuns:
     """Read the document of a plan. Raises InputError for a file that is none."""
     try:
         written = json.loads(read_bounded(path, VALIDATION))
-        steps, widths = written["steps"], written["after"]
+        steps, widths = written["steps"], [written["after"][x] for x in HalfWidths._fields]
         ends = [float(step["end"]) for step in steps if step["measure"].startswith("ramp")]
         return PlannedRuns(
             steps=tuple(str(step["measure"]) for step in steps),
             end=max(ends, default=0.0),
             sensors=frozenset(map(str, written["sensors"])),
-            after=HalfWidths(*(_number(widths[name]) for name in HalfWidths._fields)),
+            after=HalfWidths(*(math.inf if width is None else float(width) for width in widths)),
         )
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         expected = f"the {DOCUMENT} of `brake-cal plan --out DIR`"
         raise InputError("is no plan", where=path, expected=expected) from error
-
-
-def _number(written: float | None) -> float:
-    return math.inf if written is None else float(written)

@@ -41,19 +41,15 @@ _Sequel = tuple[Measure, ...]
 """Measures in the order in which they are done."""
 
 
+_NO_WIDTHS = HalfWidths()
+
+
 @dataclass(frozen=True)
 class Want:
-    """Half widths that are narrow enough [1], 0 where none is named; ``seconds`` to spend."""
+    """Half ``widths`` that are narrow enough, 0 where none is named; ``seconds`` to spend."""
 
-    front: float = 0.0
-    rear: float = 0.0
-    total: float = 0.0
+    widths: HalfWidths = _NO_WIDTHS
     seconds: float = math.inf
-
-    @property
-    def widths(self) -> HalfWidths:
-        """The half widths that are wanted."""
-        return HalfWidths(self.front, self.rear, self.total)
 
     def met_by(self, widths: HalfWidths) -> bool:
         """Whether the widths are as narrow as wanted; never where none is named."""

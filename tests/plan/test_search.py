@@ -14,7 +14,7 @@ from calib.logs.read import read_log
 from calib.model.sensor_noise import add_noise
 from calib.plan import search
 from calib.plan.achieved import compare
-from calib.plan.expected import noise_of, prior_of
+from calib.plan.expected import HalfWidths, noise_of, prior_of
 from calib.plan.measure import Track, measures, pressure_trace
 from calib.plan.plan_file import DOCUMENT, document, pressure_files, read_plan
 from calib.plan.search import Want, plan
@@ -77,7 +77,7 @@ def test_a_plant_reaches_what_was_planned(planned, runs):
 
 @pytest.mark.parametrize(
     ("want", "steps"),
-    [(Want(total=0.1), ["ramp_60_3"]), (Want(seconds=30.0), ["ramp_60_3"])],
+    [(Want(HalfWidths(total=0.1)), ["ramp_60_3"]), (Want(seconds=30.0), ["ramp_60_3"])],
     ids=["wide enough after the ramp", "no time to weigh"],
 )
 def test_a_plan_ends_where_it_is_enough(monkeypatch, want, steps):
@@ -94,10 +94,10 @@ def test_no_time_for_a_ramp_is_an_error():
 
 
 def test_gain_counts_what_is_asked_and_not_beyond():
-    now, then = search.HalfWidths(0.08, 0.12, 0.06), search.HalfWidths(0.04, 0.12, 0.06)
+    now, then = HalfWidths(0.08, 0.12, 0.06), HalfWidths(0.04, 0.12, 0.06)
     assert Want().gain(now, then) == pytest.approx(math.log(2.0))
-    assert Want(front=0.06).gain(now, then) == pytest.approx(math.log(0.08 / 0.06))
-    assert Want(rear=0.05).gain(now, then) == 0.0
+    assert Want(HalfWidths(front=0.06)).gain(now, then) == pytest.approx(math.log(0.08 / 0.06))
+    assert Want(HalfWidths(rear=0.05)).gain(now, then) == 0.0
 
 
 def test_files_for_the_robot_are_read_as_pressures(planned, tmp_path):
