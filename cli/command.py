@@ -270,6 +270,8 @@ def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:
         warn(facts.warnings)
         if page is not None:
             write_page(page, facts, answer.live, "--report")
+    if this_run().documents:
+        return
     if as_json:
         emit_json({"schema": 1, **answer.document})
     elif facts:

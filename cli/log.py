@@ -91,7 +91,9 @@ def log(
         whole = read_whole(file, channel_map, data=data)
         whole = whole if start is until is None else cut(whole, start, until)
         whole = in_si(whole) if si else whole
-        part = _chosen(whole, channel)
+        for name in channel:
+            require_known(name, [column.name for column in whole.columns], "column ")
+        part = whole.only(channel) if channel else whole
         if out is not None and (write := WRITERS.get(out.suffix.lower())):
             write_file(out, write(part))
             for note in part.notes:
@@ -104,12 +106,6 @@ def log(
         _draw(*looked[0], out)
     facts = Facts(parts=[log_facts(*one) for one in looked])
     return Answer({"out": out, "logs": [document(*one) for one in looked]}, facts)
-
-
-def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
-    for name in names:
-        require_known(name, [column.name for column in log.columns], "column ")
-    return log.only(names) if names else log
 
 
 def _draw(

@@ -13,21 +13,23 @@ if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
 
 
-def _pairs(texts: list[str]) -> list[str]:
+def _sources(texts: list[str]) -> dict[str, str]:
     for text in texts:
         if "=" not in text:
             raise misuse(f"{text!r} is not CHANNEL=NAME")
-    return texts
+    pairs = (text.partition("=") for text in texts)
+    return {channel.strip(): name.strip() for channel, _, name in pairs}
 
 
 @command("brake-cal map sample_logs/sedan/ramp_wet_asphalt.csv --out map.toml")
 def map_(
     log: Path = argument("log of foreign names", "LOG"),
     *,
-    take: list[str] = option(
+    take: dict[str, str] = option(
         "Source of a channel, 'p_mc=Brake [bar]'; empty NAME: no source.",
         "CHANNEL=NAME",
-        make=_pairs,
+        typed=list[str],
+        make=_sources,
     ),
     radius: list[float] = option(
         "Radius [m] for wheel speeds in km/h; given twice, of front and rear.",
@@ -55,12 +57,9 @@ def map_(
     if len(radius) > 2:
         raise misuse(f"{len(radius)} radii; one, or one of front and one of rear", "--radius")
     radii = (radius[0], radius[-1]) if radius else None
-    sources = {name.strip(): source.strip() for name, _, source in (t.partition("=") for t in take)}
     with open_log(log, channel_map) as opened:
-        source = opened.table()
-    proposal = tried(
-        suggest(source, str(log), user_specified=sources, radii=radii), log, channel_map
-    )
+        suggested = suggest(opened.table(), str(log), user_specified=take, radii=radii)
+    proposal = tried(suggested, log, channel_map)
     toml = to_toml(proposal, channel_map, None if out is None else out.absolute().parent)
     certain = not proposal.doubts and bool(proposal.proposals)
     if certain and out is not None:

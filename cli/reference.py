@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
-from cli.console import PageText, emit, emit_json, say
-from cli.options import OwnEffects, argument, option, require_known
+from cli.console import PageText, emit_json, say
+from cli.options import OwnEffects, argument, require_known
 
 if TYPE_CHECKING:
     from calib.car.effects.effect import Effect
@@ -46,8 +46,6 @@ def schema(
     name: str | None = argument(
         "One kind of file; if not given, the list.", "NAME", names="calib.help.documents:kinds"
     ),
-    *,
-    json: bool = option("Print one JSON document on stdout.", None, "--json"),
 ) -> Answer:
     """Print the JSON Schema of a file or a document.
 
@@ -57,14 +55,12 @@ def schema(
     from calib.help.documents import FILES, documents, schema_of
     from calib.show.facts import Facts
 
-    written = {name: one.title for name, one in documents().items()}
     if name is not None:
         emit_json(schema_of(name))
-    elif json:
-        emit_json({"schema": 1, "files": FILES, "documents": written})
-    else:
-        emit(Facts(rows=[*FILES.items(), *written.items()]))
-    return Answer({})
+        return Answer({})
+    written = {name: one.title for name, one in documents().items()}
+    facts = Facts(rows=[*FILES.items(), *written.items()])
+    return Answer({"files": FILES, "documents": written}, facts)
 
 
 @command("brake-cal settings", "brake-cal settings --json")
