@@ -200,7 +200,7 @@ READERS = {
     "vehicle": Reader("a.toml", read_vehicle, of_file(CAR)),
     "limits": Reader(
         "a.toml",
-        partial(read_limits, known=set(METRICS)),
+        partial(read_limits, metrics=set(METRICS)),
         of_file(ROOT / "sample_logs" / "limits.toml"),
     ),
     "model": Reader("a.toml", lambda path: read_model(path, read_vehicle(CAR)), models),
