@@ -38,19 +38,19 @@ def fit(
         make="calib.car.tyre_file:read_tyres",
     ),
     plan: "PlannedRuns | None" = option(
-        "Plan of `brake-cal plan`, to compare what was reached with.",
+        "Plan of `brake-cal plan`; what was reached is compared with it.",
         "P.json",
         make="calib.plan.plan_file:read_plan",
     ),
     fleet_prior: bool = option(
-        "Believe, to half, that tyres and loads are those of the released cars of this model."
+        "Take half of the prior of tyres and loads from the released cars of this model."
     ),
     store: Tables,
     channel_map: Map,
 ) -> Answer:
     """Make the look-up table of a car from ramped brakings.
 
-    From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
+    Drag and rolling resistance are estimated from a LOG without braking. Effects of the vehicle
     file or of --model are removed from the logs first. The table goes into the store as a new
     version; the same logs give the same version again.
     """

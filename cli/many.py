@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _JobCommand = Annotated[Command, argument("fit, validate, check or diagnose each log.", "COMMAND")]
 _JobTable = Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
-CAR = "fit, validate: vehicle file; of the settings for fit only."
+CAR = "fit, validate: vehicle file. Only fit takes it from the settings."
 _Car = Annotated[
     "Vehicle | None",
     options.vehicle(CAR, setting="vehicle", when=lambda given: given["command"] == Command.FIT),

@@ -17,7 +17,7 @@ from cli.console import misuse, say, this_run
 
 OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""Errors of a full disk: nothing is wrong with the command line."""
+"""Errors of the disk (full, quota, file too large, input or output), not of the command line."""
 PAGES = (".html", ".htm")
 EITHER = "either"
 """Kind of an output that is a file or a folder, by other options: the command looks at a folder."""
@@ -46,7 +46,7 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
 
 
 def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
-    """Test by which the bytes of a file are ours; None where only equal ones are."""
+    """Test whether this program wrote the bytes; None where only equal ones may be replaced."""
     from calib.show.html import is_page
     from calib.show.sheet import ENDINGS, is_picture
 
@@ -105,7 +105,7 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
 
 
 def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> None:
-    """Write a file whole; one that came meanwhile and is foreign is refused."""
+    """Write a file whole. Where only equal bytes count as ours, they are compared here."""
     from calib.base.write import write_whole
 
     if _ours(out, kind) is None:

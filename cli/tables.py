@@ -181,11 +181,11 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
             expected="a table of pressures that an ECU has",
             do="declare rear_proportioning in the vehicle file, or fit the ramp without them",
         )
-    proofs, before = (proof,) if proof else (), stored.state
+    proofs, old = (proof,) if proof else (), stored.state
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)
-    same = "nothing to change" if before == after.state else f"it was {before.word}"
-    states = {"before": before.word, "state": after.state.word, "why": after.state.words}
+    same = "nothing to change" if old == after.state else f"it was {old.word}"
+    states = {"before": old.word, "state": after.state.word, "why": after.state.words}
     document = {"table": after.id, "digest": after.digest, **states}
     proof_text = f"; the evidence: {verdict}" * (verdict in (CONSISTENT, "warning"))
     return Answer(document, f"{after.id} is {after.state.words}; {same}{proof_text}")

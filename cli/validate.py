@@ -49,10 +49,10 @@ def validate(
 ) -> Answer:
     """Run the estimator with a table on other logs, and judge what an ECU makes of it.
 
-    The ECU has no speed, and the table as it is exported with the same --points, --fixed-point or
-    --float; with --as ecu it is the C code of `tables export --format ecu`. Without true torques or
-    a speed in the logs nothing is proved, and that is said. Exit code 0 if every log holds its
-    limits, with warnings or without, 1 if one does not, or is one that the table was fitted on.
+    The estimator gets no speed, as in an ECU. --points, --fixed-point and --float use the table as
+    it is exported with them; --as ecu runs the C code of `tables export --format ecu`. Logs without
+    true torques or a speed prove nothing, and the answer says so. Exit code 0 if every log holds
+    its limits, with warnings or without; 1 if one does not, or the table was fitted on it.
     """
     from dataclasses import replace
 

@@ -75,5 +75,5 @@ def names_a_table(name: str) -> bool:
     >>> [names_a_table(x) for x in ("sedan-2up", "a b", "journal.head", "nul.2", "car.")]
     [True, False, False, False, False]
     """
-    taken = name.lower() in _FILES_OF_STORE or _DEVICE.fullmatch(name)
-    return bool(_TABLE_NAME.fullmatch(name)) and ".." not in f"{name}." and not taken
+    reserved = name.lower() in _FILES_OF_STORE or _DEVICE.fullmatch(name)
+    return bool(_TABLE_NAME.fullmatch(name)) and ".." not in f"{name}." and not reserved

@@ -72,7 +72,7 @@ _OPEN = Ends()
 
 @dataclass(frozen=True)
 class _Plain:
-    """A metric; None where an end is open.
+    """One row of `metrics.csv`; None where an end is open.
 
     ``scope``: "car" for one of the station, "stop" for one of a validation, else "". ``unit`` is
     the one that is shown, "" without one, and ``factor`` leads from SI to it. ``step``: the

@@ -37,8 +37,9 @@ class ForceBalance:
     """Forces of a run [N], shapes (n,).
 
     ``load_f``, ``load_r`` axle loads (6), (7) with known effects; ``moment_f``, ``moment_r``
-    moments on the wheels besides the brake, with inertia and drive, as a force at the road;
-    ``other_f``, ``other_r`` the same without inertia; ``body`` forces that slow the body directly;
+    moments on the wheels besides the brake, as a force at the road, positive where they slow the
+    wheels: drag, less drive, less what the inertia of slowing wheels gives back; ``other_f``,
+    ``other_r`` the same without inertia; ``body`` forces that slow the body directly;
     ``tyre_sum`` sum of all tyre forces (5), (17).
     """
 
@@ -145,7 +146,7 @@ def pressure_per_g(vehicle: Vehicle) -> float:
 def front_share(vehicle: Vehicle, log_ratio: T) -> T:
     """Share of the front axle in the brake force [1], the same at every pressure.
 
-    ``log_ratio`` ln of front over rear pads, over that of the vehicle file [1]. Where the pressures
+    ``log_ratio`` ln of front over rear pads, less that of the vehicle file [1]. Where the pressures
     of the axles differ, ln of front over rear pressure is added to it.
     """
     front, rear = force_per_pressure(vehicle)

@@ -18,8 +18,9 @@ Row = dict[str, str]
 class Belief(NamedTuple):
     """A normal distribution, or a number where sigma is 0, in the unit of its row.
 
-    For cars: ``model`` share of the variance between cars of one model, 1 by default; ``tyre_file``
-    standard deviation of the value in a tyre file, that of all cars by default.
+    For cars: ``model`` variance among cars of one model over that among all cars, 1 by
+    default; ``tyre_file`` standard deviation of the value in a tyre file, that of all cars by
+    default.
     """
 
     mean: float

@@ -76,7 +76,7 @@ def _of_key(key: VehicleKey) -> _Figure:
 
 
 def _of_row(row: dict[str, str]) -> _Figure:
-    """An empty lowest value is that of the station; an empty highest one is no limit."""
+    """An empty lowest value takes the station's limit, an empty highest one is none."""
     low, high = float(row["low"] or bound(row["code"], "low")), float(row["high"] or math.inf)
     code, too_low, too_high = row["code"], listed(row["too_low"]), listed(row["too_high"])
     return code, _OF[code], low, high, too_low, too_high, row["do"]
@@ -163,7 +163,7 @@ class _VehicleFacts:
     """What follows from a vehicle file with its nominal pads, without drag.
 
     ``wheelbase`` [m]; ``pressure_per_g`` [bar]; ``front_share`` of the brake force [1];
-    ``front_biased_up_to`` deceleration below which the front axle locks first [g], null if at all;
+    ``front_biased_up_to`` deceleration up to which the front axle locks first [g], null if at all;
     ``rear_lifts_at`` deceleration [g] at which the rear axle has no load.
     """
 

@@ -3,12 +3,12 @@
 The curves f1(eta), f2(eta) hold on the road of the ramp. A method that cannot be used on a run says
 NaN.
 
-    y = J d omega/dt - F_bar R F_z + mu_n C P = -zeta C P        (23)
+    y = J d omega/dt - (z + f1) R F_z + mu_n C P = -zeta C P     (23), front; f2 at the rear
     y = theta u,   theta = zeta,   u = -C P                      (24)
 
-(25) as printed lacks the dot and the sampling time; it is theta_dot = gamma eps u. In steps of dt
-it is stable while gamma u^2 dt < 2. The Lyapunov function that decreases is theta_err^2/(2 gamma):
-(26) takes eps = -theta_err u in place of theta_err, so that (27), (28) hold for constant u only.
+(25) as printed lacks the derivative: it is d theta_hat/dt = gamma eps u, eps = y - theta_hat u. In
+steps of dt it is stable while gamma u^2 dt < 2. With theta_err = theta - theta_hat, what always
+decreases is theta_err^2/(2 gamma); the paper's function, (26) to (28), does for constant u only.
 """
 
 from collections.abc import Callable
@@ -25,8 +25,8 @@ from calib.run.filters import recursive
 from calib.table.table import Table
 
 RATE, PRESSURE = 8.0, 20e5
-"""Rate of the gradient law [1/s], 90 % of a step of zeta in 0.3 s, at a pressure [Pa] of a usual
-braking; it grows with its square."""
+"""Rate of the gradient law [1/s] at a usual braking pressure [Pa]: 90 % of a step of zeta in 0.3 s.
+It grows with the square of the pressure."""
 _MEMORY = 0.5  # of the mean gain [s]: short against a stop, long against road noise (0.1 s)
 
 

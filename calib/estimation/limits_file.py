@@ -25,7 +25,7 @@ _EXPECTED = "[LOW, HIGH]; -inf, inf: no limit"
 
 
 def _range(written: object) -> object:
-    """Both ends of a list; that neither is true or false the schema says itself."""
+    """Check that a list has two numbers in order; the schema itself refuses true and false."""
     match written:
         case [int() | float() as low, int() | float() as high]:
             if low <= high and low < inf and high > -inf:
@@ -67,7 +67,9 @@ class _LimitSection(Section):
         _range([low, high])
         for end in warn:
             if isfinite(end) and not low <= end <= high:
-                raise wrong(f"warn {end:g} lies beyond fail {low:g} to {high:g}")
+                raise wrong(
+                    f"warn {end:g} lies outside of fail {low:g} to {high:g}", "warn within fail"
+                )
         return self
 
 

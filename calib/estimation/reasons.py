@@ -86,7 +86,7 @@ def first_reason(
 def _locks(log: Log, s: Signals) -> Mask:
     """Where a wheel departs from the others, or from v, as only ABS or a locked wheel does.
 
-    The fastest one, too, may slow as no road lets a car slow.
+    Where the fastest one slows more than a road lets a car slow, all may lock.
     """
     read = (log[f"omega_{w}"] for w in WHEELS)
     wheels = np.stack([np.append(x[0], without_single(x)[:-1]) for x in read])  # causal

@@ -45,7 +45,7 @@ class Answer(NamedTuple):
     change: Array  # of it since the ramp
     noise: Array  # variance of the level by noise
     accelerometer: Array  # and by a_x
-    zeros: Array  # variance of the ratio by what is read
+    zeros: Array  # variance of the ratio by errors of eta, of slip, and by age
     slip: Array  # ln(slip/z)
     slip_sigma: Array
     zero_eta: Array  # what eta reads while nothing brakes, and the slip of all wheels
@@ -175,13 +175,14 @@ def _ratio(
     for low, high, spread in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
-    unread = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])
-    each = zip(unread.tolist(), readable.tolist(), strict=True)
+    narrowed = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])  # width over the prior's
+    each = zip(narrowed.tolist(), readable.tolist(), strict=True)
     share = np.array([share_of(c, width, 1.0) if counts else 0.0 for width, counts in each])
     now, zeros = prior + share * (now - prior), share * zeros
-    unread = 1.0 + share * (unread - 1.0)
-    # the map has the ratio of the brake forces, about the pressures that the axles had on the ramp
-    now[:, 0] += unread**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
+    of_prior = 1.0 + share * (narrowed - 1.0)
+    # the map has the ratio of the brake forces; less log_odds it is that of the pads, and the share
+    # of its variance that is still prior is drawn to the pads of the ramp
+    now[:, 0] += of_prior**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
     return now, zeros
 
 

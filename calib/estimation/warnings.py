@@ -162,7 +162,7 @@ def _shown(table: Table) -> Array:
     """Eta - 1 that stops with a table's car would show at `_Z` [1], (n, k)."""
     car = table.vehicle
     stops = scenarios(car, ensemble_of(car, table.draws), _COUNT)
-    return predict_stops(car, stops, _Z).shift
+    return predict_stops(car, stops, _Z).eta_rise
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:

@@ -35,7 +35,7 @@ from calib.table.curves import (
 )
 
 _BAND = (0.5, 0.025, 0.975)
-_SURE = 0.00135  # share of draws whose eta goes on rising, from which a peak is doubted: 3 sigma
+_SURE = 0.00135  # a peak is sure if at most this share of the draws goes on rising: 3 sigma
 
 
 def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
@@ -46,7 +46,7 @@ def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
 def find_peak(path: SlipPrediction) -> tuple[float, float, bool]:
     """z and eta [1] at the peak of eta, and whether eta surely falls beyond it."""
     top = int(np.argmax(path.eta))
-    falls = np.quantile(path.shift[:, top] - path.shift[:, -1], _SURE) > 0.0
+    falls = np.quantile(path.eta_rise[:, top] - path.eta_rise[:, -1], _SURE) > 0.0
     return float(path.z[top]), float(path.eta[top]), bool(falls)
 
 
@@ -86,9 +86,10 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
 
 
 def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreCurve:
-    """Normalised force over slip with half the weight on the axle, up to the greatest measured.
+    """Normalised force over slip with half the weight on the axle.
 
-    The force of a draw ends at `NEAR_PEAK` of its peak.
+    It goes up to 1.1 times the force at the end of the ramp; the force of a draw ends at
+    `NEAR_PEAK` of its peak.
     """
     greatest = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
     end = np.median([np.interp(greatest, force, slip) for slip, force in _tyres(e)])
@@ -102,7 +103,7 @@ def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreC
 def differences(path: SlipPrediction, eta: Array) -> Array:
     """D of the draws at ``eta`` (k,) on the rising branch of a path, (n, k) [1]."""
     rows = zip(
-        np.maximum.accumulate(1.0 + path.shift, axis=1), np.subtract(*path.forces), strict=True
+        np.maximum.accumulate(1.0 + path.eta_rise, axis=1), np.subtract(*path.forces), strict=True
     )
     return np.array([np.interp(eta, x, D) for x, D in rows])
 
@@ -118,7 +119,7 @@ def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
 def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> tuple[Array, ...]:
     """Columns of a curve over ``grid`` (k,): median and band of ``draws`` (n, k), count, flag, own.
 
-    The count is of the blocks, at ``measured`` places, near each row.
+    The count is that of the measured blocks near each row; ``measured`` are their places.
     """
     off = np.abs(np.concatenate(measured) - grid[:, None])
     count = np.count_nonzero(off < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)

@@ -173,13 +173,13 @@ def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> t
 class SlipPrediction(NamedTuple):
     """Predicted eta and slips of a braking at decelerations ``z`` (k,), by draw, (n, k) [1].
 
-    ``shift`` eta - 1 by (22) and ``slip``, the mean of the axles by load, both zeroed on the
+    ``eta_rise`` eta - 1 by (22) and ``slip``, the mean of the axles by load, both zeroed on the
     lead-in and with their discrepancy. Of the tyres, (2, n, k): ``forces`` over the loads of the
     vehicle file, and ``slips``. ``rolls`` as of `_UnitSlips`, where no tyre slides.
     """
 
     z: Array
-    shift: Array
+    eta_rise: Array
     slip: Array
     forces: Array
     slips: Array
@@ -188,7 +188,7 @@ class SlipPrediction(NamedTuple):
     @property
     def eta(self) -> Array:
         """Median of eta over the draws, (k,) [1]."""
-        return np.asarray(1.0 + np.median(self.shift, axis=0))
+        return np.asarray(1.0 + np.median(self.eta_rise, axis=0))
 
 
 def predict_slips(
@@ -214,7 +214,7 @@ def predict_slips(
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return SlipPrediction(
         z=z,
-        shift=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
+        eta_rise=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
         slip=np.sum(unit.load * turning, axis=0) * (1.0 + e.depart_slip @ between),
         forces=tyres / np.stack(axle_loads(car, np.atleast_2d(slowed))) * car.weight,
         slips=slips,

@@ -1,4 +1,4 @@
-"""Mistakes as hypotheses: what each does to a ramp, how likely it is before, and its sizes.
+"""Mistakes as hypotheses: what each does to a ramp, its sizes, how likely it is beforehand.
 
 A mistake is undone in a run: a force that the log lacks joins the known ones, late wheel speeds are
 put in time, a valve limits the rear pressure. Pads that differ from the vehicle file are hypotheses
@@ -24,7 +24,8 @@ USUAL_PADS = 0.1
 _OTHER_PADS = 0.5  # the same where the pads are not those of the file
 
 _FACTORS = (-2.0, -1.0, 0.0, 0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, *map(float, range(6, 13)), 14.0)
-"""Factors on a logged torque: another sign, one motor of two or three, the shaft of a gear."""
+"""Factors that correct a logged torque: another sign, one motor of two or three logged, a torque at
+the shaft of the motor and not at the wheels."""
 _TORQUES = (150.0, 250.0, 400.0, 600.0, 900.0, 1300.0)  # of a motor, at the wheels of an axle [N m]
 _FULL = (4e5, 10e5, 20e5)  # pressures at which a motor gives all of it [Pa]
 _HANDS_OVER = (1.0, 4.0)  # speeds between which a motor hands over to the brakes [m/s]

@@ -174,7 +174,7 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
     """
     s = scenarios(car, e)
     predicted = predict_stops(car, s, _Z, odds)
-    each = list(zip(_Z, predicted.shift.T, predicted.slip.T, predicted.rolls.T, strict=True))
+    each = list(zip(_Z, predicted.eta_rise.T, predicted.slip.T, predicted.rolls.T, strict=True))
     ends = [np.quantile(np.arcsinh(x[rolls] / z / _DENSE), _SEEN) for z, x, _, rolls in each]
     axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), _SHIFTS))
     orders = [np.argsort(x) for x in (s.log_pad_ratio, s.change)]

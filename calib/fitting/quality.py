@@ -76,7 +76,7 @@ def explained(
                 do="check clock, filter and scale of v, or leave v out of the log",
             )
     if worst > _MOST and all(one.code in MOVE_ETA for one in named):
-        likely = [one.causes[0] for one in named if one.code in MOVE_ETA]
+        likely = [one.causes[0] for one in named]
         raise refused(
             f"no tyre explains eta: the residual is {worst:.1f} times the error of wheel speeds",
             expected=f"at most {_MOST:.0f} times",
@@ -150,7 +150,7 @@ def remarks(
     runs: list[RampRun],
     prior_support: Sequence[tuple[Prior, float]],
 ) -> Iterator[str]:
-    """Decisions of the fit that neither numbers nor warnings of the table tell, in words.
+    """Sentences about decisions of the fit that the table's numbers and warnings do not show.
 
     ``vehicle`` and ``mass`` as in the logs; ``prior_support`` informative priors with the
     probability that each holds.

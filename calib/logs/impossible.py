@@ -28,7 +28,12 @@ Mask = NDArray[np.bool_]
 
 
 class _Possible(NamedTuple):
-    """Bounds of a channel in SI: change per second, of a jump, and the largest value."""
+    """Bounds of a channel in SI.
+
+    ``up`` fastest rise per second, ``long`` the same over more than `_QUICK`; ``zero`` fastest
+    change per second from or to exactly 0, ``nonzero`` such a change that is always possible;
+    ``end`` largest value; ``steps`` marks only parts that a bridge can span.
+    """
 
     up: float
     zero: float
@@ -136,8 +141,9 @@ def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
 def _apart(time: Array, x: Array, possible: _Possible) -> Mask:
     """Mask (n,) of the parts that no possible step joins with the longest one.
 
-    A part above the level before it is impossible, and one of exact zeros. A part below that level
-    is a wheel that slips, which slow messages show in one step.
+    A part that begins higher than the level before it can rise is impossible, and one of exact
+    zeros after what cannot stop so fast. One that begins lower is kept: a wheel that slips, which
+    slow messages show in one step.
     """
     slack = max(_LEAST, _NOISE * white_noise(x, 2)) if np.isfinite(possible.up) else 0.0
     change, zero = np.abs(np.diff(x)), x == 0.0

@@ -36,7 +36,7 @@ _ROLLER_SCATTER = 0.005
 
 
 class HalfWidths(NamedTuple):
-    """Half of the 95 % interval over the value [1] of the torque of front, rear and both axles."""
+    """Relative half width of the 95 % interval [1] of the torque of front, rear and both axles."""
 
     front: float = 0.0
     rear: float = 0.0

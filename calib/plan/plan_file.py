@@ -28,7 +28,7 @@ def document(plan: Plan) -> dict[str, Any]:
         "sensors": sorted(plan.prior.sensors),
         "noise": {name: level.sd for name, level in sorted(plan.prior.noise.items())},
         "want": {**plan.want.widths._asdict(), "seconds": plan.want.seconds},
-        "before": plan.before._asdict(),
+        "before": plan.start._asdict(),
         "steps": [
             {
                 "measure": step.measure.name,

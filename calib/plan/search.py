@@ -76,8 +76,8 @@ class Step:
 class Plan:
     """What to do, in this order, and what it will bring.
 
-    ``before`` the widths by the prior; ``not_worth`` the measures that would gain less than
-    `_WORTH` beside the steps, each with its gain [1]; ``impossible`` those that cannot be done
+    ``start`` the widths by the prior; ``not_worth`` measures that gained less than `_WORTH` when
+    they were last tried, each with its gain [1]; ``impossible`` those that cannot be done
     here, each with the reason; ``floor`` the widths after all that can be done here, whatever its
     time, ``floor_of_runs`` after all runs without a workshop; ``with_speed`` those of the steps
     with ``v`` logged as well, None where it is logged.
@@ -85,7 +85,7 @@ class Plan:
 
     prior: Prior
     want: Want
-    before: HalfWidths
+    start: HalfWidths
     steps: tuple[Step, ...]
     not_worth: dict[Measure, float]
     impossible: dict[Measure, str]
@@ -96,7 +96,7 @@ class Plan:
     @property
     def after(self) -> HalfWidths:
         """The widths at the end of the plan."""
-        return self.steps[-1].widths if self.steps else self.before
+        return self.steps[-1].widths if self.steps else self.start
 
     @property
     def seconds(self) -> float:
@@ -123,7 +123,7 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
     return Plan(
         prior=prior,
         want=want,
-        before=now,
+        start=now,
         steps=tuple(map(Step, chosen, _times(chosen), after)),
         not_worth={m: x for m, x in search.gains.items() if m not in chosen and x < _WORTH},
         impossible=search.impossible,

@@ -1,10 +1,10 @@
 """Channels that are no measurement of their own: copies, derivatives, values that are held.
 
-Two sensors have noise of their own. A bus sends each message at a rate of its own, 10 Hz for a
-receiver of satellites, 50 or 100 Hz for a_x and the wheels, and a logger with a faster clock
-repeats the last value: steps that no noise of the unbraked parts shows, late by half a step on the
-mean. Between the values such a channel is a straight line; where they came, they are true. How late
-a value comes cannot be known here: that is a delay (`speed_delay`).
+Two sensors have noise of their own; two copies share one. A bus sends each message at its own rate,
+10 Hz for GPS, 50 or 100 Hz for a_x and the wheels, and a faster logger repeats the last value: this
+makes steps, and a mean delay of half a step. Such a channel is replaced by straight lines between
+its values, at the samples where they came. The delay of the message itself cannot be known here:
+that is `speed_delay`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -105,8 +105,8 @@ _CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
 
 _FEWEST = 20  # changes of a channel from which on its period can be told
 _SOONER = 0.1  # share of the changes that may come sooner than a period: messages jitter
-_LATER = 1.6  # longest time between two values that is one period [periods]: the next is not lost
-_SAME = 0.6  # rest from which on an unchanged value counts as one more value [periods]
+_LATER = 1.6  # a longer time between two changes is not one period: a value was lost [periods]
+_SAME = 0.6  # a value that stays this much longer was sent once more [periods]
 _LONGEST = 0.25  # longest period [s]: what changes less often rests, or is as coarse as a counter
 
 

@@ -8,7 +8,7 @@
 What slows the body or the wheels beside the brakes (drag, grade, engine), or moves load between the
 axles (pitch), stays an effect: it takes its part of the balance of forces, which a fit carries
 forward and an estimate takes out (`calib.estimation.known`). So does a logged torque of engine or
-motor: with ``engine_drag`` among the known effects both are counted.
+motor: where it is logged, do not state ``engine_drag``, or both are taken out.
 """
 
 from dataclasses import dataclass, replace
@@ -118,7 +118,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
 
 
 def _history(model: Model, log: Log) -> RunHistory:
-    """The run behind the log, its a_x without what the sensor adds; no heat yet."""
+    """The motion behind the log, errors of the accelerometer undone; no brake heat yet."""
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
@@ -144,10 +144,10 @@ def _history(model: Model, log: Log) -> RunHistory:
 
 
 def _followed(log: Log, time_constant: float) -> Array:
-    """What an accelerometer follows [m/s^2] (n,): its reading and T times the rise of that.
+    """Input of a first-order accelerometer [m/s^2] (n,): its reading plus T times its derivative.
 
-    The rise since the last sample, so half a sample late. A second order is left out: on a ramp it
-    does nothing, and the second difference of a_x is noise.
+    The backward difference is half a sample late. A second order is left out: on a ramp it does
+    nothing, and the second difference of a_x is noise.
     """
     a_x = log["a_x"]
     rise = np.diff(a_x, prepend=a_x[0]) / np.gradient(log.time)
@@ -155,7 +155,7 @@ def _followed(log: Log, time_constant: float) -> Array:
 
 
 def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
-    """Speeds that are read late, as they are at each sample, by what the car lost since.
+    """Speeds that are read late, put in time by what the speed of the car changed since.
 
     A wheel keeps the slip of the time at which it was read: slip over ``wheel_speed_delay`` is
     taken as constant.

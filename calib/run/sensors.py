@@ -13,7 +13,7 @@ from calib.run.driving_record import SMOOTH, DrivingRecord
 from calib.run.filters import runs
 
 _RESTING = ("T_drive_f", "T_drive_r")
-"""Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
+"""Channels whose highest value may be zero: a motor that only brakes has negative torque."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,7 +54,7 @@ class Sensor:
     def noise(self) -> float:
         """Standard deviation of its white noise, unbraked; NaN if that is too short.
 
-        By third differences; those beyond five times the usual size are of no noise.
+        By third differences; those beyond five times the usual size are left out.
         """
         quiet = self._x[self._quiet]
         if quiet.size < LIMITS.noise_fewest:
@@ -143,9 +143,10 @@ def _saturation(x: Array, step: float) -> float:
 
 
 def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
-    """Whether the deceleration stays as it is while the pressure is at its highest value.
+    """Whether the deceleration is constant while the pressure reads its highest value.
 
-    So for a pedal that is held; a pressure beyond the range of its sensor makes it rise.
+    Then the pedal was held. Where the true pressure went beyond the range of the sensor, the
+    deceleration goes on to rise.
     """
     if driving is None:
         return False
@@ -159,8 +160,8 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
     """Whether this channel should have changed, by the other channels.
 
-    Both ends of the interval are left out: smoothing mixes in samples from outside, and wheels that
-    come to a stand are shown as 0 from one sample on, each from another.
+    Both ends of the interval are left out: smoothing mixes in samples from outside, and the
+    wheel speeds of a stopping car jump to 0, each at a sample of its own.
     """
     edge = round(SMOOTH / driving.step)
     inside = slice(part.start + edge, part.stop - edge)

@@ -55,7 +55,7 @@ _LIKELY, _SURE = 0.3, 0.95
 _STEP = 0.01  # of the delays that are tried [s]: half of what is sharp
 
 _SHARP = 0.02
-"""One sigma [s] of a delay from which on v is not put in time but left out: at 0.5 g it makes an
+"""Sigma of a delay [s] from which on v is left out instead of shifted: at 0.5 g it makes an
 error of 0.1 m/s, a tenth of the slip."""
 
 
@@ -151,7 +151,7 @@ class _DelayEvidence:
         return evidence.on_road(EVEN)
 
     def on_road(self, walks: float) -> "_DelayEvidence":
-        """The same where the slope ``walks`` [g/s^0.5]."""
+        """The same on a road whose slope wanders by ``walks`` within a second [g/s^0.5]."""
         turned = (G * self.length * walks) ** 2 * self.length
         average, sigma = second_differences(*self.noise, turned)
         first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
@@ -159,7 +159,7 @@ class _DelayEvidence:
         return replace(self, average=average, sigma=sigma, begins=begins)
 
     def first(self) -> float:
-        """The delay by the slope at no delay: enough to see whether there may be one [s]."""
+        """Delay by one Gauss-Newton step from 0 [s]: tells cheaply whether there may be one."""
         y, x = self._white(0.0)
         shift = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
         A = np.column_stack([x, shift])

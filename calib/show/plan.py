@@ -17,7 +17,7 @@ def plan_facts(plan: Plan) -> Facts:
     widths = ", ".join(f"{axles} ±{100.0 * width:.1f}{NBSP}%" for axles, width in named)
     wanted, met = any(plan.want.widths), plan.want.met_by(plan.after)
     rows = [
-        ("before", *_cells(plan.before)),
+        ("before", *_cells(plan.start)),
         *((f"{i}. {s.measure.text}", *_cells(s.widths)) for i, s in enumerate(plan.steps, 1)),
         ("the same, with the speed v logged", *_cells(plan.with_speed or ())),
         ("wanted", *_cells(plan.want.widths if wanted else (), none="-")),

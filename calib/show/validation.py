@@ -42,7 +42,8 @@ from calib.table.unseen import unseen_line
 
 _PROOFS = {
     TRUTH: "the torques in the logs",
-    REFERENCE: "the measured speed v; an error of the ramp would not show",
+    REFERENCE: "the estimate with the speed v; no torque was measured, so an error of the table "
+    "itself would not show",
     NONE: "nothing: the logs hold neither torques nor v",
 }
 _V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"

@@ -4,8 +4,8 @@
       │          │  ^          ^
       └──────> rejected ───────┘
 
-A version begins as a draft, or in the state that its decision gives. A rejected version becomes
-released only on new evidence. A withdrawn version stays withdrawn.
+A draft may be withdrawn, too. A version begins as a draft, or in the state that its decision gives.
+A rejected version becomes released only on new evidence. A withdrawn version stays withdrawn.
 """
 
 import getpass
@@ -73,7 +73,7 @@ class VersionState:
 
     @property
     def usable(self) -> bool:
-        """Whether a bare name may mean the version."""
+        """Whether a bare name may mean the version where a table is looked at or judged."""
         return self.word not in (REJECTED, WITHDRAWN)
 
     @property

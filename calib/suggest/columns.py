@@ -2,7 +2,7 @@
 
 speed        the four wheels and the car agree
 a_x          is the derivative of speed, up to a sign
-pressure     comes before the deceleration, and both rise and fall together
+pressure     rises and falls with the deceleration
 """
 
 from dataclasses import dataclass, field

@@ -116,7 +116,7 @@ class Precision:
 
     def __post_init__(self) -> None:
         if self.single and self.bits is not None:
-            raise ExchangeError("single precision and fixed point", expected="one of both")
+            raise ExchangeError("single precision and fixed point", expected="one of the two")
 
     def __str__(self) -> str:
         points = "all rows" if self.points is None else f"{self.points} breakpoints"

@@ -124,4 +124,4 @@ def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
     assert {one["log"] for one in warnings} == {"wrong"}
     (found,) = (one for one in warnings if one["code"] == "a_x_scale")
     assert set(found) == {"code", "log", "measured", "expected", "causes", "do"}
-    assert list(found["expected"]) == [-0.025, 0.025]
+    assert list(found["expected"]) == [-0.03, 0.03]

@@ -204,7 +204,7 @@ def test_forces_along_the_ridge_balance(z, compliance, log_ratio, tau, r):
     ):
         assert slip == pytest.approx(compliance * np.exp(half * tau) * F, rel=2e-3)
         turning.append((1.0 - slip) * np.exp(r * (load / rest - 1.0)))
-    assert 1.0 + p.shift[0, 0] == pytest.approx(turning[1] / turning[0])
+    assert 1.0 + p.eta_rise[0, 0] == pytest.approx(turning[1] / turning[0])
 
 
 def test_flags_follow_the_counts(all_tables, gentle):

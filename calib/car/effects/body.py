@@ -2,7 +2,8 @@
 
 Drag:   F at the height of the road               load_share = 1: (6) and (7) as in the paper
         F at that of the centre of gravity        load_share = 0: only tyre forces move load
-A share below 0 or above 1 stands for lift at one axle.
+A share below 0 or above 1 adds a pitching moment: lift at one axle,
+as much downforce at the other; net lift is not modelled.
 
 Pitch:  z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
         load transfer: (1 - e) z at once through the links, e z_b through the springs

@@ -157,8 +157,8 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     numbers = [m for m in metrics if m.kind is float]
     every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
     judged = judge(every, [plain(m.name).step for m in numbers])
-    known = np.isfinite(every)
-    lines = list(zip(numbers, every, known, strict=True))
+    finite = np.isfinite(every)
+    lines = list(zip(numbers, every, finite, strict=True))
     # the column that orders the line always increases along it: nothing of it is tested
     drifts = drifting([x[k] if m.name != fleet.order else x[:0] for m, x, k in lines])
     looks = tuple(

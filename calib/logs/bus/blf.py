@@ -73,7 +73,7 @@ def _check_whole(path: Path) -> tuple[int, tuple[str, ...]]:
         file.seek(first)
         content = _walk(file, size, path)
     objects = content.kinds.total()
-    # Writers may count the bytes that fill the space between objects or not.
+    # Some writers count the padding between objects, some do not.
     lacking = unpacked - first - content.unpacked - content.padding
     if lacking > 0 or (not unpacked and objects < count):
         sizes = f"{unpacked - lacking} of {unpacked} bytes (unpacked) and " if unpacked else ""
