@@ -170,7 +170,7 @@ def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
     _, pad_map, _ = table
     at = SlipPrediction(*(x[..., 0] for x in module.predict_stops(CAR, fresh, np.array([z]))))
     true = fresh.log_pad_ratio if of == "ratio" else fresh.change
-    where, shift = np.full(true.size, z), at.shift / z
+    where, shift = np.full(true.size, z), at.eta_rise / z
     if sees:
         first = read(pad_map, where, shift, 0.0 * where)
         place = (np.log(np.maximum(at.slip, 1e-4) / z) - first.log_slip) / first.log_slip_sigma

@@ -157,7 +157,7 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
         (1.0 - s) * math.exp(0.002 * g) for s, g in ((slip_f, grown_f), (slip_r, grown_r))
     )
     at = predict_stops(CAR, still(), np.array([z]))
-    assert at.shift == pytest.approx(rear / front - 1.0, rel=1e-4)
+    assert at.eta_rise == pytest.approx(rear / front - 1.0, rel=1e-4)
     assert at.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
     assert still().level(z) == pytest.approx(0.0)
     assert at.rolls.all()
@@ -177,5 +177,5 @@ def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
             predict_stops(CAR, usual, np.array([z])),
             predict_stops(CAR, along, np.array([z])),
         )
-        assert at.shift / plain.shift == pytest.approx(1.0 + 0.1 * z)
+        assert at.eta_rise / plain.eta_rise == pytest.approx(1.0 + 0.1 * z)
         assert at.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)
