@@ -11,7 +11,7 @@ from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
     from calib.model.roller_bench import RollerBench
-    from calib.plan.plan_file import PlannedRuns
+    from calib.plan.achieved import PlannedRuns
 
 
 @command(
@@ -40,7 +40,7 @@ def fit(
     plan: "PlannedRuns | None" = option(
         "Plan of `brake-cal plan`; what was reached is compared with it.",
         "P.json",
-        make="calib.plan.plan_file:read_plan",
+        make="calib.plan.achieved:read_plan",
     ),
     fleet_prior: bool = option(
         "Take half of the prior of tyres and loads from the released cars of this model."

@@ -35,6 +35,9 @@ class Unit:
 
 ONE = Unit()
 
+BAR = 1e5
+"""A bar [Pa]."""
+
 QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     # SI unit: (quantity, {written unit: meaning})
     "s": ("time", {"s": ONE, "ms": Unit(per=1e3), "us": Unit(per=1e6), "min": Unit(60),

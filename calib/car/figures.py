@@ -13,7 +13,7 @@ import numpy as np
 
 from calib.base.names import G
 from calib.base.plain import bound, finite, listed, rows
-from calib.base.units import from_si
+from calib.base.units import BAR, from_si
 from calib.base.warning import PlausibilityWarning
 from calib.car.balance import (
     force_per_pressure,
@@ -119,7 +119,6 @@ def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 11))
 """Rows of the distribution [g]."""
-_BAR = 1e5
 
 
 @dataclass(frozen=True)
@@ -193,13 +192,13 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
         for force, axle in zip(force_per_pressure(vehicle), axles, strict=True)
     )
     shares = (np.full_like(z, share), ideal_front_share(vehicle, z), *friction_used(vehicle, z))
-    columns = (z, pressure / _BAR, *shares, *torques)
+    columns = (z, pressure / BAR, *shares, *torques)
     rows = zip(*(column.tolist() for column in columns), strict=True)
     half = (float(load[0]) for load in axle_loads(vehicle, np.array([0.5])))
     front, rear = map(_axle, axles, vehicle.static_loads, half)
     return _VehicleFacts(
         wheelbase=vehicle.wheelbase,
-        pressure_per_g=pressure_per_g(vehicle) / _BAR,
+        pressure_per_g=pressure_per_g(vehicle) / BAR,
         front_share=share,
         front_biased_up_to=finite(front_biased_up_to(vehicle)),
         rear_lifts_at=vehicle.cg_to_front_axle / vehicle.cg_height,
@@ -210,5 +209,5 @@ def what_follows(vehicle: Vehicle) -> _VehicleFacts:
 
 
 def _axle(axle: Axle, static: float, half: float) -> _AxleFacts:
-    per_bar = axle.pad_friction * axle.torque_gain * _BAR  # (2), (3)
+    per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
     return _AxleFacts(per_bar, 2.0 * per_bar, static / G, half / G, axle.wheel_mass)

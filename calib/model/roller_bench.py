@@ -27,6 +27,11 @@ from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.table.table import Value
 
+TOLERANCE = 0.01
+"""Half of the 2 % that German rules allow the brake force shown to be off (Richtlinie fuer die
+Anwendung, Beschaffenheit und Pruefung von Bremspruefstaenden, Verkehrsblatt 2003, p. 303; 3 % for
+testers from before): a limit is taken as two standard deviations."""
+
 _SPEED = 1.4
 """Speed of the rollers [m/s]: 5 km/h."""
 

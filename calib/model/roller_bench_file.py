@@ -27,12 +27,7 @@ from calib.base.record import FileSchema, QuantityMark, Section, read_toml
 from calib.base.record_errors import wrong
 from calib.base.units import from_si
 from calib.car.braking import BITE
-from calib.model.roller_bench import AxleOnRollers, RollerBench
-
-TOLERANCE = 0.01
-"""Half of the 2 % that German rules allow the brake force shown to be off (Richtlinie fuer die
-Anwendung, Beschaffenheit und Pruefung von Bremspruefstaenden, Verkehrsblatt 2003, p. 303; 3 % for
-testers from before): a limit is taken as two standard deviations."""
+from calib.model.roller_bench import TOLERANCE, AxleOnRollers, RollerBench
 
 _FEWEST = 3
 """Pressures of an axle: two make a line, the third shows its scatter."""

@@ -1,20 +1,58 @@
-"""What a fit reached of what was planned, and why not."""
+"""What a fit reached of the plan of a file, and why not.
 
+It needs nothing of what makes a plan: a fit with or without one begins as fast.
+"""
+
+import json
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
+from calib.base.bounded import VALIDATION, read_bounded
+from calib.base.errors import InputError
 from calib.car.vehicle import MassUsed
 from calib.logs.log import Log
-from calib.plan.expected import HalfWidths, widths_of
-from calib.plan.plan_file import PlannedRuns
+from calib.plan.half_widths import HalfWidths, widths_of
 from calib.run.run import Run
 from calib.table.table import Table
+
+DOCUMENT = "plan.json"
+"""Name of the document of a plan in a folder."""
 
 _WIDER = 1.15
 """Half width over the planned one [1] from which on it was not reached: a plan is right to 15 %."""
 
 _SHORT = 0.9
 """End of a ramp over the planned one [1] below which it ended early."""
+
+
+@dataclass(frozen=True)
+class PlannedRuns:
+    """What a fit asks of a plan: its ``steps`` by name, their largest ``end`` [g], the widths."""
+
+    steps: tuple[str, ...]
+    end: float
+    sensors: frozenset[str]
+    after: HalfWidths
+
+
+def read_plan(path: Path) -> PlannedRuns:
+    """Read the document of a plan. Raises InputError for a file that is none."""
+    try:
+        written = json.loads(read_bounded(path, VALIDATION))
+        steps, widths = written["steps"], [written["after"][x] for x in HalfWidths._fields]
+        ends = [float(step["end"]) for step in steps if step["measure"].startswith("ramp")]
+        return PlannedRuns(
+            steps=tuple(str(step["measure"]) for step in steps),
+            end=max(ends, default=0.0),
+            sensors=frozenset(map(str, written["sensors"])),
+            after=HalfWidths(*(math.inf if width is None else float(width) for width in widths)),
+        )
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        expected = f"the {DOCUMENT} of `brake-cal plan --out DIR`"
+        raise InputError("is no plan", where=path, expected=expected) from error
 
 
 class Achieved(NamedTuple):

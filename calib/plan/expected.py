@@ -11,36 +11,29 @@ fit will say. Chaloner and Verdinelli, Bayesian experimental design: a review, S
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS, G
-from calib.car.balance import force_per_pressure, front_share
+from calib.car.balance import force_per_pressure
 from calib.car.beliefs import CAR
 from calib.car.model import WET_ASPHALT, Model, default_model
 from calib.car.vehicle import Vehicle
 from calib.fitting.fit import fit
+from calib.fitting.hypotheses import USUAL_PADS
 from calib.logs.log import Log
-from calib.model.roller_bench import AxleOnRollers, RollerBench
+from calib.model.roller_bench import TOLERANCE, AxleOnRollers, RollerBench
 from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
+from calib.plan.half_widths import HalfWidths, widths_of
 from calib.plan.measure import RATE, Measure, Track, drive
 from calib.run.resistance import identify
+from calib.table.budget import axle_parts
 from calib.table.table import Table, Value
 
 _ROLLER_PRESSURES = (10e5, 20e5, 30e5, 40e5)
-_ROLLER_TOLERANCE = 0.01  # as `calib.model.roller_bench_file` takes it where a file says nothing
 _ROLLER_SCATTER = 0.005
 """Relative scatter of the rows of a roller brake tester [1]: half of its tolerance."""
-
-
-class HalfWidths(NamedTuple):
-    """Relative half width of the 95 % interval [1] of the torque of front, rear and both axles."""
-
-    front: float = 0.0
-    rear: float = 0.0
-    total: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -77,7 +70,7 @@ def prior_of(
         table = fit(vehicle, list(logs))
         sensors = sensors | {name for log in logs for name in log.channels}
     if table is None:
-        level = Value(0.0, 0.1)  # pads of one grade scatter by 10 %
+        level = Value(0.0, USUAL_PADS)
         ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
         stiff = Value(math.log(float(WET_ASPHALT.stiffness)), 0.2)
         return Prior(vehicle, track, sensors, level, ratio, stiff, LEVELS)
@@ -141,14 +134,6 @@ def half_widths(prior: Prior, car: Model, steps: Sequence[Measure], seed: int) -
     return widths_of(table)
 
 
-def widths_of(table: Table) -> HalfWidths:
-    """Half widths of a table: what its pads, and the level of both axles, are known to."""
-    pads = table.calibration
-    axles = (pads.pad_friction_f, pads.pad_friction_r)
-    front, rear = (Z95 * pad.sigma / pad.value for pad in axles)
-    return HalfWidths(front, rear, Z95 * math.sqrt(sum(table.budget.level.values())))
-
-
 def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> RollerBench:
     """What a roller brake tester would read of a car with the friction of ``pads``, front, rear."""
     random = np.random.default_rng([seed, 1])
@@ -159,18 +144,13 @@ def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> Roller
         scatter = 1.0 + _ROLLER_SCATTER * random.standard_normal(len(_ROLLER_PRESSURES))
         force = pad / axle.pad_friction * gain * np.array(_ROLLER_PRESSURES) * scatter
         axles.append(AxleOnRollers(_ROLLER_PRESSURES, tuple(force.tolist())))
-    return RollerBench("rollers", "rollers", "", _ROLLER_TOLERANCE, *axles)
+    return RollerBench("rollers", "rollers", "", TOLERANCE, *axles)
 
 
 def before_any_run(prior: Prior) -> HalfWidths:
     """Half widths by what is known of the pads before any log, the mass included."""
-    share = front_share(prior.vehicle, prior.pad_ratio.value)
-    level = math.hypot(prior.pad_level.sigma, prior.vehicle.mass_tolerance)
-    ratio = prior.pad_ratio.sigma
-    front, rear = (math.hypot(level, part * ratio) for part in (1.0 - share, share))
-    return HalfWidths(Z95 * front, Z95 * rear, Z95 * level)
-
-
-def median(widths: Sequence[HalfWidths]) -> HalfWidths:
-    """The median of each half width over cars."""
-    return HalfWidths(*np.median(np.array(widths), axis=0).tolist())
+    level = {"pads": prior.pad_level.sigma**2, "mass": prior.vehicle.mass_tolerance**2}
+    ratio = {"ratio": prior.pad_ratio.sigma**2}
+    axles = axle_parts(prior.vehicle, prior.pad_ratio.value, level, ratio)
+    front, rear = (Z95 * math.hypot(*parts.values()) for parts in axles)
+    return HalfWidths(front, rear, Z95 * math.sqrt(sum(level.values())))

@@ -1,22 +1,11 @@
 """A plan as a document, and its runs as pressure over time for a robot."""
 
-import json
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from calib.base.bounded import VALIDATION, read_bounded
-from calib.base.errors import InputError
-from calib.plan.expected import HalfWidths
+from calib.base.units import BAR
 from calib.plan.measure import pressure_trace
 from calib.plan.search import Plan
-
-DOCUMENT = "plan.json"
-"""Name of the document in a folder."""
-
-_BAR = 1e5
 
 
 def document(plan: Plan) -> dict[str, Any]:
@@ -63,32 +52,5 @@ def pressure_files(plan: Plan) -> Iterator[tuple[str, bytes]]:
     for step, file in zip(plan.steps, _files(plan), strict=True):
         if file is not None:
             time, pressure = pressure_trace(plan.prior.vehicle, step.measure)
-            lines = (f"{t:.2f},{p / _BAR:.3f}" for t, p in zip(time, pressure, strict=True))
+            lines = (f"{t:.2f},{p / BAR:.3f}" for t, p in zip(time, pressure, strict=True))
             yield file, "\n".join(["time [s],p_mc [bar]", *lines, ""]).encode()
-
-
-@dataclass(frozen=True)
-class PlannedRuns:
-    """What a fit asks of a plan: its ``steps`` by name, their largest ``end`` [g], the widths."""
-
-    steps: tuple[str, ...]
-    end: float
-    sensors: frozenset[str]
-    after: HalfWidths
-
-
-def read_plan(path: Path) -> PlannedRuns:
-    """Read the document of a plan. Raises InputError for a file that is none."""
-    try:
-        written = json.loads(read_bounded(path, VALIDATION))
-        steps, widths = written["steps"], [written["after"][x] for x in HalfWidths._fields]
-        ends = [float(step["end"]) for step in steps if step["measure"].startswith("ramp")]
-        return PlannedRuns(
-            steps=tuple(str(step["measure"]) for step in steps),
-            end=max(ends, default=0.0),
-            sensors=frozenset(map(str, written["sensors"])),
-            after=HalfWidths(*(math.inf if width is None else float(width) for width in widths)),
-        )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        expected = f"the {DOCUMENT} of `brake-cal plan --out DIR`"
-        raise InputError("is no plan", where=path, expected=expected) from error

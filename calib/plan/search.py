@@ -15,14 +15,8 @@ from functools import partial
 
 from calib.base.errors import BrakeCalError, LogError, ModelError
 from calib.base.processes import Mapped, side_by_side
-from calib.plan.expected import (
-    HalfWidths,
-    Prior,
-    before_any_run,
-    cars,
-    half_widths,
-    median,
-)
+from calib.plan.expected import Prior, before_any_run, cars, half_widths
+from calib.plan.half_widths import HalfWidths, median
 from calib.plan.measure import Measure, drive, measures
 
 SEED = 20

@@ -27,9 +27,6 @@ Stroke = dict[str, Any]
 WIDTH, HEIGHT = 8.27, 11.69
 """Width of a page [in], and its largest height: A4."""
 
-BAR = 1e5
-"""Pressures are drawn in bar [Pa]."""
-
 DASHED, DOTTED, DASH_DOT, LONG = (0, (4, 1.6)), (0, (1, 1.4)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2))
 
 FRONT: Stroke = {"color": "#0072B2", "linestyle": "-"}

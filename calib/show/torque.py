@@ -8,10 +8,10 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import NBSP
+from calib.base.units import BAR
 from calib.estimation.metrics import truth_of
 from calib.estimation.readout import Bounded
 from calib.estimation.validate import NONE, REFERENCE, TRUTH, Validation
-from calib.show.style import BAR
 from calib.table.table import Table
 
 Columns = Mapping[str, Any]

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calib.base.units import behind
+from calib.base.units import BAR, behind
 from calib.car.balance import front_biased_up_to, front_share, pressure_per_g
 from calib.car.effects.effect import Card
 from calib.car.figures import plausible, what_follows
@@ -20,7 +20,7 @@ from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BAR, BODY, IDENTIFIED, NOMINAL, Array, Stroke, dots
+from calib.show.style import BODY, IDENTIFIED, NOMINAL, Array, Stroke, dots
 
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""

@@ -13,10 +13,11 @@ from calib.fitting.fit import fit
 from calib.logs.read import read_log
 from calib.model.sensor_noise import add_noise
 from calib.plan import search
-from calib.plan.achieved import compare
-from calib.plan.expected import HalfWidths, noise_of, prior_of
+from calib.plan.achieved import DOCUMENT, compare, read_plan
+from calib.plan.expected import noise_of, prior_of
+from calib.plan.half_widths import HalfWidths
 from calib.plan.measure import Track, measures, pressure_trace
-from calib.plan.plan_file import DOCUMENT, document, pressure_files, read_plan
+from calib.plan.plan_file import document, pressure_files
 from calib.plan.search import Want, plan
 from tests.support.plant import Plant, as_log, brush, drive
 from tests.support.reference_car import CAR as WEIGHED_CAR
