@@ -34,7 +34,7 @@ def test_the_manual_has_every_headline_and_names_keys_that_exist(named):
     told = to_dict(named)
     keys = re.findall(r"((?:`\w+`(?:, | and )?)+)\s+in\s+`diagnosis\.json`", text)
     names = {name for group in keys for name in re.findall(r"\w+", group.replace(" and ", " "))}
-    assert names
+    assert len(names) >= 7
     assert names <= set(told)
 
 
