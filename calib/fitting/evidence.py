@@ -24,6 +24,7 @@ from calib.fitting.hypotheses import Hypothesis, Size
 from calib.fitting.prior import DRAWN, draw_cars
 from calib.fitting.regression import Regression, Solution
 from calib.model.ramp import RampRun
+from calib.run.filters import GroupMean
 
 _DRAWS = 512
 _BROAD = 0.5  # standard deviation of ln of the pads' ratio of the draws: any pads
@@ -104,23 +105,18 @@ class _Sum:
     """
 
     def __init__(self, car: Vehicle, run: RampRun) -> None:
-        b, self.car, self.run, self.braked = run.blocks, car, run, np.flatnonzero(run.braked)
-        groups = np.array_split(self.braked, min(_POINTS, self.braked.size))
-        self.sizes = np.array([g.size for g in groups])
-        self.z, time, length = self._means(b.z), self._means(b.end), self.sizes * b.length
+        b, self.car, self.run, braked = run.blocks, car, run, np.flatnonzero(run.braked)
+        self._mean = GroupMean(np.array_split(braked, min(_POINTS, braked.size)))
+        self.z, time, length = self._mean(b.z), self._mean(b.end), self._mean.sizes * b.length
         along = (time - time.mean()) / max(float(np.ptp(time)), b.length)
         near = np.exp(-0.5 * ((self.z[:, None] - self.z) / _LENGTH) ** 2)
         self.relative = _DISCREPANCY**2 * near + np.outer(along, along) * _TREND**2
         self.absolute = np.diag(run.noise.z**2 / length) + _ZERO**2
         self._read_pressures(run)
 
-    def _means(self, x: Array) -> Array:
-        first = np.cumsum(self.sizes) - self.sizes
-        return np.asarray(np.add.reduceat(x[self.braked], first) / self.sizes)
-
     def _read_pressures(self, run: RampRun) -> None:
         front, rear = brake_forces(self.car, run.blocks.p_f, run.blocks.p_r)
-        N = self._means(front + rear) / self.car.weight
+        N = self._mean(front + rear) / self.car.weight
         root = np.linalg.cholesky(self.absolute + np.outer(N, N) * self.relative)
         self.white = np.linalg.inv(root)
         self.unit = self.white @ N
@@ -134,7 +130,7 @@ class _Sum:
             sums._read_pressures(run)
         rolling = self.run.rolling
         zero = np.mean(run.brake_sum[rolling]) if rolling.size else 0.0
-        forces = sums.white @ ((self._means(run.brake_sum) - zero) / self.car.weight)
+        forces = sums.white @ ((self._mean(run.brake_sum) - zero) / self.car.weight)
         level = float(sums.unit @ forces / (sums.unit @ sums.unit))
         residual = forces - level * sums.unit
         square = float(residual @ residual)

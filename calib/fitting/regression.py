@@ -21,6 +21,7 @@ from calib.car.beliefs import CAR, LOG
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, Ensemble, LoadedTyres, loaded_tyres
 from calib.model.ramp import RampRun
+from calib.run.filters import GroupMean
 
 _GROUPS = 14  # groups of blocks of a ramp: the discrepancy of a tyre is alike over two of them
 _GRADE = 0.001  # random walk of bias and slope [1/sqrt(s)]
@@ -78,8 +79,7 @@ class _Ramp:
         if not (braked.size and lead.size):
             raise ValueError("no blocks of a braking, or none of rolling before it")
         groups = [lead, *np.array_split(braked, min(most or braked.size, braked.size))]
-        self._sizes = np.array([g.size for g in groups])
-        self._places, self._first = np.concatenate(groups), np.cumsum(self._sizes) - self._sizes
+        self._mean = GroupMean(groups)
         self.z = self._mean(run.quasi_static(car))
         self._read_forces(car, run)
         self._read_wheels(car, run)
@@ -92,9 +92,6 @@ class _Ramp:
             other._read_wheels(car, run)
         return other
 
-    def _mean(self, x: Array) -> Array:
-        return np.asarray(np.add.reduceat(x[self._places], self._first) / self._sizes)
-
     def _read_forces(self, car: Vehicle, run: RampRun) -> None:
         pressures = (self._mean(np.maximum(p, 1.0)) for p in (run.blocks.p_f, run.blocks.p_r))
         brake = self._mean(run.brake_sum)
@@ -106,7 +103,7 @@ class _Ramp:
     def _read_wheels(self, car: Vehicle, run: RampRun) -> None:
         b, noise, mean = run.blocks, run.noise, self._mean
         self._omega = b.omega_f, b.omega_r
-        time = self._sizes * b.length
+        time = self._mean.sizes * b.length
         eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
         zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
         if run.slip is None:

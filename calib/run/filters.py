@@ -19,6 +19,22 @@ def block_mean(x: Array, size: int) -> Array:
     return np.asarray(blocks @ np.ones(size) / size)  # eight times as fast as a mean of short rows
 
 
+class GroupMean:
+    """Means over groups of samples, each (of any size) given by the places of its samples.
+
+    >>> GroupMean([np.array([0, 1]), np.array([3])])(np.array([1.0, 3.0, 5.0, 7.0]))
+    array([2., 7.])
+    """
+
+    def __init__(self, groups: Sequence[Index]) -> None:
+        self.sizes = np.array([group.size for group in groups])
+        self._places, self._first = np.concatenate(groups), np.cumsum(self.sizes) - self.sizes
+
+    def __call__(self, x: Array) -> Array:
+        """Mean of ``x`` (n,) over each group."""
+        return np.asarray(np.add.reduceat(x[self._places], self._first) / self.sizes)
+
+
 def trailing_mean(x: Array, width: int) -> Array:
     """Mean of the last ``width`` samples, fewer at the start. Shape (n,)."""
     total = np.cumsum(np.concatenate([[0.0], x]))
