@@ -24,7 +24,7 @@ from calib.estimation.online import CHANNELS, limits
 from calib.estimation.state import LEVEL, PADS, SLIP, Constants, constants
 from calib.exports.build import maps_of
 from calib.exports.dataset import MOST_AXES, Axis, Grid
-from calib.run.blocks import samples_of_block
+from calib.run.blocks import samples_of_block, time_of_block
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise
 from calib.run.resistance import DRAG, ROLLING
@@ -81,7 +81,7 @@ def sources(
         "size": "sizeof(bte_car) + sizeof(bte_numbers)",
         "checksum": f"0x{checksum(summed, how.floating):08X}U",
         "samples": samples_of_block(sample_time),
-        "waiting": max(1, round(Constants.before_bite / _block(sample_time))),
+        "waiting": max(1, round(Constants.before_bite / time_of_block(sample_time))),
         "numbers": f"&{first}_numbers",
         **{name: [_places(of), len(of[0].axes), len(of), [x.label for x in of], _steps(of)]
            for name, of in maps.items()},
@@ -126,10 +126,6 @@ def _raw_of(grid: Grid) -> list[float] | list[int]:
     return grid.fixed.raw.tolist() if grid.fixed else grid.numbers
 
 
-def _block(sample_time: float) -> float:
-    return round(samples_of_block(sample_time) * sample_time, 9)
-
-
 def numbers_of(table: Table, sample_time: float, version: int = 0) -> list[Number]:
     """Numbers of `bte_numbers`: tuned ones, those that the code reads, and those of the car.
 
@@ -137,7 +133,7 @@ def numbers_of(table: Table, sample_time: float, version: int = 0) -> list[Numbe
     """
     if not 1e-4 <= sample_time <= 0.1:
         raise ExchangeError(f"a sample time of {sample_time:g} s", expected="0.0001 to 0.1 s")
-    c = constants(table, SensorNoise(**table.noise), _block(sample_time))
+    c = constants(table, SensorNoise(**table.noise), time_of_block(sample_time))
     read = re.findall(r"\bc->(\w+)", code(Precision()))
     tuned = ((name, x) for name, x in vars(c).items() if name in read and isinstance(x, float))
     return [

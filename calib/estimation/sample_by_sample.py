@@ -31,7 +31,7 @@ from calib.estimation.readout import of_blocks, step_inputs, torques_of, with_be
 from calib.estimation.reasons import Reason, first_reason
 from calib.estimation.state import Sample, constants
 from calib.estimation.step import Answer, started, step
-from calib.run.blocks import Blocks, samples_of_block
+from calib.run.blocks import Blocks, samples_of_block, time_of_block
 from calib.run.lateral import LATERAL_TIME, turning
 from calib.run.noise import SensorNoise
 from calib.store.version import Stored, table_in
@@ -55,7 +55,7 @@ class Online:
         require_plain(table)
         self._table, self._dt = as_driven(table, table.vehicle), sample_time
         self._limits, self._n = limits(sample_time, table.vehicle), samples_of_block(sample_time)
-        block = round(self._n * sample_time, 9)
+        block = time_of_block(sample_time)
         self._c = constants(self._table, SensorNoise(**table.noise), block)
         self._state = started(self._c)
         self._since_lock = self._since_abs = math.inf

@@ -71,6 +71,11 @@ def samples_of_block(sample_time: float, length: float = BLOCK) -> int:
     return max(1, int(length / sample_time + 0.45))  # no usual clock is where it turns over
 
 
+def time_of_block(sample_time: float) -> float:
+    """Time [s] of a block of a steady clock, without the last digits of a product."""
+    return round(samples_of_block(sample_time) * sample_time, 9)
+
+
 def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
     """`force_balance` of each block, with the spin of the wheels as it was measured, (k,)."""
     drive, spin = (b.drive_f, b.drive_r), (b.spin_f, b.spin_r)
