@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from calib.base.intervals import CERTAIN, SURE
 from calib.base.names import AXLE_NAMES
 from calib.base.warning import Measured
 from calib.car.vehicle import Vehicle
@@ -28,11 +29,6 @@ from calib.fitting.hypotheses import (
     hypotheses,
 )
 from calib.model.ramp import RampRun
-
-SURE, CERTAIN = 3.0, 8.0
-"""ln of the odds from which a mistake is named, and from which it is certain: 20 and 3,000 to 1.
-
-A car near ideal balance, with tyres of an unusual form and no motor, had 6.4 for a motor."""
 
 _EXPLAINED = 2.5
 """Mean square of the best residuals of eta, slip and sum over their errors, above which no

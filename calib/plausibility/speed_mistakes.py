@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.intervals import posterior
+from calib.base.intervals import CERTAIN, SURE, posterior
 from calib.base.names import AXLES, G
 from calib.car.lag import integral
 from calib.run.driving_record import DRIVEN, GREATEST, NOMINAL_RADIUS, SMOOTH
@@ -45,9 +45,7 @@ _SMALL, _LARGE = 0.3, (3.0, 30.0)
 _RATES, _NEAR, _STEADY = tuple(x / 100.0 for x in range(-10, 11, 2) if x), 0.01, 1e-3
 """Rates of a clock that runs off, their sigma, and that of one which does not [1]."""
 _RARE, _RARER = math.log(0.05), math.log(0.01)  # odds of what else v may be, and of a mistake
-_SURE, _CERTAIN, _EXPLAINED = 3.0, 8.0, 2.5
-"""ln of the odds within which two mistakes are alike, and of 3,000 to 1, from which one is named
-and its log refused; the most that it leaves of v, over noise."""
+_EXPLAINED = 2.5  # the most that a mistake leaves of v, over noise
 
 
 class SpeedMistake(NamedTuple):
@@ -79,8 +77,8 @@ def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
 
 
 def _named(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
-    """Those more probable than nothing wrong, and near the most probable one, which is first."""
-    least = max([_CERTAIN, *(m.log_odds - _SURE for m in mistakes)])
+    """Those that are certain, and near the most probable one, which is first."""
+    least = max([CERTAIN, *(m.log_odds - SURE for m in mistakes)])
     near = (m for m in mistakes if m.log_odds > least)
     return tuple(sorted(near, key=lambda m: m.log_odds, reverse=True))
 
