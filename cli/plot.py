@@ -42,9 +42,9 @@ def plot(
     A log: its channels. A PDF or HTML file holds all pages, of PNG and SVG there is one file per
     page; without --out they are PNG files in this directory, named after their content.
 
-    Panels for --figure, of a table: f1-f2, map, tyre, and forces of a ramp. Of two tables: map,
-    f1-f2. Of a stop or a result: pads, axle-torques, normalised-forces, slip. Of a log: eta, and
-    its channels: omega, p_mc, ...
+    Panels for --figure, of a table: f1-f2, map, map-band, tyre, posterior, pairs, and forces of a
+    ramp. Of two tables: f1-f2, map. Of a stop or a result: axle-torques, pads, normalised-forces,
+    slip, and map of a stop. Of a log: eta, and its channels: omega, p_mc, ...
     """
     from dataclasses import replace
 

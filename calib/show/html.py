@@ -28,13 +28,18 @@ _HEAD = 1000
 """Bytes at the begin of a page that hold its generator."""
 _PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
-_PARTS = 165
-"""Parts of a long line in a panel: two points on paper each."""
+_PARTS = 120
+"""Parts of a long line in a panel: two pixels of a screen each."""
 _UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n"
 """Characters that need no escape in a data URI within HTML."""
-_UNSEEN = re.compile(r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)", re.DOTALL)
-"""Parts of an SVG that show nothing: prologue, metadata, comments, spaces."""
+_UNSEEN = re.compile(
+    r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)"
+    r"| id=\"[a-z2]+_\d+\"| transform=\"rotate\(-0 [^\"]*\"",
+    re.DOTALL,
+)
+"""Parts of an SVG that show nothing: prologue, metadata, comments, spaces, names, no turn."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
+_STRAIGHT = re.compile(r"(?<= d=\")M(?: [-\d.]+ [-\d.]+ \n[LM])+ [-\d.]+ [-\d.]+ \n(?=z?\n?\")")
 _FONT = "'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif"
 """Font of the letters, and those as wide where a machine does not have it."""
 _AGAINST = "What speaks against the result, although it is given."
@@ -104,8 +109,19 @@ def _panel(sheet: Sheet, name: str) -> str:
     drawn = render(figure, ".svg", text=True).decode().replace(*_FONT)
     # places are exact to a tenth of a point
     short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _UNSEEN.sub("", drawn))
-    image = short.encode()
+    image = _STRAIGHT.sub(_from_last, short).encode()
     return f"data:image/svg+xml,{quote(image, safe=_UNQUOTED)}"
+
+
+def _from_last(path: re.Match[str]) -> str:
+    """A path of straight lines, each point by its way from the last one: half as long."""
+    commands, last, text = path[0].split("\n"), (0, 0), ""
+    for command in filter(None, commands):
+        name, *place = command.split()
+        x, y = (round(10.0 * float(end)) for end in place)
+        dx, dy = (f"{0.1 * way:.1f}".removesuffix(".0") for way in (x - last[0], y - last[1]))
+        text, last = f"{text}{name.lower()}{dx}{' ' * (dy[0] != '-')}{dy}", (x, y)
+    return text
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:

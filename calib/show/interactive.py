@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.show.panel import RAW, Line, Mark, Panel
+from calib.show.panel import RAW, Field, Line, Mark, Panel
 from calib.show.sheet import Sheet
 from calib.show.style import LINE_WIDTH, Array, Stroke, envelope, pale
 
@@ -102,9 +102,12 @@ class _Making:
             stylesheets=[_SCROLLS],
         )
         fig.toolbar.logo, fig.toolbar.active_drag, fig.toolbar.autohide = None, zoom, True
+        if panel.field is not None:
+            _image(fig, panel, panel.field)
         for mark in panel.marks:
             _mark(fig, mark)
-        fig.add_tools(*_hover(panel, [self._line(fig, line) for line in panel.lines]))
+        shown = [self._line(fig, line) for line in panel.lines]
+        fig.add_tools(*(_hover(panel, shown) if panel.field is None else ()))
         bands = [one for one in fig.renderers if one.level == "underlay"]  # the first on top
         fig.renderers = [*reversed(bands), *(one for one in fig.renderers if one not in bands)]
         for text, x, y in panel.texts:
@@ -194,6 +197,28 @@ def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str], str, str]]) -> li
             point_policy="follow_mouse",
         )
     ]
+
+
+def _image(fig: Any, panel: Panel, field: Field) -> None:
+    """Draw a field with its scale, and its values under the cursor."""
+    from bokeh.models import HoverTool, LinearColorMapper
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    (left, right, bottom, top), (cmap, low, high) = field.ends, field.scale
+    colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, 256))]
+    image = fig.image(
+        image=[field.values.astype(np.float32)],
+        x=left,
+        y=bottom,
+        dw=right - left,
+        dh=top - bottom,
+        level="image",
+        color_mapper=LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff"),
+    )
+    fig.add_layout(image.construct_color_bar(width=12), "right")
+    names = (panel.x, "$x"), (panel.y, "$y"), ("value", "@image{0.000}")
+    fig.add_tools(HoverTool(renderers=[image], tooltips=[*names]))
 
 
 def _mark(fig: Any, mark: Mark) -> None:

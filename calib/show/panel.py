@@ -59,10 +59,8 @@ class Line:
             return
         x, (low, high) = np.asarray(self.x, float), (np.asarray(end, float) for end in self.band)
         points, colour = envelope(low, parts), self.look["color"]
-        fill: Stroke = {"color": pale(colour), "lw": 0.0, "zorder": 1}
+        fill: Stroke = {"fc": pale(colour), "ec": (colour, 0.7), "lw": 0.6, "zorder": 1}
         ax.fill_between(x[points], low[points], high[points], **fill)
-        for end in (low, high):
-            ax.plot(x[points], end[points], color=colour, linewidth=0.6, alpha=0.7, zorder=1.5)
 
 
 @dataclass(frozen=True)
@@ -83,6 +81,41 @@ class Mark:
 
 
 @dataclass(frozen=True)
+class Field:
+    """Values (rows, columns) as colours over the whole of a panel, NaN where none is known.
+
+    The title of the panel names them. ``ends`` of its axes: left, right, bottom, top; ``middle`` of
+    a scale that has one.
+    """
+
+    values: Array
+    ends: tuple[float, float, float, float]
+    middle: float | None = None
+
+    @property
+    def scale(self) -> tuple[str, float, float]:
+        """Name of the colours in matplotlib, and the values of the first and the last one."""
+        low, high = np.nanquantile(self.values, [0.02, 0.98])
+        if self.middle is None:
+            return "viridis_r", low, high
+        far = max(high - self.middle, self.middle - low)
+        return "RdBu_r", self.middle - far, self.middle + far
+
+    def fill(self, ax: Axes) -> None:
+        """Draw it with its scale beside the axes; a picture in an SVG, too."""
+        from matplotlib.ticker import MaxNLocator
+
+        cmap, low, high = self.scale
+        look: Stroke = {"aspect": "auto", "origin": "lower", "interpolation": "none", "zorder": 0}
+        image = ax.imshow(self.values, cmap, vmin=low, vmax=high, extent=self.ends, **look)
+        ticks = MaxNLocator(6)  # as many in every height, so that they keep their width
+        room = ax.inset_axes((1.02, 0.0, 0.035, 1.0))
+        scale = ax.figure.colorbar(image, cax=room, ticks=ticks, extend="both")
+        if scale.solids is not None:
+            scale.solids.set(rasterized=True)
+
+
+@dataclass(frozen=True)
 class Panel:
     """One pair of axes.
 
@@ -96,6 +129,7 @@ class Panel:
         ``where`` it is true (n,).
     xticks, yticks : words at 0, 1, 2 ... instead of numbers.
     columns : entries in a row of the legend.
+    field : colours behind all, between ``xlim`` and ``ylim``.
     """
 
     name: str
@@ -111,12 +145,15 @@ class Panel:
     xticks: Sequence[str] = ()
     yticks: Sequence[str] = ()
     columns: int = 3
+    field: Field | None = None
 
     def fill(self, ax: Axes, parts: int = PARTS) -> float:
         """Draw the panel and its legend; returns the height of the legend [pt].
 
         Of a long line the lowest and the highest value of each of its ``parts`` are drawn.
         """
+        if self.field is not None:
+            self.field.fill(ax)
         for line in self.lines:
             line.fill(ax, parts)
         for line in reversed(self.lines):

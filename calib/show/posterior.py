@@ -16,7 +16,7 @@ from calib.show.panel import Line, Mark, Panel
 from calib.show.style import FRONT, NOMINAL, SHADE, Array, dots
 from calib.table.table import Table
 
-_OUTSIDE = 1.6
+_OUTSIDE = 2.1
 """End of the axis, over the half width of a prior [1]."""
 
 
@@ -40,15 +40,15 @@ def quantities(table: Table) -> list[_Quantity]:
     mean = 0.5 * (e.compliance_f + e.compliance_r)
     less = (e.compliance_f - e.compliance_r) / CAR.compliance.mean
     return [
-        _Quantity("ratio of the pads", e.log_pad_ratio, pads),
-        _Quantity("ratio of the tyres", less, CAR.log_tyre_ratio),
-        _Quantity("compliance of the tyres", mean, CAR.compliance),
+        _Quantity("pad ratio", e.log_pad_ratio, pads),
+        _Quantity("tyre ratio", less, CAR.log_tyre_ratio),
+        _Quantity("tyre compliance", mean, CAR.compliance),
         _Quantity("stiffness over load", e.load_exponent, CAR.load_exponent),
         _Quantity("grip of the road", np.log(e.peak), CAR.peak),
         _Quantity("grip over load", e.peak_load_exponent, CAR.peak_load_exponent),
-        _Quantity("rolling radius over load", e.radius_load, CAR.radius_load),
-        _Quantity("distance to the front axle", np.log(e.cg_to_front_axle), CAR.cg_to_front_axle),
-        _Quantity("height of the car's mass", np.log(e.cg_height), CAR.cg_height),
+        _Quantity("radius over load", e.radius_load, CAR.radius_load),
+        _Quantity("cg to front axle", np.log(e.cg_to_front_axle), CAR.cg_to_front_axle),
+        _Quantity("cg height", np.log(e.cg_height), CAR.cg_height),
     ]
 
 
@@ -80,7 +80,9 @@ def forest(table: Table) -> Panel:
 def pairs(table: Table) -> Panel:
     """Draws of the ratios of pads and tyres: what a ramp without v sees is their sum alone."""
     pad, tyre, *_ = quantities(table)
-    lines = [Line(100.0 * pad.draws, 100.0 * tyre.draws, dots(NOMINAL, 2.0, alpha=0.6))]
+    lines = [
+        Line(100.0 * pad.draws, 100.0 * tyre.draws, dots(NOMINAL, 2.0, alpha=0.6, rasterized=True))
+    ]
     correlation = float(np.corrcoef(pad.draws, tyre.draws)[0, 1])
     return Panel(
         "pairs",

@@ -14,7 +14,7 @@ from calib.show.numbers import whole
 from calib.show.panel import PARTS, Panel
 from calib.show.style import HEIGHT, WIDTH, Figure, styled
 
-_LETTER = 0.086
+_LETTER = 0.09
 """Width of a letter of the title [in], with a little to spare."""
 
 
@@ -64,7 +64,9 @@ class Sheet:
             up
             for upper, lower in pairwise(rows)
             for up, down in zip(upper, lower, strict=True)
-            if upper.count(up) == lower.count(down) and panels[up].shares(panels[down])
+            if up != down
+            and upper.count(up) == lower.count(down)
+            and panels[up].shares(panels[down])
         }
         with styled():
             height = min(2.5 * sum(heights) + 0.8, HEIGHT)

@@ -23,6 +23,7 @@ from calib.logs.log import Log
 from calib.run.filters import runs
 from calib.show.facts import Picture
 from calib.show.judged import broken, word
+from calib.show.map import map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
@@ -109,6 +110,12 @@ class _Stop:
         timed.sort(key=lambda one: -one[2])
         return {why: (mask, time) for why, mask, time in timed if mask.any()}
 
+    @property
+    def on_map(self) -> Pair:
+        """eta - 1 and z (m,) [1] of the valid samples, as means over `_SLIP_MEAN`."""
+        eta, z = (smooth(self.time, self.columns[name], _SLIP_MEAN) for name in ("eta", "z"))
+        return eta[self.valid] - 1.0, z[self.valid]
+
     def where_valid(self, name: str) -> Array:
         """A column (n,), NaN where the ECU has no valid answer."""
         return np.where(self.valid, self.columns[name], np.nan)
@@ -136,7 +143,7 @@ def of_validation(
     if (error := errors(result)).values:
         verdict.append(f"error front / rear {error.of_axles} against {AGAINST[error.against]}")
     kind = "stop" if stop.truth is None else "simulation"
-    return _sheet(kind, log.name, stop, note, verdict)
+    return _sheet(kind, log.name, stop, note, verdict, table)
 
 
 def torque_and_pads(result: Validation) -> Picture:
@@ -149,6 +156,17 @@ def torque_and_pads(result: Validation) -> Picture:
     return Picture(f"{result.log}: what the ECU makes of it; bands are 95 %.", draw)
 
 
+def stops_on_map(results: Sequence[Validation]) -> Picture:
+    """Map of the table with all stops, for a page."""
+
+    def draw() -> Sheet:
+        table = results[0].estimate.table
+        places = {r.log: _of_estimate(r.estimate, None).on_map for r in results}
+        return Sheet("stops", table.name, map_panels(table, places))
+
+    return Picture("Where the stops are on the map that the ECU looks up.", draw)
+
+
 def _of_estimate(e: Estimate, vehicle: Vehicle | None) -> _Stop:
     ramp = e.table.calibration
     source, pads = "on the ramp", (ramp.pad_friction_f.value, ramp.pad_friction_r.value)
@@ -158,16 +176,28 @@ def _of_estimate(e: Estimate, vehicle: Vehicle | None) -> _Stop:
     return _Stop(e.columns(), valid, source, pads, truth_of(e), e.slips)
 
 
-def _sheet(kind: str, name: str, stop: _Stop, note: str, verdict: Sequence[str]) -> Sheet:
-    """One panel a row; torque and pads, which are the answer, have most room."""
-    panels = _torque_panel(stop), _pad_panel(stop), _force_panel(stop), _slip_panel(stop)
+def _sheet(
+    kind: str,
+    name: str,
+    stop: _Stop,
+    note: str,
+    verdict: Sequence[str],
+    table: Table | None = None,
+) -> Sheet:
+    """Torque and pads, which are the answer, have most room; the map is that of the ``table``."""
+    panels = [_torque_panel(stop), _pad_panel(stop), _force_panel(stop), _slip_panel(stop)]
+    rows = [(panel.name,) * 2 for panel in panels]
+    if table is not None:
+        panels.append(map_panels(table, {name: stop.on_map})[0])
+        rows[2:] = ("normalised-forces", "map"), ("slip", "map")
     lost = [f"{t:.1f}{NBSP}s {why}" for why, (_, t) in stop.refused.items() if t >= _LEAST]
     grey = f" Grey, no valid answer: {', '.join(lost)}." if lost else ""
     answer = in_words(means(stop.columns, stop.valid)) or "no valid answer"
     return Sheet(
         kind=kind,
         name=name,
-        panels=panels,
+        panels=tuple(panels),
+        rows=tuple(rows),
         heights=(1.2, 1.0, 0.8, 0.8),
         title=": ".join([f"{kind.capitalize()} {name}", *verdict[:1]]),
         note=f"{note} Bands are 95 %.{grey}",

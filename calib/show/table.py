@@ -4,10 +4,9 @@ With the ramps it was made of, their measured points are drawn too, and Fig. 5. 
 colour is a quantity, as of one, and a line style is a table, in the order given.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
+from calib.show.map import difference_panel, map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.posterior import forest, pairs
 from calib.show.ramp import MeasuredRamp, panel, points
@@ -19,9 +18,7 @@ from calib.show.style import (
     ETA,
     FRONT,
     IDENTIFIED,
-    LAW,
     LONG,
-    NOMINAL,
     REAR,
     SHADE,
     Array,
@@ -31,7 +28,6 @@ from calib.show.torque import UNIT, per_bar
 from calib.table.budget import ramp_pads
 from calib.table.compare import diff
 from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
-from calib.table.maps import PadMap, Reader
 from calib.table.table import Table
 
 _Ramps = tuple[MeasuredRamp, ...]
@@ -47,22 +43,11 @@ _FREED = "ramps, drag taken out"
 """Label of the measured points beside a curve over eta."""
 _MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
-_MAPPED: dict[float, Stroke] = {
-    0.1: {**LAW, "linestyle": DASHED},
-    0.2: IDENTIFIED,
-    0.4: {**BODY, "linestyle": DOTTED},
-}
-"""Decelerations at which the map is drawn [g]."""
-_COMPARED = 0.2
-"""Deceleration at which the maps of two tables are compared [g]."""
 _STYLES: tuple[Stroke, Stroke] = (
     {"linestyle": "-", "linewidth": 1.1},
     {"linestyle": DASHED, "linewidth": 2.0},
 )
 _FORCES = "Force over load, less deceleration over g"
-_MAP = "Map: pads over those of the ramp"
-_SEEN = 0.02
-"""Share of the stops from which a cell of the map is drawn."""
 
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
@@ -74,16 +59,15 @@ def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
         " and ".join(ramp_pads(table)),
         table.paper.usable[1],
     )
-    maps = [_read(table.map, z, look, f"at {z:.1f} g") for z, look in _MAPPED.items()]
     return Sheet(
         kind="table",
         name=name,
         panels=(
-            *(_curves(table, ramps), _map(_MAP, maps), _tyre(table, ramps)),
+            *(_curves(table, ramps), _tyre(table, ramps), *map_panels(table)),
             *(forest(table), pairs(table), *of_ramps),
         ),
-        rows=(("f1-f2", "f1-f2"), ("map", "tyre"), ("posterior", "pairs")),
-        heights=(1.4, 1.2, 1.2),
+        rows=(("f1-f2", "f1-f2"), ("map", "map-band"), ("tyre", "posterior")),
+        heights=(1.4, 1.4, 1.2),
         title=f"Table {name}",
         note=_note(table, bool(ramps)),
         result=f"Brake torque front {front}, rear {rear} {UNIT} per bar, pads {pads} (95 %); "
@@ -188,26 +172,9 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     )
 
 
-def _map(title: str, lines: Sequence[Line]) -> Panel:
-    """Ratio of the pads over eta, at the usual slip."""
-    shifts = [x for line in lines for x in line.x]
-    even = Line((min(shifts), max(shifts)), (1.0, 1.0), NOMINAL, "as on the ramp")
-    return Panel("map", title, ETA, "front over rear pads [1]", [*lines, even], columns=2)
-
-
-def _read(pad_map: PadMap, z: float, look: Stroke, label: str) -> Line:
-    """Ratio of front to rear pads [1] over eta - 1 [%] in a map at ``z`` [g], where stops are."""
-    shift = pad_map.axes["shift"]
-    read = Reader(pad_map, ("change", "change_lower", "change_upper", "share"))
-    change, lower, upper, share = read(np.full_like(shift, z), shift, np.zeros_like(shift))
-    is_usual = share > _SEEN  # a cell that hardly any stop reaches is wide and means nothing
-    y, low, high = (np.exp(x[is_usual]) for x in (change, lower, upper))
-    return Line(100.0 * z * shift[is_usual], y, look, label, (low, high))
-
-
 def two_tables(tables: dict[str, Table]) -> Sheet:
     """Return the sheet of two tables by their ids: f1 and f2, and what their maps tell."""
-    curves, maps, notes = list[Line](), list[Line](), list[str]()
+    curves, notes = list[Line](), list[str]()
     for (name, table), style in zip(tables.items(), _STYLES, strict=True):
         p = table.paper
         for key, stroke in (("f1", FRONT), ("f2", REAR)):
@@ -216,18 +183,19 @@ def two_tables(tables: dict[str, Table]) -> Sheet:
             curves.append(
                 Line(100.0 * (p.eta - 1.0), y, look, f"{key}, {name}", (band[0], band[1]))
             )
-        maps.append(_read(table.map, _COMPARED, {**IDENTIFIED, **style}, name))
         front, rear = ramp_pads(table)
         notes.append(
             f"{name}: digest {table.digest[:16]}, pad friction front {front}, rear {rear}."
         )
     difference = diff(*tables.values())
     beyond = [*difference.apart, *(gap.curve for gap in difference.curves if gap.in_bands > 1.0)]
-    title = f"Maps at {_COMPARED:g} g: pads over those of the ramp"
     return Sheet(
         kind="comparison",
         name="_".join(tables),
-        panels=(_map(title, maps), Panel("f1-f2", _FORCES, ETA, "f1, f2 [1]", curves, columns=2)),
+        panels=(
+            Panel("f1-f2", _FORCES, ETA, "f1, f2 [1]", curves, columns=2),
+            difference_panel(*tables.values()),
+        ),
         title=" and ".join(tables),
         note=" ".join([*notes, "Bands are 95 %."]),
         result=difference.verdict.capitalize() + f" in {', '.join(beyond)}" * bool(beyond),

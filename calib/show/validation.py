@@ -22,7 +22,7 @@ from calib.estimation.validate import (
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
 from calib.show.judged import UNKNOWN, broken, budget_rows, pads, stop_by_stop, valid, word
 from calib.show.origin import origin
-from calib.show.stop import torque_and_pads
+from calib.show.stop import stops_on_map, torque_and_pads
 from calib.show.torque import (
     AGAINST,
     SIDES,
@@ -102,7 +102,7 @@ def validation_facts(judged: Validated) -> Facts:
         next=_next(stored, in_order),
         warnings=warnings,
         parts=[
-            Facts("The stops", pictures=[torque_and_pads(r) for r in results]),
+            Facts("The stops", pictures=[*map(torque_and_pads, results), stops_on_map(results)]),
             details,
             Facts("Metrics and limits", tables=[limits], notes=unknown),
             origin(stored, logs, date.today().isoformat(), judged.files),

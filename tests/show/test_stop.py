@@ -63,7 +63,7 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
     none = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
     sheet = stop.of_validation(sedan, "sedan@1", transition, none)
-    assert len(sheet.overview().axes) == 4
+    assert len(sheet.overview().axes) == 5
     assert np.isnan(line(panel(sheet, "pads"), REAR)[1]).all()
 
 
