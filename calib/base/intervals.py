@@ -23,8 +23,7 @@ NINETY = 1.645
 SURE, CERTAIN = 3.0, 8.0
 """ln of the odds from which a mistake is named, and from which it is certain: 20 and 3,000 to 1.
 
-A car near ideal balance, with tyres of an unusual form and no motor, had 6.4 for a motor; a ramp
-near the peak of a slippery road had 5.4 for a clock of v."""
+A car near ideal balance, with tyres of an unusual form and no motor, had 6.4 for a motor."""
 
 
 def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:

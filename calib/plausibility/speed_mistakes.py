@@ -4,9 +4,11 @@
     v = v_0 - (scale of a_x) g int z dt + slope t + late
     late = g int z dt from (t - delay)/(1 + c) to t
 
-over coasting, lead-in and braking. Slip is a cubic of z. Each hypothesis is a linear Gaussian
-model. Tyres and sensors have in all of them what they usually have; they differ in what they
-believe of the radius R, of the offset and of the rate c by which the clock of v runs off.
+over coasting, lead-in and braking, until a wheel is at its limit. Each hypothesis is a linear
+Gaussian model. They differ in what they believe of the radius R, of the offset, of the rate c by
+which the clock of v runs off, and of the road. Slip is a cubic of z, and what rises steeply before
+the peak of the tyres; by the pressure where this leaves less, since near the peak the noise of a_x
+makes much of it. Noise is what is left where slip and radius are free.
 """
 
 import math
@@ -17,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.intervals import CERTAIN, SURE, posterior
+from calib.base.intervals import SURE, posterior
 from calib.base.names import AXLES, G
 from calib.car.lag import integral
 from calib.run.driving_record import DRIVEN, GREATEST, NOMINAL_RADIUS, SMOOTH
@@ -31,9 +33,14 @@ _FEWEST, _LASTING = 20, 4.0
 _FILE, _USUAL, _CAR, _UNIT = 0.012, 0.08, 0.1, 3.0
 """Sigma of a radius over that of the vehicle file, of any radius, and of one of another car and in
 another unit [1]."""
-_SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.003))
-"""Mean and sigma of what v has over radius and wheel speed, with z, its square and cube, and with
-the square of the wheel speed over 100 rad/s: slip of a tyre, its bend, and how a tyre grows [1]."""
+_STEEP, _GENTLE = 8, 0.1
+"""Order in z of what rises before the peak; largest z of a run, at least, that may be near it."""
+_SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.01), (0.0, 0.003))
+"""Mean and sigma of what v has over radius and wheel speed: of slip, with z, its square, cube and
+steep part, and with the square of the wheel speed over 100 rad/s, by which a tyre grows [1]."""
+_SLIPPERY = ((0.1, 0.05), (0.1, 0.2), (0.2, 1.0), (0.0, 0.1), _SLIP[-1])
+"""The same on a wet road: a brush of stiffness K and peak m has (1 + z/(3 m) + 5 z^2/(27 m^2) ...)
+z/K, for each load that it bears. K is 9 to 17, m 0.35 to 0.6, the front axle bears 0.6."""
 _IN_TIME, _LATE, _FINEST = 0.05, (0.1, 0.2, 0.3, 0.4), 5e-3
 """Sigma of a delay, and those of a receiver or a slow filter [s]; least error of v [m/s]."""
 _ROLLS = 0.2  # sigma of the slip of an axle that does not brake, over the usual one [1]
@@ -77,8 +84,8 @@ def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
 
 
 def _named(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
-    """Those that are certain, and near the most probable one, which is first."""
-    least = max([CERTAIN, *(m.log_odds - SURE for m in mistakes)])
+    """Those that are sure, and near the most probable one, which is first."""
+    least = max([SURE, *(m.log_odds - SURE for m in mistakes)])
     near = (m for m in mistakes if m.log_odds > least)
     return tuple(sorted(near, key=lambda m: m.log_odds, reverse=True))
 
@@ -113,7 +120,7 @@ class _Belief(NamedTuple):
 
     Sigma of the ``radius`` [1] and the ``offset`` [rad/s]; ``delay`` of v [s]; the ``rate`` of its
     clock with its sigma [1]; ``slips`` whether v was made of wheel speeds, and slips with them;
-    sigma of the ``scale`` of a_x [1].
+    sigma of the ``scale`` of a_x [1]; whether the road is ``slippery``.
     """
 
     kind: str
@@ -125,12 +132,14 @@ class _Belief(NamedTuple):
     rate_sigma: float = _STEADY
     slips: bool = False
     scale: float = _SCALE
+    slippery: bool = False
 
 
 def _beliefs(radius: float) -> Iterator[_Belief]:
     """All hypotheses; ``radius`` sigma of what is known of that [1]."""
     yield _Belief("", 0.0, radius)
     yield _Belief("", _RARE, radius, slips=True)
+    yield _Belief("", _RARE, radius, slippery=True)
     yield _Belief("", _RARE, _CAR)
     yield from (_Belief("", _RARE, other, scale=other) for other in (_CAR, _UNIT))
     for delay in _LATE:
@@ -156,10 +165,10 @@ class _Fit(NamedTuple):
 class _AxleSpeed:
     """v [m/s] (n,) as means over 0.1 s, where the car moves and no engine drives it.
 
-    ``columns`` (2 n, 13) what the unknowns make of v by both equations: radius, offset, slip (4),
+    ``columns`` (2 n, 14) what the unknowns make of v by both equations: radius, offset, slip (5),
     v_0, slope, its change, slip of v, scale, delay, rate; ``shifts`` (n,) what delay and rate make
     of it; ``radius`` [m] by which the first one is counted; ``noise`` of v by both (2 n,) [m/s];
-    ``slip`` mean and sigma of the slip (4, 2).
+    ``brakes`` what an axle has of the slip, and of its sigma (2,) [1].
     """
 
     v: Array
@@ -167,13 +176,14 @@ class _AxleSpeed:
     shifts: dict[tuple[float, float], Array]
     radius: float
     noise: Array
-    slip: Array
+    brakes: Array
 
     @classmethod
     def of_axle(cls, run: Run, axle: str, radius: float) -> "_AxleSpeed":
         """By the wheels of an axle."""
         d, size = run.driving, max(1, round(SMOOTH / run.driving.step))
-        inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST)
+        ends = run.slipping.first if run.slipping else math.inf
+        inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST) & (d.time < ends)
         use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
         omega = 0.5 * (run.log[f"omega_{axle}l"] + run.log[f"omega_{axle}r"])
         time, lost = d.time - d.time[0], G * integral(d.time, d.z)
@@ -181,16 +191,20 @@ class _AxleSpeed:
         shifts = [lost - np.interp((time - late) / (1.0 + c), time, lost) for late, c in pairs]
         signals = (run.log["v"], omega, d.z, time, lost, *shifts)
         v, omega, z, time, lost, *shifts = (block_mean(x, size)[use] for x in signals)
-        slips = (z * omega, z**2 * omega, z**3 * omega, 1e-4 * omega**3)
-        ones = np.ones_like(v)
-        wheels = radius * np.stack([omega, -ones, *slips], axis=1)
+        ones, in_time, braked = np.ones_like(v), shifts[: 1 + len(_LATE)], [z]
+        if d.pressure is not None:
+            p = block_mean(d.pressure, size)[use]
+            braked.append(p * float(z @ p) / max(float(p @ p), 1.0))
+        each = [radius * _by_wheels(omega, x) for x in braked]
+        noises = [_noise(np.delete(A, 1, axis=1), v, in_time) for A in each]
+        wheels = each[int(np.argmin(noises))]
         a_x = np.stack([ones, time, 0.5 * time**2, -z * v, -lost], axis=1)
         late = np.stack([G * z, G * z * time], axis=1)
-        noise = [_noise(np.hstack([A, late]), v, shifts) * ones for A in (wheels, a_x)]
+        noise = np.concatenate([min(noises) * ones, _noise(a_x, v, in_time) * ones])
         columns = np.block([[wheels, 0.0 * a_x, late], [0.0 * wheels, a_x, late]])
         by_shift = dict(zip(pairs, shifts, strict=True))
-        slip = np.array(_SLIP) * (1.0 if run.alone is None else np.array([0.0, _ROLLS]))
-        return cls(v, columns, by_shift, radius, np.hstack(noise), slip)
+        brakes = np.array([1.0, 1.0] if run.alone is None else [0.0, _ROLLS])
+        return cls(v, columns, by_shift, radius, noise, brakes)
 
     def fits(self, beliefs: Sequence[_Belief]) -> list[_Fit]:
         """Posterior of the unknowns under each belief."""
@@ -215,13 +229,21 @@ class _AxleSpeed:
         ]
 
     def _prior(self, belief: _Belief) -> Array:
-        """Mean and sigma of the unknowns (2, 13), of the rate from that of the belief on."""
-        slip, of_v = self.slip, np.array([(0.0, _STEADY)])
+        """Mean and sigma of the unknowns (2, 14), of the rate from that of the belief on."""
+        slip = self.brakes * np.array(_SLIPPERY if belief.slippery else _SLIP)
+        of_v = np.array([(0.0, _STEADY)])
         if belief.slips:
             slip, of_v = slip * (0.0, 1.0), slip[:1]
         others = np.concatenate([slip, _A_X, of_v, [(1.0, belief.scale), (0.0, _IN_TIME)]])
         ends = [(1.0, belief.radius), (0.0, belief.offset)], [(0.0, belief.rate_sigma)]
         return np.concatenate([ends[0], others, ends[1]]).T
+
+
+def _by_wheels(omega: Array, z: Array) -> Array:
+    """What radius, offset and slip make of v over the radius (n, 7), ``z`` of the brakes [1]."""
+    steep = z * (z / max(float(np.max(z, initial=0.0)), _GENTLE)) ** _STEEP
+    slips = (z * omega, z**2 * omega, z**3 * omega, steep * omega, 1e-4 * omega**3)
+    return np.stack([omega, -np.ones_like(omega), *slips], axis=1)
 
 
 def _noise(A: Array, v: Array, shifts: list[Array]) -> float:

@@ -12,7 +12,7 @@ from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import FIT, unusable
 from calib.plausibility.wheels import car_wheels, lost_pulses, slip_of_v
 from calib.run.run import Run
-from tests.support.plant import WHEELS, dugoff
+from tests.support.plant import WHEELS, brush, dugoff
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop
 from tests.support.refusals import broken, why_not
 
@@ -198,11 +198,12 @@ def test_an_offset_of_v_is_one_of_all_wheels():
         changed(RAMP, **{f"omega_{w}": 1.05 * RAMP[f"omega_{w}"] for w in WHEELS}),
         noisy(stop(REAL, pressure=120e5), 5),  # its wheels lock
         noisy(ramp(replace(WET, tyre=dugoff(20.0, 0.5))), 3),
+        noisy(ramp(replace(REAL, tyre=brush(10.0, 0.38)), 2.7e5), 3),  # near the peak, it is soft
     ],
 )
-def test_neither_another_radius_nor_deep_slip_is_an_offset(log):
+def test_neither_another_radius_nor_deep_slip_is_an_offset_or_a_clock(log):
     codes = {one.code for car in (None, CAR) for one in refused(log, car)}
-    assert "wheel_offset" not in codes
+    assert not {"wheel_offset", "v_clock"} & codes
 
 
 @pytest.mark.parametrize(("log", "factor"), [(RAMP, 1.08), (STOP, 0.97), (STOP, 1.05)])

@@ -273,8 +273,17 @@ def another_car(rng: Rng) -> Mistake:
 
 def clock_of_v(rng: Rng) -> Mistake:
     k = off_by(rng, 0.02, 0.10)
-    slow = {"v": lambda x, log: np.interp(log.time / k, log.time, x)}
-    return Mistake(percent(k), channels=slow)
+
+    def ran_off(logs: Logs) -> Logs:  # the logs end where the other clock ends
+        return {name: cut(log, k * log.time[-1]) for name, log in logs.items()}
+
+    def cut(log: Log, end: float) -> Log:
+        inside = log.time <= end
+        late = {**log.channels, "v": np.interp(log.time / k, log.time, log["v"])}
+        channels = {name: x[inside] for name, x in late.items()}
+        return replace(log, channels=channels, truth={n: x[inside] for n, x in log.truth.items()})
+
+    return Mistake(percent(k), logs=ran_off)
 
 
 def wheel_copied(rng: Rng) -> Mistake:
