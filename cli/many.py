@@ -7,7 +7,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Event
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from calib.base.errors import printable
 from calib.line.fleet.rows import Command, Status
@@ -41,7 +41,6 @@ _JobLimits = Annotated[
     ),
 ]
 _Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
-_Fresh = Annotated[bool, option("Delete the results in DIR of --out and start again.")]
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,6 @@ class Inputs:
     vehicle: _Car
     limits: _JobLimits
     channel_map: options.Map
-    fresh: _Fresh
 
     def job(self, command: Command) -> "Job":
         """The job for each log. Refuses missing inputs and those that are not used."""
@@ -120,7 +118,6 @@ def batch(
         result = run_batch(
             *(job, logs, out, executor),
             lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),
-            inputs.fresh,
         )
     counts = ", ".join(
         f"{n} {status.in_words(command)}" for status, n in sorted(result.counts.items())
@@ -139,7 +136,6 @@ def watch(
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
     inputs: Inputs,
-    every: float = option("Seconds between scans.", "S", built_in=1.0, min=0.05),
     settle: float = option(
         "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
     ),
@@ -164,10 +160,9 @@ def watch(
         document = {**row.head(), "figures": row.metrics(command)}
         emit_line(json_module.dumps(document, allow_nan=False) if json else row.line(command))
 
-    scans: dict[str, Any] = {"every": every, "settle": settle, "fresh": inputs.fresh}
     with closing(Pool(inputs.workers or cores())) as pool, writing(out), _stopped() as stop:
         say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-        result = watch_folder(job, folder, out, pool, stop, tell, complain, **scans)
+        result = watch_folder(job, folder, out, pool, stop, tell, complain, settle=settle)
     counts = ", ".join(f"{n} {status}" for status, n in sorted(result.items()))
     say(f"{counts}; {out / NAME}" if result else "no log came")
     return Answer({})
@@ -203,7 +198,6 @@ def fleet(
     ),
     *,
     order: str | None = option("Column that orders the logs, else names.", "COLUMN"),
-    metric: list[str] = option("Only this metric; repeatable.", "NAME"),
     out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
@@ -221,7 +215,7 @@ def fleet(
     from calib.show.station_index import write_index
 
     if results.is_dir():
-        if order or metric or out:
+        if order or out:
             raise misuse("a DIR takes no option: its pages are written there")
         with writing(results, "DIR"):
             number = write_index(results)
@@ -230,7 +224,7 @@ def fleet(
     check_folder(out, ("fleet.json", "report.html"))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
-    summary = summarise(opened, tuple(metric))
+    summary = summarise(opened)
     if out is not None:
         title = printable(f"{results.absolute().parent.name}/{results.name}")
         with progress("drawing the report"):

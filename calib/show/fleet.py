@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from calib.base.plain import NBSP, plain
-from calib.line.fleet.summary import MetricSummary, Outlier, Summary, headline
+from calib.line.fleet.summary import MetricSummary, Outlier, Summary
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Row, Table
 from calib.show.numbers import number
 from calib.show.panel import Line, Panel
@@ -24,6 +24,12 @@ _FIRST = 5
 _NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
 _HEADS = (*("metric", "logs", "median", "90 % of the logs", "stand apart", "drift"),)
+_HALF_WIDTHS = {
+    "front": "ecu_interval_f",
+    "rear": "ecu_interval_r",
+    "total": "ecu_interval_level",
+}
+"""Half widths of the 95 % interval of a torque over itself, by the part of the car."""
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
 _LEVEL: Stroke = {**IDENTIFIED, "linewidth": 2.0}
@@ -50,14 +56,13 @@ def fleet_facts(summary: Summary) -> Facts:
     first: list[Row] = [("failed", ", ".join(log for log, _ in failed[:_FIRST]) + more)]
     return Facts(
         "Fleet",
-        headline=headline(summary),
+        headline=summary.headline,
         verdict=_verdict(summary),
         numbers=[
             ("logs", str(len(summary.logs))),
             *((k, str(n)) for k, n in summary.status.items()),
         ],
-        rows=[*(first if failed else []), *apart[:_FIRST]],
-        notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in summary.copies],
+        rows=[*_torque(looks), *(first if failed else []), *apart[:_FIRST]],
         parts=[
             Facts("All that stands apart", rows=apart[:_NAMES] if len(apart) > _FIRST else ()),
             Facts(
@@ -71,6 +76,17 @@ def fleet_facts(summary: Summary) -> Facts:
             Facts("Metrics to look at", parts=[_metric(summary, look) for look in drawn]),
         ],
     )
+
+
+def _torque(looks: list[MetricSummary]) -> list[Row]:
+    """How well the ECU knows the torque, which is known as well as the pads: the median stop."""
+    medians = {look.column.name: look.median for look in looks}
+    halves = [
+        f"{side} \N{PLUS-MINUS SIGN}{NBSP}{plain(name).with_unit(medians[name])}"
+        for side, name in _HALF_WIDTHS.items()
+        if name in medians
+    ]
+    return [("brake torque (95 %)", ", ".join(halves))] if halves else []
 
 
 def _limits(keys: str) -> str:
@@ -106,7 +122,8 @@ def _shown(look: MetricSummary) -> Callable[[float], str]:
 def _verdict(summary: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
     calm = not (any(look.drifts for look in summary.looks) or summary.apart or summary.failures)
-    if summary.too_few or (calm and not summary.drift_tested):
+    judged = any(look.judged for look in summary.looks)
+    if not judged or (calm and not summary.drift_tested):
         return UNJUDGED
     return PASSED if calm else WARNING
 
@@ -115,7 +132,6 @@ def _row(summary: Summary, look: MetricSummary) -> tuple[str, ...]:
     """One metric: its scatter, the logs that stand apart, and where its level changes."""
     shown, c = _shown(look), look.change
     low, high = map(shown, look.others)
-    judged = bool(np.isfinite(look.z).any())
     drift = "not tested" if c is None else "no"
     if look.drifts and c is not None:
         place = f"{summary.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
@@ -125,7 +141,7 @@ def _row(summary: Summary, look: MetricSummary) -> tuple[str, ...]:
         str(look.values.size),
         shown(look.median),
         f"{low} to {high}",
-        str(int(look.outlying.sum())) if judged else "not judged",
+        str(int(look.outlying.sum())) if look.judged else "not judged",
         drift,
     )
 

@@ -121,7 +121,7 @@ def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo
         assert np.mean(np.abs(kept - now)) < 0.01, name
 
 
-DEAR = re.compile("brake-cal (batch|diagnose|fleet|qualify|station)")
+DEAR = re.compile("brake-cal (batch|diagnose|fleet|plan|qualify|station)")
 """Up to half a minute each; the same run on the pages of the manual, and in their tests."""
 
 
@@ -153,8 +153,7 @@ def test_the_examples_work_as_printed(home: Path, line: str) -> None:
         for name in ("line.key", "line.pub") if "--new-key" in each else ("line.toml", "sedan.dcm"):
             if f" {name}" in each and f"--limits {name}" not in each and "compare" not in each:
                 (home / name).unlink(missing_ok=True)
-        again = " --fresh" if "brake-cal batch" in each else ""
-        assert run(home, f"{each}{again}") == 0
+        assert run(home, each) == 0
 
 
 def test_the_commands_of_the_readme_work(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -57,8 +56,8 @@ def test_validate_and_its_limits(batch, tmp_path):
     limits = ("--limits", tmp_path / "limits.toml")
     limits[1].write_text("schema = 1\n[limits]\ninterval_f = { max = 1e-6 }\n")
     assert batch("validate", "logs", *TABLE, *limits, out=tmp_path / "out").code == 2  # others
-    assert batch("validate", "logs", *TABLE, *limits, "--fresh", out=tmp_path / "out").code == 1
-    broken = [row["not_held"] for row in rows(tmp_path / "out")]
+    assert batch("validate", "logs", *TABLE, *limits, out=tmp_path / "strict").code == 1
+    broken = [row["not_held"] for row in rows(tmp_path / "strict")]
     assert broken == ["interval_f", "interval_f", None]
 
 
@@ -97,7 +96,7 @@ def bench(tmp_path):
     running = []
 
     def start(*more):
-        words = ("check", "in", "--out", "out", "--workers", "1", "--every", "0.1", "--settle")
+        words = ("check", "in", "--out", "out", "--workers", "1", "--settle")
         process = subprocess.Popen(
             [sys.executable, "-m", "cli.main", "watch", *words, "0.2", *more],
             cwd=tmp_path,
@@ -136,18 +135,16 @@ def test_a_watch_ends_when_asked(bench, home, tmp_path, send):
 
 
 def test_a_fleet_is_written_and_told(brake_cal, tmp_path):
-    digests = ([*"abacbbd", None], pa.string(), None)
     folder = tmp_path / os.fsdecode(b"fr\xfch")  # a title that is not UTF-8
     folder.mkdir()
-    path = results(folder / "r.parquet", 8, extra={"digest": digests})
+    path = results(folder / "r.parquet", 8)
     out = tmp_path / "out"
     ran = brake_cal("fleet", path, "--out", out)
     assert ran.code == 0, ran.err
     assert {p.name for p in out.iterdir()} == {"fleet.json", "report.html"}
     document = json.loads((out / "fleet.json").read_text())
-    assert (document["logs"], len(document["copies"])) == (8, 2)
+    assert document["logs"] == 8
     ordered = parsed(brake_cal("fleet", path, "--order", "built", "--json"))
     assert ordered["ordered_by"] == "built"
     assert ordered["figures"]["built"]["change"] is None  # what orders the line does not drift
-    for words in (("--metric", "pad_fricton_f"), ("--order", "biult")):
-        assert brake_cal("fleet", path, *words).code == 3
+    assert brake_cal("fleet", path, "--order", "biult").code == 3

@@ -4,9 +4,8 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from calib.line.fleet.outliers import SHARE
 from calib.line.fleet.results import open_fleet
-from calib.line.fleet.summary import document, headline, summarise
+from calib.line.fleet.summary import document, summarise
 from calib.show.fleet import fleet_facts, metric_sheet, window
 from calib.show.sheet import render
 from cli.console import plain
@@ -44,20 +43,19 @@ def test_small_fleets_are_drawn_and_names_as_they_are(tmp_path, n):
     assert "a$b/c$" in [metric_sheet(few, look).panels[0].title for look in few.looks]
 
 
-def test_the_document_is_json_and_says_what_chance_gives(found):
+def test_the_document_is_json(found):
     told = json.loads(json.dumps(plain(document(found)), allow_nan=False))
     assert told["status"] == {"passed": 397, "error": 3}
-    pads = told["figures"]["pad_friction_f"]
+    pads, apart = told["figures"]["pad_friction_f"], told["apart"][0]
     assert pads["change"]["drifts"] is True
-    assert told["outliers_by_chance"] == pytest.approx(SHARE * len(told["outliers"]))
-    assert pads["quantiles"]["95"] < told["outliers"][0]["value"]
-    assert told["outliers"][0]["log"] == "line/car134.csv"
-    assert list(told["outliers"][0]) == ["log", "figure", "value", "z", "p"]
+    assert apart["log"] == "line/car134.csv"
+    assert list(apart["reasons"][0]) == ["figure", "value", "p"]
+    assert pads["quantiles"]["95"] < apart["reasons"][0]["value"]
 
 
 def test_a_short_line_is_not_called_steady(tmp_path):
-    short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)), ("settling",))
-    assert headline(short) == "Drift not tested; no log stands apart."
+    short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)))
+    assert short.headline == "Drift not tested; no log stands apart."
     page = fleet_facts(short)
     assert page.verdict == "unjudged"
     assert page.parts[2].tables[0].rows[0][-1] == "not tested"

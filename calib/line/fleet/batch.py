@@ -36,17 +36,16 @@ def run_batch(
     out: Path,
     executor: Executor,
     report: Callable[["Sweep"], None] = lambda sweep: None,
-    fresh: bool = False,
 ) -> "Sweep":
     """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
 
-    Continues an earlier run with the same settings; ``fresh`` starts again. A log that fails gets a
-    row. Raises LogError when an argument names no log, BatchError when ``out`` holds
-    another batch or the workers are not of this version, OSError when ``out`` cannot be written.
+    Continues an earlier run with the same settings. A log that fails gets a row. Raises LogError
+    when an argument names no log, BatchError when ``out`` holds another batch or the workers are
+    not of this version, OSError when ``out`` cannot be written.
     """
     logs = {printable(path): path for path in find_logs(arguments, job.command, out)}
     settings = job.settings()
-    with closing(BatchJournal(out, settings, fresh)) as journal:
+    with closing(BatchJournal(out, settings)) as journal:
         sweep = Sweep(job, journal, executor, len(logs), report)
         sweep.work(logs.items())
         write_results(journal.rows(sorted(logs)), settings, out)
@@ -85,7 +84,6 @@ class Sweep:
         """The counts, and data on this run, as plain data."""
         elapsed = time.monotonic() - self.start
         return {
-            "schema": 1,
             "results": self.results,
             "logs": self.finished,
             "counts": {status: self.counts[status] for status in Status},
@@ -98,16 +96,13 @@ class Sweep:
         """Compute all ``logs``, each as (name of its row, path)."""
         # small chunks of few logs, so that all workers have some
         size = min(self.most, 1 + self.total // (8 * self.executor.workers))
-        items = (self._item(name, path) for name, path in logs)
+        items = (
+            WorkItem(name, os.path.abspath(path), self.journal.digest(name)) for name, path in logs
+        )
         while chunk := tuple(islice(items, size)):
             self._drain(_AHEAD * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
-
-    def _item(self, name: str, path: str) -> WorkItem:
-        row = self.journal.row(name)
-        digest = None if row is None or row.lost else row.digest
-        return WorkItem(name, os.path.abspath(path), digest)
 
     def _submit(self, chunk: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit a chunk; if the pool just broke, return a failed future."""
@@ -191,14 +186,11 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
             elif named or (command != Command.DIAGNOSE and _is_log(path)):
                 paths += [path] * (named or os.path.realpath(path) != results)
         if not paths:
-            folders = f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
-            files = f"files that end in {', '.join(FORMATS)}"
-            raise LogError(
-                "no log found",
-                where=argument,
-                expected=folders if command == Command.DIAGNOSE else files,
-                do="check the path; put a pattern in quotes",
-            )
+            expected = f"files that end in {', '.join(FORMATS)}"
+            if command == Command.DIAGNOSE:
+                expected = f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
+            do = "check the path; put a pattern in quotes"
+            raise LogError("no log found", where=argument, expected=expected, do=do)
         yield from paths
 
 
@@ -213,20 +205,17 @@ def logs_below(
 
     ``trouble`` is called with the error if a folder cannot be read; the folder is then skipped.
     """
-    results_folder = os.path.realpath(out)
     for home, folders, files in os.walk(folder, onerror=trouble):
         folders[:] = sorted(f for f in folders if not f.startswith("."))
-        is_results_folder = os.path.realpath(home) == results_folder
-        if is_results_folder and home != folder:
+        has_results = os.path.realpath(home) == os.path.realpath(out)
+        if has_results and home != folder:
             folders.clear()
         elif command == Command.DIAGNOSE:
             if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
                 folders.clear()
                 yield home
         else:
-            logs = (
-                f for f in sorted(files) if _is_log(f) and not (is_results_folder and f == NAME)
-            )
+            logs = (f for f in sorted(files) if _is_log(f) and not (has_results and f == NAME))
             yield from (os.path.join(home, f) for f in logs)
 
 

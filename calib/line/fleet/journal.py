@@ -23,46 +23,35 @@ from calib.line.fleet.rows import Row, Status
 
 NAME = "journal.sqlite"
 _SCHEMA = "2"
-_ANEW = "name another --out, or start again with --fresh"
+_ANEW = "name another --out, or remove this folder to start again"
 _TABLES = """
 BEGIN;
-CREATE TABLE IF NOT EXISTS settings (name TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL,
+CREATE TABLE settings (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL,
     error TEXT, cells TEXT NOT NULL, lost INTEGER NOT NULL);
-DELETE FROM settings;
-DELETE FROM rows;
 """
 
 
 class BatchJournal:
     """The journal of ``folder``, open for one run at a time; made if there is none.
 
-    ``fresh`` deletes its content. Raises BatchError when it was written with other settings, is no
-    journal of this version, is damaged or in use, OSError when the disk is full or fails; so do
-    its methods.
+    Raises BatchError when it was written with other settings, is no journal of this version, is
+    damaged or in use, OSError when the disk is full or fails; so do its methods.
     """
 
-    def __init__(self, folder: Path, settings: dict[str, str], fresh: bool = False):
+    def __init__(self, folder: Path, settings: dict[str, str]):
         folder.mkdir(parents=True, exist_ok=True)
         self.folder, self._path = folder, folder / NAME
         ours = {"schema": _SCHEMA, **settings}
-        try:
-            self._db, stored = _locked(self._path)
-        except _Unusable:
-            if not fresh:
-                raise
-            for rest in (self._path, Path(f"{self._path}-wal")):
-                rest.unlink(missing_ok=True)
-            self._db, stored = _locked(self._path)
-        differ = {key for key, _ in stored.items() ^ ours.items()}
-        if stored and differ and not fresh:
-            self.close()
-            problem = f"holds results of other settings: {', '.join(sorted(differ))}"
-            raise BatchError(problem, where=folder, do=_ANEW)
-        if fresh or not stored:
+        self._db, stored = _locked(self._path)
+        if not stored:
             with _explained(self._path), self._db:
                 self._db.executescript(_TABLES)
                 self._db.executemany("INSERT INTO settings VALUES (?, ?)", ours.items())
+        elif differ := {key for key, _ in stored.items() ^ ours.items()}:
+            self.close()
+            problem = f"holds results of other settings: {', '.join(sorted(differ))}"
+            raise BatchError(problem, where=folder, do=_ANEW)
 
     def add(self, rows: Iterable[Row]) -> None:
         """Store rows, all or none; each replaces an earlier row of its log."""
@@ -78,6 +67,11 @@ class BatchJournal:
         for _, digest, status, error, cells, lost in self._select("* FROM rows WHERE log = ?", log):
             return Row(log, digest, Status(status), error, tuple(json.loads(cells)), bool(lost))
         return None
+
+    def digest(self, log: str) -> str | None:
+        """The digest of a log that need not be tried again, else None."""
+        row = self.row(log)
+        return None if row is None or row.lost else row.digest
 
     def rows(self, logs: Iterable[str]) -> Iterator[Row]:
         """Rows of those of ``logs`` that have one, in their order."""
@@ -122,10 +116,6 @@ def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
     return db, stored
 
 
-class _Unusable(BatchError):
-    """The file is not a valid journal of this version."""
-
-
 @contextmanager
 def _explained(path: Path) -> Iterator[None]:
     """Turn errors of SQLite into BatchError, or into OSError if the disk is the reason."""
@@ -138,7 +128,7 @@ def _explained(path: Path) -> Iterator[None]:
             raise BatchError("another run uses this folder", where=path.parent, do=do) from cause
         if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT):
             problem = "damaged, or not the journal of a batch of this version"
-            raise _Unusable(problem, where=path, do=_ANEW) from cause
+            raise BatchError(problem, where=path, do=_ANEW) from cause
         if code == sqlite3.SQLITE_CANTOPEN:
             path.open("ab").close()  # raises OSError with the reason
         number = errno.ENOSPC if code == sqlite3.SQLITE_FULL else errno.EIO

@@ -2,14 +2,13 @@
 
     distance       |x - median| over the upper quartile of these on its side of the median
     p of a metric  two-sided, of a normal or a Student distribution: tails by what the bulk says
-    p of a car     the least p of its metrics, times the number of metrics that say new things
+    p of a car     the least p of its metrics, times the number of metrics (Bonferroni)
     named cars     by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
 
 Each side has its own spread, and the wider sides of all metrics have tails of their own, so that a
 skewed metric names no more good cars than another. The outermost tenth of a side counts only as
-"beyond", so outliers do not lengthen the tails by which they are judged. Metrics that follow each
-other count as one: that number is the effective one of Galwey (Genetic Epidemiology 33, 2009).
-Where half of the cars or more have one value, such as a prior's, the others are judged about it.
+"beyond", so outliers do not lengthen the tails by which they are judged. Where half of the cars or
+more have one value, such as a prior's, the others are judged about it.
 """
 
 from collections.abc import Sequence
@@ -27,9 +26,6 @@ SHARE = 0.03
 _REASON = 0.01
 """p over its metrics at which a further metric of a named car is told as a reason, too."""
 
-_MANY = 30
-"""Cars from which on `SHARE` holds; of fewer the tails are so little known that less is named."""
-
 FEWEST = 8
 """Fewest cars for a scale that can name outliers."""
 
@@ -46,13 +42,12 @@ _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
 
 @dataclass(frozen=True)
 class Judged:
-    """All metrics of a fleet, each array (m, n) and NaN where a metric is not known or not judged.
+    """All metrics of a fleet, NaN where a metric is not known or not judged.
 
-    ``z`` the normal number that is as rare; ``p`` two-sided; ``named`` the reasons for which a car
-    is named; ``p_of_car`` (n,) over its metrics.
+    ``p`` (m, n) two-sided; ``named`` (m, n) the reasons for which a car is named; ``p_of_car`` (n,)
+    over its metrics.
     """
 
-    z: Array
     p: Array
     named: Mask
     p_of_car: Array
@@ -74,28 +69,21 @@ def judge(values: Array, least: Sequence[float]) -> Judged:
 
     ``least`` (m,): differences that matter, in the unit of each metric, 0 for any.
     """
-    from scipy.special import ndtri
-
-    (m, n), every = values.shape, zip(values, least, strict=True)
-    judged = {i: sides for i, x in enumerate(every) if (sides := _sides(*x))}
-    together = effective(values[[*judged]])
-    z, p = np.full((2, m, n), np.nan)
+    sides = {i: both for i, x in enumerate(zip(values, least, strict=True)) if (both := _sides(*x))}
+    p = np.full(values.shape, np.nan)
     for part in (0, -1):  # the narrower sides of all metrics, then the wider ones
-        weights = _tails([sides[part].distance for sides in judged.values()], together)
-        for i, sides in judged.items():
-            p[i, sides[part].rows] = _two_sided(sides[part].distance, weights)
-    for i in judged:
-        away = values[i] - np.nanmedian(values[i])
-        z[i] = -np.sign(away) * ndtri(np.maximum(0.5 * p[i], 1e-19))
-    car = np.full(n, np.nan)
-    some = np.isfinite(p).any(axis=0)
-    car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
-    cars = named(car, SHARE * min(1.0, n / _MANY))
-    limit = max(_REASON, float(car[cars].max())) if cars.any() else 0.0
-    return Judged(z, p, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car)
+        weights = _tails([both[part].distance for both in sides.values()])
+        for i, both in sides.items():
+            p[i, both[part].rows] = _two_sided(both[part].distance, weights)
+    over_all = np.where(np.isfinite(p), len(sides) * p, np.inf)
+    least_p = over_all.min(axis=0, initial=np.inf)
+    p_of_car = np.where(np.isfinite(least_p), np.minimum(least_p, 1.0), np.nan)
+    cars = named(p_of_car, SHARE)
+    limit = max(_REASON, float(p_of_car[cars].max(initial=0.0)))
+    return Judged(p, cars & (over_all <= limit), p_of_car)
 
 
-def named(p: Array, share: float = SHARE) -> Mask:
+def named(p: Array, share: float) -> Mask:
     """Which of ``p`` (any shape) are discoveries by Benjamini and Hochberg; NaN never is.
 
     >>> named(np.array([0.001, 0.02, 0.9, 0.04]), 0.05)
@@ -107,27 +95,6 @@ def named(p: Array, share: float = SHARE) -> Mask:
     out = np.zeros(p.shape, dtype=np.bool_)
     out[finite] = false_discovery_control(p[finite]) <= share
     return out
-
-
-def effective(values: Array) -> float:
-    """Number of metrics that say new things: m if none follows another, 1 if all are one.
-
-    ``values`` (m, n). A correlation that chance gives among n cars counts as zero.
-    """
-    m, n = values.shape
-    if m < 2:
-        return float(m)
-    from scipy.stats import rankdata
-
-    ranks = np.array([rankdata(x, nan_policy="omit") for x in values])
-    ranks -= np.nanmean(ranks, axis=1, keepdims=True)
-    ranks = np.nan_to_num(ranks)
-    size = np.sqrt(np.sum(ranks**2, axis=1))
-    r = ranks @ ranks.T / np.maximum(np.outer(size, size), 1e-300)
-    r[np.abs(r) < 3.0 / np.sqrt(n)] = 0.0
-    np.fill_diagonal(r, 1.0)
-    strength = np.maximum(np.linalg.eigvalsh(r), 0.0)
-    return float(np.sum(np.sqrt(strength)) ** 2 / np.sum(strength))
 
 
 def _sides(values: Array, least: float) -> list[_Side]:
@@ -154,19 +121,19 @@ def _sides(values: Array, least: float) -> list[_Side]:
     return sorted(sides, key=itemgetter(0))
 
 
-def _tails(distances: list[Array], together: float) -> Array:
+def _tails(distances: list[Array]) -> Array:
     """Weight (4,) of each of `_FREEDOM`: that of the prior, and how well it fits every bulk."""
     from scipy.special import softmax
     from scipy.stats import t
 
-    fits = np.zeros(_FREEDOM.size)
+    fits = np.log(_PRIOR)
     for x in map(np.sort, distances):
         outside = int(np.ceil(_OUTSIDE * x.size))
         if outside < x.size:
             inside, end = x[:-outside, None] * _QUARTILE, x[-outside - 1] * _QUARTILE
             fits += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_QUARTILE), axis=0)
             fits += outside * t.logsf(end, _FREEDOM)
-    return np.asarray(softmax(np.log(_PRIOR) + fits * together / max(len(distances), 1)))
+    return np.asarray(softmax(fits))
 
 
 def _two_sided(distance: Array, weights: Array) -> Array:

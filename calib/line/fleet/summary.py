@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.base.errors import InputError
 from calib.base.plain import counted, plain
-from calib.base.toml import did_you_mean
-from calib.line.fleet.drift import LevelChange, change, least_p
-from calib.line.fleet.outliers import FEWEST, SHARE, Judged, judge, named
+from calib.line.fleet.drift import LevelChange, change
+from calib.line.fleet.outliers import Judged, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
@@ -27,18 +25,13 @@ _MAD = 0.67449
 _EXAMPLES = 3
 """Most logs that are named for a kind of error."""
 
-_MANY = 20
-"""A text column with more different values than this is not a class: names, digests."""
-
 
 @dataclass(frozen=True)
 class Outlier:
-    """A reason why a log stands apart: a metric, its value, its z and two-sided p."""
+    """A reason why a log stands apart: a metric, its value and two-sided p."""
 
-    log: str
     figure: str
     value: float
-    z: float
     p: float
 
 
@@ -48,23 +41,23 @@ class _Apart:
 
     log: str
     p: float
-    reasons: tuple[Outlier, ...]
+    reasons: list[Outlier]
 
 
 @dataclass(frozen=True)
 class MetricSummary:
     """One metric, a number, over the fleet.
 
-    ``rows`` (k,) with a value, in order; ``values``, their ``z`` and ``outlying`` (k,); ``change``
-    None if too few for a significant one among so many metrics; ``drifts`` whether it is
+    ``rows`` (k,) with a value, in order; ``values`` and ``outlying`` (k,); ``judged`` whether it
+    has enough of them; ``change`` None if they are too few; ``drifts`` whether the change is
     significant among all metrics.
     """
 
     column: Column
     rows: Index
     values: Array
-    z: Array
     outlying: Mask
+    judged: bool
     change: LevelChange | None
     drifts: bool
 
@@ -119,9 +112,7 @@ class Summary:
     """The whole fleet.
 
     ``status``: number of logs for each; ``failed``: logs that fail, each with the limits that it
-    does not hold, "" where that is not known; ``classes``: of each metric of text or yes/no the
-    number of each value, the most frequent first; ``apart``: the farthest log first; ``copies``:
-    names of logs that are one and the same recording, by recording.
+    does not hold, "" where that is not known; ``apart``: the farthest log first.
     """
 
     logs: tuple[str, ...]
@@ -129,105 +120,80 @@ class Summary:
     status: dict[Status, int]
     failed: dict[str, str]
     looks: tuple[MetricSummary, ...]
-    classes: dict[str, dict[str, int]]
     apart: tuple[_Apart, ...]
     failures: tuple[_Failure, ...]
-    copies: list[list[str]]
-
-    @property
-    def outliers(self) -> tuple[Outlier, ...]:
-        """All reasons of all logs that stand apart, the strongest first."""
-        reasons = [reason for car in self.apart for reason in car.reasons]
-        return tuple(sorted(reasons, key=lambda o: (o.p, -abs(o.z), o.log)))
-
-    @property
-    def too_few(self) -> bool:
-        """Whether no metric has enough logs to be judged."""
-        return all(look.values.size < FEWEST for look in self.looks)
 
     @property
     def drift_tested(self) -> bool:
         """Whether any metric has enough logs to tell a drift."""
         return any(look.change is not None for look in self.looks)
 
+    @property
+    def headline(self) -> str:
+        """The fleet in one sentence."""
+        errors = sum(failure.count for failure in self.failures)
+        failed = f"; {counted(errors, 'log')} with an error" if errors else ""
+        if not any(look.judged for look in self.looks):
+            some = any(look.values.size for look in self.looks)
+            why = "too few to judge outliers or drift" if some else "none has a metric"
+            return f"{counted(len(self.logs), 'log')}: {why}{failed}."
+        names, logs = [look.name for look in self.looks if look.drifts], len(self.apart)
+        drift = "No drift" if self.drift_tested else "Drift not tested"
+        if names:
+            drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
+        apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
+        return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
 
-def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
-    """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
-    metrics = _chosen(fleet, wanted)
-    numbers = [m for m in metrics if m.kind is float]
+
+def summarise(fleet: FleetFile) -> Summary:
+    """Summarise all metrics that are numbers."""
+    numbers = [m for m in fleet.metrics if m.kind is float]
     every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
     judged = judge(every, [plain(m.name).step for m in numbers])
-    finite = np.isfinite(every)
-    lines = list(zip(numbers, every, finite, strict=True))
+    rows = [np.flatnonzero(np.isfinite(x)) for x in every]
     # the column that orders the line always increases along it: nothing of it is tested
-    drifts = drifting([x[k] if m.name != fleet.order else x[:0] for m, x, k in lines])
-    looks = tuple(
-        MetricSummary(m, np.flatnonzero(k), x[k], judged.z[i, k], judged.named[i, k], *drifts[i])
-        for i, (m, x, k) in enumerate(lines)
-    )
+    lines = [x[:0] if m.name == fleet.order else x for m, x in zip(numbers, every, strict=True)]
+    changes = drifting([x[np.isfinite(x)] for x in lines])
+    looks = [
+        MetricSummary(
+            m, k, every[i, k], judged.named[i, k], bool(np.isfinite(judged.p[i]).any()), *changes[i]
+        )
+        for i, (m, k) in enumerate(zip(numbers, rows, strict=True))
+    ]
     words = fleet.values("status")
     status = Counter(words)
     verdicts = zip_longest(fleet.logs, words, fleet.values("not_held"))
-    recordings: dict[object, list[str]] = {}
-    for log, digest in zip(fleet.logs, fleet.values("digest"), strict=False):
-        if digest is not None:
-            recordings.setdefault(digest, []).append(log)
     return Summary(
         fleet.logs,
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
         {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
-        looks,
-        dict(_classes(fleet, metrics)),
+        tuple(looks),
         _apart(fleet.logs, numbers, every, judged),
         failures(fleet.logs, fleet.values("error")),
-        [copies for copies in recordings.values() if len(copies) > 1],
     )
 
 
 def drifting(lines: Sequence[Array]) -> list[tuple[LevelChange | None, bool]]:
-    """Change of each metric in the order of the line, and whether it is significant among all.
-
-    None if even a clear step could not be significant.
-    """
+    """Change of each metric in the order of the line, and whether it is significant among all."""
     changes = [change(x) for x in lines]
-    enough = _DRIFT / max(sum(c is not None for c in changes), 1)
-    tested = [
-        c if c and least_p(x.size) <= enough else None for c, x in zip(changes, lines, strict=True)
-    ]
-    p = np.array([c.p if c else np.nan for c in tested])
-    return list(zip(tested, named(p, _DRIFT).tolist(), strict=True))
-
-
-def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Column, ...]:
-    by_name = {metric.name: metric for metric in fleet.metrics}
-    for name in (name for name in wanted if name not in by_name):
-        names, near = f"one of {', '.join(by_name)}", did_you_mean(name, by_name)
-        raise InputError(f"no metric {name!r}", where=fleet.path, expected=names, do=near)
-    return tuple(by_name[name] for name in wanted) or fleet.metrics
-
-
-def _classes(fleet: FleetFile, metrics: tuple[Column, ...]) -> Iterator[tuple[str, dict[str, int]]]:
-    words: dict[object, str] = {True: "yes", False: "no", None: "none"}
-    for metric in (m for m in metrics if m.kind is not float):
-        counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
-        if metric.kind is bool or len(counts) <= _MANY:
-            yield metric.name, dict(counts.most_common())
+    p = np.array([np.nan if c is None else c.p for c in changes])
+    return list(zip(changes, named(p, _DRIFT).tolist(), strict=True))
 
 
 def _apart(
     logs: tuple[str, ...], metrics: Sequence[Column], values: Array, judged: Judged
 ) -> tuple[_Apart, ...]:
     """The logs that stand apart, each with its metrics; ``values`` (m, n)."""
-    numbers, cars = np.stack([values, judged.z, judged.p]), []
+    cars = []
     for row in np.flatnonzero(judged.named.any(axis=0)):
         reasons = [
-            Outlier(logs[row], metrics[i].name, *numbers[:, i, row].tolist())
+            Outlier(metrics[i].name, float(values[i, row]), float(judged.p[i, row]))
             for i in np.flatnonzero(judged.named[:, row]).tolist()
         ]
-        reasons.sort(key=lambda o: (o.p, -abs(o.z)))
-        cars.append(_Apart(logs[row], float(judged.p_of_car[row]), tuple(reasons)))
-    return tuple(sorted(cars, key=lambda car: (car.p, -abs(car.reasons[0].z), car.log)))
+        reasons.sort(key=lambda o: o.p)
+        cars.append(_Apart(logs[row], float(judged.p_of_car[row]), reasons))
+    return tuple(sorted(cars, key=lambda car: (car.p, car.log)))
 
 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
@@ -254,22 +220,6 @@ def kind_of(error: str, log: str) -> str:
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)
 
 
-def headline(summary: Summary) -> str:
-    """The fleet in one sentence."""
-    errors = sum(failure.count for failure in summary.failures)
-    failed = f"; {counted(errors, 'log')} with an error" if errors else ""
-    if summary.too_few:
-        some = any(look.values.size for look in summary.looks)
-        why = "too few to judge outliers or drift" if some else "none has a metric"
-        return f"{counted(len(summary.logs), 'log')}: {why}{failed}."
-    names, logs = [look.name for look in summary.looks if look.drifts], len(summary.apart)
-    drift = "No drift" if summary.drift_tested else "Drift not tested"
-    if names:
-        drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
-    apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
-    return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
-
-
 def document(summary: Summary) -> dict[str, Any]:
     """The whole summary as one JSON-able document."""
     return {
@@ -277,18 +227,11 @@ def document(summary: Summary) -> dict[str, Any]:
         "logs": len(summary.logs),
         "ordered_by": summary.ordered_by,
         "status": summary.status,
-        "headline": headline(summary),
+        "headline": summary.headline,
         "failed": summary.failed,
         "errors": summary.failures,
-        "copies": summary.copies,
-        "outliers": summary.outliers,
-        "outliers_by_chance": SHARE * len(summary.outliers),
-        "apart": [
-            {"log": car.log, "p": car.p, "figures": [o.figure for o in car.reasons]}
-            for car in summary.apart
-        ],
+        "apart": summary.apart,
         "figures": {look.column.name: _entry(summary, look) for look in summary.looks},
-        "classes": summary.classes,
     }
 
 
@@ -300,14 +243,12 @@ def _entry(summary: Summary, look: MetricSummary) -> dict[str, Any]:
         "median": look.median,
         "scale": look.scale,
         "quantiles": look.quantiles,
-        "beyond_3": int(np.sum(np.abs(look.z) > 3.0)),
         "outliers": int(look.outlying.sum()),
         "change": c
         and {
             "drifts": look.drifts,
             "p": c.p,
             "first_log": summary.logs[look.rows[c.first]],
-            "number": int(look.rows[c.first]) + 1,
             "before": c.old_level,
             "after": c.new_level,
         },

@@ -71,7 +71,6 @@ def watch(
     *,
     every: float = 1.0,
     settle: float = 2.0,
-    fresh: bool = False,
     clock: Callable[[], float] = time.monotonic,
 ) -> Counter[Status]:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
@@ -79,8 +78,7 @@ def watch(
     ``folder`` is scanned each ``every`` [s], a log is complete after ``settle`` [s] without change;
     ``out`` keeps journal and results.parquet as in `run_batch`, rows named by their path within
     ``folder``. ``tell`` is called with each row after it is on the disk, ``trouble`` once when a
-    folder cannot be read; ``clock`` [s]. Returns the number of rows by
-    status; without a row there is no results.parquet.
+    folder cannot be read; ``clock`` [s]. Returns the number of rows by status.
 
     A log is repeated only if its digest has changed; one that was deleted keeps its row. The job is
     not "diagnose": its logs are folders without a sign of completion. Raises like `run_batch`.
@@ -95,7 +93,7 @@ def watch(
             files.give(path)
             yield name, path
 
-    with closing(BatchJournal(out, settings, fresh)) as journal:
+    with closing(BatchJournal(out, settings)) as journal:
         while not stop.is_set():
             errors: list[OSError] = []
             paths = logs_below(str(folder), job.command, out, errors.append)

@@ -105,8 +105,7 @@ _unpacked = lru_cache(maxsize=2)(pickle.loads)
 
 
 def _run_item(job: Job, item: WorkItem) -> Row | None:
-    digest = None
-    lost = False
+    digest, lost = None, False
     try:
         files = _contents(job, item)
         digest = _digest_of(files)
@@ -144,10 +143,15 @@ def _contents(job: Job, item: WorkItem) -> Files:
     return {n: log_bytes(root / n, where[n], any_format=n == VEHICLE) for n in names}
 
 
-def _log(job: Job, item: WorkItem, files: Files, name: str = "") -> Log:
-    where, file = Path(item.name) / name, Path(item.path) / name
+def _logs(job: Job, item: WorkItem, files: Files, part: str = "") -> list[Log]:
+    """The logs of a part of the folder; the log itself without one."""
     require = () if job.command == Command.CHECK else REQUIRED
-    return read_log(where, job.channel_map, require=require, data=files[name], file=file)
+    return [
+        read_log(Path(item.name, name), job.channel_map, require=require, data=data,
+                 file=Path(item.path, name))
+        for name, data in files.items()
+        if name.startswith(part)
+    ]  # fmt: skip
 
 
 def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
@@ -155,7 +159,7 @@ def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.estimation.validate import validate_one
 
     assert job.table is not None
-    log = _log(job, item, files)
+    (log,) = _logs(job, item, files)
     result = validate_one(job.table, log, job.vehicle, job.limits)
     broken = ", ".join(j.figure for j in result.judgements if j.verdict == FAILED)
     metrics = (finite(result.figures[name]) for name in METRICS)
@@ -167,7 +171,7 @@ def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.fitting.fit import fit
 
     assert job.vehicle is not None
-    table = fit(job.vehicle, [_log(job, item, files)])
+    table = fit(job.vehicle, _logs(job, item, files))
     cal, q = table.calibration, table.quality
     pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
     metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in QUALITY)]
@@ -182,7 +186,8 @@ def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.plausibility.check import check
     from calib.run.run import figures
 
-    findings = check(_log(job, item, files))
+    (log,) = _logs(job, item, files)
+    findings = check(log)
     usable = (verdict.usable for verdict in findings.verdicts)
     metrics = map(finite, figures(findings.run).values())
     cells = (*usable, *metrics, _codes(findings.warnings))
@@ -194,11 +199,8 @@ def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.diagnosis.diagnose import diagnose
 
     vehicle = read_vehicle(Path(item.path) / VEHICLE)
-    calibration, holdout = (
-        [_log(job, item, files, name) for name in files if name.startswith(f"{part}/")]
-        for part in (CALIBRATION, HOLDOUT)
-    )
-    diagnosis = diagnose(vehicle, calibration, holdout)
+    runs, held_out = (_logs(job, item, files, f"{part}/") for part in (CALIBRATION, HOLDOUT))
+    diagnosis = diagnose(vehicle, runs, held_out)
     gap = (diagnosis.gap.rms_before, diagnosis.gap.rms_after, diagnosis.gap.closed)
     names = "+".join(effect.name for effect in diagnosis.effects)
     return Status.DONE, (diagnosis.verdict, names, *map(finite, gap))

@@ -8,7 +8,8 @@ from calib.line.fleet.drift import change, likeness
 
 def test_no_change_without_scatter_or_with_few():
     assert change(np.full(50, 0.38)) is None
-    assert change(np.arange(9.0)) is None
+    assert change(np.arange(21.0)) is None
+    assert change(np.repeat([0.0, 1.0], 11)).p < 0.001  # a plain step in as few as are tested
 
 
 @pytest.mark.parametrize("size", [1.0, 1.5])

@@ -32,8 +32,8 @@ rows = st.builds(
 )
 
 
-def opened(folder, fresh=False, **settings):
-    return closing(BatchJournal(folder, SETTINGS | settings, fresh))
+def opened(folder, **settings):
+    return closing(BatchJournal(folder, SETTINGS | settings))
 
 
 def row(log, cells=(0.1,)):
@@ -94,28 +94,24 @@ def other_database(path):
 @pytest.mark.parametrize(
     "make", [damaged, other_database, lambda path: path.write_bytes(b"hello\n" * 1000)]
 )
-def test_what_is_no_journal_is_not_touched_and_makes_way_when_asked(tmp_path, make):
+def test_what_is_no_journal_is_not_touched(tmp_path, make):
     path = tmp_path / NAME
     make(path)
     content = path.read_bytes()
     with pytest.raises(BatchError):
         BatchJournal(tmp_path, SETTINGS)
     assert path.read_bytes() == content
-    with opened(tmp_path, fresh=True) as journal:
-        assert journal.logs() == []
-        journal.add([row("a")])
-    assert [path.name for path in tmp_path.iterdir()] == [NAME]
 
 
 def test_two_runs_do_not_write_at_once(tmp_path):
     code = (
         "import sys; from pathlib import Path; from calib.line.fleet.journal import BatchJournal; "
-        f"BatchJournal(Path(sys.argv[1]), {SETTINGS}, True)"
+        f"BatchJournal(Path(sys.argv[1]), {SETTINGS})"
     )
     with opened(tmp_path) as journal:
         journal.add([row("a")])
         with pytest.raises(BatchError):
-            BatchJournal(tmp_path, SETTINGS, fresh=True)
+            BatchJournal(tmp_path, SETTINGS)
         ran = subprocess.run(
             [sys.executable, "-c", code, tmp_path], cwd=ROOT, capture_output=True, text=True
         )

@@ -1,4 +1,4 @@
-"""A real Dask scheduler and two worker processes on this machine, one of them killed."""
+"""Two worker processes, of this machine or of a real Dask scheduler, one of them killed."""
 
 import os
 import pickle
@@ -6,13 +6,17 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
+from calib.line.fleet.batch import run_batch
+from calib.line.fleet.workers import Pool
 from tests.support.fleet_logs import validating
 
-pytest.importorskip("distributed", reason="dask[distributed], the extra `dist`, is not installed")
+with_dask = pytest.mark.skipif(not find_spec("distributed"), reason="without the extra `dist`")
 
 ROOT = Path(__file__).parents[3]
 LOCAL = ("--host", "127.0.0.1", "--no-dashboard")
@@ -85,6 +89,21 @@ def waited_for(question, patience=30.0):
     raise AssertionError("waited in vain")
 
 
+def test_a_killed_process_of_this_machine_costs_no_row(fitted, fleet, undisturbed, tmp_path):
+    killed = []
+
+    def report(sweep):
+        if sweep.finished >= 4 and not killed:
+            killed.append(next(iter(pool._pool._processes)))
+            os.kill(killed[0], signal.SIGKILL)
+
+    with closing(Pool(2)) as pool:
+        done = run_batch(validating(fitted), [str(fleet)], tmp_path / "out", pool, report)
+    assert killed
+    assert done.results.read_bytes() == undisturbed
+
+
+@with_dask
 def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, address, workers, tmp_path):
     out = tmp_path / "out"
     said = pickle.dumps((validating(fitted), str(fleet), str(out), address, workers[0].pid))
@@ -98,6 +117,7 @@ def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, address, worke
     assert (out / "results.parquet").read_bytes() == undisturbed
 
 
+@with_dask
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense"])
 def test_the_command_says_that_nobody_answers(tmp_path, fleet, address):
     code = (
