@@ -16,7 +16,6 @@ from cli.sign import Signed
 
 if TYPE_CHECKING:
     from calib.estimation.limits import Limit
-    from calib.line.station.station import Identity
 
 _ID = "calib.line.station.station:identifier"
 NAME = "Name of the station."
@@ -25,7 +24,7 @@ GAUGE = "repeatability.json"
 
 @dataclass(frozen=True)
 class Who:
-    """Identity of a run at the line, as `calib.line.station.station.Identity` has it."""
+    """Identity of a run at the line, see `calib.line.station.station.TITLES`."""
 
     serial: Annotated[str | None, option("Serial number.", "S", make=_ID)]
     vin: Annotated[str | None, option("Vehicle identification.", "V", make=_ID)]
@@ -80,10 +79,11 @@ def station(
     from calib.base.write import workshop
     from calib.line.station.files import outputs_of, publish_run, why_not_exported
     from calib.line.station.golden import golden_table
-    from calib.line.station.station import Identity, judged_car
+    from calib.line.station.station import judged_car
     from calib.show.station_page import StationRun, store_and_write
 
-    ramps, identification = [ramp, *more], Identity(**vars(identity))
+    ramps = [ramp, *more]
+    identification = {name: value for name, value in vars(identity).items() if value is not None}
     stems, forms = stems_of(holdouts, "HOLDOUT"), [] if signed.public else export
     if "table" in stems:
         raise misuse("a hold-out named table takes the export's place; rename it")
@@ -131,7 +131,7 @@ def _limits_file() -> str:
 
 
 @contextmanager
-def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iterator[None]:
+def _telling_refusals(out: Path, identity: dict[str, str], logs: list[Path]) -> Iterator[None]:
     """Write the refusal of a car into ``out``, for the index of the line.
 
     A mistake in what was typed or a damaged store says nothing of a car.
@@ -171,10 +171,9 @@ def limits(
 
 @command(
     "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
-    "brake-cal repeatability wet/*.csv --plan plan.csv --vehicle car.toml",
+    "brake-cal repeatability --plan plan.csv --metric pad_scale --limits gauge.toml",
 )
 def repeatability(
-    logs: list[Path] | None = argument("Ramps of the plan; if none, all.", "LOG"),
     *,
     vehicle: Path | None = option(
         "Vehicle, if the plan names none per log; else that of the settings.",
@@ -185,7 +184,6 @@ def repeatability(
     metric: list[str] = option(
         "Judge only this metric; repeatable.", "NAME", names="calib.line.gauge.study:METRICS"
     ),
-    eta: float = option("eta - 1 where D, f1 and f2 are compared [%].", "PERCENT", built_in=0.15),
     limits: Path | None = option(
         "Limits of grr and ndc, and tolerances; never the settings'.", "L.toml"
     ),
@@ -207,12 +205,11 @@ def repeatability(
 
     check_folder(out, (GAUGE, "repeatability.png"))
     gauge_limits = read_gauge_limits(limits)
-    places, reference = read_plan(plan, logs or [], vehicle), eta / 100.0
+    places = read_plan(plan, vehicle)
     if any(place.vehicle is None for place in places):
         raise misuse("needed: not every log has one in the plan", "--vehicle")
     with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
-        values = readings(places, channel_map, reference, metric or METRICS, step)
-        result = study(values, gauge_limits, reference)
+        result = study(readings(places, channel_map, metric or METRICS, step), gauge_limits)
     document = to_dict(result)
     if out is not None:
         written = json_text({"schema": 1, **document}).encode()

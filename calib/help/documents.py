@@ -92,11 +92,11 @@ def section(name: str) -> "type[Section]":
     """The class of a kind of file."""
     from calib.estimation.limits_file import limits_schema
     from calib.estimation.metrics import METRICS as OF_STOPS
-    from calib.line.gauge.study import known_limits
+    from calib.line.gauge.study import KNOWN_LIMITS
     from calib.line.station.metrics import METRICS as OF_CAR
 
     if name == "limits":
-        return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
+        return limits_schema({*OF_STOPS, *OF_CAR, *KNOWN_LIMITS})
     module, _, kind = _FILES[name][0].partition(":")
     file: type[Section] = getattr(import_module(f"calib.{module}"), kind)
     return file

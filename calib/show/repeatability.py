@@ -77,8 +77,7 @@ def gauge_sheet(study: GaugeStudy) -> Sheet:
     drawn = [first, *(one for one in others if one.verdict == GaugeVerdict.BAD)]
     summary = gauge_facts(study)
     stations = f", {len(study.stations)} stations" if study.stations else ""
-    where = f"D, f1, f2 where eta - 1 is {100.0 * study.reference:g} %"
-    notes = ["Points are single ramps, a line is the mean of a car", where, *study.notes]
+    notes = ["Points are single ramps, a line is the mean of a car", *study.notes]
     return Sheet(
         kind="repeatability",
         name="repeatability",

@@ -59,12 +59,12 @@ def station_facts(run: StationRun) -> Facts:
     outcome, stored, date = run.outcome, run.stored, run.date
     identity = outcome.identity
     curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
-    remarks = [*outcome.table.remarks, *map(str, outcome.caveats)]
     advice = "" if outcome.passed else "find the cause, and run the car again"
     if stored.state.word == DRAFT:
         advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
     return Facts(
-        title=f"Brake torque calibration of {identity.vin or identity.serial or stored.name}",
+        title="Brake torque calibration of "
+        + (identity.get("vin") or identity.get("serial") or stored.name),
         headline=f"{stored.id} is {_AS[stored.state.word]}; {outcome.headline}",
         verdict=outcome.verdict,
         word=WORDS[outcome.verdict],
@@ -78,7 +78,7 @@ def station_facts(run: StationRun) -> Facts:
             _run(outcome, date),
             Facts("The table", pictures=[curves]),
             Facts("The stops", pictures=[torque_and_pads(r) for r in outcome.results]),
-            Facts("Remarks", notes=remarks, folded=True),
+            Facts("Remarks", notes=outcome.table.remarks, folded=True),
             origin(stored, outcome.logs, date),
         ],
     )
@@ -94,8 +94,12 @@ def _metrics(outcome: StationOutcome) -> Facts:
 
 def _missed(outcome: StationOutcome) -> Cells:
     """Limits that are not held, with what to do."""
-    bad = outcome.with_verdict(FAILED) + outcome.with_verdict(WARNING)
-    steps = [(check.verdict, check.text, check.action) for check in bad]
+    steps = [
+        (check.verdict, check.text, check.action)
+        for verdict in (FAILED, WARNING)
+        for check in outcome.checks
+        if check.verdict == verdict
+    ]
     return Cells(("verdict", "result", "next step"), steps, _MISSED, [one[0] for one in steps])
 
 
@@ -106,7 +110,7 @@ def _run(outcome: StationOutcome, date: str) -> Facts:
         "The run",
         rows=[
             ("Vehicle", outcome.table.vehicle.name),
-            *((TITLES[name], value) for name, value in outcome.identity.by_name().items()),
+            *((TITLES[name], value) for name, value in outcome.identity.items()),
             ("Mass", str(outcome.results[0].mass)),
             ("Date", date or "not stated (--date)"),
             ("Operator", outcome.by or "not stated (--by)"),

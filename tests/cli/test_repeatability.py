@@ -46,7 +46,7 @@ def test_a_study(brake_cal, ramps, tmp_path):
     ("more", "code"),
     [
         (("--metric", "pad_scael", "--plan", "plan.csv"), 2),
-        (("--plan", "plan.csv", "nowhere.csv"), 3),
+        (("--plan", "nowhere.csv"), 3),
         ((), 2),
         (("--folders", "car/station"), 2),
     ],

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from calib.car.vehicle_file import read_vehicle
 from calib.line.station.limits_file import LIMITS
-from calib.line.station.station import Identity, StationOutcome, judged_car
+from calib.line.station.station import StationOutcome, judged_car
 from calib.logs.read import read_log
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
@@ -21,7 +21,7 @@ def failed_car() -> StationOutcome:
     ramp, coast = (read_log(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast"))
     stops = [read_log(SEDAN / f"{n}.csv") for n in ("dry_asphalt_stop", "basalt_wet_pads")]
     stops[0] = replace(stops[0], name=MARKUP, notes=(f"channel {MARKUP} was not taken",))
-    identity = Identity(serial=MARKUP, vin="WVWZZZ1JZXW000001")
+    identity = {"serial": MARKUP, "vin": "WVWZZZ1JZXW000001"}
     limits = tuple(
         replace(one, high=0.9) if one.figure in ("pad_scale", "pad_ratio") else one
         for one in LIMITS

@@ -33,31 +33,25 @@ class Place:
     road: str = ""
 
 
-def read_plan(
-    path: Path, logs: Sequence[Path] = (), vehicle: Path | None = None
-) -> tuple[Place, ...]:
-    """Read a plan, one log a row, with commas or semicolons; of ``logs`` only, if there are any.
+def read_plan(path: Path, vehicle: Path | None = None) -> tuple[Place, ...]:
+    """Read a plan, one log a row, with commas or semicolons.
 
     ``vehicle`` is the file of the logs for which the plan names none.
 
-    D, f1, f2 and the stiffness of the tyres depend on the road, so ramps of different roads are no
-    repeats of each other and are refused. Raises InputError if the file is not readable, if a log
-    or column occurs twice, and for a log without a row.
+    The stiffness of the tyres depends on the road, so ramps of different roads are no repeats of
+    each other and are refused. Raises InputError if the file is not readable, and if a log or
+    column occurs twice.
     """
-    by_path: dict[str, Place] = {}
-    for place in _places(path, vehicle):
-        if by_path.setdefault(os.path.realpath(place.log), place) is not place:
-            raise InputError(f"{place.log} occurs twice", where=path)
-    for log in logs:
-        if os.path.realpath(log) not in by_path:
-            raise InputError(f"{log} is not in the plan", where=path, do="add a row for it")
-    places = tuple(by_path[os.path.realpath(log)] for log in logs) or tuple(by_path.values())
+    places = tuple(_places(path, vehicle))
     if not places:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
+    files = [os.path.realpath(place.log) for place in places]
+    if twice := [file for file in files if files.count(file) > 1]:
+        raise InputError(f"{twice[0]} occurs twice", where=path)
     if len({bool(place.station) for place in places}) > 1:
         raise InputError("some logs have a station and some have none", where=path)
     if len({place.road for place in places}) > 1:
-        do = "name those of one road after the command"
+        do = "write a plan for each road"
         raise InputError("ramps of several roads are no repeats", where=path, do=do)
     return places
 
@@ -66,9 +60,7 @@ def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
     """Every row of a plan."""
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
-        text = data.decode("utf-8-sig")
-        if "\0" in text:
-            raise csv.Error("it holds a NUL")
+        text = data.decode("utf-8-sig").replace("\0", "\N{REPLACEMENT CHARACTER}")
         mark = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
         lines = [line for line in text.splitlines() if line.strip()]
         rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=mark)]
@@ -90,14 +82,13 @@ def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
 def readings(
     places: Sequence[Place],
     channel_map: ChannelMap | None,
-    reference: float,
     names: Sequence[str],
     report: Callable[[], None] = lambda: None,
 ) -> tuple[GaugeReading, ...]:
     """Metrics of these ``names`` of each ramp, fitted alone; each place must have a vehicle.
 
-    ``reference`` is eta - 1 at which curves are compared [1]; ``report`` is called after each ramp.
-    Raises LogError for a ramp that cannot be fitted, and one that was given twice.
+    ``report`` is called after each ramp. Raises LogError for a ramp that cannot be fitted, and one
+    that was given twice.
     """
     from calib.car.vehicle_file import read_vehicle
 
@@ -110,7 +101,7 @@ def readings(
         refuse_repeated(log, parents)
         table = fit(cars[place.vehicle], [log])
         parents += table.provenance.logs
-        metrics = metrics_of(table, log, reference)
+        metrics = metrics_of(table, log)
         chosen = {name: metrics[name] for name in names}
         each.append(GaugeReading(str(place.log), place.car, place.station, chosen, log.digest))
         report()

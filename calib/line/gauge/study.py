@@ -8,7 +8,7 @@ with that. Where the cars do not differ only the tolerance can judge the gauge. 
     [limits]
     grr = { max = 0.3 }                           %GRR of every metric, as a share
     pad_scale = { min = 0.8, max = 1.2 }          the tolerance of a metric
-    pad_scale_grr_of_tolerance = { max = 0.2 }
+    grr_of_tolerance = { max = 0.2 }              %GRR of every tolerance
 """
 
 from collections.abc import Iterable
@@ -35,15 +35,17 @@ from calib.logs.log import Log
 from calib.run.axle_signals import signals
 from calib.table.table import LogReference, Table
 
-_REFERENCE = 0.0015
-"""Default eta - 1 at which the curves are compared [1]: on the rising branch of all usual cars, and
-ten times the uncertainty of the zero of a good ramp."""
-
 _GOOD_GRR = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
 
+METRICS = ("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_stiffness")
+"""Metrics of every ramp, see `metrics_of`; all dimensionless."""
+
 _FIGURES = ("grr", "ndc", "grr_of_tolerance")
 """What is judged of each metric."""
+
+KNOWN_LIMITS = (*_FIGURES, *METRICS)
+"""What a file of limits may hold: of a metric it is the tolerance."""
 
 _DEFAULTS = (
     Limit("grr", None, 0.30),
@@ -51,12 +53,6 @@ _DEFAULTS = (
     Limit("grr_of_tolerance", None, 0.30),
 )
 """AIAG, Measurement Systems Analysis, 4th ed."""
-
-METRICS = (
-    *("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_stiffness"),
-    *("difference", "f1", "f2"),
-)
-"""Metrics of every ramp, see `metrics_of`; all dimensionless."""
 
 
 class GaugeVerdict(StrEnum):
@@ -107,7 +103,6 @@ class GaugeStudy:
 
     readings: tuple[GaugeReading, ...]
     results: tuple[GaugeResult, ...]
-    reference: float
     notes: tuple[str, ...]
 
     @property
@@ -126,32 +121,18 @@ class GaugeStudy:
         return tuple(sorted({r.station for r in self.readings if r.station}))
 
 
-def metrics_of(table: Table, log: Log, reference: float = _REFERENCE) -> dict[str, float]:
-    """Metrics of one ramp from its ``table``, with the curves at eta - 1 = ``reference`` [1].
+def metrics_of(table: Table, log: Log) -> dict[str, float]:
+    """Metrics of one ramp from its ``table``.
 
-    At a given deceleration they would depend on the pad ratio alone, which a ramp determines
-    poorly. Raises InputError beyond the end of the curves.
+    The curves follow from them: D = C (eta - 1) with the slip stiffness C, and f1 and f2 from D.
     """
-    paper, eta = table.paper, 1.0 + reference
-    if not paper.eta[0] <= eta <= paper.eta[-1]:
-        raise InputError(
-            f"f1 and f2 have no value where eta is {100.0 * reference:g} % above one",
-            where=log.source,
-            expected=f"at most {100.0 * (paper.eta[-1] - 1.0):.2f} %, where eta turns",
-            do="give another --eta",
-        )
-    s = signals(log, table.vehicle.rear.rolling_radius)
-    D = table.difference
-    pads = table.calibration
+    s, pads = signals(log, table.vehicle.rear.rolling_radius), table.calibration
     return {
         "pad_scale": pads.pad_scale.value,
         "pad_friction_f": pads.pad_friction_f.value,
         "pad_friction_r": pads.pad_friction_r.value,
         "eta_zero": float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0,
         "slip_stiffness": pads.slip_stiffness.value,
-        "difference": float(np.interp(eta, D.eta, D.D)),
-        "f1": float(np.interp(eta, paper.eta, paper.f1)),
-        "f2": float(np.interp(eta, paper.eta, paper.f2)),
     }
 
 
@@ -162,18 +143,13 @@ def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
         raise InputError(f"the same run as {first.name}", where=log.source, do="give it once")
 
 
-def known_limits() -> set[str]:
-    """In a limits file: `_FIGURES` of all metrics, ``NAME_grr`` of one, NAME for its tolerance."""
-    return {*_FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in _FIGURES}
-
-
 def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
     """The limits of a file; the `_DEFAULTS` without one. Raises LimitsError for a bad file."""
     if path is None:
         return _DEFAULTS
     from calib.estimation.limits_file import read_limits
 
-    limits = read_limits(path, known_limits())
+    limits = read_limits(path, KNOWN_LIMITS)
     _tolerances(limits, path)
     return limits
 
@@ -195,7 +171,6 @@ def _tolerances(limits: tuple[Limit, ...], where: object = None) -> dict[str, fl
 def study(
     readings: tuple[GaugeReading, ...],
     limits: tuple[Limit, ...] = _DEFAULTS,
-    reference: float = _REFERENCE,
 ) -> GaugeStudy:
     """Analyse the readings, each metric by itself. Raises InputError for an insufficient design.
 
@@ -230,7 +205,7 @@ def study(
             f"the cars do not differ in {', '.join(alike)}: %GRR would be near 100 % for any "
             "gauge; take cars that differ, or give the tolerance in --limits"
         )
-    return GaugeStudy(readings, tuple(results), reference, tuple(notes))
+    return GaugeStudy(readings, tuple(results), tuple(notes))
 
 
 def _result(
@@ -243,11 +218,7 @@ def _result(
     of_cars = (gauge.grr.value, gauge.ndc.value) if gauge.cars_differ else (None, None)
     of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
     figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
-    by_name = {limit.figure: limit for limit in limits}
-    applicable = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in _FIGURES]
-    judgements = judge(
-        tuple(Limit(f, x.low, x.high) for f, x in applicable if x is not None), figures
-    )
+    judgements = judge(limits, figures)
     shares = [x for x in (of_cars[0], of_tolerance) if x is not None]
     if any(j.verdict == FAILED for j in judgements):
         verdict = GaugeVerdict.BAD
@@ -262,30 +233,21 @@ def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
     ramps = np.zeros((int(car.max()) + 1, int(station.max()) + 1), dtype=np.int64)
     np.add.at(ramps, (car, station), 1)
     cars, stations = ramps.shape
-    empty = int(np.sum(ramps == 0))
-    cells = f", {empty} of {ramps.size} car-station cells empty" if empty else ""
-    notes = (
-        (stations < 2, "stations are not given: reproducibility is not measured"),
-        (
-            stations > 1 and STATION not in terms,
-            "no car was on two stations: differences of stations count as differences of cars",
+    notes = {
+        "stations are not given: reproducibility is not measured": stations < 2,
+        "no car was on two stations: differences of stations count as differences of cars": (
+            stations > 1 and STATION not in terms
         ),
-        (
-            STATION in terms and INTERACTION not in terms,
-            "no car was twice on a station: the interaction counts as repeatability",
+        "no car was twice on a station: the interaction counts as repeatability": (
+            STATION in terms and INTERACTION not in terms
         ),
-        (
-            STATION in terms and stations < 4,
-            f"{stations} stations are few: the interval of the reproducibility is wide",
+        f"{stations} stations are few: the interval of the reproducibility is wide": (
+            STATION in terms and stations < 4
         ),
-        (cars < 5, f"{cars} cars are few: AIAG asks for 10"),
-        (
-            ramps.min() != ramps.max(),
-            f"unequal numbers of ramps{cells}: sums of squares are type I (car, station, both), "
-            "variances from their expectations, intervals approximate",
-        ),
-    )
-    return [text for holds, text in notes if holds]
+        f"{cars} cars are few: AIAG asks for 10": cars < 5,
+        "unequal numbers of ramps: the intervals are approximate": ramps.min() != ramps.max(),
+    }
+    return [text for text, holds in notes.items() if holds]
 
 
 def to_dict(result: GaugeStudy) -> dict[str, object]:
@@ -294,7 +256,6 @@ def to_dict(result: GaugeStudy) -> dict[str, object]:
         "passed": result.passed,
         "cars": result.cars,
         "stations": result.stations,
-        "reference_eta_rise": result.reference,
         "notes": result.notes,
         "ramps": result.readings,
         "quantities": {result.name: _entry(result) for result in result.results},

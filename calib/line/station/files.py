@@ -4,8 +4,7 @@ DIR/station.json  junit.xml  report.html  summary.json  <stop>.parquet  exports
 DIR/refused.json  instead, where the car could not be judged: who it was and why
 
 The verdict is moved into place last: without a station.json the run is not complete. `station.json`
-holds no time and no path: the same logs, limits and identifiers give the same bytes. The JUnit XML
-is valid by the schema junit-10 of Jenkins' xUnit plugin.
+holds no time and no path: the same logs, limits and identifiers give the same bytes.
 """
 
 import json
@@ -13,15 +12,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import BrakeCalError, printable
 from calib.base.names import PROGRAM
 from calib.base.plain import NBSP, finite, plain
+from calib.base.templates import templates
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import publish, workshop, write_whole
-from calib.estimation.limits import FAILED, NOT_KNOWN, WARNING
+from calib.estimation.limits import FAILED, WARNING
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
 from calib.line.station.station import Identity, StationCheck, StationOutcome
@@ -36,10 +35,6 @@ _FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 def export_name(form: str) -> str:
     """File name of an export of the format ``form``."""
     return f"table.{ENDINGS[form]}"
-
-
-EXPORTS = frozenset(map(export_name, ENDINGS))
-"""Every file that can be an export of a run."""
 
 
 def outputs_of(stops: Sequence[str], forms: Sequence[str]) -> list[str]:
@@ -66,7 +61,7 @@ def publish_run(work: Path, out: Path) -> list[Path]:
 
 def _stale(out: Path) -> set[str]:
     """Every export, every file that an earlier verdict lists, and the refusal of an earlier run."""
-    stale = {*EXPORTS, REFUSED}
+    stale = {*map(export_name, ENDINGS), REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
         stale |= {n for n in names if isinstance(n, str) and n == Path(n).name and n not in _FIXED}
@@ -83,7 +78,7 @@ def write_refusal(
     """
     document = {
         "schema": 1,
-        "identity": identity.by_name(),
+        "identity": dict(identity),
         "logs": [printable(log.name) for log in logs],
         "program": PROGRAM,
         "error": error.to_dict(),
@@ -98,14 +93,14 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
     return {
         "schema": 1,
         "verdict": outcome.verdict,
-        "identity": outcome.identity.by_name(),
+        "identity": dict(outcome.identity),
         "vehicle": outcome.table.vehicle.name,
         "table": {"id": stored.id, "digest": stored.digest, "state": stored.state.word},
         "accepted_warnings": outcome.accepted or None,
         "golden": outcome.golden.id if outcome.golden else None,
         **({"golden_cars": outcome.golden_cars} if outcome.golden_cars else {}),
         "program": PROGRAM,
-        "counts": outcome.counts(),
+        "counts": outcome.counts,
         "warnings": [warning_dict(warning) for warning in outcome.warnings],
         "checks": [_check(check) for check in outcome.checks],
         "figures": {name: finite(value) for name, value in outcome.figures.items()},
@@ -113,7 +108,6 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in outcome.logs],
         "validation": validation_dict(stored, list(outcome.results)),
         "remarks": list(outcome.table.remarks),
-        "caveats": [warning_dict(warning) for warning in outcome.caveats],
         "files": files,
     }
 
@@ -133,7 +127,6 @@ def _ramp(table: Table) -> dict[str, float]:
 
 def _check(check: StationCheck) -> dict[str, Any]:
     j = check.judgement
-    bad = check.verdict in ("failed", "warning")
     return {
         "scope": check.scope,
         "figure": check.figure,
@@ -142,48 +135,28 @@ def _check(check: StationCheck) -> dict[str, Any]:
         "fail": [j.low, j.high],
         "warn": [j.warn_low, j.warn_high],
         "verdict": check.verdict,
-        "action": check.action if bad else None,
+        "action": check.action if check.verdict in (FAILED, WARNING) else None,
     }
 
 
 def junit_xml(outcome: StationOutcome, stored: Stored) -> bytes:
     """The document. All times are zero, so that the same car gives the same bytes."""
-    n = outcome.counts()
-    totals = {"tests": str(len(outcome.checks)), "failures": str(n[FAILED]), "errors": "0"}
-    root = ElementTree.Element("testsuites", {**totals, "time": "0"})
-    totals |= {"skipped": str(n[NOT_KNOWN]), "time": "0"}  # Jenkins allows `skipped` here only
-    suite = ElementTree.SubElement(root, "testsuite", {"name": "brake-cal station", **totals})
-    properties = ElementTree.SubElement(suite, "properties")
+    environment = templates("calib.line.station", markup=True)
+    environment.filters["clean"] = _clean
     identifiers = {
         "verdict": outcome.verdict,
         "table": stored.id,
         "digest": stored.digest,
         "state": stored.state.word,
-        **outcome.identity.by_name(),
+        **outcome.identity,
     }
-    for name, value in identifiers.items():
-        ElementTree.SubElement(properties, "property", {"name": name, "value": _clean(value)})
-    for check in outcome.checks:
-        _case(suite, check)
-    if outcome.warnings:
-        output = ElementTree.SubElement(suite, "system-out")
-        output.text = "\n".join(f"warning: {_clean(str(one))}" for one in outcome.warnings)
-    ElementTree.indent(root)
-    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
-    return text + b"\n"
-
-
-def _case(suite: ElementTree.Element, check: StationCheck) -> None:
-    names = {"classname": _clean(check.scope), "name": check.figure, "time": "0"}
-    case = ElementTree.SubElement(suite, "testcase", names)
-    if check.verdict == FAILED:
-        failure = ElementTree.SubElement(case, "failure", {"message": _clean(check.text)})
-        failure.text = check.action
-    elif check.verdict == NOT_KNOWN:
-        ElementTree.SubElement(case, "skipped", {"message": "the logs cannot give this metric"})
-    elif check.verdict == WARNING:
-        output = ElementTree.SubElement(case, "system-out")
-        output.text = f"warning: {_clean(check.text)}. {check.action}"
+    page = environment.get_template("junit.xml.j2").render(
+        checks=outcome.checks,
+        counts=outcome.counts,
+        identifiers=identifiers,
+        warnings=outcome.warnings,
+    )
+    return page.encode()
 
 
 def _clean(text: str) -> str:

@@ -61,9 +61,7 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
     if common:
         metrics |= _distance(table, golden, end)
     if golden.spread is not None:
-        metrics |= _sigma_of_pads(table, golden, golden.spread)
-        if common:
-            metrics["golden_sigma_d"] = _sigma_of_D(table, golden, golden.spread, end)
+        metrics |= _sigmas(table, golden, golden.spread, end if common else None)
     return metrics
 
 
@@ -87,7 +85,10 @@ def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
     }
 
 
-def _sigma_of_pads(table: Table, golden: Table, spread: FleetScatter) -> dict[str, float]:
+def _sigmas(
+    table: Table, golden: Table, spread: FleetScatter, end: float | None
+) -> dict[str, float]:
+    """Pads, tyres, and D at the row of the golden table with the largest D that both reach."""
     (ours, stiff), (theirs, usual) = (
         (pad_levels(t.vehicle, t.calibration), t.calibration.slip_stiffness.value)
         for t in (table, golden)
@@ -98,18 +99,15 @@ def _sigma_of_pads(table: Table, golden: Table, spread: FleetScatter) -> dict[st
         "ratio": (ours.ratio - theirs.ratio, spread.pad_ratio, per_run(rests.ratio)),
         "stiffness": (math.log(stiff / usual), spread.stiffness, per_run(rests.stiffness)),
     }
+    if end is not None:
+        d, mean = table.difference, golden.difference
+        row = int(np.argmax(np.where(mean.eta <= end, np.abs(mean.D), -1.0)))
+        D, upper, lower, own = (
+            float(np.interp(mean.eta[row], d.eta, x)) for x in (d.D, d.upper, d.lower, d.own)
+        )
+        of_run = ((upper - lower) / (2.0 * Z95)) ** 2 * own
+        parts["d"] = (D - float(mean.D[row]), spread.D[row], of_run)
     return {f"golden_sigma_{k}": _sigma(*part, spread.freedom) for k, part in parts.items()}
-
-
-def _sigma_of_D(table: Table, golden: Table, spread: FleetScatter, end: float) -> float:
-    """At the row of the golden table with the largest D that both reach."""
-    d, theirs = table.difference, golden.difference
-    row = int(np.argmax(np.where(theirs.eta <= end, np.abs(theirs.D), -1.0)))
-    eta = theirs.eta[row]
-    sigma = np.interp(eta, d.eta, d.upper - d.lower) / (2.0 * Z95)
-    of_run = sigma**2 * np.interp(eta, d.eta, d.own)
-    apart = np.interp(eta, d.eta, d.D) - theirs.D[row]
-    return _sigma(float(apart), spread.D[row], float(of_run), spread.freedom)
 
 
 def _sigma(apart: float, scatter: Scatter, variance: float, freedom: int) -> float:

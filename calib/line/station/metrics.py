@@ -15,10 +15,9 @@ from calib.estimation.agreement import agreement
 from calib.estimation.validate import Validation
 from calib.line.station.golden import golden_metrics
 from calib.logs.log import Log
-from calib.run.driving_record import DrivingRecord
 from calib.run.filters import block_mean
 from calib.run.run import Run
-from calib.table.curves import MEASURED, TyreCurve
+from calib.table.curves import MEASURED
 from calib.table.table import Table
 
 METRICS: dict[str, str] = meanings("car")
@@ -41,6 +40,7 @@ def metrics_of(
     ``golden`` the table of its model.
     """
     cal, runs = table.calibration, [Run(log) for log in ramps]
+    car = table.vehicle.with_pads(cal.pad_friction_f.value, cal.pad_friction_r.value)
     zeros = [run.axles.front_rear for run in runs if run.axles]
     mismatches = [table.vehicle.radius_mismatch(zero.value) for zero in zeros if zero]
     out: dict[str, float | None] = {
@@ -50,27 +50,17 @@ def metrics_of(
         "ramp_eta_zero": _largest(mismatches),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
-        "front_biased_up_to": _front_biased_up_to(table),
+        "front_biased_up_to": min(front_biased_up_to(car), bound("front_biased_up_to", "cut")),
     }
     for axle in "fr":
         sides = [side_difference(table, run, axle) for run in runs]
         out[f"side_difference_{axle}"] = _largest(sides)
-    together = agreement(results)
-    out["repeatability_f"] = together.largest_departure_f if together else None
-    out["repeatability_r"] = together.largest_departure_r if together else None
+    if together := agreement(results):
+        out["repeatability_f"] = together.largest_departure_f
+        out["repeatability_r"] = together.largest_departure_r
     if golden:
         out |= golden_metrics(table, golden)
     return {name: out.get(name) for name in METRICS}
-
-
-def _front_biased_up_to(table: Table) -> float:
-    """z [1] at which both axles use the same friction, with the identified pads.
-
-    At most the value that stands for all larger ones.
-    """
-    cal = table.calibration
-    car = table.vehicle.with_pads(cal.pad_friction_f.value, cal.pad_friction_r.value)
-    return min(front_biased_up_to(car), bound("front_biased_up_to", "cut"))
 
 
 def _largest(values: Sequence[float | None]) -> float | None:
@@ -95,28 +85,26 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
     wheel = table.vehicle.front if axle == "f" else table.vehicle.rear
     speed = np.maximum(log["v"], 1.0)
     slips = [slip(wheel, log[f"omega_{axle}{side}"], speed) for side in "lr"]
-    free = [_means(s, driving.unbraked, driving) for s in slips]
+    block = max(1, round(LIMITS.wheel_block / driving.step))
+    free = [block_mean(s[driving.unbraked], block) for s in slips]
     if free[0].size < 3:
         return None
     use = driving.braked & (driving.z > _LOW) & (driving.z < _HIGH) & (driving.speed > MOVING)
-    zeros = zip(slips, free, strict=True)
-    left, right = (_means(s, use, driving) - np.mean(zero) for s, zero in zeros)
-    on_curve = np.maximum(left, right) <= table.tyre.slip[-1]
+    slipping = [
+        block_mean(s[use], block) - np.mean(zero) for s, zero in zip(slips, free, strict=True)
+    ]
+    tyre = table.tyre
+    on_curve = np.maximum(*slipping) <= tyre.slip[-1]
     if np.count_nonzero(on_curve) < _FEWEST:
         return None
-    F_l, F_r = (_force(table.tyre, s[on_curve]) for s in (left, right))
-    stiffness = float(table.tyre.force[1] / table.tyre.slip[1])
+    # the curve is odd, for noise about zero
+    F_l, F_r = (
+        np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force)
+        for s in (x[on_curve] for x in slipping)
+    )
+    stiffness = float(tyre.force[1] / tyre.slip[1])
     d, half = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (free[0] - free[1]))
     return d - _pressures(log, axle, use) if half <= _WIDEST else None
-
-
-def _means(x: Array, mask: NDArray[np.bool_], driving: DrivingRecord) -> Array:
-    return block_mean(x[mask], max(1, round(LIMITS.wheel_block / driving.step)))
-
-
-def _force(tyre: TyreCurve, s: Array) -> Array:
-    """Normalised force [1] of the tyre curve at slip ``s``; odd, for noise about zero."""
-    return np.asarray(np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force))
 
 
 def _slope(x: Array, y: Array, free: Array) -> tuple[float, float]:

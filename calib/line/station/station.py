@@ -4,8 +4,8 @@ ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or 
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -23,7 +23,6 @@ from calib.fitting.fit import fit
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
-from calib.plausibility.check import check
 from calib.run.same_run import refuse_copies
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
@@ -36,33 +35,12 @@ STATION = "station"
 _LONGEST = 64
 """Largest number of characters of an identifier."""
 
+Identity = Mapping[str, str]
+"""Identifiers of a run at the line that were given, by their names in `TITLES`."""
+
 TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
-"""Names of the identifiers in a report."""
-
-
-@dataclass(frozen=True)
-class Identity:
-    """Identifiers of a run at the line, each None where none was given.
-
-    ``serial`` of the car or brake control unit; ``vin``; ``station`` where it ran; ``rxswin`` the
-    software identification of UN R156.
-    """
-
-    serial: str | None = None
-    vin: str | None = None
-    station: str | None = None
-    rxswin: str | None = None
-
-    def by_name(self) -> dict[str, str]:
-        """The identifiers that were given, by name.
-
-        >>> Identity(vin="WVWZZZ1JZXW000001").by_name()
-        {'vin': 'WVWZZZ1JZXW000001'}
-        """
-        return {name: value for name, value in asdict(self).items() if value is not None}
-
-
-_NOBODY = Identity()
+"""Identifiers in a report: of the car or brake control unit, of the car, where it ran, and the
+software identification of UN R156."""
 
 
 def identifier(text: str) -> str:
@@ -127,11 +105,15 @@ class StationOutcome:
     stops: Sequence[Log]
     results: tuple[Validation, ...]
     limits: Sequence[Limit]
-    identity: Identity
     golden: Stored | None = None
     accepted: str = ""
     by: str = ""
     limits_file: str = ""
+
+    @property
+    def identity(self) -> Identity:
+        """The identifiers that were given."""
+        return self.table.provenance.identity
 
     @cached_property
     def figures(self) -> dict[str, float | None]:
@@ -145,16 +127,6 @@ class StationOutcome:
         of_car = judge(tuple(x for x in self.limits if x.figure in OF_CAR), self.figures)
         of_stops = [StationCheck(r.log, j) for r in self.results for j in r.judgements]
         return [*(StationCheck(None, j) for j in of_car), *of_stops]
-
-    @cached_property
-    def caveats(self) -> list[PlausibilityWarning]:
-        """Warnings of `brake-cal check` on a log that fit and estimate do not have.
-
-        They are no verdict on the car.
-        """
-        logs, places = (*self.ramps, *self.coasts, *self.stops), set(map(_place, self.warnings))
-        every = (one for log in logs for one in check(log, vehicle=self.table.vehicle).warnings)
-        return [one for one in every if _place(one) not in places]
 
     @property
     def golden_cars(self) -> int:
@@ -178,10 +150,9 @@ class StationOutcome:
     @property
     def verdict(self) -> str:
         """`failed` if any check fails, else `warning` if there is any warning, else `passed`."""
-        verdicts = {check.verdict for check in self.checks} | (
-            {WARNING} if self.warnings else set()
-        )
-        return next((word for word in (FAILED, WARNING) if word in verdicts), PASSED)
+        if self.counts[FAILED]:
+            return FAILED
+        return WARNING if self.warnings or self.counts[WARNING] else PASSED
 
     @property
     def passed(self) -> bool:
@@ -191,7 +162,7 @@ class StationOutcome:
     @property
     def headline(self) -> str:
         """The verdict in a sentence with its counts."""
-        n, count = self.counts(), len(self.warnings)
+        n, count = self.counts, len(self.warnings)
         parts = {"failed": n[FAILED], "with a warning": n[WARNING], "not known": n[NOT_KNOWN]}
         named = [f"{number} {word}" for word, number in parts.items() if number]
         more = f"; {counted(count, 'warning')} of its logs" if count else ""
@@ -215,13 +186,11 @@ class StationOutcome:
         evidence = (Evidence("station.json", digest),)
         return StateDecision(state, reason, self.verdict, evidence, self.by, automatic=True)
 
-    def with_verdict(self, word: str) -> list[StationCheck]:
-        """Checks of one verdict, in order."""
-        return [check for check in self.checks if check.verdict == word]
-
+    @cached_property
     def counts(self) -> dict[str, int]:
         """Number of checks by verdict."""
-        return {word: len(self.with_verdict(word)) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
+        verdicts = [check.verdict for check in self.checks]
+        return {word: verdicts.count(word) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
 
 
 def judged_car(
@@ -230,7 +199,7 @@ def judged_car(
     coasts: Sequence[Log],
     stops: Sequence[Log],
     limits: Sequence[Limit],
-    identity: Identity = _NOBODY,
+    identity: Identity | None = None,
     *,
     mass: float | None = None,
     golden: Stored | None = None,
@@ -245,8 +214,8 @@ def judged_car(
     stops : hold-outs of the same car.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``.
     golden : the table of its model.
-    done : called after the fit and after each stop.
-    told : further fields of `StationOutcome`.
+    report : called after the fit and after each stop.
+    fields : further fields of `StationOutcome`.
 
     Raises VehicleError for a golden table of another car, LogError for a ramp without braking, a
     coast with braking, a stop that was fitted.
@@ -256,15 +225,13 @@ def judged_car(
     refuse_copies([*ramps, *coasts], stops)
     fitted = fit(vehicle, [*ramps, *coasts], mass=mass)
     _require_roles(fitted, ramps, coasts)
-    table = replace(fitted, provenance=replace(fitted.provenance, identity=identity.by_name()))
+    table = replace(fitted, provenance=replace(fitted.provenance, identity=dict(identity or {})))
     report()
     of_stops, results = tuple(x for x in limits if x.figure in OF_STOPS), []
     for log in stops:
         results.append(validate_one(table, log, None, of_stops, mass=mass))
         report()
-    return StationOutcome(
-        table, ramps, coasts, stops, tuple(results), limits, identity, golden, **fields
-    )
+    return StationOutcome(table, ramps, coasts, stops, tuple(results), limits, golden, **fields)
 
 
 def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) -> None:
@@ -277,10 +244,6 @@ def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) ->
                     where=log.source,
                     do="the ramp comes first, further ones with --ramp, coasts with --coast",
                 )
-
-
-def _place(warning: PlausibilityWarning) -> tuple[str, str]:
-    return warning.code, warning.log
 
 
 def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[PlausibilityWarning, ...]:

@@ -40,16 +40,7 @@ def test_a_bad_plan_is_refused(tmp_path, text):
         read_plan(path)
 
 
-def test_named_logs_are_looked_up_in_the_plan(tmp_path):
-    path = plan(tmp_path, "log,car\na.csv,1\nb.csv,2\n")
-    assert read_plan(path, [tmp_path / "x/../b.csv"]) == read_plan(path)[1:]
-    with pytest.raises(InputError):
-        read_plan(path, [tmp_path / "c.csv"])
-
-
 def test_ramps_of_two_roads_are_no_repeats(tmp_path):
     path = plan(tmp_path, "log,car,road\na.csv,1,wet\nb.csv,1,dry\nc.csv,2,wet\n")
     with pytest.raises(InputError):
         read_plan(path)
-    wet = [tmp_path / "a.csv", tmp_path / "c.csv"]
-    assert [place.log for place in read_plan(path, wet)] == wet

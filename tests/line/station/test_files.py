@@ -5,7 +5,8 @@ import json
 import pytest
 
 from calib.base.write import workshop
-from calib.line.station.files import DOCUMENT, EXPORTS, publish_run
+from calib.exports.export import ENDINGS
+from calib.line.station.files import DOCUMENT, export_name, publish_run
 
 
 def put(work, **files):
@@ -48,7 +49,7 @@ def test_an_export_goes_where_no_verdict_lists_it(tmp_path, verdict):
     """As a run leaves it that is killed between the old verdict and the new one."""
     out = tmp_path / "car"
     out.mkdir()
-    for name in EXPORTS:
+    for name in map(export_name, ENDINGS):
         (out / name).write_text("of an earlier run")
     if verdict is not None:
         (out / DOCUMENT).write_text(verdict)

@@ -57,6 +57,6 @@ def test_counts_are_those_of_the_cases(found, kept):
         ("skipped", "skipped", "not known"),
     ):
         n = sum(case.find(tag) is not None for case in cases)
-        assert n == int(suite.get(total)) == found.counts()[word]
+        assert n == int(suite.get(total)) == found.counts[word]
     assert int(root.get("failures")) == int(suite.get("failures"))
     assert int(suite.get("failures")) >= 2  # wet pads do not agree with dry ones
