@@ -73,9 +73,8 @@ def test_quiet_prints_the_verdict_and_verbose_tells_more(brake_cal, tmp_path):
     ],
 )
 def test_a_bar_is_drawn_on_a_terminal_that_can_show_one(tmp_path, environment, bar, colour):
-    logs = ("batch", "check", SEDAN / "coast.csv", "--out", tmp_path / "out", "--workers", "1")
-    out, seen = on_a_terminal((*logs, "--json"), tmp_path, **environment)
-    assert json.loads(out)["logs"] == 1
+    out, seen = on_a_terminal(("check", SEDAN / "coast.csv", "--json"), tmp_path, **environment)
+    assert len(json.loads(out)["logs"]) == 1
     assert ("\u2501" in seen) == bar
     assert bool(re.search(r"\x1b\[[\d;]*3[0-9]m", seen)) == colour
 

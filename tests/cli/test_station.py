@@ -150,7 +150,7 @@ def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatc
         return save(store, table, decision)
 
     monkeypatch.setattr(Store, "save", late)
-    document = parsed(station("--json"))
+    document = parsed(station("--json", stops=(DRY,)))
     assert document["table"]["id"] == document["validation"]["table"] == "sedan-2up@2"
     assert "sedan-2up@2" in (tmp_path / "car" / "report.html").read_text()
     assert {p.name for p in (tmp_path / "car").iterdir()} == {"station.json", *document["files"]}
@@ -175,13 +175,13 @@ def test_warnings_pass_and_release_only_with_a_reason(station, tmp_path):
     limits.write_text(
         "schema = 1\n[limits]\npad_scale = { fail = [0.5, 2.0], warn = [1.5, 1.9] }\n"
     )
-    assert station("--limits", limits, "--export", "dcm").code == 0
+    assert station("--limits", limits, "--export", "dcm", stops=(DRY,)).code == 0
     document = json.loads((tmp_path / "car" / "station.json").read_text())
     warned = [check["figure"] for check in document["checks"] if check["verdict"] == "warning"]
     assert (warned, state_of(tmp_path)) == (["pad_scale"], "draft")
     assert not (tmp_path / "car" / "table.dcm").exists()
     words = ("--limits", limits, "--export", "dcm", "--by", "Ada")
-    assert station(*words, "--accept-warnings", "known").code == 0
+    assert station(*words, "--accept-warnings", "known", stops=(DRY,)).code == 0
     assert state_of(tmp_path) == "released"
     assert (tmp_path / "car" / "table.dcm").exists()
 

@@ -142,9 +142,9 @@ class Sweep:
         if death is None:
             return future.result()
         self.executor.renew()
-        text = f"{item.name}: the worker died on it twice ({type(death).__name__})"
-        hint = "; is there enough memory? the next run tries it again"
-        return [Row(item.name, None, Status.ERROR, text + hint, lost=True)]
+        text = f"{item.name}: the worker died on it twice ({type(death).__name__}); is there "
+        text += "enough memory? the next run tries it again"
+        return [Row(item.name, None, Status.ERROR, text, lost=True)]
 
     def _keep(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
         """Store the rows of a chunk; an unchanged log already has its row in the journal."""

@@ -69,12 +69,15 @@ def judge(values: Array, least: Sequence[float]) -> Judged:
 
     ``least`` (m,): differences that matter, in the unit of each metric, 0 for any.
     """
+    from scipy.special import stdtr
+
     sides = {i: both for i, x in enumerate(zip(values, least, strict=True)) if (both := _sides(*x))}
     p = np.full(values.shape, np.nan)
     for part in (0, -1):  # the narrower sides of all metrics, then the wider ones
         weights = _tails([both[part].distance for both in sides.values()])
         for i, both in sides.items():
-            p[i, both[part].rows] = _two_sided(both[part].distance, weights)
+            distance = both[part].distance[:, None] * _QUARTILE
+            p[i, both[part].rows] = 2.0 * stdtr(_FREEDOM, -distance) @ weights
     over_all = np.where(np.isfinite(p), len(sides) * p, np.inf)
     least_p = over_all.min(axis=0, initial=np.inf)
     p_of_car = np.where(np.isfinite(least_p), np.minimum(least_p, 1.0), np.nan)
@@ -134,10 +137,3 @@ def _tails(distances: list[Array]) -> Array:
             fits += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_QUARTILE), axis=0)
             fits += outside * t.logsf(end, _FREEDOM)
     return np.asarray(softmax(fits))
-
-
-def _two_sided(distance: Array, weights: Array) -> Array:
-    """Two-sided p of a ``distance`` (k,) in spreads, over all tails by their ``weights`` (4,)."""
-    from scipy.special import stdtr
-
-    return np.asarray(2.0 * stdtr(_FREEDOM, -distance[:, None] * _QUARTILE) @ weights)

@@ -196,33 +196,25 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     """
     if analysis.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
-    point, draws = _derived(analysis.variances), _derived(_drawn(analysis))
-    components = {}
-    for name, x in point.items():
-        low, high = _ends(draws[name])
-        components[name] = _Component(math.sqrt(x), (math.sqrt(low), math.sqrt(high)))
+    # generalised intervals: C^-1 applied to draws of nu MS/chi2(nu)
+    ms = [x.ms * x.effective_df / _chi2(x.effective_df, i) for i, x in enumerate(analysis.sources)]
+    solved = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
+    point = _derived(analysis.variances)
+    draws = _derived(dict(zip(analysis.variances, solved, strict=True)))
+    ends = {name: np.sqrt(_ends(draws[name])).tolist() for name in point}
+    components = {n: _Component(math.sqrt(x), (*ends[n],)) for n, x in point.items()}
     (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(draws)
-    gauge, per = components[GAUGE], _SIGMAS / tolerance if tolerance else math.nan
-    low, high = gauge.ci95
+    per = _SIGMAS / tolerance if tolerance else math.nan
+    of_tolerance = _Ratio(per * components[GAUGE].sd, (*(per * end for end in ends[GAUGE]),))
     return GaugeRR(
         analysis.sources,
         components,
         tuple(name for name in components if analysis.variances.get(name, 0.0) < 0.0),
         _Ratio(float(grr), _ends(grrs)),
         _Ratio(int(min(float(ndc), 1e9)), _ends(ndcs)),
-        _Ratio(per * gauge.sd, (per * low, per * high)) if tolerance else None,
-        components[CAR].ci95[0] > 0.0,
+        of_tolerance if tolerance else None,
+        ends[CAR][0] > 0.0,
     )
-
-
-def _drawn(analysis: Anova) -> dict[str, Array]:
-    """Draws of every variance, each (_DRAWS,): C^-1 applied to nu MS/chi2(nu)."""
-    ms = [
-        source.ms * source.effective_df / _chi2(source.effective_df, i)
-        for i, source in enumerate(analysis.sources)
-    ]
-    solved = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
-    return dict(zip(analysis.variances, solved, strict=True))
 
 
 @lru_cache(maxsize=16)  # 160 kB each; unbalanced designs seldom repeat their degrees of freedom
