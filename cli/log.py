@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, misuse, progress, say
-from cli.logs import named, source_of, tell
+from cli.logs import named, read, source_of
 from cli.options import Map, argument, option, require_known
 from cli.outputs import PAGES, write_file, write_page
 
@@ -23,7 +23,6 @@ def check(logs: list[Path] = argument("logs to check", "LOG..."), *, channel_map
     nothing, 3 if one cannot be read.
     """
     from calib.base.errors import InputError
-    from calib.logs.read import open_log, read_opened
     from calib.plausibility.check import check as look_at
     from calib.plausibility.check import to_dict
     from calib.show.check import check_facts
@@ -34,11 +33,7 @@ def check(logs: list[Path] = argument("logs to check", "LOG..."), *, channel_map
         for i, (path, name) in enumerate(zip(logs, named(logs), strict=True)):
             step(f"reading {name.name}", i, len(logs))
             try:
-                file, data = source_of(path)
-                with open_log(file, channel_map, data=data) as source:
-                    run = read_opened(source, channel_map, require=())
-                tell(run)
-                findings.append(look_at(run))
+                findings.append(look_at(read(path, channel_map, require=())))
             except InputError as error:
                 failed.append((path, error))
     for _, wrong in failed:

@@ -42,22 +42,17 @@ def read(path: Path, mapping: "ChannelMap | None", **needs: Any) -> "Log":
 
     name, data = source_of(path)
     log = read_log(name, mapping, data=data, **needs)
-    tell(log)
+    if this_run().verbose:
+        say(
+            f"read {log.source}: {log.time.size} samples, {log.time[-1] - log.time[0]:.2f} s, "
+            f"{', '.join(log.channels)}; SHA-256 {log.digest[:12]}"
+        )
     return log
 
 
 def source_of(path: Path) -> tuple[Path, bytes | None]:
     """Path of a log, and its bytes if it is on stdin."""
     return (NAMED, _stdin()) if is_stdin(path) else (path, None)
-
-
-def tell(log: "Log") -> None:
-    """Print with -v the size and channels of a log."""
-    if this_run().verbose:
-        say(
-            f"read {log.source}: {log.time.size} samples, {log.time[-1] - log.time[0]:.2f} s, "
-            f"{', '.join(log.channels)}; SHA-256 {log.digest[:12]}"
-        )
 
 
 def _stdin() -> bytes:

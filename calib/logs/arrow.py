@@ -10,19 +10,19 @@ from calib.base.arrays import Array
 def numbers(column: Any) -> Array:
     """Return a chunked column of numbers (n,); null is NaN.
 
-    From its buffers: `to_numpy` of pyarrow imports pandas, which takes longer than to read a log.
+    From its buffers, and a cast only where one is needed: `to_numpy` of pyarrow imports pandas and
+    `cast` its functions, which takes longer than to read a log.
     """
     import pyarrow as pa
 
-    chunks = (chunk for chunk in column.cast(pa.float64()).chunks if len(chunk))
-    return np.concatenate([np.empty(0), *map(_chunk_numbers, chunks)])
-
-
-def _chunk_numbers(chunk: Any) -> Array:
-    valid, values = chunk.buffers()
-    inside = slice(chunk.offset, chunk.offset + len(chunk))
-    whole = np.frombuffer(values, np.float64)[inside]
-    if not chunk.null_count:
-        return whole
-    bits = np.unpackbits(np.frombuffer(valid, np.uint8), bitorder="little")
-    return np.where(bits[inside], whole, np.nan)
+    column = column if column.type == pa.float64() else column.cast(pa.float64())
+    parts = [np.empty(0)]
+    for chunk in column.chunks:
+        valid, values = chunk.buffers()
+        inside = slice(chunk.offset, chunk.offset + len(chunk))
+        part = np.frombuffer(values or b"", np.float64)[inside]
+        if chunk.null_count:
+            bits = np.unpackbits(np.frombuffer(valid, np.uint8), bitorder="little")
+            part = np.where(bits[inside], part, np.nan)
+        parts.append(part)
+    return np.concatenate(parts)

@@ -1,6 +1,7 @@
 """A channel map: the columns of a foreign log that are channels, with unit and sign."""
 
 from collections.abc import Mapping as Named
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -93,23 +94,28 @@ def assign(
     channel_map: ChannelMap | None,
     require: tuple[str, ...],
     where: str,
-) -> tuple[list[Assigned], tuple[str, ...]]:
-    """The columns of a file that are channels, and the names of the others.
+) -> tuple[list[Assigned], tuple[str, ...], list[str]]:
+    """The columns of a file that are channels, the names of the others, and notes.
 
-    ``where`` is the path of the file. A mapped channel replaces a column of the same name. Raises
-    LogError for a channel that is missing, twice, or has no unit; ChannelMapError for a source that
-    is not in the file.
+    ``where`` is the path of the file. A mapped channel replaces a column of the same name; an
+    optional one without a known unit is left out. Raises LogError for a channel that is missing,
+    twice, or has no unit; ChannelMapError for a source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
     map_path = channel_map.where if channel_map else None
     assigned = [_mapped(name, entry, columns, map_path, where) for name, entry in mapped.items()]
-    sources = {item.index for item in assigned}
+    sources, notes = {item.index for item in assigned}, list[str]()
     for index, column in enumerate(columns):
-        name = column.name
-        if index in sources or name in (*mapped, *ignore) or _is_spare(column, require):
+        name, unit, quantity = column.name, column.unit, CHANNELS.get(column.name)
+        if index in sources or name in (*mapped, *ignore):
             continue
-        quantity = CHANNELS.get(name)
+        needed = quantity is not None and (quantity.required or name in require)
+        if quantity and not needed and not (unit and is_unit(unit, quantity.si)):
+            flaw = f"the unknown unit {unit!r}" if unit else "no unit"
+            do = "name its unit in the header or in a channel map"
+            notes.append(f"{name} has {flaw} and was left out: {do}")
+            continue
         si = quantity.si if quantity else _truth_si(column) if name.startswith(TRUTH) else None
         assigned += [_assigned(name, index, column, Mapping(name), si, where)] if si else []
     by_channel: dict[str, list[int]] = {}
@@ -126,26 +132,7 @@ def assign(
     indices = {item.index for item in assigned}
     ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
     _refuse_missing([name for name in require if name not in by_channel], ignored, where)
-    return assigned, ignored
-
-
-def _is_spare(column: Column, require: tuple[str, ...] = ()) -> bool:
-    """Whether a column is an optional channel without a unit, or with one that is not known."""
-    quantity = CHANNELS.get(column.name)
-    if quantity is None or quantity.required or column.name in require:
-        return False
-    return not column.unit or not is_unit(column.unit, quantity.si)
-
-
-def without_unit(columns: tuple[Column, ...], assigned: list[Assigned]) -> tuple[str, ...]:
-    """A note on each optional channel that was left out for want of a known unit."""
-    used = {item.channel for item in assigned}
-    return tuple(
-        f"{column.name} has {f'the unknown unit {column.unit!r}' if column.unit else 'no unit'} "
-        "and was left out: name its unit in the header or in a channel map"
-        for column in columns
-        if _is_spare(column) and column.name not in used
-    )
+    return assigned, ignored, notes
 
 
 def _mapped(
@@ -192,13 +179,10 @@ def _assigned(
 
 def _truth_si(column: Column) -> str | None:
     """SI unit of a truth channel by its name, or else by its unit; None for an unknown one."""
-    for prefix, si in TRUTH_UNITS.items():
-        if column.name.startswith(f"{prefix}_"):
-            return si
-    try:
-        return si_of(column.unit or "")
-    except UnknownUnit:
-        return None
+    by_name = (si for stem, si in TRUTH_UNITS.items() if column.name.startswith(f"{stem}_"))
+    with suppress(UnknownUnit):
+        return next(by_name, None) or si_of(column.unit or "")
+    return None
 
 
 def _by_address(indices: list[int], columns: tuple[Column, ...]) -> str:
@@ -211,20 +195,17 @@ def _by_address(indices: list[int], columns: tuple[Column, ...]) -> str:
 def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) -> None:
     if not missing:
         return
-    hints = [hint for name in missing if (hint := _suggestion(name, list(ignored), name))]
+    hints = (_suggestion(name, list(ignored), f" to be {name}") for name in missing)
     have = f"; the log also has {quoted(ignored)}" if ignored else ""
     raise LogError(
         f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
         where=where,
         expected=f"columns with these names{have}",
-        do="; ".join([*hints, MAP_IT]),
+        do="; ".join([*filter(None, hints), MAP_IT]),
     )
 
 
-def _suggestion(word: str, names: list[str], channel: str = "") -> str:
+def _suggestion(word: str, names: list[str], use: str = "") -> str:
     by_lower = {name.lower(): name for name in names}
     close = nearest(word.lower(), by_lower)
-    if close is None:
-        return ""
-    question = f"is {by_lower[close]!r} meant"
-    return f"{question} to be {channel}?" if channel else f"{question}?"
+    return "" if close is None else f"is {by_lower[close]!r} meant{use}?"

@@ -10,7 +10,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.plain import counted
-from calib.base.units import spelling
+from calib.base.units import QUANTITIES, to_si
 
 GAP = 3.5
 """A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
@@ -25,7 +25,7 @@ _FINE = 1e-3
 
 def is_ascending(time: Array) -> bool:
     """Whether every time is a number, and later than the one before."""
-    return bool(np.isfinite(time).all() and np.all(np.diff(time) > 0))
+    return bool(np.isfinite(time).all() and np.all(time[1:] > time[:-1]))
 
 
 def step_of(time: Array) -> float:
@@ -38,49 +38,36 @@ def step_of(time: Array) -> float:
     return float((time[-1] - time[0] - gaps.sum()) / (steps.size - gaps.size))
 
 
-_FEW = 50
-"""Fewest times that show whether a clock is even."""
-
-
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Ascending times [s], on the line of `_evened` where there is one, with a note."""
-    line = _evened(time) if time.size >= _FEW else None
-    if line is None:
-        return time, ()
-    values, rounding = line
-    note = (
-        f"times are written in steps of {1e3 * rounding:.3g} ms; they were put on the even clock "
-        f"of {step_of(values) * 1e3:.6g} ms that they lie on"
-    )
-    return values, (note,)
+    """Ascending times [s], (n,), on the line of an even clock that was written with few digits.
 
-
-def _evened(time: Array) -> tuple[Array, float] | None:
-    """Times of an even clock that was written with few digits, and its rounding [s].
-
-    ``time`` [s], (n,), ascends and may have gaps. None for a clock with jitter of more than its
-    last digit, and for one with enough digits.
+    With a note; as they are, where they are few, or have jitter of more than their last digit, or
+    enough digits. They may have gaps.
     """
-    steps = np.diff(time)
+    if time.size < _MIN_SAMPLES:
+        return time, ()
+    usual, steps = step_of(time), np.diff(time)
     # one slope for the lines through the times between gaps: least squares
-    part = np.concatenate([[0], np.cumsum(steps > GAP * step_of(time))])
-    row = np.concatenate([[0.0], np.cumsum(np.round(steps / step_of(time)))])
+    part = np.concatenate([[0], np.cumsum(steps > GAP * usual)])
+    row = np.concatenate([[0.0], np.cumsum(np.round(steps / usual))])
     size = np.bincount(part)
     along, later = (x - (np.bincount(part, x) / size)[part] for x in (row, time))
     step = float(along @ later / (along @ along))
     counts = np.round(steps / step)
     single = np.unique(np.round(steps[counts == 1] / step, 6)) * step
     if counts.min() < 1.0 or not 2 <= single.size <= VALUES:
-        return None
-    if single[-1] - single[0] < _FINE * step:
-        return None
+        return time, ()
+    rounding = float(single[-1] - single[0])
     row = np.concatenate([[0.0], np.cumsum(counts)])
     slope, start = np.polynomial.polynomial.Polynomial.fit(row, time, 1).convert().coef[::-1]
-    line = start + slope * row
-    rounding = float(single[-1] - single[0])
-    if np.max(np.abs(line - time)) > rounding:
-        return None
-    return np.asarray(line), rounding
+    line = np.asarray(start + slope * row)
+    if rounding < _FINE * step or np.max(np.abs(line - time)) > rounding:
+        return time, ()
+    note = (
+        f"times are written in steps of {1e3 * rounding:.3g} ms; they were put on the even clock "
+        f"of {step_of(line) * 1e3:.6g} ms that they lie on"
+    )
+    return line, (note,)
 
 
 _DISORDER = 0.1
@@ -92,21 +79,21 @@ _DISORDERED = 0.25
 
 def check_running(time: Array, where: str) -> None:
     """Raise LogError for timestamps [s], (n,), in the order of the file, that are out of order."""
-    steps = np.diff(time)
     if not np.isfinite(time).all():
         raise LogError("a timestamp is not a number", where=where, do="export the log again")
-    if np.count_nonzero(steps < 0) > max(_DISORDERED * time.size, 1):
+    disordered = int(np.count_nonzero(time[1:] < time[:-1]))
+    if disordered > max(_DISORDERED * time.size, 1):
         raise LogError(
-            f"{np.count_nonzero(steps < 0)} of {time.size} timestamps are not increasing",
+            f"{disordered} of {time.size} timestamps are not increasing",
             where=where,
             expected="times since the start, not since the frame before",
             do="export with absolute timestamps",
         )
-    back = np.flatnonzero(steps < -_DISORDER)
+    back = np.flatnonzero(time[1:] < time[:-1] - _DISORDER)
     if back.size:
         row = int(back[0])
         raise LogError(
-            f"time goes back by {-steps[row]:.6g} s, from {time[row]:.6g} s",
+            f"time goes back by {time[row] - time[row + 1]:.6g} s, from {time[row]:.6g} s",
             where=f"{where}: sample {row + 2}",
             expected="increasing times",
             do="two recordings in one file? split them",
@@ -117,7 +104,7 @@ _MIN_SAMPLES = 50
 """Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""
 _RATES = 40.0, 1000.0
 """Sample rates that a log can have [Hz]."""
-_UNITS = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+TIME_UNITS = {unit: to_si(1.0, unit, "s") for unit in QUANTITIES["s"][1]}
 """Units that a time is written in [s]."""
 _BURST = 0.25
 """A step shorter than this share of the mean one [1] is within a burst."""
@@ -146,8 +133,8 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
     steps = np.diff(time)
     usual, mean = float(np.median(steps)), float(np.mean(steps))
     low, high = (1.0 / rate for rate in reversed(_RATES))
-    written = usual / _UNITS.get(spelling(unit), 1.0)
-    likely = [other for other, size in _UNITS.items() if low <= written * size <= high]
+    written = usual / to_si(1.0, unit, "s")
+    likely = [other for other, size in TIME_UNITS.items() if low <= written * size <= high]
     if likely and not 0.2 * low <= usual <= 5.0 * high:
         raise LogError(
             f"is the time in {likely[0]}, not {unit}? the step would be {_duration(usual)}",
@@ -183,7 +170,7 @@ def _duration(seconds: float) -> str:
     >>> _duration(5e-6), _duration(0.0251), _duration(1000.0)
     ('5 us', '25.1 ms', '16.7 min')
     """
-    unit, size = [("us", 1e-6), *((u, s) for u, s in _UNITS.items() if s <= seconds)][-1]
+    size, unit = max((s, u) for u, s in TIME_UNITS.items() if s <= max(seconds, 1e-6))
     return f"{seconds / size:.3g} {unit}"
 
 

@@ -14,7 +14,7 @@ from calib.base.names import WHEELS
 from calib.base.units import UnknownUnit, from_si, si_of, spelling
 from calib.base.warning import LIMITS
 from calib.logs.log import ComputedPressure
-from calib.logs.source import Column, ColumnSource, Recording
+from calib.logs.source import ColumnSource, Recording, each_of
 
 _PRESSURES = ("p_mc", *(f"p_{wheel}" for wheel in WHEELS))
 
@@ -29,24 +29,19 @@ def computed_pressures(
     bar = {name: from_si(channels[name], "bar", "Pa") for name in _PRESSURES if name in channels}
     if isinstance(source, Recording) or not bar:
         return
-    for column, values in _other_quantities(ignored, source):
+    others = [
+        (index, column)
+        for index, column in enumerate(source.columns)
+        if column.name in ignored and is_other_quantity(column.unit)
+    ]
+    every = each_of(source.read, [index for index, _ in others])
+    for (_, column), values in zip(others, every, strict=True):
+        if isinstance(values, LogError):
+            continue
         for channel, pressure in bar.items():
             factor = factor_between(pressure, values) if values.size == pressure.size else None
             if factor is not None:
                 yield ComputedPressure(channel, factor, column.name, spelling(str(column.unit)))
-
-
-def _other_quantities(
-    names: Collection[str], source: ColumnSource
-) -> Iterator[tuple[Column, Array]]:
-    """Columns of these names of which a pressure can be computed, with their values as written."""
-    for index, column in enumerate(source.columns):
-        if column.name in names and is_other_quantity(column.unit):
-            try:
-                (values,) = source.read([index])
-            except LogError:
-                continue
-            yield column, values
 
 
 def factor_between(channel: Array, other: Array) -> float | None:

@@ -6,7 +6,7 @@
 . . . .                 they do not: something happened in the gap, it stays open
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,25 +112,19 @@ def fill_rows(
 
 def in_words(filled: Filled) -> tuple[str, ...]:
     """Notes on the gaps of a channel that were bridged and left open; empty if there are none."""
+    longest = max(filled.bridged, key=lambda gap: gap.length, default=None)
+    first = next(iter(filled.left_open), None)
     notes = []
-    if filled.bridged:
-        longest = max(filled.bridged, key=lambda gap: gap.length)
-        notes.append(
-            f"{_many(filled.bridged)} bridged with a straight line, "
-            f"the longest of {longest.length:.3f} s at {longest.start:.3f} s"
-        )
-    if filled.left_open:
-        first = filled.left_open[0]
-        notes.append(
-            f"{_many(filled.left_open)} not bridged, the first of {first.length:.3f} s at "
-            f"{first.start:.3f} s: {ONLY}"
-        )
+    for gaps, gap, result, rank in (
+        (filled.bridged, longest, "bridged with a straight line", "longest"),
+        (filled.left_open, first, "not bridged", "first"),
+    ):
+        if gap:
+            were = "gaps were" if len(gaps) > 1 else "gap was"
+            place = f"the {rank} of {gap.length:.3f} s at {gap.start:.3f} s"
+            only = "" if gap is longest else f": {ONLY}"
+            notes.append(f"{gap.channel}: {len(gaps)} {were} {result}, {place}{only}")
     return tuple(notes)
-
-
-def _many(gaps: Sequence[ChannelHole]) -> str:
-    plural = "gaps were" if len(gaps) > 1 else "gap was"
-    return f"{gaps[0].channel}: {len(gaps)} {plural}"
 
 
 def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
@@ -155,16 +149,15 @@ def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
 
 def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
     """Whether the samples of a side lie on a line that goes through the origin."""
-    n, centre = t.size, float(t.mean())
+    centre, mean = float(t.mean()), float(x.mean())
     spread = float(np.sum((t - centre) ** 2))
     if spread < INSTANT**2:
         return False
     slope = float(np.sum((t - centre) * x)) / spread
-    line = x.mean() + slope * (t - centre)
-    at_origin = float(x.mean()) - slope * centre
-    sigma = noise * np.sqrt(1.0 / n + centre**2 / spread + 0.5)  # 0.5 of the ends of the bridge
-    straight = float(np.abs(x - line).max()) <= allowed + 4.0 * noise
-    return straight and abs(at_origin) <= allowed + 3.0 * float(sigma)
+    bend = float(np.abs(x - mean - slope * (t - centre)).max())
+    sigma = noise * float(np.sqrt(1.0 / t.size + centre**2 / spread + 0.5))  # 0.5 of its ends
+    straight = bend <= allowed + 4.0 * noise
+    return straight and abs(mean - slope * centre) <= allowed + 3.0 * sigma
 
 
 ENDS = 1.0
@@ -177,20 +170,17 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
     ``channels`` by name, (n,) each, are NaN where they have no value. One without a value for more
     than `ENDS` [s] at an end counts as one with a gap.
     """
-    time = channels.get("time")
-    if time is None or not np.isfinite(time).all():
-        return channels, ()
+    time = channels["time"]
     begin, end, late = 0, time.size, list[str]()
-    for name, values in channels.items():
-        present = np.flatnonzero(~np.isnan(values)) if name in CHANNELS else np.empty(0, np.intp)
-        if not present.size:
+    for name, values in channels.items() if np.isfinite(time).all() else ():
+        empty = np.isnan(values)
+        if name not in CHANNELS or not empty.any() or empty.all():
             continue
-        first, last = int(present[0]), int(present[-1])
-        if time[first] - time[0] > ENDS or time[-1] - time[last] > ENDS:
-            continue
-        if first > 0 or last + 1 < time.size:
+        first, last = int(np.argmin(empty)), values.size - 1 - int(np.argmin(empty[::-1]))
+        short = time[first] - time[0] <= ENDS and time[-1] - time[last] <= ENDS
+        if short and (first > 0 or last + 1 < time.size):
             late.append(name)
-        begin, end = max(begin, first), min(end, last + 1)
+            begin, end = max(begin, first), min(end, last + 1)
     if not late or begin >= end:
         return channels, ()
     note = (

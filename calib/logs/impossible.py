@@ -43,10 +43,11 @@ class _Possible(NamedTuple):
     steps: bool = False
 
 
+_WHEELS = [f"omega_{w}" for w in WHEELS]
 _POSSIBLE = {
     # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2; a wheel that locks falls to 0 by
     # steps, and from below the least speed of its sensor
-    **{f"omega_{w}": _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0) for w in WHEELS},
+    **dict.fromkeys(_WHEELS, _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0)),
     # v of a receiver is held, or found again after a bridge: only its zeros are known as wrong
     "v": _Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
     # 1000 bar/s are the fastest brakes; a pedal that is let go falls to 0 by steps
@@ -100,10 +101,10 @@ def without_impossible(
         for name, possible in _POSSIBLE.items()
         if name in values
     }
-    wheels = [masks[name] for name in (f"omega_{w}" for w in WHEELS) if name in masks]
-    if len(wheels) == len(WHEELS):  # a row of zeros is one of all its channels
+    if set(_WHEELS) <= masks.keys():  # a row of zeros is one of all its channels
+        all_wheels = np.logical_and.reduce([masks[name] for name in _WHEELS])
         for name, mask in masks.items():
-            mask |= np.logical_and.reduce(wheels) & (values[name] == 0.0)
+            mask |= all_wheels & (values[name] == 0.0)
     marked = []
     for name, mask in masks.items():
         if mask.any():

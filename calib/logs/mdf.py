@@ -3,7 +3,6 @@
 import io
 import logging
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import numpy as np
 from calib.base.bounded import RECORDING
 from calib.base.errors import LogError
 from calib.base.extras import need
-from calib.logs.bus.dbc import Dbc, Key
+from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.recording import (
     Frames,
     decode,
@@ -47,15 +46,15 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     where = str(path)
     asammdf = need("asammdf", "mdf", where, LogError)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
-    checked = check_mdf(path)
+    note, counts = check_mdf(path)
     try:
-        file = io.BytesIO(path.read_bytes()) if checked.note else path
+        file = io.BytesIO(path.read_bytes()) if note else path
         mdf = asammdf.MDF(file, process_bus_logging=False)
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
-        _check_groups(mdf, checked.counts, where)
-        return _recording(mdf, dbc, [checked.note] if checked.note else [], where)
+        _check_groups(mdf, counts, where)
+        return _recording(mdf, dbc, [note] if note else [], where)
     except BaseException:
         mdf.close()
         raise
@@ -67,8 +66,8 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
         for number, group in enumerate(mdf.groups)
         if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
     ]
-    columns, places, more_notes = _channels(mdf, buses)
-    notes += more_notes
+    columns, places, left_out = _channels(mdf, buses)
+    notes += left_out
     needs_dbc = buses and (any(dbc.values()) or not columns)
     database = require_dbc(dbc, "mdf", where) if needs_dbc else Dbc({})
     frames = _frames(mdf, buses, database, where) if needs_dbc else []
@@ -139,15 +138,15 @@ def _title(mdf: Any, number: int) -> str:
 
 
 def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace]:
-    signals = _select(mdf, places, True, where)
     result = []
-    for (number, index), signal in zip(places, signals, strict=True):
+    for place, signal in zip(places, _select(mdf, places, True, where), strict=True):
+        number, index = place
         group = mdf.groups[number]
-        channel, cycles = group.channels[index], int(group.channel_group.cycles_nr)
+        cycles, channel = int(group.channel_group.cycles_nr), group.channels[index].name
         read = len(signal.samples)  # a sample may be an array
         if not read == signal.timestamps.size == cycles:
-            raise _too_few("samples", read, cycles, f"{where}: {channel.name}")
-        values, state = _values(mdf, (number, index), signal, f"{where}: {channel.name}")
+            raise _too_few("samples", read, cycles, f"{where}: {channel}")
+        values, state = _values(mdf, place, signal, f"{where}: {channel}")
         name = _title(mdf, number)
         title = name if name == f"group {number}" else f"group {number} {name!r}"
         result.append(ChannelTrace(title, signal.timestamps, values, state))
@@ -185,30 +184,31 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
 
 
 def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Frames]:
-    by_group = []
-    for number in groups:
-        names = {c.name for c in mdf.groups[number].channels}
-        if f"{_FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
-            by_group += _frames_of_group(mdf, number, names, database, where)
-    parts: dict[tuple[str, Key], list[Frames]] = {}
-    for item in by_group:
-        parts.setdefault((item.bus, item.key), []).append(item)
-    return [_joined(items) if len(items) > 1 else items[0] for items in parts.values()]
+    """The frames that the database describes; those sent and received are one message."""
+    parts = [x for number in groups if (x := _frame_records(mdf, number, where)) is not None]
+    if not parts:
+        return []
+    width = max(data.shape[1] for _, _, data, _ in parts)
+    padded = [np.pad(data, ((0, 0), (0, width - data.shape[1]))) for _, _, data, _ in parts]
+    codes, time, length = (np.concatenate([part[i] for part in parts]) for i in (0, 1, 3))
+    every = np.concatenate(padded)
+    result = []
+    for code in np.unique(codes).tolist():
+        name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
+        if database.find(name, key):
+            rows = np.flatnonzero(codes == code)
+            rows = rows[np.argsort(time[rows], kind="stable")] if len(parts) > 1 else rows
+            part = np.ascontiguousarray(every[rows, : int(length[rows].max())], np.uint8)
+            result.append(Frames(name, key, time[rows], part, length[rows].astype(np.uint16)))
+    return result
 
 
-def _joined(items: list[Frames]) -> Frames:
-    """The frames of one identifier in several groups, such as sent and received, as one."""
-    width = max(item.data.shape[1] for item in items)
-    data = [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
-    time = np.concatenate([item.time for item in items])
-    order = np.argsort(time, kind="stable")
-    length = np.concatenate([item.length for item in items])[order]
-    return replace(items[0], time=time[order], data=np.concatenate(data)[order], length=length)
-
-
-def _frames_of_group(
-    mdf: Any, number: int, names: set[str], database: Dbc, where: str
-) -> list[Frames]:
+def _frame_records(mdf: Any, number: int, where: str) -> tuple[Any, Any, Any, Any] | None:
+    """Codes of bus and identifier, times [s], bytes and lengths of a group; None without frames."""
+    names = {c.name for c in mdf.groups[number].channels}
+    cycles = int(mdf.groups[number].channel_group.cycles_nr)
+    if f"{_FRAME}.DataBytes" not in names or not cycles:
+        return None
     try:
         identifier = mdf.get(f"{_FRAME}.ID", group=number)
         extended, bus, length = (
@@ -220,8 +220,7 @@ def _frames_of_group(
         data = mdf.get(f"{_FRAME}.DataBytes", group=number).samples
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where, "frames") from cause
-    ids, time = identifier.samples, identifier.timestamps
-    cycles = int(mdf.groups[number].channel_group.cycles_nr)
+    ids = identifier.samples
     if not len(data) == ids.size == cycles:
         raise _too_few("frames", min(len(data), ids.size), cycles, where)
     fields = [field for field in (ids, extended, bus, length) if field is not None]
@@ -236,14 +235,7 @@ def _frames_of_group(
         flaw = f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}"
         raise damaged(where, flaw, "frames within their records")
     codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | ids & 0x1FFFFFFF
-    result = []
-    for code in np.unique(codes).tolist():
-        name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
-        if database.find(name, key):
-            rows = np.flatnonzero(codes == code)
-            part = np.ascontiguousarray(data[rows, : int(length[rows].max())], np.uint8)
-            result.append(Frames(name, key, time[rows], part, length[rows].astype(np.uint16)))
-    return result
+    return codes, identifier.timestamps, data, length
 
 
 def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:

@@ -14,7 +14,7 @@ import mmap
 import struct
 from bisect import bisect
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,14 +40,6 @@ _VARIABLE = 1
 """Flag of a group whose records differ in length; such a group has no channels."""
 
 
-@dataclass(frozen=True)
-class _Checked:
-    """A note and the number of records by group of an unfinished file; empty for a finished one."""
-
-    note: str = ""
-    counts: dict[int, int] = field(default_factory=dict)
-
-
 class _Block(NamedTuple):
     kind: bytes
     length: int
@@ -67,10 +59,11 @@ class _Group:
     count: int = 0
 
 
-def check_mdf(path: Path) -> _Checked:
+def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
     """Follow all links of a file, and count the records of an unfinished one.
 
-    Raises LogError for a file that is not MDF, cut off, damaged, or cannot be finished.
+    Returns a note and the records by group; both are empty for a finished file. Raises LogError for
+    a file that is not MDF, cut off, damaged, or cannot be finished.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)
@@ -94,9 +87,9 @@ def check_mdf(path: Path) -> _Checked:
             try:
                 if not version.startswith(b"4"):
                     _refuse_rings(data, "<" if head[24:26] == b"\0\0" else ">", path)
-                    return _Checked()
+                    return "", {}
                 starts = sorted(_check_blocks(data, path) | {len(data)})
-                return _counted(data, flags, starts, path) if flags else _Checked()
+                return _counted(data, flags, starts, path) if flags else ("", {})
             except (struct.error, IndexError, ValueError, OverflowError) as cause:
                 flaw = f"a block is shorter than its kind, or links go round: {cause}"
                 raise damaged(path, flaw) from cause
@@ -164,34 +157,30 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
     return visited
 
 
-def _data_groups(data: mmap.mmap) -> Iterator[tuple[int, int, list[_Group]]]:
-    """First byte of the data, bytes of an identifier, and channel groups of each data group."""
-    for _, block in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
-        groups = []
-        for place, group in _chain(data, block.links[1], b"##CG"):
-            number, count, flags, _, _, size, invalid = _GROUP.unpack_from(data, group.content)
-            groups.append(_Group(place, number, count, size + invalid, bool(flags & _VARIABLE)))
-        yield block.links[2], data[block.content], groups
-
-
-def _counted(data: mmap.mmap, flags: int, starts: list[int], path: Path) -> _Checked:
+def _counted(
+    data: mmap.mmap, flags: int, starts: list[int], path: Path
+) -> tuple[str, dict[int, int]]:
     """Count the records of an unfinished file; ``starts`` are its blocks and its end, rising.
 
     asammdf counts them, too, but stops without a word where a record has an unknown identifier.
     """
     counts: dict[int, int] = {}
     records = leftover = 0
-    for place, id_size, groups in _data_groups(data):
-        if not place:
+    for _, data_group in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
+        groups = []
+        for place, block in _chain(data, data_group.links[1], b"##CG"):
+            number, promised, varies, _, _, size, invalid = _GROUP.unpack_from(data, block.content)
+            groups.append(_Group(place, number, promised, size + invalid, bool(varies & _VARIABLE)))
+        begin, id_size = data_group.links[2], data[data_group.content]
+        if not begin:
             continue
-        block = _block_at(data, place)
-        block_kind = block.kind.decode(errors="replace")
-        _require(block_kind == "##DT", path, f"data in {block_kind}")
+        block = _block_at(data, begin)
+        _require(block.kind == b"##DT", path, f"data in {block.kind.decode(errors='replace')}")
         readable = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
         _require(readable, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
-        next_start = starts[bisect(starts, place)]
-        end = next_start if flags & _LAST_LENGTH else place + block.length
-        last = _count(data, groups, (place + _START, end), id_size, path)
+        to_the_next = bool(flags & _LAST_LENGTH)
+        end = starts[bisect(starts, begin)] if to_the_next else begin + block.length
+        last = _count(data, groups, (begin + _START, end), id_size, path)
         leftover += end - last if any(data[last:end]) else 0
         for group in groups:
             if group.count < group.promised:
@@ -206,7 +195,7 @@ def _counted(data: mmap.mmap, flags: int, starts: list[int], path: Path) -> _Che
         f"the recorder did not finish the file: its {records} records were counted here{torn}; "
         "nothing in the file shows whether more are missing at its end"
     )
-    return _Checked(note, counts)
+    return note, counts
 
 
 def _count(

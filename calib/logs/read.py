@@ -14,7 +14,7 @@ from calib.base.bounded import LOG, RECORDING, FileKind, open_bounded, read_boun
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
-from calib.logs.channel_map import MAP_IT, TRUTH, Assigned, ChannelMap, assign, without_unit
+from calib.logs.channel_map import MAP_IT, TRUTH, Assigned, ChannelMap, assign
 from calib.logs.clock import check_clock, is_ascending, on_line
 from calib.logs.computed import computed_pressures
 from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
@@ -69,28 +69,23 @@ def open_log(
     not ``path``. Of ``channel_map`` only the text format and the DBC are used. Raises LogError for
     a file that is not a log, or not complete.
     """
-    path = Path(path)
+    path, content = Path(path), Path(file or path)
     ending = ending_of(path)
-    if ending not in RECORDINGS:
-        data = log_bytes(path) if data is None else data
-        refuse_other_kind(data[:64], ending, path)
-        text_format = channel_map.text if channel_map else LOOKED
-        source = TABLES[ending](data, str(path), text_format)
-        return _OpenLog(path, source, hashlib.sha256(data).hexdigest())
-    head, digest = _head_and_digest(Path(file or path), path, data)
-    refuse_other_kind(head, ending, path)
-    databases = channel_map.databases if channel_map else {}
-    return _OpenLog(path, RECORDINGS[ending](Path(file or path), databases), digest)
-
-
-def _head_and_digest(file: Path, where: Path, data: bytes | None) -> tuple[bytes, str]:
-    """First 64 bytes and SHA-256 of a file, whose bytes are ``data`` if they were read already."""
+    if data is None and ending not in RECORDINGS:
+        data = log_bytes(path)
     if data is not None:
-        return data[:64], hashlib.sha256(data).hexdigest()
-    with _as_log(file, where) as kind, open_bounded(file, kind) as stream:
-        head = stream.read(64)
-        stream.seek(0)
-        return head, hashlib.file_digest(stream, "sha256").hexdigest()
+        head, digest = data[:64], hashlib.sha256(data).hexdigest()
+    else:
+        with _as_log(content, path) as kind, open_bounded(content, kind) as stream:
+            head = stream.read(64)
+            stream.seek(0)
+            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+    refuse_other_kind(head, ending, path)
+    if ending in RECORDINGS:
+        databases = channel_map.databases if channel_map else {}
+        return _OpenLog(path, RECORDINGS[ending](content, databases), digest)
+    text_format = channel_map.text if channel_map else LOOKED
+    return _OpenLog(path, TABLES[ending](data or b"", str(path), text_format), digest)
 
 
 def read_log(
@@ -115,53 +110,44 @@ def read_log(
         from calib.logs.channel_map_file import read_channel_map
 
         channel_map = read_channel_map(channel_map)
+    needed, where = tuple(dict.fromkeys(("time", *require))), str(Path(path))
     with open_log(path, channel_map, data=data, file=file) as opened:
-        return read_opened(opened, channel_map, require=require)
-
-
-def read_opened(
-    opened: _OpenLog, channel_map: ChannelMap | None = None, *, require: tuple[str, ...] = REQUIRED
-) -> Log:
-    """Read one run from a log that was opened. Else like `read_log`."""
-    source, where = opened.source, str(opened.path)
-    needed = tuple(dict.fromkeys(("time", *require)))
-    assigned, ignored = assign(source.columns, channel_map, needed, where)
-    if isinstance(source, ColumnSource):
-        sampled = _sampled_rows(source, assigned, where)
-    else:
-        clock = recorded_clock(assigned, channel_map)
-        others = [item for item in assigned if item is not clock]
-        if not others:
-            raise _no_channel(ignored, source.notes, where)
-        sampled = _sampled_recording(source, clock, others, where)
-    refuse_absurd(sampled.channels, where)
-    possible, marked, bridged = without_impossible(sampled.channels, where)
-    undelayed, delay_notes = _without_delays(possible, assigned, where)
-    trimmed, trim_notes = without_open_ends(undelayed)
-    values, gap_notes = complete_channels(trimmed, needed, where)
-    unit = next(item.unit for item in assigned if item.channel == "time")
-    check_clock(values["time"], where, unit)
-    return Log(
-        stem_of(opened.path),
-        where,
-        opened.digest,
-        channels={name: values[name] for name in CHANNELS if name in values},
-        truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
-        ignored=ignored,
-        notes=(
-            *source.notes,
-            *without_unit(source.columns, assigned),
-            *sampled.notes,
-            *delay_notes,
-            *trim_notes,
-            *gap_notes,
-        ),
-        origins=tuple(item.origin() for item in assigned if item.channel in values),
-        bridged=tuple(gap for gap in (*sampled.bridged, *bridged) if gap.channel in values),
-        marked=marked,
-        interpolated=sampled.interpolated,
-        computed=tuple(computed_pressures(values, ignored, source)),
-    )
+        source = opened.source
+        assigned, ignored, unitless = assign(source.columns, channel_map, needed, where)
+        if isinstance(source, Recording):
+            recorded_clock(assigned, channel_map)
+            if len(assigned) == 1:
+                raise LogError(
+                    f"no channel of the log is known; it has {quoted(ignored) or 'no channels'}",
+                    where=where,
+                    expected=f"channels named {', '.join(REQUIRED[1:])}",
+                    do="; ".join([*source.notes, MAP_IT]),
+                )
+        sampled = _sampled(source, assigned, where)
+        refuse_absurd(sampled.channels, where)
+        possible, marked, bridged = without_impossible(sampled.channels, where)
+        undelayed, delay_notes = _without_delays(possible, assigned, where)
+        trimmed, trim_notes = without_open_ends(undelayed)
+        values, gap_notes = complete_channels(trimmed, needed, where)
+        unit = next(item.unit for item in assigned if item.channel == "time")
+        check_clock(values["time"], where, unit)
+        return Log(
+            stem_of(opened.path),
+            where,
+            opened.digest,
+            channels={name: values[name] for name in CHANNELS if name in values},
+            truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
+            ignored=ignored,
+            notes=(
+                *(*source.notes, *unitless, *sampled.notes),
+                *(*delay_notes, *trim_notes, *gap_notes),
+            ),
+            origins=tuple(item.origin() for item in assigned if item.channel in values),
+            bridged=tuple(gap for gap in (*sampled.bridged, *bridged) if gap.channel in values),
+            marked=marked,
+            interpolated=sampled.interpolated,
+            computed=tuple(computed_pressures(values, ignored, source)),
+        )
 
 
 class _Sampled(NamedTuple):
@@ -173,43 +159,35 @@ class _Sampled(NamedTuple):
     interpolated: tuple[str, ...] = ()
 
 
-def _sampled_rows(source: ColumnSource, assigned: list[Assigned], where: str) -> _Sampled:
-    """The channels of a table: its rows, or resampled where the rows come from several clocks."""
-    written = source.read([item.index for item in assigned])
-    values = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
-    time = values.pop("time")
-    if of_several_clocks(time, values):
-        by_name = {item.channel: item for item in assigned}
+def _sampled(source: ColumnSource | Recording, assigned: list[Assigned], where: str) -> _Sampled:
+    """The channels of a source: its rows, or resampled where it has several clocks."""
+    by_name = {item.channel: item for item in assigned}
+    note: tuple[str, ...] = ()
+    if isinstance(source, Recording):
+        others = [item for item in assigned if item.channel != "time"]
+        read = source.read([item.index for item in others])
+        traces = [item.named(trace) for item, trace in zip(others, read, strict=True)]
+    else:
+        written = source.read([item.index for item in assigned])
+        values = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
+        time = values.pop("time")
+        if not of_several_clocks(time, values):
+            time, rounded = on_line(time) if is_ascending(time) else (time, ())
+            measured = {name: x for name, x in values.items() if name in CHANNELS}
+            filled, notes, bridged = fill_rows(measured, time)
+            channels = {"time": time} | values | filled
+            return _Sampled(channels, (*rounded, *notes), tuple(bridged))
+        note = ("the rows are those of several clocks: each channel was put on one clock",)
         traces = [by_name[trace.name].named(trace) for trace in traces_of(time, values)]
-        resampled = on_one_clock(traces, where)
-        channels = {"time": resampled.time, **dict(zip(values, resampled.values, strict=True))}
-        note = "the rows are those of several clocks: each channel was put on one clock"
-        return _Sampled(
-            channels, (note, *resampled.notes), resampled.bridged, resampled.interpolated
-        )
-    time, rounded = on_line(time) if is_ascending(time) else (time, ())
-    measured = {name: x for name, x in values.items() if name in CHANNELS}
-    filled, notes, bridged = fill_rows(measured, time)
-    return _Sampled({"time": time} | values | filled, (*rounded, *notes), tuple(bridged))
-
-
-def _sampled_recording(
-    source: Recording, clock: Assigned, others: list[Assigned], where: str
-) -> _Sampled:
-    """The channels of a recording on one of its clocks."""
-    traces = source.read([item.index for item in others])
-    resampled = on_one_clock([i.named(t) for i, t in zip(others, traces, strict=True)], where)
-    written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
-    channels = {item.channel: item.to_si(w) for item, w in written}
-    return _Sampled(channels, resampled.notes, resampled.bridged, resampled.interpolated)
-
-
-def _no_channel(ignored: tuple[str, ...], notes: tuple[str, ...], where: str) -> LogError:
-    return LogError(
-        f"no channel of the log is known; it has {quoted(ignored) or 'no channels'}",
-        where=where,
-        expected=f"channels named {', '.join(REQUIRED[1:])}",
-        do="; ".join([*notes, MAP_IT]),
+    resampled = on_one_clock(traces, where)
+    channels = {trace.name: x for trace, x in zip(traces, resampled.values, strict=True)}
+    if isinstance(source, Recording):
+        channels = {name: by_name[name].to_si(x) for name, x in channels.items()}
+    return _Sampled(
+        {"time": resampled.time} | channels,
+        (*note, *resampled.notes),
+        resampled.bridged,
+        resampled.interpolated,
     )
 
 

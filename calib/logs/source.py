@@ -63,7 +63,7 @@ def each_of(
 ) -> list[T | LogError]:
     """The result of ``read`` for each index, or its error."""
     with suppress(LogError):
-        return [*read(indices)]
+        return [*read(indices)] if indices else []
     results: list[T | LogError] = []
     for index in indices:
         try:

@@ -73,7 +73,7 @@ def read_whole(
     Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
     """
     with open_log(path, channel_map, data=data) as opened:
-        assigned, _ = assign(opened.source.columns, channel_map, (), str(path))
+        assigned, _, _ = assign(opened.source.columns, channel_map, (), str(path))
         by_index = {item.index: item for item in assigned}
         if isinstance(opened.source, Recording):
             recorded_clock(assigned, channel_map)

@@ -10,7 +10,6 @@ VAL_ 256 WhlFL 65535 "SNA";  statements that change what is decoded, and long na
 Comments and all other statements are not read.
 """
 
-import codecs
 import hashlib
 import logging
 import re
@@ -23,6 +22,7 @@ from calib.base.bounded import DBC, bytes_of
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.extras import need
 from calib.logs.channel_map import Databases
+from calib.logs.text.encoding import text_of, to_utf8
 
 if TYPE_CHECKING:
     from cantools.database.can import Message
@@ -139,7 +139,10 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
     kind = kind if kind in _FORMATS else "dbc"
     name = kind.upper()
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
-    text = _text(content)
+    try:
+        text, _ = text_of(to_utf8(content, str(path)))
+    except LogError as cause:
+        raise ChannelMapError(cause.problem, where=path, expected=f"the format {name}") from cause
     if kind in ("dbc", "sym"):  # the others are XML, whose parser takes no more than their size
         longest = max(map(len, text.replace('\\"', "''").split('"')[1::2]), default=0)
         if longest > _LONGEST_TEXT:
@@ -166,21 +169,10 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
     return content, messages, flaws
 
 
-def _text(content: bytes) -> str:
-    """Decode UTF-16, UTF-8 or, where it is neither, Windows-1252."""
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return content.decode("utf-16", errors="replace")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
-
-
 @dataclass
 class _MessageText:
-    """The statements of one message as text, its first line, identifier, name, and signals."""
+    """The statements of one message as text, its identifier, name, and signals."""
 
-    line: int
     number: int
     name: str
     text: str
@@ -238,7 +230,7 @@ def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Descr
         why = str(cause) or type(cause).__name__
         why = re.sub(r'^DBC: "(.*?)\.?"$', r"\1", why, flags=re.DOTALL)
         why = why.removesuffix(f" in message {part.name}")
-        why = re.sub(r"(?<=at line )\d+", lambda line: str(int(line[0]) + part.line - 1), why)
+        why = re.sub(r" at line \d+, column \d+", "", why)  # of this part of the file
     signals = tuple(FlawedSignal(name, unit) for name, unit in part.signals.items())
     return Flawed(part.name, part.number & ~_LONG, part.number > 0x7FF, why, signals, where)
 
@@ -248,15 +240,9 @@ def _parts(text: str) -> tuple[str, list[_MessageText]]:
     parts: list[_MessageText] = []
     later: dict[int, str] = defaultdict(str)
     common, previous = "", ""
-    text = _COMMENT.sub(lambda c: "\n" * c[0].count("\n"), text)
-    begins = [found.end() for found in _BEGIN.finditer(text)]
-    line, last = 1, 0
-    for begin, end in zip(begins, [*begins[1:], len(text)], strict=True):
-        statement = text[begin:end]
-        line += text.count("\n", last, begin)
-        last = begin
+    for statement in _BEGIN.split(_COMMENT.sub("", text))[1:]:
         if message := _MESSAGE.match(statement):
-            parts.append(_MessageText(line, int(message[1]), message[2], statement, {}))
+            parts.append(_MessageText(int(message[1]), message[2], statement, {}))
         elif (signal := _SIGNAL.match(statement)) and previous in ("BO_", "SG_") and parts:
             parts[-1].text += statement
             parts[-1].signals[signal[1]] = signal[2] or ""

@@ -1,8 +1,7 @@
 """Separated text: the canonical ``name [unit]`` with commas, and the styles of other programs."""
 
-import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from calib.base.arrays import Array
@@ -13,20 +12,19 @@ from calib.logs.text.cells import (
     clock_seconds,
     column_from_cell,
     is_clock,
-    is_unit_row,
     with_unit_row,
 )
 from calib.logs.text.dialect import (
     EMPTY,
     LOOKED,
-    Dialect,
     TextFormat,
-    dialect_of,
-    layouts_of,
+    cells_of,
+    decimal_of,
+    layout_of,
     mostly,
     sample_of,
 )
-from calib.logs.text.encoding import GZIP, gunzip, head_text, to_utf8
+from calib.logs.text.encoding import GZIP, gunzip, text_of, to_utf8
 
 _FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
 _FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}
@@ -40,61 +38,39 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
     """
     if data.startswith(GZIP):
         data = gunzip(data, where)
-    data = to_utf8(data, where, text_format.encoding)
-    text = data.rstrip(b"\0")  # a logger that lost its power leaves them
-    notes = [f"{len(data) - len(text)} zero bytes at the end were not read"] if text != data else []
-    if b"\n" not in text:
-        text = text.replace(b"\r", b"\n")
-    try:
-        source = _open(text, where, text_format)
-        return replace(source, notes=(*notes, *source.notes))
-    except csv.Error as cause:
-        raise LogError(
-            f"not a text table: {cause}", where=where, expected="lines of cells"
-        ) from cause
-
-
-def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
+    whole = to_utf8(data, where, text_format.encoding)
+    data = whole.rstrip(b"\0")  # a logger that lost its power leaves them
+    zeros = len(whole) - len(data)
+    if b"\n" not in data:
+        data = data.replace(b"\r", b"\n")
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
     begin = 0
     declared = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)  # spreadsheets
     if declared:
-        begin, separator = declared.end(), text_format.separator or declared[1].decode()
-        text_format = replace(text_format, separator=separator)
-    layouts = layouts_of(data, begin, text_format)
-    layout, start = layouts[0], layouts[0].start
-    body = data[start : start + 65536].strip() or data[start:].strip()
-    line = body.decode("latin-1")
-    units_of = (is_unit_row(Dialect(s, ".").cells([line])[0]) for s in text_format.separators)
-    if not body or (b"\n" not in body and any(units_of)):
-        raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    names, note = head_text(b"\n".join((layout.names, layout.units, layout.more)), where)
-    dialect = dialect_of(layouts, data, text_format, where)
-    cells, units, more = (dialect.cells([line])[0] for line in names.split("\n"))
+        begin = declared.end()
+        text_format = replace(text_format, separator=text_format.separator or declared[1].decode())
+    layout = layout_of(data, begin, text_format, where)
+    header, note = text_of(b"\n".join((layout.names, layout.units, layout.more)))
+    separator = layout.separator
+    cells, units, more = (cells_of(line, separator) for line in header.split("\n"))
     columns = _header(cells, units, more, where)
-    rows = dialect.cells(sample_of(data, start))
-    clocks = [
-        i for i in range(len(columns)) if mostly(is_clock, [r[i] for r in rows if len(r) > i])
-    ]
+    rows = [row for line in sample_of(data, layout.start) if (row := cells_of(line, separator))]
+    decimal = text_format.decimal or decimal_of(rows, separator, where)
+    texts = set(range(len(columns))) - set(layout.numbers)
+    clocks = [i for i in sorted(texts) if mostly(is_clock, [r[i] for r in rows if len(r) > i])]
     for i in clocks:
         columns[i] = Column(columns[i].name, "s", columns[i].full or cells[i])
+    lost = f"{zeros} zero bytes at the end were not read" if zeros else ""
     above = f"{layout.above} lines above the header were not read" if layout.above else ""
     counted = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
-    table = TextRows(data, start, tuple(columns), dialect, where, frozenset(clocks))
-    notes = tuple(n for n in (note, above, *counted, table.end()) if n)
+    table = TextRows(data, layout.start, tuple(columns), where, separator, decimal, {*clocks})
+    notes = tuple(n for n in (lost, note, above, *counted, table.end()) if n)
     return ColumnSource(table.columns, table.read, notes)
 
 
 def _header(names: list[str], units: list[str], more: list[str], where: str) -> list[Column]:
-    """The columns of a header of up to three rows. Raises LogError for one that does not fit."""
-    for row in (units, more):
-        if row and len(row) != len(names):
-            raise LogError(
-                f"{len(names)} names, and {len(row)} cells in the header row below",
-                where=where,
-                expected="a cell, which may be empty, for each name",
-            )
+    """The columns of a header of up to three rows."""
     columns = [column_from_cell(cell) for cell in names]
     words = {column.name.lower() for column in columns}
     if words & _FRAME_ID and words & _FRAME_LENGTH:
@@ -119,9 +95,10 @@ class TextRows:
     data: bytes
     start: int
     columns: tuple[Column, ...]
-    dialect: Dialect
     where: str
-    clocks: frozenset[int] = frozenset()
+    separator: str
+    decimal: str = "."
+    clocks: Collection[int] = ()
 
     def end(self) -> str | None:
         r"""Check the last row: LogError if it is cut off, a note if it has no end of line.
@@ -134,7 +111,7 @@ class TextRows:
         text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
         text = text or data[start:].rstrip(b"\r\n")[-tail:]  # many blank lines at the end
         lines = [line.decode(errors="replace") for line in text.splitlines()[-20:]]
-        *earlier, last = self.dialect.cells(lines)
+        *earlier, last = (cells_of(line, self.separator) for line in lines)
         earlier = [row for row in earlier if row]
         widths = [len(row) for row in earlier if len(row) != width]
         if 2 * len(widths) > len(earlier):  # not cut off: text of another kind
@@ -156,7 +133,7 @@ class TextRows:
 
         Decimals decide if all others have as many; not every cut is detected.
         """
-        decimals = [len(c.partition(self.dialect.decimal)[2]) for c in (cell, *earlier)]
+        decimals = [len(c.partition(self.decimal)[2]) for c in (cell, *earlier)]
         if len(set(decimals[1:])) == 1:
             return decimals[0] < decimals[1]
         return bool(earlier) and len(cell) < min(map(len, earlier))
@@ -172,12 +149,12 @@ class TextRows:
             table = arrow_csv.read_csv(
                 pa.BufferReader(pa.py_buffer(self.data).slice(self.start)),
                 read_options=arrow_csv.ReadOptions(column_names=names, use_threads=False),
-                parse_options=arrow_csv.ParseOptions(delimiter=self.dialect.separator),
+                parse_options=arrow_csv.ParseOptions(delimiter=self.separator),
                 convert_options=arrow_csv.ConvertOptions(
                     include_columns=[str(i) for i in indices],
                     column_types=types,
                     null_values=list(EMPTY),
-                    decimal_point=self.dialect.decimal,
+                    decimal_point=self.decimal,
                 ),
             )
         except pa.ArrowInvalid as cause:
@@ -194,7 +171,7 @@ class TextRows:
         if cell := re.search(
             r"column #(\d+): Row #(\d+): .*?invalid value '(.*)'", cause, re.DOTALL
         ):
-            mark = {".": "point", ",": "comma"}[self.dialect.decimal]
+            mark = {".": "point", ",": "comma"}[self.decimal]
             return LogError(
                 f"row {cell[2]}: {cell[3].strip()[:60]!r} is not a number",
                 where=f"{self.where}: {self.columns[int(cell[1])].name}",

@@ -15,6 +15,7 @@ channel map that decides: ``separator`` and ``decimal`` of [text].
 """
 
 import csv
+import io
 import re
 import sys
 from collections import Counter
@@ -58,22 +59,13 @@ LOOKED = TextFormat()
 """Everything is detected from the file."""
 
 
-@dataclass(frozen=True)
-class Dialect:
-    """Separator between cells, and the decimal mark in numbers."""
-
-    separator: str
-    decimal: str
-
-    def cells(self, lines: list[str]) -> list[list[str]]:
-        """The cells of some lines, each by itself, without blanks around them."""
-        rows = (next(csv.reader([line], delimiter=self.separator), []) for line in lines)
-        return [[cell.strip() for cell in row] for row in rows]
-
-
-def _is_number(cell: str, decimal: str = ".") -> bool:
-    """Whether a cell holds a number with this decimal mark."""
-    return _NUMBER[decimal].fullmatch(cell) is not None
+def cells_of(line: str, separator: str) -> list[str]:
+    """The cells of a line, without blanks around them; none of an empty line."""
+    if '"' in line:
+        cells = next(csv.reader([line.replace("\r", " ")], delimiter=separator), [])
+    else:
+        cells = line.split(separator) if line else []
+    return [cell.strip() for cell in cells]
 
 
 def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
@@ -90,33 +82,6 @@ def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> li
     return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
 
 
-def dialect_of(
-    layouts: "Sequence[_Layout]", data: bytes, text_format: TextFormat, where: str
-) -> Dialect:
-    """The dialect of a table. Raises LogError, with the candidates, for none or several of them."""
-    separators = [one.separator for one in layouts if one.separator]
-    if len(layouts) != 1 and separators:
-        names = " or ".join(f"{SEPARATORS[s]} ({s!r})" for s in separators)
-        raise LogError(
-            f"the columns may be separated by {names}",
-            where=where,
-            expected="one separator that fits",
-            do='give it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
-        )
-    if not separators:
-        expected = "rows of as many numbers, separated by comma, semicolon, tab or bar"
-        raise LogError(
-            "no separator fits this table",
-            where=where,
-            expected=f"a header, and {expected}",
-            do="decimal commas need another separator than the comma; see the first lines of the "
-            "file",
-        )
-    (layout,) = layouts
-    decimal = text_format.decimal or _decimal(layout.separator, data, layout.start, where)
-    return Dialect(layout.separator, decimal)
-
-
 def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:
     """Whether more than half of the cells with a value are of a kind."""
     filled = [cell for cell in column if cell not in EMPTY]
@@ -124,18 +89,16 @@ def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:
 
 
 def _any_number(cell: str) -> bool:
-    return _is_number(cell, ".") or _is_number(cell, ",")
+    return bool(_POINT.fullmatch(cell) or _COMMA.fullmatch(cell))
 
 
-def _decimal(separator: str, data: bytes, start: int, where: str) -> str:
-    rows = Dialect(separator, ".").cells(sample_of(data, start))
+def decimal_of(rows: Sequence[Sequence[str]], separator: str, where: str) -> str:
+    """The decimal mark of sampled rows of cells. Raises LogError if it is ambiguous."""
     cells = [cell for row in rows for cell in row]
-    numbers = {mark: [c for c in cells if mark in c and _is_number(c, mark)] for mark in ".,"}
+    numbers = {m: [c for c in cells if m in c and _NUMBER[m].fullmatch(c)] for m in ".,"}
     marks = [mark for mark in numbers if numbers[mark]]
-    if not marks:
-        # Only whole numbers in the sample. Another mark later in the file is an error when read.
-        comma = data.find(b",", start) >= 0 and data.find(b".", start) < 0
-        return "," if separator != "," and comma else "."
+    if not marks:  # whole numbers: a mark elsewhere in the file is an error when it is read
+        return "."
     clear = [m for m in marks if not all(_THOUSANDS.fullmatch(c) for c in numbers[m])]
     if len(marks) == 1 and (clear or separator == ","):
         return marks[0]
@@ -155,84 +118,101 @@ _RUN = 3
 
 
 @dataclass(frozen=True)
-class _Layout:
-    """Lines of the header: ``names``, ``units`` and ``more``, and where the first sample begins."""
+class Layout:
+    """Lines of the header: ``names``, ``units`` and ``more``, and where the first sample begins.
 
+    ``above`` lines stand over them; ``numbers`` are the indices of columns of numbers.
+    """
+
+    separator: str
     names: bytes
+    units: bytes
+    more: bytes
     start: int
-    units: bytes = b""
-    more: bytes = b""
-    above: int = 0
-    separator: str = ""
-    numbers: int = 0
+    above: int
+    numbers: list[int]
 
 
-def layouts_of(data: bytes, begin: int, text_format: TextFormat) -> list[_Layout]:
-    """The layouts of a table from ``begin`` on: one, if its separator is clear.
+def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> Layout:
+    """The layout of a table from ``begin`` on, with the most columns of numbers.
 
-    The first has the most columns of numbers, the others are as good. It has no separator if no
-    header stands over numbers.
+    Raises LogError for none, and for one that begins in the same row with another separator.
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
-    layouts = [x for s in text_format.separators if (x := _layout(lines, starts, sample, s))]
-    best = max(layouts, key=lambda x: x.numbers, default=_Layout(lines[0], starts[1]))
-    return [best, *(x for x in layouts if x is not best and x.start == best.start)]
+    separators = [s for s in text_format.separators if any(s in line for line in sample)]
+    layouts = [x for s in separators if (x := _layout(lines, starts, sample, s))]
+    layouts.sort(key=lambda x: -len(x.numbers))
+    others = [x.separator for x in layouts if x.start == layouts[0].start]
+    if len(others) == 1:
+        return layouts[0]
+    if others:
+        names = " or ".join(f"{SEPARATORS[s]} ({s!r})" for s in others)
+        raise LogError(
+            f"the columns may be separated by {names}",
+            where=where,
+            expected="one separator that fits",
+            do=f'give it in a channel map (--map): [text] with separator = "{others[0]}"',
+        )
+    below = [line.decode("latin-1") for line in lines if line.strip()][1:]
+    units = (is_unit_row(cells_of(below[0], s)) for s in text_format.separators)
+    if not below or (len(below) == 1 and any(units)):
+        raise LogError("a header and no samples", where=where, expected="at least 50 rows")
+    expected = "rows of as many numbers, separated by comma, semicolon, tab or bar"
+    raise LogError(
+        "no separator fits this table",
+        where=where,
+        expected=f"a header, and {expected}",
+        do="decimal commas need another separator than the comma; see the first lines of the file",
+    )
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
     """The first lines from ``start``, without blank ones at the top, and where each begins."""
     lines, starts = list[bytes](), [start]
-    while start < len(data) and len(lines) < _TOP:
-        end = data.find(b"\n", start)
-        end = len(data) if end < 0 else end
-        line = data[start:end].rstrip(b"\r")
-        start = end + 1
+    stream = io.BytesIO(data)
+    stream.seek(start)
+    for whole in stream:
+        start += len(whole)
+        line = whole.rstrip(b"\r\n")
         if lines and lines[-1].count(b'"') % 2 == 1:  # a cell with a line break
             lines[-1] += b" " + line
             starts[-1] = start
-            continue
-        if not lines and not line.strip():
-            starts[0] = start  # blank lines above everything
-            continue
-        lines.append(line)
-        starts.append(start)
+        elif lines or line.strip():
+            lines.append(line)
+            starts.append(start)
+        else:  # blank lines above everything
+            starts[0] = start
+        if len(lines) == _TOP:
+            break
     return lines, starts
 
 
 def _layout(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
-) -> _Layout | None:
+) -> Layout | None:
     """The layout by a separator; None without a header over two columns of numbers."""
-    dialect = Dialect(separator, ".")
-    rows = dialect.cells(sample)
-    ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]
+    rows = [row for line in sample if (row := cells_of(line, separator))]
+    ((width, _),) = Counter(map(len, rows)).most_common(1) or [(0, 0)]
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
     numbers = [i for i, column in enumerate(columns) if mostly(_any_number, column)]
-    spare = bool(columns) and sum(map(bool, columns[-1])) <= 1  # each row ends with a separator
     if len(numbers) < 2:
         return None
-    table = [dialect.cells([line.decode("latin-1")])[0] if line.strip() else [] for line in lines]
+    table = [cells_of(x.decode("latin-1"), separator) if x.strip() else [] for x in lines]
     first = _first_row(table, width, numbers)
+    spare = sum(map(bool, columns[-1])) <= 1  # each row ends with a separator
     block = _block(table, first, (width, width - spare))
     if not block:
         return None
     units = max((i for i in block[1:] if is_unit_row(table[i])), default=None)
     names = block[0] if units is None else block[block.index(units) - 1]
-    more = [i for i in block if i > (names if units is None else units)]
-
-    def line(index: int) -> bytes:
-        return lines[index] + separator.encode() * (width - len(table[index]))
-
-    return _Layout(
-        line(names),
-        starts[first],
-        b"" if units is None else line(units),
-        line(more[0]) if more else b"",
-        sum(bool(row) for row in table[:names]),
-        separator,
-        len(numbers),
+    more = next((i for i in block if i > (names if units is None else units)), None)
+    names_line, units_line, more_line = (
+        b"" if i is None else lines[i] + separator.encode() * (width - len(table[i]))
+        for i in (names, units, more)
     )
+    above = sum(bool(row) for row in table[:names])
+    return Layout(separator, names_line, units_line, more_line, starts[first], above, numbers)
 
 
 def _first_row(table: Sequence[Sequence[str]], width: int, numbers: Sequence[int]) -> int:

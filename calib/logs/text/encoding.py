@@ -73,18 +73,10 @@ def _unmarked_utf16(head: bytes) -> str | None:
     return None
 
 
-def head_text(head: bytes, where: str) -> tuple[str, str | None]:
-    """A header as text, with a note if it is in Windows-1252, which has all signs of ISO 8859-1."""
+def text_of(data: bytes) -> tuple[str, str | None]:
+    """UTF-8 or, with a note, Windows-1252, which has all signs of ISO 8859-1, as text."""
     try:
-        return head.decode("utf-8"), None
+        return data.decode("utf-8"), None
     except UnicodeDecodeError:
-        pass
-    try:
-        return head.decode("cp1252"), "the header is not UTF-8; read as Latin-1 (Windows-1252)"
-    except UnicodeDecodeError as cause:
-        raise LogError(
-            f"the header is neither UTF-8 nor Latin-1: {cause}",
-            where=where,
-            expected="text",
-            do='name its encoding in a channel map: [text] encoding = "..."',
-        ) from cause
+        note = "the header is not UTF-8; read as Latin-1 (Windows-1252)"
+        return data.decode("cp1252", errors="replace"), note

@@ -21,8 +21,8 @@ from calib.base.units import is_unit, spelling
 from calib.logs.source import Column, ColumnSource
 from calib.logs.text.cells import column_from_cell, over_midnight
 from calib.logs.text.csv import TextRows
-from calib.logs.text.dialect import Dialect, TextFormat
-from calib.logs.text.encoding import head_text, to_utf8
+from calib.logs.text.dialect import TextFormat
+from calib.logs.text.encoding import text_of, to_utf8
 
 _STANDARD = (
     *("satellites", "time", "latitude", "longitude", "velocity", "heading", "height"),
@@ -31,8 +31,6 @@ _STANDARD = (
     *("glonass satellites", "gps satellites", "solution type", "distance", "sampleperiod"),
 )
 """Standard names: they have no line in [channel units]."""
-
-_DIALECT = Dialect(" ", ".")
 
 _DATA = re.compile(rb"^\[\s*data\s*\][^\r\n]*\r?$", re.MULTILINE | re.IGNORECASE)
 
@@ -50,7 +48,7 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
     body = body.replace(b"\n ", b"\n")
     if not body or body.isspace():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    rows = TextRows(body, 0, columns, _DIALECT, where)
+    rows = TextRows(body, 0, columns, where, separator=" ")
     end = rows.end()
 
     def read(indices: Sequence[int]) -> list[Array]:
@@ -70,7 +68,7 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
             where=where,
             expected="[header], [column names] and [data]",
         )
-    head, note = head_text(data[: begin.start()], where)
+    head, note = text_of(data[: begin.start()])
     parts = re.split(r"^\[([^\]\r\n]+)\].*$", head, flags=re.MULTILINE)
     texts = {
         name.strip().lower(): [line.strip() for line in text.split("\n")[1:-1]]

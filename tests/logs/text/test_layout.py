@@ -51,7 +51,7 @@ def test_what_tells_columns_of_one_name_apart():
         (units, "v [m/s]", 0),
         (units, "v [km/h]", 1),
     ):
-        taken, _ = assign(columns, ChannelMap("map", {"v": Mapping(cell)}), ("v",), "run.csv")
+        taken, _, _ = assign(columns, ChannelMap("map", {"v": Mapping(cell)}), ("v",), "run.csv")
         assert next(item.index for item in taken if item.channel == "v") == index
     with pytest.raises(LogError):
         assign(units, ChannelMap("map", {"v": Mapping("v")}), ("v",), "run.csv")
