@@ -44,26 +44,21 @@ _NAMED = 99
 
 
 def _choose(
-    search: Search, channel: str, passed: list[tuple[Series, int]], why: str
+    search: Search, channel: str, passed: list[tuple[Series, int]], several: str
 ) -> Series | None:
-    """The column whose name fits best; if several fit equally well, a doubt."""
+    """The column whose name fits best, of those of the highest rate; a doubt if there are more."""
+    named = [s for s, _ in passed if s.name == channel]
     measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
-    top = max((s.rate or 0.0 for s in measured), default=0.0)
-    coarse = {s.name for s in measured if 2.0 * (s.rate or 0.0) < top}
-    if any(s.name == channel for s, _ in passed):
-        coarse = set()
-    best = max((points for s, points in passed if s.name not in coarse), default=0)
-    fit = [s for s, points in passed if points == best and s.name not in coarse]
-    fit = [s for s in fit if s.name == channel] or fit
+    top = 0.0 if named else max((s.rate or 0.0 for s in measured), default=0.0)
+    fine = [(s, points) for s, points in passed if 2.0 * (s.rate or 0.0) >= top]
+    most = max((points for _, points in fine), default=0)
+    fit = named or [s for s, points in fine if points == most]
+    if len(fit) > 1:
+        search.doubt(channel, fit, several, f"choose one: --take {channel}=NAME")
     if len(fit) != 1:
-        if fit:
-            search.doubt(channel, fit, why, f"choose one: --take {channel}=NAME")
         return None
     for item, _ in passed:
-        if item.name in coarse:
-            why = f"sampled at {item.rate:.3g} Hz, and {fit[0].name} at {fit[0].rate:.3g} Hz"
-            search.refuse(item, why)
-        elif item is not fit[0]:
+        if item is not fit[0]:
             search.refuse(item, f"{fit[0].name} is more likely {channel}")
     return fit[0]
 
@@ -85,11 +80,10 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
     chosen = _choose(search, "v", passed, "more than one speed of the car")
     if "v" in search.user_specified:
         return search.values_of_user("v")
-    if chosen is None:
-        return None
-    agrees = ["agrees with the wheels"] if moves else []
-    search.propose("v", Mapping(chosen.name), moves, "name", f"unit {chosen.column.unit}", *agrees)
-    return chosen.values
+    if chosen is not None:
+        reasons = ["name", f"unit {chosen.column.unit}", *(["agrees with the wheels"] * moves)]
+        search.propose("v", Mapping(chosen.name), moves, *reasons)
+    return None if chosen is None else chosen.values
 
 
 def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, metres: bool) -> None:
@@ -97,9 +91,8 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, me
 
     ``rate`` is that derivative, (n,) [m/s^2]; without ``metres`` that of the wheels [rad/s^2].
     """
-    checked = None
-    if rate is not None and float(np.ptp(rate)) > (_ACCELERATED if metres else 2.0):
-        checked = rate
+    varies = rate is not None and float(np.ptp(rate)) > (_ACCELERATED if metres else 2.0)
+    checked = rate if varies else None
     passed = []
     for item in search.free():
         if item.si != "m/s^2":

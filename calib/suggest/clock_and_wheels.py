@@ -7,10 +7,10 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import WHEELS
-from calib.base.units import from_si
+from calib.base.units import from_si, to_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
-from calib.logs.clock import check_steps, step_of
+from calib.logs.clock import TIME_UNITS, check_steps, step_of
 from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
 from calib.run.filters import runs
@@ -27,8 +27,6 @@ from calib.suggest.columns import (
 )
 from calib.suggest.words import TIME, loose_corner, words
 
-_SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "d": 86400.0}
-"""Possible units of a time column without a unit [s]; the sample rate decides between them."""
 _REPEATED = 0.01
 """Largest share of rows that repeat the time of the row before them [1]."""
 
@@ -55,11 +53,10 @@ def find_clock(search: Search) -> None:
         search.clock = None
         return
     source = search.proposals["time"].mapping.source
-    written = next((s.values for s in search.series if s.name == source), None)
-    if written is not None:
-        increasing = rising(written)
-        search.series = [replace(s, values=s.values[increasing]) for s in search.series]
-        search.gapped = [replace(s, values=s.values[increasing]) for s in search.gapped]
+    for written in [s.values for s in search.series if s.name == source]:
+        part = rising(written)
+        search.series = [replace(s, values=s.values[part]) for s in search.series]
+        search.gapped = [replace(s, values=s.values[part]) for s in search.gapped]
 
 
 def _propose_clock(search: Search) -> None:
@@ -90,29 +87,28 @@ def _propose_clock(search: Search) -> None:
 
 
 def _take_clock(search: Search, item: Series) -> None:
-    time = item.values[rising(item.values)]
-    step, order = step_of(time), "increasing"
+    """Take a column with its own unit, or with the first one that gives a possible rate."""
+    time, unit, order = item.values[rising(item.values)], item.column.unit, "increasing"
     if time.size < item.values.size:
         order += f", but {_disorder(item.values)}: the log is refused until they are deleted"
     low, high = bounds_of("clock_rate")
-    if item.si == "s" and low <= 1.0 / step <= high:
-        unit = f"unit {item.column.unit}"
-        search.propose("time", Mapping(item.name), True, "name", unit, order)
-        search.clock = ColumnClock(time, step)
-        return
-    if item.si == "s" and item.column.unit:
-        time = from_si(time, item.column.unit, "s")
-        step = step_of(time)
-    for unit, scale in _SCALES.items():
-        if low <= 1.0 / (step * scale) <= high:
-            written = f", and its header says {item.column.unit}" if item.column.unit else ""
-            only = f"only {unit} gives a rate of 40 Hz to 1 kHz{written}"
-            search.propose("time", Mapping(item.name, unit), False, "name", order, only)
-            search.clock = ColumnClock(time * scale, step * scale)
+    own_unit = unit if item.si == "s" and unit else ""
+    written = from_si(time, own_unit, "s") if own_unit else time
+    for other in filter(None, (own_unit, *TIME_UNITS)):
+        time = to_si(written, other, "s")
+        if low <= 1.0 / (step := step_of(time)) <= high:
+            says = f", and its header says {unit}" if unit else ""
+            only = f"only {other} gives a rate of 40 Hz to 1 kHz{says}"
+            reasons = (
+                ("name", f"unit {unit}", order) if other == own_unit else ("name", order, only)
+            )
+            mapping = Mapping(item.name, None if other == own_unit else other)
+            search.propose("time", mapping, other == own_unit, *reasons)
+            search.clock = ColumnClock(time, step)
             return
     do = "give the unit: --take 'time=NAME [s]'"
-    why = f"unit {item.column.unit}" if item.column.unit else "no unit"
-    search.doubt("time", [item], f"{why}, and steps of {step:.4g}", do)
+    why = f"{f'unit {unit}' if unit else 'no unit'}, and steps of {step_of(written):.4g}"
+    search.doubt("time", [item], why, do)
 
 
 def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
@@ -209,16 +205,11 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     (chosen,) = fit
     mean = np.mean([x.values for x in chosen], axis=0)
     unit, si = chosen[0].column.unit, chosen[0].si
-    names = [item.name for item in chosen]
-    why = do = ""
-    if si is None:
-        why = "the file gives no unit"
-        do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
-    elif si == "m/s" and search.radii is None:
+    if si is None or (si == "m/s" and search.radii is None):
         why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
-        do = GIVE_RADIUS
-    if why:
-        _doubt_wheels(search, names, why, do)
+        do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
+        why, do = ("the file gives no unit", do) if si is None else (why, GIVE_RADIUS)
+        _doubt_wheels(search, [item.name for item in chosen], why, do)
         return mean, False
     if not set(_ALL_WHEELS) & set(search.user_specified):
         for channel, wheel in zip(_ALL_WHEELS, chosen, strict=True):

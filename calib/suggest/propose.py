@@ -83,13 +83,10 @@ def suggest(
         _find(search, search.clock)
     proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
     proposed = {p.mapping.source for p in proposals}
-    unused = {s.name: search.unused.get(s.name, "not a known channel") for s in search.series}
-    unused = {
-        name: why for name, why in {**search.unused, **unused}.items() if name not in proposed
-    }
+    reasons = search.unused | {s.name: search.unused.get(s.name, _UNKNOWN) for s in search.series}
+    unused = {name: why for name, why in reasons.items() if name not in proposed}
     doubtful = {doubt.channel[:6] for doubt in search.doubts}  # a doubt of one wheel is of all
-    none = "no column fits by name, unit and values"
-    none = none if search.clock else _NO_CLOCK
+    none = "no column fits by name, unit and values" if search.clock else _NO_CLOCK
     missing = {
         name: f"its column: {unused[name]}" if name in unused and search.clock else none
         for name in REQUIRED
@@ -99,6 +96,7 @@ def suggest(
     return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
 
+_UNKNOWN = "not a known channel"
 _NO_CLOCK = "not looked for, since the time is not known"
 
 
