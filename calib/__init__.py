@@ -27,12 +27,15 @@ True
 >>> frame = calib.estimate(table, stop).to_frame()
 >>> bool(frame[frame.valid].brake_torque_fl.max() > 0.0), frame.attrs["units"]["brake_torque_fl"]
 (True, 'N*m')
+>>> figure = result.plot()  # in a notebook each result is shown as its page, too
 """
 
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from calib.base.names import VERSION
+from calib.base.shown import Shown
 
 if TYPE_CHECKING:
     from calib.car.model import default_model as default_model
@@ -70,6 +73,14 @@ _HOMES = {
 fast."""
 
 __all__ = [*_HOMES]
+
+
+def _view(name: str) -> Callable[[Shown], Any]:
+    """A function of `calib.show.notebook`, which is imported when it is used."""
+    return lambda result: getattr(import_module("calib.show.notebook"), name)(result)
+
+
+Shown.views.update(plot=_view("plot"), page=_view("page"))
 
 
 def __getattr__(name: str) -> Any:

@@ -13,8 +13,10 @@ from cli.outputs import PAGES, write_page, writing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from calib.show.choose import PlotInput
+    from calib.logs.log import Log
+    from calib.show.result import StoredResult
     from calib.show.sheet import Sheet
+    from calib.store.version import Stored
 
 
 @command(
@@ -38,22 +40,21 @@ def plot(
     """Draw tables, logs and results.
 
     A table: its curves and its map, and with the ramps it was made of, their measured points. Two
-    tables: one against the other. A table and another log: the stop, pads first, with the verdict.
-    A log: its channels. A PDF or HTML file holds all pages, of PNG and SVG there is one file per
-    page; without --out they are PNG files in this directory, named after their content.
+    tables: one against the other. A table and another log: the stop and its verdict. A log: its
+    channels. A PDF or HTML file holds all pages, of PNG and SVG there is one file per page; without
+    --out they are PNG files in this directory, named after their content.
 
     Panels for --figure, of a table: f1-f2, map, map-band, tyre, posterior, pairs, and forces of a
     ramp. Of two tables: f1-f2, map. Of a stop or a result: axle-torques, pads, normalised-forces,
     slip, and map of a stop. Of a log: eta, and its channels: omega, p_mc, ...
     """
-    from dataclasses import replace
-
     from calib.show.choose import sheet_facts, sheets
+    from calib.show.stop import of_result
 
-    inputs = _read(sources, store, vehicle, channel_map)
-    if inputs.tables and inputs.logs:
-        inputs = replace(inputs, limits=limits)
-    drawn = list(sheets(inputs))
+    tables, logs, results = _read(sources, store, channel_map)
+    if vehicle and not (tables and logs):
+        raise misuse("only with a TABLE and a LOG", "--vehicle")
+    drawn = [*sheets(tables, logs, vehicle, limits), *map(of_result, results)]
     if figure is not None:
         for sheet in drawn:
             require_known(figure, sheet.names, "figure ")
@@ -70,12 +71,11 @@ def plot(
 
 
 def _read(
-    sources: list[str], store: options.Tables, vehicle: options.OtherPads, channel_map: options.Map
-) -> "PlotInput":
+    sources: list[str], store: options.Tables, channel_map: options.Map
+) -> "tuple[list[Stored], list[Log], list[StoredResult]]":
     """Read all inputs; a name that is no log and no result is a table."""
     from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
-    from calib.show.choose import PlotInput
     from calib.show.result import is_result, read_result
 
     files = [Path(name) for name in sources]
@@ -84,18 +84,12 @@ def _read(
     names = [w for w, p in zip(sources, files, strict=True) if p not in results and p not in logs]
     if len(names) > 2 or (len(names) == 2 and logs):
         raise misuse("give one table with its logs, or two tables without logs", "TABLE")
-    if vehicle and not (names and logs):
-        raise misuse("only with a TABLE and a LOG", "--vehicle")
-    tables = tuple(store.load(name) for name in names)
+    tables = [store.load(name) for name in names]
     for one in tables:
         say(f"{one.id} is {one.state.words}")
     needed = REQUIRED if names else ()  # a log alone is drawn with the channels that it has
-    return PlotInput(
-        tables=tables,
-        logs=tuple(read(path, channel_map, require=needed) for path in logs),
-        results=tuple(read_result(path) for path in results),
-        vehicle=vehicle,
-    )
+    read_logs = [read(path, channel_map, require=needed) for path in logs]
+    return tables, read_logs, [read_result(path) for path in results]
 
 
 def _draw(drawn: "list[Sheet]", out: Path | None, figure: str | None) -> list[Path]:

@@ -7,6 +7,7 @@ from doctest import DocTestParser
 from importlib import import_module
 from inspect import signature
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -112,3 +113,12 @@ def test_a_version_of_a_store_is_judged_as_its_table(fitted, tmp_path):
         .to_frame()
         .equals(calib.estimate(fitted, held_out).to_frame())
     )
+
+
+def test_a_result_is_drawn_and_has_a_page_in_a_frame(fitted):
+    (judged,) = calib.validate(fitted, [noisy(stop(REAL), 2)])
+    for result, panels in ((fitted, 5), (judged.estimate, 5), (judged, 5)):
+        assert len(result.plot().axes) == panels
+        frame = ElementTree.fromstring(result._repr_html_())
+        assert frame.tag == "iframe"
+        assert frame.get("srcdoc").startswith("<!DOCTYPE html>")

@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from calib.base.shown import Shown
 from calib.base.units import behind
 from calib.base.warning import PlausibilityWarning
 from calib.base.write import publish, workshop, write_whole
@@ -137,7 +138,7 @@ class ShowingDrive:
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(Shown):
     """The whole answer.
 
     ``replays_before`` and ``replays_after`` are the hold-outs replayed open loop; ``unexplained``

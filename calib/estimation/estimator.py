@@ -15,6 +15,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
 from calib.base.extras import need
+from calib.base.shown import Shown
 from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
@@ -57,7 +58,7 @@ Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is 
 
 
 @dataclass(frozen=True)
-class Estimate:
+class Estimate(Shown):
     """The estimator's answer on one log, at its rate, and what it started from.
 
     ``table`` with the car as it is driven, ``car`` the same with the nominal pads and all known

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from calib.base.shown import Shown
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import MassUsed, Vehicle, mass_used, require_same_car
 from calib.estimation.estimator import Estimate, estimate_run, run_of
@@ -40,7 +41,7 @@ NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves not
 
 
 @dataclass(frozen=True)
-class Validation:
+class Validation(Shown):
     """One log: its estimate, its metrics, its judgements, and what stands beside them.
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it validates

@@ -13,6 +13,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from calib.base.plain import rows
+
 if TYPE_CHECKING:
     from calib.base.record import Section
 
@@ -67,24 +69,8 @@ def documents() -> dict[str, Document]:
     return {name: Document(**one) for name, one in tomllib.loads(written).items()}
 
 
-_FILES = {
-    "vehicle": ("car.vehicle_file:VehicleFile",
-                "vehicle.toml: masses, lengths and brakes of a car"),
-    "model": ("car.model_file:ModelFile",
-              "model.toml: pads, tyre, effects and roads of a simulation"),
-    "limits": ("", "limits.toml: the allowed range of each metric"),
-    "bench": ("model.roller_bench_file:RollerBenchFile",
-              "bench.toml: brake forces on a roller brake tester"),
-    "channel-map": ("logs.channel_map_file:ChannelMapFile",
-                    "map.toml: which column of a foreign log is which channel"),
-    "settings": ("base.settings_file:SettingsFile",
-                 "brake-cal.toml: what options say that are not given"),
-    "table": ("store.record_file:RecordFile", "record.json: a stored table without its curves"),
-    "summary": ("store.record_file:SummaryFile",
-                "summary.json of a validation, as far as an export reads it"),
-}  # fmt: skip
-"""Kinds of files: the class of each, but that of limits, which is made of the metrics; content."""
-FILES = {name: text for name, (_, text) in _FILES.items()}
+_FILES = {row["name"]: row for row in rows("files.csv", "calib.help")}
+FILES = {name: row["content"] for name, row in _FILES.items()}
 """Kinds of files, and their content."""
 
 
@@ -95,9 +81,9 @@ def section(name: str) -> "type[Section]":
     from calib.line.gauge.study import KNOWN_LIMITS
     from calib.line.station.metrics import METRICS as OF_CAR
 
-    if name == "limits":
+    module, _, kind = _FILES[name]["class"].partition(":")
+    if not module:
         return limits_schema({*OF_STOPS, *OF_CAR, *KNOWN_LIMITS})
-    module, _, kind = _FILES[name][0].partition(":")
     file: type[Section] = getattr(import_module(f"calib.{module}"), kind)
     return file
 

@@ -1,17 +1,18 @@
 """Whether this installation computes what it should: a few numbers against truths from elsewhere.
 
-A truth is a definition, a closed form that uses no code of `calib`, the pads of Section IV of the
-paper, or what the plant of another program was given that made a sample log.
+`checks.csv` has the numbers. A truth is a closed form that uses no code of `calib`, the pads of
+Section IV of the paper, or what the plant of another program was given that made a sample log; a
+tolerance of pads or torque is that of the default limits of `validate`.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from calib.base.names import NAME, PROGRAM, VERSION, G
+from calib.base.names import NAME, PROGRAM, VERSION
+from calib.base.plain import rows
 from calib.car import forces
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
@@ -72,54 +73,25 @@ def _cause() -> tuple[float, ...]:
     return float(named), drag.parameters["drag_area"].value
 
 
-@dataclass(frozen=True)
-class Check:
-    """A ``quantity`` and what must come out: ``expected`` +- ``tolerance`` above zero [``unit``].
-
-    ``truth``: where the expected value comes from.
-    """
-
-    name: str
-    quantity: str
-    unit: str
-    expected: float
-    tolerance: float
-    truth: str
+_Checks = Sequence[Mapping[str, Any]]
+_Suite = Mapping[Callable[[], tuple[float, ...]], _Checks]
 
 
-_TORQUE = 2.0 * 0.40 * 28.84e-4 * 0.1309 * 50e5
-_LOAD = 1744.0 * G * (1.6494 + 0.5 * 0.615) / 2.805
-DRAG = 0.7444375719787885
-_FRONT, _REAR = 0.03, 0.08
-"""Relative tolerances of pad friction: those of the torque in the default limits of `validate`."""
-_CLOSED = "closed form with Tables I and II of the paper"
-_STUDY = f"plant of sample_logs/{_SIMULATED}, Section IV of the paper: pads of 0.4"
-_PLANT = f"multi-body plant of sample_logs/{_BODY}"
-_ANSWER = f"independent plant, sample_logs/{_HIDDEN}/answer.json"
+def _checks(measure: str) -> _Checks:
+    """What must come out of a measure: ``expected`` +- ``tolerance`` above zero [``unit``]."""
+    return [
+        {**row, "expected": float(row["expected"]), "tolerance": float(row["tolerance"])}
+        for row in rows("checks.csv", "calib.help")
+        if row.pop("measure") == measure
+    ]
 
-_Suite = Mapping[Callable[[], tuple[float, ...]], Sequence[Check]]
+
 SUITE: _Suite = {
-    _formulas: (
-        Check("brake_torque", "front brake torque of one wheel at 50 bar, (2) and (3)", "N*m",
-              _TORQUE, 1e-9 * _TORQUE, _CLOSED),
-        Check("axle_load", "load of the front axle at 0.5 g, (6)", "N", _LOAD, 1e-9 * _LOAD,
-              _CLOSED),
-    ),
-    _pads: (
-        Check("fit_pads_f", "front pads of the table", "1", 0.4, 0.4 * _FRONT, _STUDY),
-        Check("fit_pads_r", "rear pads of the table", "1", 0.4, 0.4 * _REAR, _STUDY),
-    ),
-    _stops: (
-        Check("stop_pads_f", "front pads of hold2", "1", 0.25, _FRONT * 0.25, _PLANT),
-        Check("stop_pads_r", "rear pads of hold2", "1", 0.33, _REAR * 0.33, _PLANT),
-        Check("stop_torque", "relative rms error of the front brake torque of hold1", "1",
-              0.0, _FRONT, f"{_PLANT}, channels true_Tb_*"),
-    ),
-    _cause: (
-        Check("drag_named", "1 if aerodynamic drag, and it alone, is named", "1", 1, 0.5, _ANSWER),
-        Check("drag_size", "drag area that was hidden", "m^2", DRAG, 0.1 * DRAG, _ANSWER),
-    ),
-}  # fmt: skip
+    _formulas: _checks("formulas"),
+    _pads: _checks("table"),
+    _stops: _checks("stops"),
+    _cause: _checks("cause"),
+}
 """What measures, and the checks of its numbers; in the order of the work."""
 
 
@@ -128,11 +100,10 @@ def qualify(
 ) -> dict[str, Any]:
     """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine.
 
-    All checks are made on the sample logs; ``advance`` is called after each
-    measurement. Raises InputError without sample logs.
+    ``advance`` is called after each measurement. Raises InputError without sample logs.
     """
     sample_logs()
-    rows: list[dict[str, Any]] = []
+    results: list[dict[str, Any]] = []
     for measure, checks in suite.items():
         values, wrong = (math.nan,) * len(checks), ""
         try:
@@ -141,18 +112,18 @@ def qualify(
             wrong = f"{type(error).__name__}: {error}"
         for check, value in zip(checks, values, strict=True):
             finite = value if math.isfinite(value) else None
-            holds = abs(value - check.expected) <= check.tolerance
-            rows.append({**vars(check), "value": finite, "held": holds, "error": wrong})
+            holds = abs(value - check["expected"]) <= check["tolerance"]
+            results.append({**check, "value": finite, "held": holds, "error": wrong})
         advance()
     return {
         "schema": 1,
         "tool": NAME,
         "version": VERSION,
         "date": date,
-        "verdict": "passed" if all(row["held"] for row in rows) else "failed",
+        "verdict": "passed" if all(row["held"] for row in results) else "failed",
         "environment": environment(),
         "packages": {need.name: installed for need, installed, _ in packages()},
-        "checks": rows,
+        "checks": results,
     }
 
 
@@ -162,8 +133,13 @@ def qualification_facts(document: dict[str, Any]) -> Facts:
     failed = [one["name"] for one in checks if not one["held"]]
     headline = f"{len(failed)} of {len(checks)} checks fail: {', '.join(failed)}."
     heads = ("check", "value", "expected", "tolerance", "unit", "what it is", "truth")
-    colours = ["passed" if one["held"] else "failed" for one in checks]
-    table = Table(heads, [_row(one) for one in checks], verdicts=colours)
+    cells = [
+        (one["name"], one["error"] if one["value"] is None else f"{one['value']:.6g}",
+         f"{one['expected']:.6g}", f"{one['tolerance']:.3g}", one["unit"], one["quantity"],
+         one["truth"])
+        for one in checks
+    ]  # fmt: skip
+    table = Table(heads, cells, verdicts=["passed" if one["held"] else "failed" for one in checks])
     machine = {**document["environment"], **document["packages"]}
     return Facts(
         f"Qualification of {PROGRAM} on this machine",
@@ -176,10 +152,3 @@ def qualification_facts(document: dict[str, Any]) -> Facts:
             Facts("Machine and packages", rows=[row for row in machine.items() if row[1]]),
         ],
     )
-
-
-def _row(check: dict[str, Any]) -> tuple[str, ...]:
-    value = check["error"] if check["value"] is None else f"{check['value']:.6g}"
-    expected, tolerance = f"{check['expected']:.6g}", f"{check['tolerance']:.3g}"
-    texts = (check[key] for key in ("unit", "quantity", "truth"))
-    return check["name"], value, expected, tolerance, *texts

@@ -43,7 +43,6 @@ _UNSEEN = "The drive in which each shows most."
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
 _GAP = "By log and channel, in units of the noise, which is taken out."
-_SEARCH = "What each step of the search added, what it left, and ln of the odds that it gained."
 _BASE = (
     "Base parameters from all calibration logs. The pads' intervals count the mass, a tyre's own "
     "form and what each log has of its own. Those of a fit are wider, most in the rear: it has its "
@@ -90,7 +89,7 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
             *([_confusion(diagnosis.confusion)] if diagnosis.confusion else []),
             Facts("What no effect explains", pictures=term),
             _gap(diagnosis),
-            Facts("What it rests on", tables=[_search(diagnosis), _base(diagnosis)]),
+            Facts("What it rests on", tables=[_base(diagnosis)]),
         ],
     )
 
@@ -166,18 +165,12 @@ def _verdict_of(diagnosis: Diagnosis) -> str:
 
 
 def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
-    """One named effect: its cause, its parameters, where it acts, its evidence and its rivals."""
+    """One named effect: its cause, where it acts, its evidence and its rivals."""
     card = definition(diagnosis.model_before.vehicle.effects, effect.name).card
-    region, ranges = (
-        effect.where,
-        [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")],
-    )
+    region = effect.where
+    ranges = [span(region.pressure, "Pa"), span(region.speed, "m/s")]
     if region.temperature is not None:
         ranges.append(f"discs of {span(region.temperature, 'degC')}")
-    parameters = [
-        (spaced(name).capitalize(), "{}, 95 % {}".format(*estimate(value)))
-        for name, value in effect.parameters.items()
-    ]
     without = diagnosis.reduced_after + effect.evidence.innovation_gain
     at_hold_outs = effect.evidence.innovation_gain_holdout
     evidence = f"without it the {_INNOVATION} is {without:.3f} instead of "
@@ -186,7 +179,6 @@ def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
         leaves = diagnosis.reduced_before - other.innovation_gain
         evidence += f"; next best: {spaced(other.name)}, {leaves:.3f}"
     rows: list[Row] = [
-        *parameters,
         ("Cause", card.cause),
         ("Acts", f"{region.axle}; strongest in {region.channel}, at {', '.join(ranges)}"),
         ("Evidence", evidence),
@@ -255,17 +247,6 @@ def _unseen(diagnosis: Diagnosis) -> Table:
             (spaced(drive.effect), f"{spaced(name)} {usual}", manoeuvre, f"{drive.sigma:.0f} sigma")
         )
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
-
-
-def _search(diagnosis: Diagnosis) -> Table:
-    """Steps of the search: effects added, innovation left, odds gained."""
-    rows = [("nothing", f"{diagnosis.steps[0].innovation:.3f}", "", "")]
-    for now in diagnosis.steps[1:]:
-        changes = [listed(now.added)] if now.added else []
-        changes += [f"without {listed(now.removed)}"] if now.removed else []
-        name = ", ".join(changes) or "the same, fitted anew"
-        rows.append((name, f"{now.innovation:.3f}", f"{now.calibration:.0f}", f"{now.holdout:.0f}"))
-    return Table(("added", _INNOVATION, "log odds, searched", "log odds, hold-outs"), rows, _SEARCH)
 
 
 def _confusion(confusion: Confusion) -> Facts:

@@ -1,4 +1,4 @@
-"""The ramp of a calibration: forces (Fig. 5), and points for Figs. 3 and 6.
+"""The ramp of a calibration: forces (Fig. 5), and points for Fig. 6.
 
 The curves of a table over eta are those of a car without air drag, grade and rolling resistance. So
 are the points that are compared with them:
@@ -11,14 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.base.names import G
 from calib.car.balance import front_share, turning_shares
 from calib.car.braking import BITE
 from calib.car.forces import paper_curves, speed_ratio
-from calib.car.vehicle import Vehicle
-from calib.fitting.ensemble import Ensemble, ensemble_of, predict_slips, unit_slips, wheel_slips
+from calib.fitting.ensemble import ensemble_of, predict_slips, unit_slips, wheel_slips
 from calib.logs.log import Log
-from calib.model.ramp import SETTINGS, RampRun, nominal_forces, normalised_forces, prepare
+from calib.model.ramp import nominal_forces, normalised_forces, prepare
 from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
 from calib.show.panel import Line, Panel
@@ -33,12 +31,8 @@ _GROUP = 5
 class MeasuredRamp:
     """A ramp in blocks, shapes (k,).
 
-    As driven: ``time`` [s]; ``z`` [1]; ``F_f``, ``F_r`` normalised forces from pressure at the
-    table's pads [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v.
-
-    As the table has it, without resistance: ``z_free``, ``eta``, ``D``, ``f1``, ``f2`` [1], NaN
-    where nothing brakes.
-
+    As driven: ``time`` [s], ``z`` [1], ``F_f``, ``F_r`` normalised forces by pressure and pads [1].
+    As the table has it, without resistance: ``eta``, ``f1``, ``f2`` [1], NaN where nothing brakes.
     ``braked`` blocks with enough pressure; ``is_two_axles`` whether both axles brake.
     """
 
@@ -47,13 +41,9 @@ class MeasuredRamp:
     z: Array
     F_f: Array
     F_r: Array
-    z_free: Array
     eta: Array
-    D: Array
     f1: Array
     f2: Array
-    slip_f: Array | None
-    slip_r: Array | None
     braked: Mask
     is_two_axles: bool
 
@@ -72,80 +62,32 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     brake = scale * np.add(*nominal_forces(car, run, table.calibration.pad_log_ratio.value))
     # the shape discrepancy of a tyre acts alike with resistance and without
     e = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
-    ratio, share = e.log_pad_ratio[:, None] + run.log_odds(b.p_f, b.p_r), brake / car.weight
-    slips, turning = _slips(car, e, run, ratio, share)
+    log_ratio, share = e.log_pad_ratio[:, None] + run.log_odds(b.p_f, b.p_r), brake / car.weight
+    front = front_share(car, log_ratio)
+    moments = np.stack([run.moment_f, run.moment_r])[:, None] / car.weight
+    forces = np.stack([front, 1.0 - front]) * share + moments
+    _, turning = wheel_slips(e, unit_slips(car, e, run.quasi_static(car), forces))
     eta_model = np.median(speed_ratio(*turning), axis=0)
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     # the same brake forces on the car of the table, which has no resistance
     z_free = np.where(brake > 0.0, share / (1.0 + sum(turning_shares(car))), np.nan)
-    curves = predict_slips(car, e, ratio, share, z_free)
+    curves = predict_slips(car, e, log_ratio, share, z_free)
     D = np.where(brake > 0.0, np.median(np.subtract(*curves.forces), axis=0), np.nan)
     f1, f2 = paper_curves(car, z_free, D)
-    measured = _measured_slips(run, np.median(turning, axis=1), float(np.mean(e.v_late)))
-    on_curve = (
-        None
-        if measured is None
-        else _on_the_curve(table, (F_f, F_r), slips, measured[:, None] - turning)
-    )
     return MeasuredRamp(
         name=log.name,
         time=b.end,
         z=read.blocks.z,
         F_f=F_f,
         F_r=F_r,
-        z_free=z_free,
         eta=b.eta / zero / eta_model * curves.eta,
-        D=D,
         f1=f1,
         f2=f2,
-        slip_f=None if on_curve is None else on_curve[0],
-        slip_r=None if on_curve is None else on_curve[1],
         braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
         is_two_axles=run.only is None,
     )
-
-
-def _slips(
-    car: Vehicle, e: Ensemble, run: RampRun, log_ratio: Array, brake: Array
-) -> tuple[Array, Array]:
-    """Slips of the tyres of the run, and those that wheels show (2, n, k), see `turned`.
-
-    ``log_ratio`` (n, k) of the brake forces, ``brake`` (k,) both over the weight.
-    """
-    share = front_share(car, log_ratio)
-    moments = np.stack([run.moment_f, run.moment_r])[:, None] / car.weight
-    forces = np.stack([share, 1.0 - share]) * brake + moments
-    return wheel_slips(e, unit_slips(car, e, run.quasi_static(car), forces))
-
-
-def _measured_slips(run: RampRun, turning: Array, late: float) -> Array | None:
-    """Slips (19), (20) that the wheels of the axles show, (2, k) [1]; None without v.
-
-    The lead-in gives the radii: there a wheel has the slip of what slows it besides the brake, as
-    ``turning`` has it. ``late`` by which v comes after the wheels [s].
-    """
-    b, lead = run.blocks, run.blocks.lead_in
-    if b.v is None or not lead.any():
-        return None
-    omega, v = np.stack([b.omega_f, b.omega_r]), np.maximum(b.v, SETTINGS.min_speed)
-    rim_speed = np.mean(b.v[lead]) * (1.0 - np.mean(turning[:, lead], axis=1))
-    radius = rim_speed / np.mean(omega[:, lead], axis=1)
-    lag = G * b.z * late / np.maximum(b.speed, SETTINGS.min_speed)
-    return np.asarray(1.0 - radius[:, None] * omega / v - lag)
-
-
-def _on_the_curve(
-    table: Table, forces: tuple[Array, Array], slips: Array, residual: Array
-) -> tuple[Array, Array]:
-    """Slips of the axles (k,) as the tyre of the table's curve would have them at the ``forces``.
-
-    The ``residual`` of the ``slips`` of the draws (2, n, k) is added in proportion.
-    """
-    curve = np.interp(np.stack(forces), table.tyre.force, table.tyre.slip)
-    front, rear = curve + np.median(residual * curve[:, None] / slips, axis=1)
-    return front, rear
 
 
 def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:

@@ -19,7 +19,6 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import Truth, truth_of
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import Validation
-from calib.logs.log import Log
 from calib.run.filters import runs
 from calib.show.facts import Picture
 from calib.show.judged import broken, word
@@ -128,22 +127,29 @@ def of_result(result: StoredResult) -> Sheet:
     return _sheet("stop", result.name, stop, note, [result.verdict] * bool(result.verdict))
 
 
-def of_validation(
-    table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
-) -> Sheet:
-    """The sheet of the ``result`` on ``log`` with the table ``name``.
+def of_estimate(e: Estimate) -> Sheet:
+    """The sheet of an estimate that nobody judged."""
+    return _sheet("stop", e.run.log.name, _of_estimate(e, None), _origin(e.table), [], e.table)
+
+
+def _origin(table: Table, name: str = "") -> str:
+    return f"Table {name or table.name}, digest {table.digest[:16]}."
+
+
+def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
+    """The sheet of a ``result`` with the table of this ``name``.
 
     Beside the estimate are the pads of the ramp, or those of ``vehicle``.
     """
-    stop = _of_estimate(result.estimate, vehicle)
+    stop, table = _of_estimate(result.estimate, vehicle), result.estimate.table
     warned = dict.fromkeys(warning.title for warning in result.all_warnings)
-    note = f"Table {name}, digest {table.digest[:16]}."
+    note = _origin(table, name)
     note += f" Warnings, which brake-cal validate explains: {', '.join(warned)}." * bool(warned)
     verdict = [word(result), *broken(result)]
     if (error := errors(result)).values:
         verdict.append(f"error front / rear {error.of_axles} against {AGAINST[error.against]}")
     kind = "stop" if stop.truth is None else "simulation"
-    return _sheet(kind, log.name, stop, note, verdict, table)
+    return _sheet(kind, result.log, stop, note, verdict, table)
 
 
 def torque_and_pads(result: Validation) -> Picture:

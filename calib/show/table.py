@@ -14,7 +14,6 @@ from calib.show.sheet import Sheet
 from calib.show.style import (
     BODY,
     DASHED,
-    DOTTED,
     ETA,
     FRONT,
     IDENTIFIED,
@@ -24,29 +23,18 @@ from calib.show.style import (
     Array,
     Stroke,
 )
-from calib.show.torque import UNIT, per_bar
+from calib.show.torque import ENDS, UNIT, per_bar
 from calib.table.budget import ramp_pads
 from calib.table.compare import diff
-from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
+from calib.table.curves import MEASURED
 from calib.table.table import Table
 
 _Ramps = tuple[MeasuredRamp, ...]
-
-_FLAGS = {
-    MEASURED: ("in the table", "-", 1.6),
-    INTERPOLATED: ("interpolated", DASHED, 1.1),
-    EXTRAPOLATED: ("extrapolated", DOTTED, 1.1),
-}
-"""Word, line style and width of each flag of a cell."""
 
 _FREED = "ramps, drag taken out"
 """Label of the measured points beside a curve over eta."""
 _MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
-_STYLES: tuple[Stroke, Stroke] = (
-    {"linestyle": "-", "linewidth": 1.1},
-    {"linestyle": DASHED, "linewidth": 2.0},
-)
 _FORCES = "Force over load, less deceleration over g"
 
 
@@ -54,16 +42,12 @@ def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
     numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
     of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
-    (front, rear), pads, last = (
-        per_bar(table),
-        " and ".join(ramp_pads(table)),
-        table.paper.usable[1],
-    )
+    (front, rear), pads = per_bar(table), " and ".join(ramp_pads(table))
     return Sheet(
         kind="table",
         name=name,
         panels=(
-            *(_curves(table, ramps), _tyre(table, ramps), *map_panels(table)),
+            *(_curves(table, ramps), _tyre(table), *map_panels(table)),
             *(forest(table), pairs(table), *of_ramps),
         ),
         rows=(("f1-f2", "f1-f2"), ("map", "map-band"), ("tyre", "posterior")),
@@ -71,63 +55,42 @@ def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
         title=f"Table {name}",
         note=_note(table, bool(ramps)),
         result=f"Brake torque front {front}, rear {rear} {UNIT} per bar, pads {pads} (95 %); "
-        f"valid up to {last:.2f} g",
+        f"valid up to {table.paper.usable[1]:.2f} g",
     )
 
 
 def _note(table: Table, ramps: bool) -> str:
     origin = table.provenance
-    cars = origin.parents if table.spread else ()
-    sources = ", ".join([p.id for p in cars] or [log.name for log in origin.logs])
-    note = f"Digest {table.digest[:16]}, made of {sources} with {table.provenance.program}. "
-    note += "Bands are 95 %. Grey: beyond the usable range."
+    sources = [p.id for p in origin.parents] if table.spread else [log.name for log in origin.logs]
+    note = f"Digest {table.digest[:16]}, made of {', '.join(sources)} with {origin.program}. Bands "
+    note += "are 95 %. Dashed: no ramp measured it. Grey: beyond the usable range."
     if ramps:
-        note += (
-            " Rings and triangles: the ramps, as means over 0.25\u00a0s. Over \u03b7 they are "
-            "without air drag, grade and rolling resistance, as the table is: the fit takes these "
-            "out, and the estimator adds them."
-        )
+        note += " Rings and triangles: the ramps without drag, as the table is; means over 0.25 s."
     return note
 
 
-def _by_flag(
+def _curve(
     x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
 ) -> list[Line]:
-    """A curve of a table (n,), each piece with the worse flag of its two ends."""
-    worse = np.maximum(flag[:-1], flag[1:])
-    lines = [Line(x, y, {**stroke, "linestyle": ""}, band=band)]
-    for value, (word, style, width) in _FLAGS.items():
-        piece = worse == value
-        if piece.any():
-            ends = np.concatenate([piece, [False]]) | np.concatenate([[False], piece])
-            look: Stroke = {"color": stroke["color"], "linestyle": style, "linewidth": width}
-            # NaN separates the pieces of one flag
-            lines.append(Line(x, np.where(ends, y, np.nan), look, f"{label} {word}"))
-    return lines
+    """A curve of a table (n,) with its band, thin and dashed where no ramp measured it."""
+    thin: Stroke = {**stroke, "linestyle": DASHED, "linewidth": 0.9}
+    measured = np.where(flag == MEASURED, y, np.nan)
+    thick: Stroke = {**stroke, "linestyle": "-", "linewidth": 1.6}
+    return [Line(x, y, thin, band=band), Line(x, measured, thick, label)]
 
 
-def _tyre(table: Table, ramps: _Ramps) -> Panel:
+def _tyre(table: Table) -> Panel:
     """Fig. 3: normalised force over slip, common to both axles, at the mean wheel load."""
     curve = table.tyre
     x, band = 100.0 * curve.slip, (curve.lower, curve.upper)
-    lines = _by_flag(x, curve.force, curve.flag, IDENTIFIED, "curve", band)
-    for i, ramp in enumerate(ramps):
-        for slip, force, stroke, word in (
-            (ramp.slip_f, ramp.F_f, FRONT, "front"),
-            (ramp.slip_r, ramp.F_r, REAR, "rear"),
-        ):
-            if slip is not None:
-                label = "" if i else f"{word} axle, ramps"
-                lines.append(points(ramp, 100.0 * slip, force, stroke, label))
     return Panel(
         "tyre",
         "Tyre of both axles (Fig. 3)",
         "slip [%]",
         "force over load [1]",
-        lines,
+        _curve(x, curve.force, curve.flag, IDENTIFIED, "with 95 % band", band),
         xlim=(-0.02 * x[-1], 1.05 * x[-1]),
         ylim=(-0.02 * curve.force[-1], 1.1 * curve.force[-1]),
-        columns=2,
     )
 
 
@@ -136,57 +99,48 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     p = table.paper
     x, two_axles = 100.0 * (p.eta - 1.0), [one for one in ramps if one.is_two_axles]
     f = [
-        *_by_flag(x, p.f1, p.flag, FRONT, "f1, front,", (p.f1_lower, p.f1_upper)),
-        *_by_flag(x, p.f2, p.flag, REAR, "f2, rear,", (p.f2_lower, p.f2_upper)),
+        *_curve(x, p.f1, p.flag, FRONT, "f1, front", (p.f1_lower, p.f1_upper)),
+        *_curve(x, p.f2, p.flag, REAR, "f2, rear", (p.f2_lower, p.f2_upper)),
     ]
     for i, ramp in enumerate(two_axles):
         shift = 100.0 * (ramp.eta - 1.0)
         f.append(points(ramp, shift, ramp.f1, FRONT, "" if i else _FREED))
         f.append(points(ramp, shift, ramp.f2, REAR))
-    reach = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
+    ends = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
     (low, high), end = p.usable, 100.0 * (p.usable_eta[1] - 1.0)
     line: Stroke = {"color": BODY["color"], "linewidth": 0.9, "linestyle": LONG}
-    marks = (
-        Mark(end, end, line, f"usable to {end:.2f} %, {high:.2f} g"),
-        Mark(end, reach[1], {"color": SHADE}),
-    )
     order = np.argsort(p.z)
     decelerations = [z for z in np.arange(_MARKED, high, _MARKED) if z >= low]
     places = np.interp(decelerations, p.z[order], x[order])
     ticks: Stroke = {"color": BODY["color"], "marker": "|", "ms": 6.0, "linestyle": ""}
     zero = [
-        Line(reach, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6}),
+        Line(ends, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6}),
         Line(places, np.zeros(places.size), ticks),
     ]
-    texts = [(f"{z:.1f} g", at, 0.0) for z, at in zip(decelerations, places, strict=True)]
     return Panel(
         "f1-f2",
         f"{_FORCES} (Fig. 6)",
         ETA,
         "f1, f2 [1]",
         [*f, *zero],
-        marks,
-        texts,
-        reach,
+        [Mark(end, end, line, f"usable to {end:.2f} %, {high:.2f} g"),
+         Mark(end, ends[1], {"color": SHADE})],
+        [(f"{z:.1f} g", x, 0.0) for z, x in zip(decelerations, places, strict=True)],
+        ends,
         columns=2,
-    )
+    )  # fmt: skip
 
 
 def two_tables(tables: dict[str, Table]) -> Sheet:
-    """Return the sheet of two tables by their ids: f1 and f2, and what their maps tell."""
+    """Return the sheet of two tables by their ids: f1 and f2, and how their maps differ."""
     curves, notes = list[Line](), list[str]()
-    for (name, table), style in zip(tables.items(), _STYLES, strict=True):
-        p = table.paper
+    for (name, table), style in zip(tables.items(), ("-", DASHED), strict=True):
+        x = 100.0 * (table.paper.eta - 1.0)
         for key, stroke in (("f1", FRONT), ("f2", REAR)):
-            y, *band = (getattr(p, f"{key}{end}") for end in ("", "_lower", "_upper"))
-            look = {**stroke, **style}
-            curves.append(
-                Line(100.0 * (p.eta - 1.0), y, look, f"{key}, {name}", (band[0], band[1]))
-            )
+            y, low, high = (getattr(table.paper, f"{key}{end}") for end in ENDS)
+            curves.append(Line(x, y, {**stroke, "linestyle": style}, f"{key}, {name}", (low, high)))
         front, rear = ramp_pads(table)
-        notes.append(
-            f"{name}: digest {table.digest[:16]}, pad friction front {front}, rear {rear}."
-        )
+        notes.append(f"{name}: digest {table.digest[:16]}, pads front {front}, rear {rear}.")
     difference = diff(*tables.values())
     beyond = [*difference.apart, *(gap.curve for gap in difference.curves if gap.in_bands > 1.0)]
     return Sheet(

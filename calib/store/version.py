@@ -25,6 +25,7 @@ from calib.base.arrays import Array
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.digest import content_digest
 from calib.base.errors import DamagedTable, StoreError
+from calib.base.shown import Shown
 from calib.base.write import sync
 from calib.store.folders import RECORD
 from calib.store.journal import CRLF, JOURNAL
@@ -34,7 +35,7 @@ from calib.table.table import COLUMNS, Table
 
 
 @dataclass(frozen=True)
-class Stored:
+class Stored(Shown):
     """A table with its address; ``digest`` is that of its content.
 
     ``record`` SHA-256 of its record file; ``existed`` whether `Store.save` found it there already.

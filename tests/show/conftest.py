@@ -49,7 +49,7 @@ def simulated() -> Sheet:
     wrong = read_vehicle(SIMULATION / "vehicle_wrong_pads.toml")
     run = read_log(SIMULATION / "stop_noisy.parquet")
     result = validate_one(found, run, wrong, DEFAULTS)
-    return stop.of_validation(found, "sedan@1", run, result, wrong)
+    return stop.of_validation(result, "sedan@1", wrong)
 
 
 SHEETS = ("table", "ramp", "stop", "simulation", "comparison", "log")
@@ -62,9 +62,7 @@ def sheet(request, sedan, ramp, transition):
     return {
         "table": lambda: table.table_sheet(made, "sedan@1"),
         "ramp": lambda: table.table_sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
-        "stop": lambda: stop.of_validation(
-            sedan, "sedan@1", transition, request.getfixturevalue("stopped")
-        ),
+        "stop": lambda: stop.of_validation(request.getfixturevalue("stopped"), "sedan@1"),
         "simulation": lambda: request.getfixturevalue("simulated"),
         "comparison": lambda: table.two_tables({"sedan@1": made, "sedan@2": made_table(28.0)}),
         "log": lambda: log.log_sheet(log.whole_of(transition), run_events(transition)),

@@ -7,7 +7,6 @@ import pytest
 
 from calib.car.effects.catalogue import CATALOGUE
 from calib.diagnosis.diagnosis import to_dict
-from calib.diagnosis.search import SearchStep
 from calib.show.diagnosis import KINDS, diagnosis_facts, outcome
 from calib.show.diagnosis_figure import diagnosis_sheet
 from calib.show.html import page_of
@@ -117,16 +116,9 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
     assert all(log.name in known for log in logs)
 
 
-def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
+def test_what_was_withdrawn_is_told(named):
     found = replace(unknown(named), withdrawn=(("rear_proportioning", "mass_error"),))
     told = dict(diagnosis_facts(found).rows)["Not named"]
     assert "rear proportioning" in told
     assert "mass error" in told
     assert to_dict(found)["withdrawn"] == [["rear_proportioning", "mass_error"]]
-    last = named.steps[-1].names
-    lag = SearchStep(("hydraulic_lag",), 1.125, 12.5, -2.0, ("hydraulic_lag",), last, -0.125)
-    assert tables(replace(named, steps=(*named.steps, lag)))["What each"] == [
-        ("nothing", "3.500", "", ""),
-        ("aerodynamic drag", "1.000", "320", "160"),
-        ("hydraulic lag, without aerodynamic drag", "1.125", "12", "-2"),
-    ]

@@ -32,31 +32,15 @@ def test_forces_are_the_true_ones(table, run):
         assert F[hard] == pytest.approx(true[hard], rel=tolerance)
 
 
-def test_f1_and_f2_satisfy_18(table, run):
-    found = measure(table, run)
-    braked = found.braked
-    front = 1.6494 + 0.615 * found.z_free
-    rear = 1.1556 - 0.615 * found.z_free
-    assert (found.f1 * front)[braked] == pytest.approx((-found.f2 * rear)[braked])
-    assert (found.f1 - found.f2)[braked] == pytest.approx(found.D[braked])
-
-
 def test_points_of_a_clean_ramp_with_drag_lie_on_the_curves():
     """The plant has 0.66 m^2 of drag and 0.011 of rolling resistance; the table has neither."""
     log = ramp(REAL)
     table = fit(CAR, [log])
     found = measure(table, log)
-    inside = found.braked & (found.z_free > 0.05) & (found.z_free < 0.95 * table.paper.z[-1])
+    inside = found.braked & (found.z > 0.08) & (found.z < 0.95 * table.paper.z[-1])
     assert inside.sum() > 50
     D = np.interp(found.eta, table.difference.eta, table.difference.D)[inside]
     as_driven = (found.F_f - found.F_r)[inside]
     # on the curve within 2 % of D, a tenth of its band; as driven the points are up to 5 % off it
-    assert np.max(np.abs(found.D[inside] / D - 1.0)) < 0.02
+    assert np.max(np.abs((found.f1 - found.f2)[inside] / D - 1.0)) < 0.02
     assert np.max(np.abs(as_driven / D - 1.0)) > 0.04
-    # what drag and rolling take of the deceleration at 33 m/s and less: 0.011 + 0.026
-    freed = found.z[inside] - found.z_free[inside]
-    assert np.all((freed > 0.008) & (freed < 0.05))
-    # F over slip is one curve for both axles, with drag or without
-    for slip, force in ((found.slip_f, found.F_f), (found.slip_r, found.F_r)):
-        g = np.interp(slip[inside], table.tyre.slip, table.tyre.force)
-        assert np.max(np.abs(g / force[inside] - 1.0)) < 0.02

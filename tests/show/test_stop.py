@@ -13,7 +13,7 @@ FRONT, REAR, TOTAL = (f"{side}, with 95 % band" for side in ("front", "rear", "t
 
 @pytest.fixture(scope="module")
 def drawn(sedan, transition, stopped):
-    return stop.of_validation(sedan, "sedan@1", transition, stopped)
+    return stop.of_validation(stopped, "sedan@1")
 
 
 def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped):
@@ -62,7 +62,7 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tm
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
     none = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
-    sheet = stop.of_validation(sedan, "sedan@1", transition, none)
+    sheet = stop.of_validation(none, "sedan@1")
     assert len(sheet.overview().axes) == 5
     assert np.isnan(line(panel(sheet, "pads"), REAR)[1]).all()
 

@@ -1,4 +1,4 @@
-from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -6,41 +6,22 @@ from scipy.interpolate import RegularGridInterpolator
 
 from calib.show import table as figures
 from calib.show.ramp import measure
-from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
+from calib.table.curves import MEASURED
 from tests.support.plot_lines import labels, line, panel
 from tests.support.reference_car import IDEAL, one_axle
 from tests.support.tables import made_table
 
 TABLE = made_table()
-PERCENT = 100.0 * (TABLE.paper.eta - 1.0)
 
 
-def pieces(panel, symbol):
-    """y of all pieces of a curve put together, by what the flags say."""
-    words = ("in the table", "interpolated", "extrapolated")
-    found = [line(panel, f"{symbol} {word}")[1] for word in words]
-    return np.nanmax(np.where(np.isnan(found), -np.inf, found), axis=0)
-
-
-def test_f1_and_f2_are_those_of_the_table():
+def test_f1_and_f2_are_those_of_the_table_and_thin_where_no_ramp_measured_them():
     drawn = panel(figures.table_sheet(TABLE, "sedan@1"), "f1-f2")
-    assert np.array_equal(pieces(drawn, "f1, front,"), TABLE.paper.f1)
-    assert np.array_equal(pieces(drawn, "f2, rear,"), TABLE.paper.f2)
-    assert np.array_equal(line(drawn, "f1, front, in the table")[0], PERCENT)
-
-
-def test_a_piece_is_as_bad_as_the_worse_of_its_ends():
-    flag = np.array([INTERPOLATED, MEASURED, MEASURED, INTERPOLATED, MEASURED, EXTRAPOLATED])
-    p = TABLE.paper
-    rows = {name: x[: flag.size] if isinstance(x, np.ndarray) else x for name, x in vars(p).items()}
-    made = replace(TABLE, paper=replace(p, **{**rows, "flag": flag}))
-    drawn = panel(figures.table_sheet(made, "sedan@1"), "f1-f2")
-    missing = {
-        x: list(np.isnan(line(drawn, f"f1, front, {x}")[1]))
-        for x in ("in the table", "extrapolated")
-    }
-    assert missing["in the table"] == [True, False, False, True, True, True]
-    assert missing["extrapolated"] == [True] * 4 + [False] * 2
+    for label, y in (("f1, front", TABLE.paper.f1), ("f2, rear", TABLE.paper.f2)):
+        thin, thick = next(pair for pair in pairwise(drawn.lines) if pair[1].label == label)
+        assert np.array_equal(thin.y, y)
+        measured = TABLE.paper.flag == MEASURED
+        assert np.array_equal(thick.y, np.where(measured, y, np.nan), equal_nan=True)
+        assert not measured.all()
 
 
 def test_two_tables_are_drawn_with_their_pads(sedan):
@@ -64,8 +45,6 @@ def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     assert (x[0], y[0]) == pytest.approx(
         (100.0 * (run.eta - 1.0)[first].mean(), run.f1[first].mean())
     )
-    x, y = line(panel(sheet, "tyre"), "rear axle, ramps")
-    assert (x[0], y[0]) == pytest.approx((100.0 * run.slip_r[first].mean(), run.F_r[first].mean()))
     assert line(panel(sheet, "forces"), "front")[1] is run.F_f
 
 
