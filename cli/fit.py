@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     report=True,
 )
 def fit(
-    logs: list[Path] = logs_by_name("Ramps, also with one axle only, and coast logs."),
+    logs: list[Path] = logs_by_name("Ramps, also with one axle only, coast logs and stops."),
     *,
     vehicle: Car,
     model: KnownModel,
@@ -50,6 +50,7 @@ def fit(
 ) -> Answer:
     """Make the look-up table of a car from ramped brakings.
 
+    A LOG that brakes within less than a second is a stop, and weighs what the ramps leave open.
     Drag and rolling resistance are estimated from a LOG without braking. Effects of the vehicle
     file or of --model are removed from the logs first. The table goes into the store as a new
     version; the same logs give the same version again.

@@ -22,6 +22,7 @@ from calib.car.vehicle import Vehicle, mass_used, weighed
 from calib.fitting.curves import difference_curves, ramp_path, readable_up_to, tyre_curve
 from calib.fitting.ensemble import SlipPrediction, draws_of
 from calib.fitting.evidence import Cause
+from calib.fitting.learning import learn
 from calib.fitting.maps import maps, pressure_odds
 from calib.fitting.mistakes import causes_of, certain, measured, other_than_pads
 from calib.fitting.pads import calibration_of, level_of, pad_ratio_prior, ratio_by_levels
@@ -70,7 +71,8 @@ def fit(
     vehicle : names the table. The effects that it knows are taken out of the logs first, see
         `calib.run.known_effects`.
     logs : one ramp or more; logs without braking serve as coast logs, and ramps on which one axle
-        brakes alone by its wheel pressures tell tyres and pads of the axles apart.
+        brakes alone by its wheel pressures tell tyres and pads of the axles apart. Beside a ramp,
+        logs that brake too fast for one are stops, see `calib.fitting.learning`.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the
         vehicle as it is: what was weighed once need not be the load of the next run.
     bench : brake forces of the same pads on a roller brake tester: a prior of the pads' ratio, in
@@ -104,9 +106,9 @@ def fit(
     driven, used = weighed(vehicle, mass), mass_used(vehicle, mass)
     pad_prior = pad_ratio_prior(driven, bench)
     priors = informative_priors(driven, tyre, fleet or {})
-    ramps, coasts = sort_runs([Run(log, driven) for log in logs])
+    ramps, coasts, stops = sort_runs([Run(log, driven) for log in logs])
     car = ramps[0].car
-    runs, resistance = _ready(car, ramps, coasts)
+    runs, braked, resistance = _ready(car, ramps, coasts, stops)
     warnings = tuple(warnings_of(vehicle, ramps, coasts, resistance))
     where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
@@ -117,8 +119,9 @@ def fit(
     mistakes = _mistakes(causes, full, refused)
     moves_eta = [warning for warning in warnings if warning.code in MOVE_ETA]
     ensemble, figures = explained(car, runs, ratio_prior, priors, refused, [*mistakes, *moves_eta])
+    ensemble, by_stops = learn(car, ensemble, braked)
     support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
-    some = ensemble.thinned(4)
+    some = ensemble.take_with_pulls(slice(None, None, 4))
     path, z_end = _path(car, some, full, refused)
     pads, budget = _calibration(car, ensemble, full, resistance)
     contradict = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
@@ -137,8 +140,10 @@ def fit(
         effects=resistance.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, runs, path, share_of_prior) | figures,
-        remarks=tuple(remarks(driven, used, runs, support)),
-        provenance=_provenance({"ramp": ramps, "coast": coasts}, bench, tyre, fleet or {}),
+        remarks=(*remarks(driven, used, runs, support), *by_stops),
+        provenance=_provenance(
+            {"ramp": ramps, "coast": coasts, "stop": stops}, bench, tyre, fleet or {}
+        ),
         warnings=(
             *judged(vehicle.name, [Measured(prior.code, p) for prior, p in support], FIT),
             *mistakes,
@@ -168,9 +173,9 @@ def _mistakes(
 
 
 def _ready(
-    car: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run]
-) -> tuple[list[RampRun], Resistance]:
-    """The ramps ready to fit, with corrected accelerometers, and the resistance by all runs.
+    car: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], stops: Sequence[Run]
+) -> tuple[list[RampRun], list[RampRun], Resistance]:
+    """Ramps and stops ready to fit, with corrected accelerometers; resistance by ramps and coasts.
 
     Accelerometers are judged first, with the usual resistance and its spread.
     """
@@ -179,7 +184,10 @@ def _ready(
     felt = ((run.felt(sensor), run.noise.z) for run, sensor in judged_by)
     resistance = identify_resistance(car, felt)
     ready = (prepare(run, resistance.effects, sensor) for run, sensor in judged_by[: len(ramps)])
-    return [_without_disturbances(car, run) for run in ready], resistance
+    ramps_ready = [_without_disturbances(car, run) for run in ready]
+    sensors = ((run, run.accelerometer(usual)) for run in stops)
+    stops_ready = [prepare(run, resistance.effects, sensor) for run, sensor in sensors]
+    return ramps_ready, stops_ready, resistance
 
 
 def _path(

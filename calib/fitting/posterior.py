@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Index
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, spread_evenly
 from calib.fitting.pads import DEFAULT_PRIOR
@@ -61,9 +61,8 @@ class Posterior(Ensemble):
     misfit: float
     prior_support: Array
 
-    def thinned(self, step: int) -> "Posterior":
-        """Every ``step``-th draw, with its pulls."""
-        rows = slice(None, None, step)
+    def take_with_pulls(self, rows: Index | slice) -> "Posterior":
+        """The draws of some ``rows``, with their pulls."""
         pulls = {part: pull[rows] for part, pull in self.pulls.items()}
         return replace(self, **vars(Ensemble.take(self, rows)), pulls=pulls)
 
@@ -138,12 +137,9 @@ def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.G
     if not np.any(np.isfinite(log)):
         raise ValueError("no draw of the prior explains the ramps")
     while power < 1.0:
-        step = _step(log, 1.0 - power)
-        share = np.cumsum(np.exp(step * (log - log.max())))
-        survivors = np.searchsorted(
-            share / share[-1], (np.arange(log.size) + rng.random()) / log.size
-        )
-        x, log, power = x[survivors], log[survivors], power + step
+        step = tempering_step(log, 1.0 - power)
+        rows = survivors(step * (log - log.max()), rng.random())
+        x, log, power = x[rows], log[rows], power + step
         moved = 0.0
         for _ in range(_MOST_MOVES):
             other = np.sqrt(1.0 - _PCN_STEP**2) * x + _PCN_STEP * rng.standard_normal(x.shape)
@@ -156,7 +152,13 @@ def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.G
     return x
 
 
-def _step(log: Array, most: float) -> float:
+def survivors(log: Array, place: float) -> Index:
+    """Draws (n,) resampled systematically by weights of ln ``log``; ``place`` from 0 to 1."""
+    share = np.cumsum(np.exp(log - log.max()))
+    return np.asarray(np.searchsorted(share / share[-1], (np.arange(log.size) + place) / log.size))
+
+
+def tempering_step(log: Array, most: float) -> float:
     """Next step of the power of the likelihood, up to ``most``: it leaves `_ESS_FRACTION`."""
     low, high = 0.0, 2.0 * most  # the first that is tried is the most
     for _ in range(41):

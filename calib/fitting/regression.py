@@ -216,10 +216,12 @@ class Regression:
         centre: Array,
         root: Array,
         loaded: Sequence[LoadedTyres] | None = None,
+        *,
+        anywhere: bool = False,
     ) -> Solution:
         """Integrate over linear parameters ``centre`` (n, 3) + ``root`` x, x standard normal.
 
-        ``loaded`` as of `rows`.
+        ``loaded`` as of `rows`. ``anywhere``: beyond the peak of a tyre too, with the slip there.
         """
         rows, rolls = self.rows(e, loaded)
         *H, y = rows @ self.white.T
@@ -231,7 +233,7 @@ class Regression:
         square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
         log = -0.5 * (square + np.log(np.linalg.det(A)))
         linear = centre + np.einsum("nij,nj->ni", root, mean)
-        log = np.where(rolls & np.all(linear[:, :2] > 0.0, axis=1), log, -np.inf)
+        log = np.where(anywhere | rolls & np.all(linear[:, :2] > 0.0, axis=1), log, -np.inf)
         return Solution(log, mean, A, np.asarray(H), y)
 
     def residuals(self, e: Ensemble) -> Array:

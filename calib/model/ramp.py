@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.errors import LogError
+from calib.base.warning import REFUSE, VOID
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.forces import mean_slip
 from calib.car.vehicle import Vehicle
-from calib.plausibility.rules import COAST, FIT, require
+from calib.plausibility.rules import COAST, FIT, VALIDATE, require, unusable
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Axle, Blocks, block_balance
 from calib.run.filters import since
@@ -133,19 +134,25 @@ class RampRun:
         return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
 
 
-def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run]]:
-    """Ramps and coasts, in the order of the digests of their logs.
+def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
+    """Ramps, coasts and stops, in the order of the digests of their logs.
 
-    The order of the command line must not change a bit of the table. Raises LogError for a log
-    that will not do, that is not of this vehicle, or that is there twice.
+    A log without braking is a coast. One that brakes too fast for a ramp, by the rule `ramp_rise`,
+    is a stop, if another log brakes as slowly as a ramp. The order of the command line must not
+    change a bit of the table. Raises LogError for a log that will not do, that is not of this
+    vehicle, or that is there twice.
     """
     refuse_copies([run.log for run in runs])
-    ramps: list[Run] = []
-    coasts: list[Run] = []
-    for run in sorted(runs, key=lambda item: item.log.digest):
-        coasting = not run.events
-        require(run, COAST if coasting else FIT)
-        (coasts if coasting else ramps).append(run)
+    ordered = sorted(runs, key=lambda item: item.log.digest)
+    braked = [run for run in ordered if run.events]
+    fast = [run for run in braked if len(braked) > 1 and _brakes_fast(run)]
+    stops = fast if len(fast) < len(braked) else []
+    groups: tuple[list[Run], list[Run], list[Run]] = ([], [], [])
+    for run in ordered:
+        purpose = VALIDATE if run in stops else FIT if run.events else COAST
+        require(run, purpose, (REFUSE, VOID) if run in stops else (REFUSE,))
+        groups[(FIT, COAST, VALIDATE).index(purpose)].append(run)
+    ramps = groups[0]
     if not ramps:
         raise LogError(
             "none of the logs holds a braking",
@@ -158,7 +165,11 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run]]:
             where=", ".join(run.log.source for run in ramps),
             expected="at least one ramp with both axles; ramps with one axle serve in addition",
         )
-    return ramps, coasts
+    return ramps, *groups[1:]
+
+
+def _brakes_fast(run: Run) -> bool:
+    return any(warning.code == "ramp_rise" for warning in unusable(run, FIT, (REFUSE,)))
 
 
 def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = None) -> RampRun:

@@ -72,9 +72,9 @@ def unusable(
     return _broken(e, _first(run), purpose, does) or _broken(e, _second(run), purpose, does)
 
 
-def require(run: Run, purpose: str) -> None:
+def require(run: Run, purpose: str, does: Collection[str] = (REFUSE,)) -> None:
     """Raise LogError with every reason for a run that will not do for a purpose."""
-    if why := unusable(run, purpose, (REFUSE,)):
+    if why := unusable(run, purpose, does):
         message = f"{_CALLED[purpose]}: {'; '.join(one.text for one in why)}"
         raise LogError(message, where=run.log.source, do="see `brake-cal check`")
 

@@ -1,0 +1,140 @@
+"""What stops tell of a car: the draws that explain its ramps, weighed by eta and slip of stops.
+
+    a draw + what a stop brings --regression--> eta, slip      the likelihood of one stop
+    product over the stops, tempered --> weights --> the draws, resampled
+
+What a stop brings is the group `stop` of `beliefs.csv`, and is integrated out: stiffness of the
+road, inflation and a_x as the regression does its linear unknowns; the peak of the road at some
+values and linearly around each; the pads' ratio by Laplace's method.
+
+No stop, and not all together, weigh so much that the effective sample size falls below a half:
+their likelihood is raised to a power below 1, as a model that only few draws save is wrong in
+another way (Holmes and Walker 2017, doi:10.1093/biomet/asx010). `tests/studies/results/learning.md`
+has what stops are worth.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from calib.base.arrays import Array
+from calib.base.plain import counted
+from calib.car.beliefs import STOP
+from calib.car.vehicle import Vehicle
+from calib.fitting.ensemble import Ensemble
+from calib.fitting.posterior import Posterior, survivors, tempering_step
+from calib.fitting.regression import Regression
+from calib.model.ramp import RampRun
+
+GROUPS = 4  # groups of blocks of a stop, whose deceleration hardly changes
+_PEAKS = (-1.5, -0.5, 0.5, 1.5)  # of another road, in standard deviations of its ln
+_WITHIN = 0.3  # standard deviation of a peak around each, as evenly spread ones have it
+_STEP = 0.02  # of ln of a peak or of the pads' ratio, for a derivative
+_SEARCHES, _FAR = 3, 0.3  # steps of Newton's method to the likeliest pads, and the longest
+_MOST = 3.0  # root mean square of the residuals above which no draw explains a stop [1]
+
+
+def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posterior, list[str]]:
+    """Weigh the draws by the stops, and say what each tells; the same draws where none does."""
+    remarks, total = [], np.zeros(e.size)
+    for run in stops:
+        try:
+            log = _log_likelihood(car, e, run)
+        except ValueError as error:
+            remarks.append(f"{run.name}: a stop that tells nothing: {error}")
+            continue
+        power = tempering_step(log, 1.0)
+        total += power * log
+        remarks.append(f"{run.name}: a stop; alone it {_moved(e, power * log, power)}")
+    if not np.any(total):
+        return e, remarks
+    power = tempering_step(total, 1.0)
+    together = f"{counted(len(stops), 'stop')} together: {_moved(e, power * total, power)}"
+    return e.take_with_pulls(survivors(power * total, 0.5)), [*remarks, together]
+
+
+def _moved(e: Ensemble, log: Array, power: float) -> str:
+    """What weights of ln ``log`` (n,) change of the pads' ratio, in words."""
+    weight, ratio = np.exp(log - log.max()), e.log_pad_ratio
+    mean = np.average(ratio, weights=weight)
+    sigma = math.sqrt(np.average((ratio - mean) ** 2, weights=weight))
+    width, moved = sigma / float(np.std(ratio)) - 1.0, mean - float(np.mean(ratio))
+    tempered = f" (its power: {power:.2f})" if power < 1.0 else ""
+    return (
+        f"moves the pads' ratio by {100.0 * moved:+.1f} % and its half width by "
+        f"{100.0 * width:+.0f} %{tempered}"
+    )
+
+
+def _log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
+    """`log_likelihood` of a stop. Raises ValueError, with the reason, where it says nothing."""
+    if run.slip is None:
+        raise ValueError("without the speed v its pads and tyres cannot be told apart")
+    log = log_likelihood(Regression(car, [run], GROUPS), e)
+    if -2.0 * float(log.max()) > _MOST**2 * 2 * GROUPS:
+        raise ValueError("no draw explains it")
+    return log
+
+
+def log_likelihood(regression: Regression, e: Ensemble) -> Array:
+    """ln of the likelihood of draws (n,) by the one stop of a ``regression`` in `GROUPS`.
+
+    Valid while the deceleration hardly changes: a peak then scales the slip of an axle.
+    """
+    by_road = [
+        math.log(share) + _on_road(regression, replace(e, peak=peak), stiff, sigmas)
+        for share, peak, stiff, sigmas in _roads(e)
+    ]
+    return np.asarray(np.logaddexp.reduce(by_road))
+
+
+def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, float]]]:
+    """Share of a road; its peak, and ln of its stiffness over the ramp's, (n,); sigmas of ln."""
+    peaks, stiffs = STOP.log_peak, STOP.log_stiffness
+    shares = peaks.share / peaks.share.sum()
+    for i, case in enumerate(peaks.cases):
+        other = case == "other road"
+        places = np.array(_PEAKS if other else (0.0,))
+        weights = np.exp(-0.5 * places**2)
+        sigmas = float(peaks.sigma[i]) * (_WITHIN if other else 1.0), float(stiffs.sigma[i])
+        for place, weight in zip(places, shares[i] * weights / weights.sum(), strict=True):
+            peak = np.exp(peaks.mean[i] + peaks.sigma[i] * place) * (1.0 if other else e.peak)
+            stiff = stiffs.mean[i] + 0.25 * other * np.log(peak / 0.9)
+            yield float(weight), peak * np.ones(e.size), stiff * np.ones(e.size), sigmas
+
+
+def _on_road(
+    regression: Regression, e: Ensemble, stiff: Array, sigmas: tuple[float, float]
+) -> Array:
+    """ln of the likelihood of draws (n,) on one road, over the changes of the pads.
+
+    ``stiff`` and ``sigmas`` as of `_roads`.
+    """
+    rows = [regression.rows(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
+    slips = np.stack([np.abs(x[:2, :, :GROUPS]).mean(axis=-1) for x in rows])  # rows of eta
+    by_peak = np.log(slips[1] / slips[0]).T / _STEP * sigmas[0]
+    alike = sigmas[1] ** 2 + float(STOP.a_x_scale.sigma[0]) ** 2
+    apart = float(STOP.log_tyre.sigma[0]) ** 2 * np.eye(2)
+    root_of_logs = np.linalg.cholesky(alike + apart + by_peak[:, :, None] * by_peak[:, None])
+    centre, root = e.linear, np.zeros((e.size, 3, 3))
+    centre[:, :2] *= np.exp(-stiff)[:, None]
+    root[:, :2, :2] = centre[:, :2, None] * root_of_logs
+    loaded, change = regression.loaded(e), np.zeros(e.size)
+
+    def log_evidence(x: Array) -> Array:
+        changed = replace(e, log_pad_ratio=e.log_pad_ratio + x)
+        return regression.solve(changed, centre, root, loaded, anywhere=True).log_evidence
+
+    for _ in range(_SEARCHES):
+        low, log, high = (log_evidence(change + x) for x in (-_STEP, 0.0, _STEP))
+        slope, bend = (high - low) / (2.0 * _STEP), (2.0 * log - low - high) / _STEP**2
+        sharp = np.maximum(bend, np.maximum(np.abs(slope) / _FAR, 1.0))
+        change = change + slope / sharp
+    # a normal likelihood of the change, of variance 1/sharp, times the mixture of the list
+    pads, narrow = STOP.log_pad_ratio, 1.0 / sharp[:, None]
+    variance = pads.sigma**2 + narrow
+    density = np.exp(-0.5 * (change[:, None] - pads.mean) ** 2 / variance)
+    share = np.sqrt(narrow / variance) * density @ (pads.share / pads.share.sum())
+    return np.asarray(log_evidence(change) + np.log(share))
