@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
-from calib.base.names import AXLE_NAMES, CHANNELS
+from calib.base.names import CHANNELS
 from calib.base.units import from_si, to_si
-from calib.base.warning import PlausibilityWarning, bounds_of, unexplained
+from calib.base.warning import PlausibilityWarning, unexplained
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log, Origin
 from calib.plausibility.evidence import Evidence
@@ -78,26 +78,13 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     )
 
 
-def uses(run: Run) -> Iterator[str]:
-    """What can be determined from a log, also if it is not usable, with its accuracy, in words."""
-    axles = run.axles
-    if axles is None:
-        return
-    zero = axles.front_rear
-    if zero is not None:
-        enough = "fine" if zero.half <= bounds_of("eta_zero_uncertain")[1] else "too coarse"
-        sharp = f"to {100 * zero.half:.3f} % ({enough} for a table)"
-        yield f"the zero of eta {sharp}, if the car rolled without its engine"
-    if axles.slope is not None and axles.slope > 0:
-        yield f"sign and size of a_x: with the wheels it makes a radius of {axles.slope:.2f} m"
-    logged = [name for name in ("T_drive_f", "T_drive_r") if name in run.present]
-    if logged:
-        yield f"brake forces less the torque of engine or motor: {', '.join(logged)}"
-    if run.alone:
-        subject = f"the {AXLE_NAMES[run.alone]} tyres' stiffness, and the pads' ratio"
-        yield f"{subject}, in a fit with a ramp of both axles: the other axle has no pressure"
-    if run.events and "p_mc" in run.missing:
-        yield f"deceleration and slip of {len(run.events)} braking(s); without pressure no torque"
+def unseen(run: Run) -> tuple[str, ...]:
+    """Channels whose scale no log tells: an error moves all pads as much, and nobody warns of it.
+
+    How far each may be off is in the document of a fit.
+    """
+    scaled = ("p_mc",) if "v" in run.present else ("p_mc", "a_x")
+    return tuple(name for name in scaled if name in run.present)
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
@@ -113,8 +100,8 @@ def to_dict(findings: Findings) -> dict[str, Any]:
         "notes": log.notes,
         "warnings": _plain(findings.warnings),
         "verdicts": _plain(findings.verdicts),
-        "taken": _plain(tuple(_canonical_origins(log))),
-        "uses": list(uses(run)),
+        "taken": _plain(_taken(log)),
+        "unseen": unseen(run),
         "bridged": _plain(log.bridged),
         "seen": {name: _plain(getattr(run, name)) for name in _SEEN},
         "figures": figures(run),
@@ -122,9 +109,9 @@ def to_dict(findings: Findings) -> dict[str, Any]:
     }
 
 
-def _canonical_origins(log: Log) -> Iterator[Origin]:
+def _taken(log: Log) -> tuple[Origin, ...]:
     """Sources of the canonical channels."""
-    return (origin for origin in log.origins if origin.channel in CHANNELS)
+    return tuple(origin for origin in log.origins if origin.channel in CHANNELS)
 
 
 def _as_it_stands(origin: Origin) -> bool:
@@ -164,8 +151,8 @@ def contents(findings: Findings) -> Iterator[tuple[str, str]]:
     yield "not there", ", ".join(absent) or "-"
     if log.ignored:
         yield "ignored", ", ".join(log.ignored)
-    if not all(map(_as_it_stands, _canonical_origins(log))):
-        for origin in _canonical_origins(log):
+    if not all(map(_as_it_stands, _taken(log))):
+        for origin in _taken(log):
             offset = f" {origin.offset:+.6g}" if origin.offset else ""
             yield (
                 origin.channel,
@@ -184,8 +171,8 @@ def contents(findings: Findings) -> Iterator[tuple[str, str]]:
     yield "eta - 1", _percent(run.axles.front_rear) + " without braking"
     sides = (run.axles.left_right_f, run.axles.left_right_r)
     yield "right/left", f"front {_percent(sides[0])}, rear {_percent(sides[1])}"
-    for text in uses(run):
-        yield "good for", text
+    if scales := ", ".join(unseen(run)):
+        yield "unseen", f"the scale of {scales}: see `unseen` in the document of a fit"
 
 
 def _sensor(sensor: Sensor) -> str:

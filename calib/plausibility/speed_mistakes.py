@@ -8,7 +8,7 @@ over coasting, lead-in and braking, until a wheel is at its limit. Each hypothes
 Gaussian model. They differ in what they believe of the radius R, of the offset, of the rate c by
 which the clock of v runs off, and of the road. Slip is a cubic of z, and what rises steeply before
 the peak of the tyres; by the pressure where this leaves less, since near the peak the noise of a_x
-makes much of it. Noise is what is left where slip and radius are free.
+makes much of it.
 """
 
 import math
@@ -35,12 +35,13 @@ _FILE, _USUAL, _CAR, _UNIT = 0.012, 0.08, 0.1, 3.0
 another unit [1]."""
 _STEEP, _GENTLE = 8, 0.1
 """Order in z of what rises before the peak; largest z of a run, at least, that may be near it."""
-_SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.01), (0.0, 0.003))
+_SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
 """Mean and sigma of what v has over radius and wheel speed: of slip, with z, its square, cube and
 steep part, and with the square of the wheel speed over 100 rad/s, by which a tyre grows [1]."""
-_SLIPPERY = ((0.1, 0.05), (0.1, 0.2), (0.2, 1.0), (0.0, 0.1), _SLIP[-1])
+_SLIPPERY = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), _SLIP[-1])
 """The same on a wet road: a brush of stiffness K and peak m has (1 + z/(3 m) + 5 z^2/(27 m^2) ...)
-z/K, for each load that it bears. K is 9 to 17, m 0.35 to 0.6, the front axle bears 0.6."""
+z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. Slip is never below zero, as v that
+runs fast makes it, so its sigmas are below its means."""
 _IN_TIME, _LATE, _FINEST = 0.05, (0.1, 0.2, 0.3, 0.4), 5e-3
 """Sigma of a delay, and those of a receiver or a slow filter [s]; least error of v [m/s]."""
 _ROLLS = 0.2  # sigma of the slip of an axle that does not brake, over the usual one [1]
@@ -191,16 +192,17 @@ class _AxleSpeed:
         shifts = [lost - np.interp((time - late) / (1.0 + c), time, lost) for late, c in pairs]
         signals = (run.log["v"], omega, d.z, time, lost, *shifts)
         v, omega, z, time, lost, *shifts = (block_mean(x, size)[use] for x in signals)
-        ones, in_time, braked = np.ones_like(v), shifts[: 1 + len(_LATE)], [z]
+        ones, braked = np.ones_like(v), [z]
         if d.pressure is not None:
             p = block_mean(d.pressure, size)[use]
             braked.append(p * float(z @ p) / max(float(p @ p), 1.0))
+        late = np.stack([G * z, G * z * time], axis=1)
         each = [radius * _by_wheels(omega, x) for x in braked]
-        noises = [_noise(np.delete(A, 1, axis=1), v, in_time) for A in each]
+        noises = [_noise(np.hstack([A, late]), v, shifts) for A in each]
         wheels = each[int(np.argmin(noises))]
         a_x = np.stack([ones, time, 0.5 * time**2, -z * v, -lost], axis=1)
-        late = np.stack([G * z, G * z * time], axis=1)
-        noise = np.concatenate([min(noises) * ones, _noise(a_x, v, in_time) * ones])
+        of_a_x = _noise(np.hstack([a_x, late]), v, shifts)
+        noise = np.concatenate([min(noises) * ones, of_a_x * ones])
         columns = np.block([[wheels, 0.0 * a_x, late], [0.0 * wheels, a_x, late]])
         by_shift = dict(zip(pairs, shifts, strict=True))
         brakes = np.array([1.0, 1.0] if run.alone is None else [0.0, _ROLLS])

@@ -98,8 +98,8 @@ class _AgainstSpeed:
     """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
 
     e = bias + grade, d = bias + drag. ``likelihood`` its logarithm where c, e and d are zero, up to
-    a constant; of the lag ``information`` [1/s^2], ``side`` [1/s] and ``along`` (c, e), (2,), how
-    the lag moves with them [1/s].
+    a constant; ``information`` [1/s^2] and ``side`` [1/s] of the lag, which moves ``along`` (c, e)
+    [1/s] (2,).
     """
 
     precision: Array
@@ -122,30 +122,27 @@ class _AgainstSpeed:
 class SpeedEvidence:
     """What v says of the accelerometer of a run, whatever resistance the car is taken to have.
 
-    ``last`` blocks are judged; ``density_z`` noise [s^0.5]. ``even`` and ``changing``: on a steady
-    grade and on one that walks.
+    ``last`` blocks are judged; ``density_z`` noise [s^0.5]; ``grades`` by a steady grade and by one
+    that walks.
     """
 
     blocks: Blocks
     last: int
     density_z: float
-    even: _AgainstSpeed
-    changing: _AgainstSpeed
+    grades: tuple[_AgainstSpeed, ...]
 
 
-def speed_evidence(b: Blocks, density_z: float, density_v: float) -> SpeedEvidence:
-    """Compare a_x with v, ``density_z`` [s^0.5] and ``density_v`` [m/s s^0.5] their noise."""
-    return _evidence(b, b.z, density_z, density_v)
+def speed_evidence(
+    b: Blocks, density_z: float, density_v: float, smooth: Array | None = None
+) -> SpeedEvidence:
+    """Compare a_x with v, ``density_z`` [s^0.5] and ``density_v`` [m/s s^0.5] their noise.
 
-
-def _evidence(b: Blocks, smooth: Array, density_z: float, density_v: float) -> SpeedEvidence:
-    """The same where ``smooth`` z [1] (k,) tells scale and lag."""
-    last, compared = (b.end.size - 1) // _STEP * _STEP, _compared(b, smooth)
-    even, changing = (
-        _against_speed(b.length, compared, last, walk, (density_z, density_v))
-        for walk in (EVEN, CHANGING)
-    )
-    return SpeedEvidence(b, last, density_z, even, changing)
+    A ``smooth`` z [1] (k,) tells scale and lag, or z itself.
+    """
+    last = (b.end.size - 1) // _STEP * _STEP
+    compared, noise = _compared(b, b.z if smooth is None else smooth), (density_z, density_v)
+    grades = (_against_speed(b.length, compared, last, walk, noise) for walk in (EVEN, CHANGING))
+    return SpeedEvidence(b, last, density_z, tuple(grades))
 
 
 def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
@@ -155,11 +152,10 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
     ``sigma`` of that resistance, common to the log [1], (k,).
     """
     rolling = _on_lead_in(evidence, unexplained, sigma)
-    speeds = evidence.even, evidence.changing
-    weighed = _mixture(speeds, rolling, _CASES, SENSOR.a_x_scale.sigma)
+    weighed = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)
     c, bias, _, drag = weighed.mean.tolist()
     wanders = float(weighed.weights[1::2].sum())
-    (lag, variance), (other_lag, other_variance) = (x.lag_of(weighed) for x in speeds)
+    (lag, variance), (other_lag, other_variance) = (x.lag_of(weighed) for x in evidence.grades)
     return Accelerometer(
         scale=c,
         bias=bias,
@@ -176,9 +172,10 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
     )
 
 
-def _usable(b: Blocks) -> Mask:
-    """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
-    return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
+def _usable(b: Blocks, apart: int) -> Mask:
+    """Pairs of blocks ``apart`` in both of which the car moves and a_x has no glitch."""
+    usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST)
+    return np.asarray(usable[apart:] & usable[:-apart])
 
 
 def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
@@ -189,8 +186,7 @@ def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
     if b.v is None:
         return None
     gained, scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, smooth))
-    usable = _usable(b)
-    usable = usable[1:] & usable[:-1]
+    usable = _usable(b, 1)
     slope = np.full(gained.size, G * b.length)
     columns = np.stack([np.diff(b.v) + gained, scaled, slope, G * np.diff(smooth)])
     usable = usable & np.concatenate([[True], usable[:-1]])
@@ -224,11 +220,8 @@ def _against_speed(
     pair, side = products[1:, 1:], products[1:, 0]
     # the shares of the start and of the lag are taken out with their priors
     for place, variance in ((3, white), (2, _LAG**2)):
-        curvature, along, right = (
-            pair[place, place] + 1.0 / variance,
-            pair[:place, place],
-            side[place],
-        )
+        along, right = pair[:place, place], side[place]
+        curvature = pair[place, place] + 1.0 / variance
         likelihood += float(0.5 * (right**2 / curvature - np.log(curvature)))
         pair = pair[:place, :place] - np.outer(along, along) / curvature
         side = side[:place] - along * right / curvature
@@ -257,29 +250,26 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
     slow = centred_mean(b.z, max(1, round(_SECOND / b.length)))
-    evidence, usual = _evidence(b, slow, density_z, density_v), _ROLLING + _DRAG * b.speed**2
-    speeds, rolling = (
-        (evidence.even, evidence.changing),
-        _on_lead_in(evidence, b.z - usual, _RESISTS * usual),
+    evidence, usual = (
+        speed_evidence(b, density_z, density_v, slow),
+        _ROLLING + _DRAG * b.speed**2,
     )
-    other = _mixture(speeds, rolling, _CASES[::2], _OTHER_SCALE)
-    sensor = _mixture(speeds, rolling, _CASES, SENSOR.a_x_scale.sigma)
+    rolling = _on_lead_in(evidence, b.z - usual, _RESISTS * usual)
+    other = _mixture(evidence.grades, rolling, _CASES[::2], _OTHER_SCALE)
+    sensor = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)
     likelier = other.evidence + np.log(_ODDS_OTHER) > sensor.evidence
     return float(other.mean[0]) if likelier else 0.0
 
 
 def _mixture(
-    speeds: tuple[_AgainstSpeed, _AgainstSpeed],
+    grades: tuple[_AgainstSpeed, ...],
     rolling: tuple[float, float],
     present: Mask,
     scale: float,
 ) -> Mixture:
-    """Mixture over the cases of (c, bias, grade, drag), ``present`` (k, 4) as in `_CASES`.
-
-    ``rolling`` mean and variance of d by the lead-in.
-    """
+    """Mixture over the cases ``present`` (k, 4); ``rolling`` mean and variance of d."""
     precision, vector, likelihood = (
-        np.array([getattr(x, name) for x in speeds])
+        np.array([getattr(x, name) for x in grades])
         for name in ("precision", "vector", "likelihood")
     )
     precision[:, 2, 2] += 1.0 / rolling[1]
@@ -288,9 +278,7 @@ def _mixture(
     return weigh_hypotheses(
         (_SENSED.T @ precision @ _SENSED)[walks],
         (vector @ _SENSED)[walks],
-        np.column_stack(
-            [np.full(len(present), scale), np.where(present[:, :3], _THERE, _STILL)],
-        ),
+        np.insert(np.where(present[:, :3], _THERE, _STILL), 0, scale, axis=1),
         np.where(present, _ODDS, 1.0 - _ODDS).prod(axis=1),
         likelihood[walks],
     )
@@ -307,6 +295,5 @@ def _disagreement(b: Blocks, scale: float, last: int) -> float:
     lost = (b.v[whole:last] - b.v[: last - whole]) / (G * whole * b.length)
     total = np.concatenate([[0.0], np.cumsum(0.5 * (b.z[1:] + b.z[:-1]))])[:last]
     mean = (total[whole:] - total[:-whole]) / whole
-    usable = _usable(b)[:last]
-    usable = usable[whole:] & usable[:-whole]
+    usable = _usable(b, whole)[: last - whole]
     return float(np.ptp((lost + mean * (1.0 - scale))[usable])) if usable.any() else 0.0

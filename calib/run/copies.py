@@ -18,7 +18,7 @@ from calib.base.names import WHEELS
 from calib.base.warning import LIMITS, bounds_of
 from calib.logs.clock import GAP
 from calib.logs.log import Log
-from calib.run.filters import square_left
+from calib.run.filters import left_of, products_of
 from calib.run.sensors import resolution_of
 
 _WIDEST, _MOST_LAGS = 0.15, 40  # reach of a derivative [s], and at most [samples]
@@ -44,20 +44,21 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
         count = 2 * reach + 1
         if n < 4 * count or not (np.any(x) and np.any(a_x)):
             continue
-        A = np.lib.stride_tricks.sliding_window_view(x, count).copy()
+        A = np.lib.stride_tricks.sliding_window_view(x, count).T.copy()
         y = a_x[reach : reach + n]
-        yield name, 1.0 - n / (n - count) * square_left(A, y) / float(y @ y)
+        residual = float(left_of(products_of(A[None], y[None]))[0])
+        yield name, 1.0 - n / (n - count) * residual / float(y @ y)
 
 
 def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Pairs of channels that are one signal, each with the correlation of their noise [1]."""
     periods = {name: _period_of(log[name]) for name in names}
-    whole = {name: _rough(log, name) for name in names}
+    whole = {name: _unit(_rough(log, name)) for name in names}
     for first, other in combinations(names, 2):
         sent, x, y = log, whole[first], whole[other]
         if min(periods[first], periods[other]) >= _HELD:
-            sent = _as_sent(log, (first, other))
-            x, y = _rough(sent, first), _rough(sent, other)
+            sent = _as_sent(log, first)
+            x, y = (_unit(_rough(sent, name)) for name in (first, other))
         if abs(float(x @ y)) > _ONE_SIGNAL and _is_noise(sent, first):
             far = x**2 + y**2
             calm = far <= np.quantile(far, LIMITS.copy_calmer)  # without a bump
@@ -67,33 +68,29 @@ def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
                 yield first, other, same
 
 
-def _as_sent(log: Log, channels: Sequence[str]) -> Log:
-    """The log at the samples at which the first of ``channels`` changes, where all are held.
+def _as_sent(log: Log, channel: str) -> Log:
+    """The log at the samples at which a ``channel`` that is held changes.
 
     Values that are kept over several samples all rest and step together, which says nothing of
     where they come from.
     """
-    if min(_period_of(log[name]) for name in channels) < _HELD:
-        return log
-    came = np.flatnonzero(np.diff(log[channels[0]])) + 1
+    came = np.flatnonzero(np.diff(log[channel])) + 1
     return replace(log, channels={name: x[came] for name, x in log.channels.items()})
 
 
 def _rough(log: Log, channel: str) -> Array:
-    """Second differences of a channel, as a unit vector."""
-    differences = _differences(log, channel)
-    return differences / (float(np.linalg.norm(differences)) or 1.0)
-
-
-def _differences(log: Log, channel: str) -> Array:
     """Second differences of a channel, none over a gap: every channel has that alike."""
     even = np.diff(log.time) <= GAP * log.sample_time
     return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
 
 
+def _unit(x: Array) -> Array:
+    return x / (float(np.linalg.norm(x)) or 1.0)
+
+
 def _is_noise(log: Log, channel: str) -> bool:
     """Whether the second differences are those of noise, which change their sign, no rounding."""
-    differences = _differences(log, channel)
+    differences = _rough(log, channel)
     square = float(differences @ differences)
     rounding = LIMITS.copy_steps * resolution_of(log[channel])
     above = square > rounding**2 * differences.size

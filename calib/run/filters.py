@@ -145,22 +145,6 @@ def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
     return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
 
 
-_SURE = 1e-4  # least over largest pivot from which normal equations are good to 1e-8 [1]
-
-
-def square_left(A: Array, y: Array) -> float:
-    """Least sum of squares of ``y`` (n,) less a mix of the columns of one ``A`` (n, k)."""
-    from scipy.linalg.lapack import dposv
-
-    side = A.T @ y
-    root, shares, failed = dposv(A.T @ A, side)
-    pivots = np.diagonal(root)
-    if failed or pivots.min() < _SURE * pivots.max():  # columns that are nearly alike
-        residual = y - A @ np.linalg.lstsq(A, y, rcond=None)[0]
-        return float(residual @ residual)
-    return float(y @ y - side @ shares)
-
-
 def products_of(columns: Array, y: Array) -> tuple[Array, Array, Array]:
     """Products of ``columns`` (m, k, n) with each other, with ``y`` (m, n) or (n,), and of y."""
     gram, side = columns @ np.swapaxes(columns, 1, 2), (columns @ y[..., None])[..., 0]
