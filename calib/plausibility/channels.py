@@ -87,13 +87,13 @@ def pressure(e: Evidence) -> Iterator[Measured]:
         yield Measured("pressure_per_g", from_si(master.high / run.z, "bar", "Pa"))
     for channel, delay in run.pressures.items():
         most = max(delay.low, delay.high, key=abs)
-        if not delay.beyond(_LATE):
+        if abs(delay.surely) <= _LATE:
             yield Measured("pressure_clock", most, words={"channel": channel})
     if master.saturated:
         return
     yield from _late(run.pressures, cut=master.low == 0.0 and master.flat > _CUT)
     motor = any(name.startswith("T_drive") for name in run.present)
-    if not motor and not any(x.beyond(_LATE) for x in run.pressures.values()):
+    if not motor and all(abs(x.surely) <= _LATE for x in run.pressures.values()):
         weakest = min((x.in_time for x in run.pressures.values()), default=1.0)
         weak = (x for x, delay in run.pressures.items() if delay.in_time < _EXPLAINED)
         yield Measured("pressure_foreign", max(weakest, 0.0), words={"channels": ", ".join(weak)})

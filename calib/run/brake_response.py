@@ -65,16 +65,15 @@ class _ForceStep(NamedTuple):
     """The largest step of the braking force that the pressure does not make.
 
     ``time`` [s]; ``share`` over the usual brake force [1], above zero where the car brakes more
-    after it; ``sigma`` scatter of such steps in the run [1].
+    after it; ``sigma`` scatter of such steps in the run [1]. None in a run that is too short.
     """
 
-    time: float
-    share: float
-    sigma: float
+    time: float = 0.0
+    share: float = 0.0
+    sigma: float = 1.0
 
 
-_NO_STEP = _ForceStep(0.0, 0.0, 1.0)
-"""Of a run that is too short for one."""
+_NO_STEP = _ForceStep()
 
 
 @dataclass(frozen=True)
@@ -137,7 +136,12 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     tried, late, on = _tried(time, nominal, braked, step)
     late, on = late[:, inside], on[:, inside]
     others = (np.broadcast_to(x[inside], late.shape) for x in (constant, slow))
-    best = _best(tried, np.stack([late, late * age[inside], on, *others], 1), y)
+    columns = np.stack([late, late * age[inside], on, *others], 1)
+    squares = left_of(products_of(columns, y[None]))
+    A = columns[int(np.argmin(squares))].T
+    variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
+    # the most probable delay: the least residual, weighed with what is usual
+    best = int(np.argmin(squares / variance + ((tried - _USUAL) / _SPREAD) ** 2))
     lagged, delay = best >= tried.size - _LAGS.size, float(tried[best])
     for _ in range(_REFINED):
         n, applied = (_delayed(time, x, delay, lagged=lagged) for x in (nominal, braked))
@@ -225,17 +229,6 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
     late = np.vstack([nominal[places], *(first_order(time, nominal, lag)[None] for lag in _LAGS)])
     on = np.vstack([braked[places], np.broadcast_to(braked, (_LAGS.size, braked.size))])
     return np.concatenate([shifts * step, _LAGS]), late, on
-
-
-def _best(delays: Array, columns: Array, y: Array) -> int:
-    """The most probable of the delays: the least residual, weighed with what is usual.
-
-    ``columns`` (m, 5, n) of what ``y`` (n,) is made of, with each delay.
-    """
-    squares = left_of(products_of(columns, y[None]))
-    A = columns[int(np.argmin(squares))].T
-    variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
-    return int(np.argmin(squares / variance + ((delays - _USUAL) / _SPREAD) ** 2))
 
 
 def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:

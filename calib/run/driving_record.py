@@ -118,23 +118,23 @@ def driving_record(log: Log) -> DrivingRecord:
 
 def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
     """The applications of the brake, in order of time."""
-    return tuple(_event(driving, start, end) for start, end in runs(driving.braked))
+    return tuple(_event(driving, slice(start, end)) for start, end in runs(driving.braked))
 
 
-def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
-    part, last = slice(start, end), end - 1
-    moving = driving.moving[part]
+def _event(driving: DrivingRecord, part: slice) -> BrakeEvent:
+    time, speed, moving = driving.time[part], driving.speed[part], driving.moving[part]
     z = driving.z[part][moving] if moving.any() else driving.z[part]
+    pressure = None if driving.pressure is None else float(driving.pressure[part].max())
     rise, rise_z = _steady_rise(driving, part)
     return BrakeEvent(
-        start=float(driving.time[start]),
-        end=float(driving.time[last]),
-        first=start,
-        pressure=None if driving.pressure is None else float(driving.pressure[part].max()),
+        start=float(time[0]),
+        end=float(time[-1]),
+        first=part.start,
+        pressure=pressure,
         z_low=float(z.min()),
         z_high=float(z.max()),
-        speed_start=float(driving.speed[start]),
-        speed_end=float(driving.speed[last]),
+        speed_start=float(speed[0]),
+        speed_end=float(speed[-1]),
         braking=float(moving.sum() * driving.step),
         rise=rise,
         rise_z=rise_z,
@@ -144,10 +144,9 @@ def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
 def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     """Length [s] and span [g] of the steadiest rise of the braking in an event.
 
-    Takes means of the pressure (of the deceleration if there is none) over a quarter second, and
-    the longest part in which they never fall by more than 5 % of their range. It begins at the last
-    value below 5 % of the range and ends at 95 %, so that a step followed by a long hold counts as
-    short.
+    That is the longest part in which means of the pressure (of the deceleration if there is none)
+    over a quarter second never fall by more than 5 % of their range, from its last value below 5 %
+    of the range to 95 %: a step followed by a long hold counts as short.
     """
     moving = driving.moving[part]
     drive = driving.z[part] if driving.pressure is None else driving.pressure[part]

@@ -91,10 +91,8 @@ def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
     omega = _rms([_white(half[s.lead_in]) for half in _halves(log)])
     z, v = (0.0 if x is None else _white(x[s.lead_in]) for x in (s.z, s.v))
     step = np.sqrt(s.sample_time)
-    omega_long, z, v = (
-        _COLOUR[name] * x * step for name, x in (("omega", omega), ("z", z), ("v", v))
-    )
-    return SensorNoise(omega_long, z, v, omega_white=omega)
+    white = {"omega": omega, "z": z, "v": v}
+    return SensorNoise(**{n: _COLOUR[n] * x * step for n, x in white.items()}, omega_white=omega)
 
 
 def _long_run_density(
@@ -116,16 +114,14 @@ def _long_run_density(
     if windows == 0:
         return float(np.std(x) * np.sqrt(step / per_group))
 
-    def rows(values: Array) -> Array:
-        means = block_mean(values, per_group)
-        return np.asarray(means[: windows * length].reshape(windows, length))
-
     t = np.broadcast_to(np.linspace(-1.0, 1.0, length), (windows, length))
-    regressors = [np.ones_like(t), t, t**2]
-    if companion is not None:
-        regressors.append(rows(companion))
+    y, *others = (
+        block_mean(values, per_group)[: windows * length].reshape(windows, length)
+        for values in (x, companion)
+        if values is not None
+    )
+    regressors = [np.ones_like(t), t, t**2, *others]
     basis, _ = np.linalg.qr(np.stack(regressors, axis=-1))
-    y = rows(x)
     residual = y - np.einsum("wlk,wk->wl", basis, np.einsum("wlk,wl->wk", basis, y))
     fitted = len(regressors)
     total = float(np.sum(residual**2))

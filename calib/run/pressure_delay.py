@@ -59,10 +59,6 @@ class PressureDelay:
     explained: float
     in_time: float
 
-    def beyond(self, late: float) -> bool:
-        """Whether p, which explains the deceleration, is surely ``late`` [s] or early by more."""
-        return abs(self.surely) > late
-
     @property
     def surely(self) -> float:
         """The delay nearest to none that it may have [s]; 0 where it does not explain enough."""
@@ -90,11 +86,6 @@ class PressureDelay:
             self.in_time,
         )
 
-    def within(self, others: Sequence["PressureDelay"]) -> bool:
-        """Whether it may be one of the ``others``, or a mean of them."""
-        low, high = min(other.low for other in others), max(other.high for other in others)
-        return self.low <= high and low <= self.high
-
 
 def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, PressureDelay]:
     """The delay of the deceleration after each pressure until a wheel is at its ``limit`` [s].
@@ -115,8 +106,10 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
     if not drives:
         behind = [_delay_of_wheel(log.time, log[name], log["p_mc"], use) for name in names]
         delays = [master.less(x) for x in behind if x and x.explained > LIMITS.explained_curve]
-        if len(delays) == len(names) and wheels.within(delays):
-            return {"p_mc": master, **dict(zip(names, delays, strict=True))}
+        if len(delays) == len(names):
+            low, high = min(x.low for x in delays), max(x.high for x in delays)
+            if wheels.low <= high and low <= wheels.high:
+                return {"p_mc": master, **dict(zip(names, delays, strict=True))}
     return dict.fromkeys(names, wheels)
 
 

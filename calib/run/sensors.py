@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array
 from calib.base.names import CHANNELS
 from calib.base.warning import LIMITS
 from calib.logs.log import Log
@@ -31,9 +31,10 @@ class Sensor:
     def _x(self) -> Array:
         return self.log[self.channel]
 
-    @property
-    def _quiet(self) -> Mask:
-        return np.ones(self._x.size, bool) if self.driving is None else self.driving.unbraked
+    @cached_property
+    def _quiet(self) -> Array:
+        """Its unbraked values."""
+        return self._x if self.driving is None else self._x[self.driving.unbraked]
 
     @cached_property
     def low(self) -> float:
@@ -56,17 +57,16 @@ class Sensor:
 
         By third differences; those beyond five times the usual size are left out.
         """
-        quiet = self._x[self._quiet]
-        if quiet.size < LIMITS.noise_fewest:
+        if self._quiet.size < LIMITS.noise_fewest:
             return float("nan")
-        change = np.diff(quiet, 3)
+        change = np.diff(self._quiet, 3)
         usual = np.abs(change) <= 5.0 * np.quantile(np.abs(change), 0.84)
         return float(np.sqrt(np.mean(change[usual] ** 2) / 20.0))
 
     @cached_property
     def flat(self) -> float:
         """Share of the unbraked samples that have their most frequent value [1]."""
-        return _flatness(self._x[self._quiet])
+        return _flatness(self._quiet)
 
     @cached_property
     def stuck(self) -> tuple[tuple[float, float], ...]:
@@ -107,8 +107,7 @@ def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:
 def resolution_of(x: Array) -> float:
     """The step of which all values are multiples, or 0 if there is none.
 
-    Takes the smallest difference between two values if the other differences are whole multiples of
-    it. Returns 0 for values that were filtered or interpolated.
+    It is the smallest difference between two values of which the others are whole multiples.
     """
     gaps = np.diff(np.unique(x))
     gaps = gaps[gaps > 1e-9 * max(np.ptp(x), 1e-12)]
@@ -188,10 +187,7 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
 
 
 def _returns_with_a_jump(x: Array, end: int) -> bool:
-    """Whether the step at ``end`` is much larger than those around it: a sensor works again.
-
-    A pedal that was held moves on in steps that are alike; friction alone moves the deceleration.
-    """
+    """Whether the step at ``end`` is much larger than those after it: a sensor works again."""
     if end + 5 >= x.size:
         return False
     after = np.abs(np.diff(x[end : end + 6]))

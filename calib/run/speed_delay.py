@@ -145,9 +145,8 @@ class _DelayEvidence:
         usable = (means > 2.0) & (np.abs(slowing) < GREATEST * G)
         usable &= h * np.arange(means.size) >= _LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
-        none = np.zeros((usable.size, 2))
-        gained = integral(time, a_x)
-        evidence = cls(time, gained, means, usable, size, h, (white, walk), np.ones(1), 1.0, none)
+        none, gained = np.zeros(1), integral(time, a_x)
+        evidence = cls(time, gained, means, usable, size, h, (white, walk), none, 1.0, none)
         return evidence.on_road(EVEN)
 
     def on_road(self, walks: float) -> "_DelayEvidence":

@@ -219,7 +219,7 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
         return None if points > 0 else "a pressure, not known to be of the brake"
     every = np.ones(braking.size, np.bool_)
     delay = pressure_delay(clock.time, braking / G, [item.values], [], every)
-    if delay and delay.beyond(bounds_of("pressure_late")[1]):
+    if delay and abs(delay.surely) > bounds_of("pressure_late")[1]:
         return (
             f"a pressure that is {delay.words} against the deceleration: take it with --take, "
             f"and put it in time with {delay.entry}"

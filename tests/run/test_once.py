@@ -14,7 +14,7 @@ from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
 OF_A_LOG = (
     "remove_known_effects", "signals", "blocks", "sensor_noise", "driving_record", "slips_of",
-    "speed_delay", "delays_of", "speed_evidence", "rolling_radii", "brake_response", "axles_of",
+    "speed_delay", "delays_of", "other_scale", "rolling_radii", "brake_response", "axles_of",
     "wheel_parts", "sensors_of", "wheels_held",
 )  # fmt: skip
 
@@ -41,6 +41,7 @@ def test_a_fit_makes_each_view_of_a_log_once(fitted):
     _, counted = fitted
     assert {name: counted[name] for name in OF_A_LOG if counted[name] > 2} == {}
     assert counted["signals"] == counted["blocks"] == counted["driving_record"] == 2
+    assert counted["speed_evidence"] <= 2 + counted["other_scale"]  # that of a smooth z, too
     assert counted["identify"] == 3  # before the logs, by all of them, by the coast alone
 
 
