@@ -55,23 +55,14 @@ def started(*arguments):
 
 
 @pytest.fixture
-def address(tmp_path):
-    """Of a scheduler that was just started."""
-    module = "distributed.cli.dask_scheduler"
-    file = tmp_path / "scheduler.json"
-    process = started(module, *LOCAL, "--port", 0, "--scheduler-file", file)
-    yield waited_for(lambda: file.exists() and address_in(file.read_text()))
-    process.kill()
-    process.wait()
-
-
-@pytest.fixture
-def workers(address):
-    """Two workers of it; without a nanny, so that one that is killed stays away."""
-    module = "distributed.cli.dask_worker"
-    found = [started(module, address, *LOCAL, "--no-nanny", "--nthreads", 1) for _ in range(2)]
-    yield found
-    for process in found:
+def cluster(tmp_path):
+    """Address of a scheduler, and two workers; without a nanny, a killed one stays away."""
+    file, cli = tmp_path / "scheduler.json", "distributed.cli.dask_"
+    processes = [started(f"{cli}scheduler", *LOCAL, "--port", 0, "--scheduler-file", file)]
+    worker = (f"{cli}worker", *LOCAL, "--scheduler-file", file, "--no-nanny", "--nthreads", 1)
+    processes += [started(*worker), started(*worker)]
+    yield waited_for(lambda: file.exists() and address_in(file.read_text())), processes[1:]
+    for process in processes:
         process.kill()
         process.wait()
 
@@ -104,8 +95,8 @@ def test_a_killed_process_of_this_machine_costs_no_row(fitted, fleet, undisturbe
 
 
 @with_dask
-def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, address, workers, tmp_path):
-    out = tmp_path / "out"
+def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, cluster, tmp_path):
+    (address, workers), out = cluster, tmp_path / "out"
     said = pickle.dumps((validating(fitted), str(fleet), str(out), address, workers[0].pid))
     ran = subprocess.run(
         [sys.executable, "-c", DRIVE], cwd=ROOT, input=said, capture_output=True, timeout=120
