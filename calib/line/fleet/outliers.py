@@ -5,16 +5,15 @@
     p of a car     the least p of its metrics, times the number of metrics (Bonferroni)
     named cars     by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
 
-Each side has its own spread, and the wider sides of all metrics have tails of their own, so that a
-skewed metric names no more good cars than another. The outermost tenth of a side counts only as
-"beyond", so outliers do not lengthen the tails by which they are judged. Where half of the cars or
-more have one value, such as a prior's, the others are judged about it.
+Each side has its own spread and its own tails, so that a skewed metric names no more good cars than
+another. Few cars say little of their tails: how frequent each kind of tail is, is learnt from all
+sides of the fleet (empirical Bayes; Efron, Large-Scale Inference, 2010). The outermost tenth of a
+side counts only as "beyond", so outliers do not lengthen the tails by which they are judged. Where
+half of the cars or more have one value, such as a prior's, the others are judged about it.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from operator import itemgetter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,7 +36,11 @@ _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
 _QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
 """Upper quartile of one side of each of them: its quantile 87.5 %."""
 _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
-"""Weight of each of them before any car is seen."""
+"""Share of each of them among the sides of all metrics, before any car is seen."""
+_BEFORE = 0.5
+"""Sides as which that counts: with more, cars 9 sigma off hide in small normal fleets."""
+_STEPS = 30
+"""Steps of expectation and maximisation in which the shares settle."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +56,6 @@ class Judged:
     p_of_car: Array
 
 
-class _Side(NamedTuple):
-    """The cars on one side of a metric's median, ``rows`` (k,).
-
-    ``distance`` (k,) from it in their ``spread``, their upper quartile.
-    """
-
-    spread: float
-    rows: Index
-    distance: Array
-
-
 def judge(values: Array, least: Sequence[float]) -> Judged:
     """Judge ``values`` (m, n) of m metrics of n cars, NaN if a car does not have one.
 
@@ -71,14 +63,14 @@ def judge(values: Array, least: Sequence[float]) -> Judged:
     """
     from scipy.special import stdtr
 
-    sides = {i: both for i, x in enumerate(zip(values, least, strict=True)) if (both := _sides(*x))}
-    p = np.full(values.shape, np.nan)
-    for part in (0, -1):  # the narrower sides of all metrics, then the wider ones
-        weights = _tails([both[part].distance for both in sides.values()])
-        for i, both in sides.items():
-            distance = both[part].distance[:, None] * _QUARTILE
-            p[i, both[part].rows] = 2.0 * stdtr(_FREEDOM, -distance) @ weights
-    over_all = np.where(np.isfinite(p), len(sides) * p, np.inf)
+    sides = [
+        (i, *side) for i, one in enumerate(zip(values, least, strict=True)) for side in _sides(*one)
+    ]
+    p, metrics = np.full(values.shape, np.nan), len({i for i, _, _ in sides})
+    weights = _tails([distance for _, _, distance in sides])
+    for (i, rows, distance), of_side in zip(sides, weights, strict=True):
+        p[i, rows] = 2.0 * stdtr(_FREEDOM, -distance[:, None] * _QUARTILE) @ of_side
+    over_all = np.where(np.isfinite(p), metrics * p, np.inf)
     least_p = over_all.min(axis=0, initial=np.inf)
     p_of_car = np.where(np.isfinite(least_p), np.minimum(least_p, 1.0), np.nan)
     cars = named(p_of_car, SHARE)
@@ -100,10 +92,11 @@ def named(p: Array, share: float) -> Mask:
     return out
 
 
-def _sides(values: Array, least: float) -> list[_Side]:
-    """The sides of a metric, the narrower first; none for too few cars, or without scatter.
+def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
+    """The cars on each side of a metric's median, and their distances in the spread of the side.
 
-    A spread is at least ``least``, and that of all cars where a side has too few.
+    None for too few cars, or without scatter. A spread is at least ``least``, and that of all cars
+    where a side has too few.
     """
     rows = np.flatnonzero(np.isfinite(values))
     if rows.size < FEWEST:
@@ -120,20 +113,24 @@ def _sides(values: Array, least: float) -> list[_Side]:
     for beyond in (away < 0.0, away >= 0.0):
         distance = np.abs(away[beyond] if 2 * int(beyond.sum()) >= FEWEST else away)
         spread = max(float(np.quantile(distance, 0.75)), least) or float(distance.max())
-        sides.append(_Side(spread, rows[beyond], np.abs(away[beyond]) / spread))
-    return sorted(sides, key=itemgetter(0))
+        sides.append((rows[beyond], np.abs(away[beyond]) / spread))
+    return sides
 
 
 def _tails(distances: list[Array]) -> Array:
-    """Weight (4,) of each of `_FREEDOM`: that of the prior, and how well it fits every bulk."""
+    """Weight (s, 4) of each of `_FREEDOM` at each side, by its bulk and by those of all sides."""
     from scipy.special import softmax
     from scipy.stats import t
 
-    fits = np.log(_PRIOR)
-    for x in map(np.sort, distances):
+    fits, share = np.zeros((len(distances), _FREEDOM.size)), _PRIOR
+    for fit, x in zip(fits, map(np.sort, distances), strict=True):
         outside = int(np.ceil(_OUTSIDE * x.size))
         if outside < x.size:
             inside, end = x[:-outside, None] * _QUARTILE, x[-outside - 1] * _QUARTILE
-            fits += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_QUARTILE), axis=0)
-            fits += outside * t.logsf(end, _FREEDOM)
-    return np.asarray(softmax(fits))
+            fit += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_QUARTILE), axis=0)
+            fit += outside * t.logsf(end, _FREEDOM)
+    weights = fits
+    for _ in range(_STEPS):
+        weights = softmax(np.log(share) + fits, axis=1)
+        share = (_BEFORE * _PRIOR + weights.sum(axis=0)) / (_BEFORE + len(distances))
+    return weights

@@ -30,6 +30,12 @@ def skewed(rng, m, n):
     return np.exp(0.5 * rng.normal(size=(m, n))) / 0.604
 
 
+def mixed(rng, m, n):
+    """A third of the metrics skewed, a third with long tails, a third normal."""
+    parts = (skewed(rng, m, n), long_tails(rng, m, n), rng.normal(size=(m, n)))
+    return np.choose(np.arange(m)[:, None] % 3, parts)
+
+
 def shrunk(rng, m, n):
     """Each car drawn to the nominal value by a weight of its own."""
     return rng.normal(size=(m, n)) * (1.0 - rng.beta(4.0, 1.0, size=(m, n))) * 3.6
@@ -58,7 +64,14 @@ MOST = binom.ppf(0.999, FLEETS, 0.05)
 
 @pytest.mark.parametrize(
     ("draw", "metrics", "cars"),
-    [(long_tails, 1, 60), (skewed, 1, 60), (skewed, 6, 300), (shrunk, 1, 60), (repeated, 3, 60)],
+    [
+        (long_tails, 1, 60),
+        (skewed, 1, 60),
+        (skewed, 6, 300),
+        (mixed, 12, 200),
+        (shrunk, 1, 60),
+        (repeated, 3, 60),
+    ],
 )
 def test_a_page_of_good_cars_seldom_names_a_car_or_a_drift(draw, metrics, cars):
     assert wrong(draw, metrics, cars) <= MOST
