@@ -100,7 +100,7 @@ def to_dict(findings: Findings) -> dict[str, Any]:
         "notes": log.notes,
         "warnings": _plain(findings.warnings),
         "verdicts": _plain(findings.verdicts),
-        "taken": _plain(_taken(log)),
+        "taken": _plain(_origins(log)),
         "unseen": unseen(run),
         "bridged": _plain(log.bridged),
         "seen": {name: _plain(getattr(run, name)) for name in _SEEN},
@@ -109,7 +109,7 @@ def to_dict(findings: Findings) -> dict[str, Any]:
     }
 
 
-def _taken(log: Log) -> tuple[Origin, ...]:
+def _origins(log: Log) -> tuple[Origin, ...]:
     """Sources of the canonical channels."""
     return tuple(origin for origin in log.origins if origin.channel in CHANNELS)
 
@@ -151,8 +151,8 @@ def contents(findings: Findings) -> Iterator[tuple[str, str]]:
     yield "not there", ", ".join(absent) or "-"
     if log.ignored:
         yield "ignored", ", ".join(log.ignored)
-    if not all(map(_as_it_stands, _taken(log))):
-        for origin in _taken(log):
+    if not all(map(_as_it_stands, _origins(log))):
+        for origin in _origins(log):
             offset = f" {origin.offset:+.6g}" if origin.offset else ""
             yield (
                 origin.channel,
