@@ -9,7 +9,6 @@ import errno
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from hashlib import sha256
 from pathlib import Path
 
 from calib.base.errors import AnswerError
@@ -50,11 +49,9 @@ def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
     from calib.show.html import is_page
     from calib.show.sheet import ENDINGS, is_picture
 
-    if out.suffix.lower() in PAGES:
-        return is_page
-    if out.suffix.lower() in ENDINGS:
-        return is_picture
-    return {"simulation": lambda data: b"true_" in data, "map": _is_sealed}.get(kind)
+    by_kind = {"simulation": lambda data: b"true_" in data, "map": _is_sealed}
+    by_ending = dict.fromkeys(PAGES, is_page) | dict.fromkeys(ENDINGS, is_picture)
+    return by_ending.get(out.suffix.lower()) or by_kind.get(kind)
 
 
 _SEAL = "# unedited: "
@@ -62,7 +59,9 @@ _SEAL = "# unedited: "
 
 def sealed(text: str) -> bytes:
     """A text that people edit, with a line by which it is known as long as nobody did."""
-    return f"{text}{_SEAL}{sha256(text.encode()).hexdigest()[:16]}\n".encode()
+    from calib.base.digest import sha256
+
+    return f"{text}{_SEAL}{sha256(text.encode())[:16]}\n".encode()
 
 
 def _is_sealed(data: bytes) -> bool:
@@ -91,16 +90,12 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
     """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is given."""
     from calib.base.bounded import LOG, read_bounded
 
-    if this_run().force:
-        return
     try:
         data = read_bounded(out, LOG)
         mine = not data or ours(data)
-    except FileNotFoundError:
-        return
-    except OSError:
-        mine = False
-    if not mine:
+    except OSError as error:
+        mine = isinstance(error, FileNotFoundError)
+    if not (mine or this_run().force):
         raise misuse(f"{out} exists and is not what is written here; --force replaces it", option)
 
 
@@ -116,10 +111,7 @@ def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> 
 
 
 def write_page(out: Path, result: object, live: bool = True, option: str = OUT) -> None:
-    """Write a result as a page; pictures are ``live`` if they can, else it is said what to install.
-
-    A `calib.show.facts` result or its facts.
-    """
+    """Write a result or its facts as a page; pictures are ``live`` if they can."""
     from calib.show.facts import facts_of
     from calib.show.html import page_of
     from calib.show.interactive import EXTRA, installed
@@ -165,9 +157,9 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
             above.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
-        if error.errno in FULL:
-            raise AnswerError(_unwritable(error), where=out) from error
         why = _unwritable(error)
+        if error.errno in FULL:
+            raise AnswerError(why, where=out) from error
         raise misuse(why if out is None else f"{out} {why}", option) from error
     finally:
         with suppress(OSError):
@@ -178,11 +170,11 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
 def _refuse_parent(out: Path, option: str) -> None:
     """Refuse a place below a file, or below a folder that cannot be written."""
     above = next(path for path in out.absolute().parents if path.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        place = os.path.relpath(above)
-        file = f"{place} is a file, not a directory"
-        why = f"no permission to write in {place}" if above.is_dir() else file
-        raise misuse(f"cannot write {out}: {why}", option)
+    place = os.path.relpath(above)
+    if not above.is_dir():
+        raise misuse(f"cannot write {out}: {place} is a file, not a directory", option)
+    if not os.access(above, os.W_OK):
+        raise misuse(f"cannot write {out}: no permission to write in {place}", option)
 
 
 def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:

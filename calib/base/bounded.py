@@ -40,11 +40,8 @@ class FileKind:
         except ValueError:
             megabytes = math.nan
         if not 0 < megabytes < math.inf:
-            raise SettingsError(
-                f"{written!r} is no size",
-                where=self.variable,
-                expected="a number of MB, such as 500",
-            )
+            flaw, expected = f"{written!r} is no size", "a number of MB, such as 500"
+            raise SettingsError(flaw, where=self.variable, expected=expected)
         return int(megabytes * _MEGA)
 
     def excess(self, subject: str = "it has") -> str:
@@ -124,10 +121,6 @@ def bytes_of(
     except OSError as cause:
         raise error(f"cannot be read ({cause.strerror})", where=path, expected=expected) from cause
     if data.startswith(POINTER):
-        raise error(
-            "a pointer of git LFS, not the file itself",
-            where=path,
-            expected=expected,
-            do="get the file: git lfs pull",
-        )
+        flaw, do = "a pointer of git LFS, not the file itself", "get the file: git lfs pull"
+        raise error(flaw, where=path, expected=expected, do=do)
     return data

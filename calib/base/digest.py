@@ -28,6 +28,11 @@ def canonical_json(record: dict[str, Any]) -> bytes:
     return json.dumps(record, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 
+def sha256(data: bytes) -> str:
+    """SHA-256 of bytes [hex]."""
+    return hashlib.sha256(data).hexdigest()
+
+
 def file_digest(path: Path) -> str:
     """SHA-256 of a file's bytes [hex]. Raises OSError."""
     with path.open("rb") as file:

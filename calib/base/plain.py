@@ -53,6 +53,17 @@ def signed_percent(share: float) -> str:
     return f"{whole:+d}{NBSP}%" if whole else f"0{NBSP}%"
 
 
+def range_words(low: str, high: str) -> str:
+    """A range between two written numbers; an end that is empty is open.
+
+    >>> range_words("1", "2"), range_words("1", ""), range_words("", "2"), range_words("", "")
+    ('1 to 2', 'at least 1', 'at most 2', 'none')
+    """
+    if low and high:
+        return low if low == high else f"{low} to {high}"
+    return f"at least {low}" if low else f"at most {high}" if high else "none"
+
+
 def finite(value: float | None) -> float | None:
     """A number as a file has it; None of one that is not known or not finite."""
     return None if value is None or not math.isfinite(value) else float(value)
@@ -135,13 +146,9 @@ class _Plain:
         >>> _Plain("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
         'at least 12.5\xa0%'
         """
-        unit = f"{NBSP}{self.unit}" if self.unit else ""
         least, most = ("" if x is None else f"{self.factor * x:.10g}" for x in (low, high))
-        if not least and not most:
-            return "none"
-        if least and most:
-            return f"{least} to {most}{unit}"
-        return f"at least {least}{unit}" if least else f"at most {most}{unit}"
+        unit = f"{NBSP}{self.unit}" if self.unit and (least or most) else ""
+        return range_words(least, most) + unit
 
 
 def rows(file: str, package: str = "calib.base") -> list[dict[str, str]]:

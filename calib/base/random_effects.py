@@ -20,11 +20,8 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 
-_STEPS = 500
-"""Most steps of the iteration; it takes 5 to 50."""
-
-_SETTLED = 1e-12
-"""Last step, relative to the whole variance, at which it has settled."""
+_STEPS = 500  # of the iteration at most; it takes 5 to 50
+_SETTLED = 1e-12  # last step over the whole variance
 
 
 @dataclass(frozen=True)

@@ -110,11 +110,8 @@ class QuantityMark:
         except InputError as cause:
             raise wrong(cause.problem, cause.expected, cause.do) from cause
         if not self.low <= value <= self.high:
-            raise wrong(
-                f"{value:g}{behind(self.si or '1')} is not believable",
-                self._range,
-                "check the sign, the unit and the decimal point",
-            )
+            flaw = f"{value:g}{behind(self.si or '1')} is not believable"
+            raise wrong(flaw, self._range, "check the sign, the unit and the decimal point")
         return value
 
     @property
@@ -157,11 +154,8 @@ class OneOf:
     def read(self, written: object) -> Any:
         """The value itself. Raises `wrong` for any other."""
         if not isinstance(written, str) or written not in self.choices:
-            raise wrong(
-                shown(written),
-                f"one of {', '.join(map(repr, self.choices))}",
-                did_you_mean(written, self.choices) if isinstance(written, str) else "",
-            )
+            hint = did_you_mean(written, self.choices) if isinstance(written, str) else ""
+            raise wrong(shown(written), f"one of {', '.join(map(repr, self.choices))}", hint)
         return written
 
     def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

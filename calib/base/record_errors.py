@@ -85,12 +85,8 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, s
     if kind in _UNKNOWN:
         keys = _keys(schema, loc[:-1])
         hint = did_you_mean(str(loc[-1]), keys)
-        return (
-            parent,
-            f"unknown key {shown(loc[-1])}",
-            "" if hint else f"one of {', '.join(keys)}",
-            hint,
-        )
+        expected = "" if hint else f"one of {', '.join(keys)}"
+        return parent, f"unknown key {shown(loc[-1])}", expected, hint
     wanted = _kind_at(schema, loc)
     if kind in _NO_TABLE:
         written_as = getattr(wanted, "written_as", "") or (path and f"[{path}]")

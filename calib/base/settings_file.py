@@ -18,12 +18,10 @@ from calib.base.record import FileSchema, Section, read_toml
 from calib.base.record_errors import wrong
 from calib.base.toml import shown
 
-_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")
-"""The second line of a public key of minisign."""
+_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")  # the second line of a public key of minisign
 
 
 def _text(written: object) -> object:
-    """Text of one line that says something."""
     if isinstance(written, str) and not (written.strip() and written.isprintable()):
         raise wrong(f"{shown(written)} says nothing that can be printed", "text of one line")
     return written
@@ -105,7 +103,6 @@ def find_project() -> Project:
         with suppress(FileNotFoundError):  # somebody has deleted the working folder
             folders = (Path.cwd(), *Path.cwd().parents)
         candidates = (folder / SETTINGS_FILE for folder in folders)
-        file = next(
-            (Path(os.path.relpath(path)) for path in candidates if os.path.isfile(path)), None
-        )
+        files = (Path(os.path.relpath(path)) for path in candidates if os.path.isfile(path))
+        file = next(files, None)
     return Project(read_settings(file), file, folders)

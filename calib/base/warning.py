@@ -14,7 +14,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from calib.base.errors import not_finite
-from calib.base.plain import listed, plain, rows
+from calib.base.plain import listed, plain, range_words, rows
 from calib.base.units import behind
 
 REFUSE, VOID, WARN = "refuse", "void", "warn"
@@ -24,9 +24,9 @@ REFUSE, VOID, WARN = "refuse", "void", "warn"
 class _Rule(NamedTuple):
     """A row: what the ``figure`` named so gives as ``code`` is to lie from ``low`` to ``high``.
 
-    The range is no narrower than zero give or take ``sure`` of the sigmas. ``purposes`` by these
-    purposes; ``needs`` a vehicle, other logs, a table or a fit; "" of a log alone. ``causes`` the
-    most likely first, ``below`` those of what is below the range. It ``makes`` other codes.
+    The range is no narrower than zero give or take ``sure`` of the sigmas. ``purposes`` that ask;
+    ``needs`` a vehicle, other logs, a table or a fit; "" of a log alone. ``causes`` the most likely
+    first, ``below`` those of what is below the range. It ``makes`` other codes.
     """
 
     code: str
@@ -130,12 +130,7 @@ class PlausibilityWarning:
     @property
     def bounds(self) -> str:
         """The expected range in words."""
-        low, high = self.expected
-        if low is None:
-            return f"at most {high:.3g}"
-        if high is None or low == high:
-            return f"{low:.3g}" if low == high else f"at least {low:.3g}"
-        return f"{low:.3g} to {high:.3g}"
+        return range_words(*("" if end is None else f"{end:.3g}" for end in self.expected))
 
 
 @dataclass(frozen=True)
@@ -186,7 +181,6 @@ _OF: dict[str, list[_Rule]] = {code: [r for r in RULES if r.code == code] for co
 
 
 def _warned(rule: _Rule, log: str, m: Measured, low: float, high: float) -> PlausibilityWarning:
-    """With the words of the rule, and those of the figure in them."""
     shown = [m.shown(end) if math.isfinite(end) else None for end in (low, high)]
     cells = rule.below if m.value < low and rule.below else rule.causes
     causes = tuple(one for cell in cells for one in listed(cell.format(**m.words)))
@@ -204,20 +198,14 @@ def unexplained(
     """
     every = tuple(warnings)
     explained = {code for one in (*every, *beside) for code in _made_by(one)}
-    return tuple(sorted((one for one in every if one.code not in explained), key=_place))
+    unexplained_ones = [one for one in every if one.code not in explained]
+    return tuple(sorted(unexplained_ones, key=lambda one: list(_FIRST).index(one.code)))
 
 
 def _made_by(warning: PlausibilityWarning) -> tuple[str, ...]:
     """Codes that follow from a warning: none from one that is within the first row of its code."""
     first = _OF[warning.code][0]
     return () if first.low <= warning.measured <= first.high else first.makes
-
-
-def _place(warning: PlausibilityWarning) -> int:
-    return _PLACES[warning.code]
-
-
-_PLACES = {code: place for place, code in enumerate(_FIRST)}
 
 
 def bounds_of(code: str) -> tuple[float, float]:

@@ -19,10 +19,8 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
-_LOCK = ".lock"
-"""Name of the lock file of a folder, and how that of a work folder ends."""
+_LOCK = ".lock"  # of a folder, and how the lock file of a work folder ends
 _WORK = ".making-"
-"""How the name of a work folder begins."""
 _RETRIES = (0.02, 0.1, 0.5, 2.0)
 """Waits [s] where a file cannot be replaced: on Windows a scanner or a reader holds it."""
 
@@ -111,14 +109,9 @@ def _is_open_at(path: Path, handle: int) -> bool:
     It is opened anew, since a network file system renames a removed file that is open, and may have
     the old name in its cache.
     """
-    try:
-        now = os.open(path, os.O_RDONLY)
-    except FileNotFoundError:
-        return False
-    try:
-        return os.path.samestat(os.fstat(now), os.fstat(handle))
-    finally:
-        os.close(now)
+    with suppress(FileNotFoundError), path.open("rb") as now:
+        return os.path.samestat(os.fstat(now.fileno()), os.fstat(handle))
+    return False
 
 
 def sync(path: Path) -> None:

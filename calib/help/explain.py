@@ -8,7 +8,7 @@ Reason        why an answer of the estimator is not valid
 import math
 import re
 
-from calib.base.plain import METRICS
+from calib.base.plain import METRICS, range_words
 from calib.base.warning import REFUSE, RULES, VOID, WARN
 from calib.estimation.reasons import CHECKS, Reason
 from calib.show.facts import Facts, Row
@@ -48,11 +48,8 @@ def _open(text: str) -> str:
 
 
 def _range(low: float, high: float) -> str:
-    if math.isinf(low):
-        return "what cars have" if math.isinf(high) else f"at most {high:g}"
-    if math.isinf(high):
-        return f"at least {low:g}"
-    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+    words = range_words(*("" if math.isinf(end) else f"{end:g}" for end in (low, high)))
+    return "what cars have" if words == "none" else words
 
 
 def _metric(code: str) -> list[Row]:
