@@ -49,8 +49,9 @@ def log(
     from calib.show.store import history
 
     name, separator, version = table.partition("@")
-    journal = store.journal(name)
-    versions = [str(number) for number in journal.versions(name)]
+    now = store.now()
+    journal = now.journal
+    versions = [str(number) for number in journal.versions(now.require_table(name))]
     if separator and version not in versions:
         raise misuse(f"no version {version!r} of {name!r}; there is {', '.join(versions)}", "TABLE")
     entries = [
@@ -119,7 +120,7 @@ _Proof = Annotated[
 
 @dataclass(frozen=True)
 class _Decision:
-    """Reason and author of a decision on the state of a version."""
+    """Reason and author of a decision on a state."""
 
     reason: options.Reason
     by: options.By

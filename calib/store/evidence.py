@@ -1,26 +1,22 @@
 """Evidence on a version: the files of a validation, or of a car at the station."""
 
-import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from calib.base.bounded import VALIDATION, bytes_of
+from calib.base.digest import sha256
 from calib.base.errors import ExchangeError, printable
 from calib.base.plain import counted
 from calib.store.state import Evidence
 from calib.store.version import Stored
 
-_CALIBRATED, _CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
+_CALIBRATED, _CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"  # of CDF 2.0
 
 
 @dataclass(frozen=True)
 class Quality:
-    """``state`` of CDF 2.0 and the same in ``words``; ``verdict`` None without a validation.
-
-    Logs without truth and without v that break no limit give `CONSISTENT`. The last state of CDF
-    2.0, `completed`, is set by a person alone.
-    """
+    """``state`` of CDF 2.0 and the same in ``words``; ``verdict`` None without a validation."""
 
     state: str
     words: str
@@ -31,7 +27,6 @@ CONSISTENT = "consistent, not proved"
 """Verdict of a validation without truth and without v, so that no error of the table would show."""
 
 UNPROVED = Quality(_CALIBRATED, "none given with this export")
-"""Quality of a table without a validation."""
 
 
 def read_quality(path: Path, stored: Stored) -> Quality:
@@ -53,7 +48,7 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
             where=path,
             expected="a validation on hold-out logs",
         )
-    return Evidence(path.name, hashlib.sha256(data).hexdigest()), verdict
+    return Evidence(path.name, sha256(data)), verdict
 
 
 def _read(path: Path) -> bytes:

@@ -19,10 +19,9 @@ from calib.table.table import Scatter, Table, Value
 
 @dataclass(frozen=True)
 class _Usability:
-    """May a version be used: ``usable`` if it is released, ``may`` with the reason in words.
+    """Whether a version is ``usable``, and ``may`` be used, in words; the ``next`` step.
 
-    ``decelerations``: range of the known rows [g]; ``ends``: why the range ends there; ``next``:
-    the next step.
+    ``decelerations``: range of the known rows [g]; ``ends``: why it ends there.
     """
 
     usable: bool
@@ -65,10 +64,10 @@ def verdict(stored: Stored) -> str:
 
 @dataclass(frozen=True)
 class _MeanFigure:
-    """Mean of several cars ``value`` [1], with shares of it [1].
+    """Mean ``value`` of several cars [1], and shares of it [1].
 
-    ``half_width`` of its 95 % interval, which holds the differences between the cars and not the
-    errors that all of them share; ``between`` standard deviation of the cars.
+    ``half_width`` of its 95 % interval, without the errors that all cars share; ``between``
+    standard deviation of the cars.
     """
 
     name: str
@@ -157,10 +156,11 @@ def row_of(entry: StoreEntry) -> ListedVersion:
     if stored is None:
         return row
     table, pads = stored.table, stored.table.calibration
+    identity = table.provenance.identity
     return row | {
         "digest": stored.digest,
-        "serial": table.provenance.identity.get("serial", ""),
-        "vin": table.provenance.identity.get("vin", ""),
+        "serial": identity.get("serial", ""),
+        "vin": identity.get("vin", ""),
         "logs": tuple(log.name for log in table.provenance.logs),
         "pads": (pads.pad_friction_f.value, pads.pad_friction_r.value),
         "decelerations": table.paper.decelerations,

@@ -13,11 +13,8 @@ from pathlib import Path
 from calib.base.errors import StoreError, TableNotFound
 from calib.base.names import TABLE_NAMES, names_a_table
 
+RECORD, SIGNATURE, NEW = "record.json", ".minisig", ".new-"
 _FOLDER = re.compile(r"v(\d{4,6})")
-RECORD = "record.json"
-NEW = ".new-"
-"""First letters of a version that is not in its place yet; no listing shows it."""
-SIGNATURE = ".minisig"
 
 
 def checked_name(name: str) -> str:
@@ -36,16 +33,9 @@ def folder_of(version: int) -> str:
     return f"v{version:04d}"
 
 
-def placed_in(folder: Path, name: str, version: int) -> Path:
-    """Folder of a version in the store ``folder``."""
-    return folder / name / folder_of(version)
-
-
 def numbers(home: Path) -> list[int]:
     """Version numbers of all files and folders in a table's directory, rising."""
-    if not home.is_dir():
-        return []
-    matches = map(_FOLDER.fullmatch, os.listdir(home))
+    matches = map(_FOLDER.fullmatch, os.listdir(home) if home.is_dir() else ())
     return sorted(int(match[1]) for match in matches if match and int(match[1]) > 0)
 
 

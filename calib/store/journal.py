@@ -9,7 +9,6 @@ are missing at the end. Whoever can write both files can rewrite all of it; a si
 head (see `calib.store.signature`) is what shows that.
 """
 
-import hashlib
 import json
 import re
 from collections.abc import Callable, Sequence
@@ -21,7 +20,7 @@ from typing import Any, NamedTuple
 
 from calib.base.bounded import JOURNAL as JOURNAL_FILE
 from calib.base.bounded import read_bounded
-from calib.base.digest import canonical_json
+from calib.base.digest import canonical_json, sha256
 from calib.base.errors import DamagedTable
 from calib.base.names import PROGRAM
 from calib.base.write import sync, write_whole
@@ -34,9 +33,7 @@ CRLF = (
 )
 
 STORED, CHANGED, SIGNED = "stored", "changed", "signed"
-
-_START = "0" * 64
-"""Head of an empty journal."""
+_START = "0" * 64  # head of an empty journal
 
 _TEXT = r'"[^"\\]*+(?:\\.[^"\\]*+)*+"'
 _PROOF = rf'\{{"name":{_TEXT},"sha256":{_TEXT}\}}'
@@ -132,7 +129,10 @@ class Journal:
         if history := self.versions(name).get(version):
             first = history[0]
             fields = {"digest": first.digest, "record": first.record, "inputs": ""} | fields
+        decided = asdict(decision)
+        del decided["automatic"]
         document = {
+            **decided,
             "number": len(self.entries) + 1,
             "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
             "by": decision.by or user(),
@@ -140,15 +140,12 @@ class Journal:
             "event": event,
             "table": name,
             "version": version,
-            "state": decision.state,
-            "reason": decision.reason,
-            "verdict": decision.verdict,
-            "evidence": [asdict(one) for one in decision.evidence],
             "previous": self.head,
             "hash": "",
             "key": "",
-        } | fields
-        document["hash"] = hashlib.sha256(canonical_json(document)).hexdigest()
+            **fields,
+        }
+        document["hash"] = sha256(canonical_json(document))
         return Journal([*self.entries, _entry(canonical_json(document).decode())])
 
     @property
@@ -207,7 +204,6 @@ def _bytes(path: Path) -> bytes | None:
 
 
 def _entries(text: str) -> list[Entry]:
-    """The entries of the journal's file. Raises ValueError."""
     if "\r\n" in text:
         raise ValueError(CRLF)
     if text and not text.endswith("\n"):
@@ -236,14 +232,13 @@ def _entry(line: str) -> Entry:
     if match is None:
         raise ValueError("not an entry as it is written")
     start, end = match.span(3)
-    if hashlib.sha256((line[:start] + line[end:]).encode()).hexdigest() != match[3]:
+    if sha256((line[:start] + line[end:]).encode()) != match[3]:
         raise ValueError("was changed: it does not agree with its hash")
     digest, event, hash_, inputs, number, *texts, version = match.groups()
     return Entry(line, int(number), int(version), digest, event, hash_, inputs, *texts)
 
 
 def _check_state(entry: Entry, predecessor: Entry | None) -> None:
-    """Raise ValueError where an entry may not follow the one before it of its version."""
     if predecessor is None:
         fits = entry.event == STORED and entry.state in CHANGES
     elif (entry.digest, entry.record) != (predecessor.digest, predecessor.record):
@@ -258,10 +253,9 @@ def _check_state(entry: Entry, predecessor: Entry | None) -> None:
 
 
 def _check_head(entries: list[Entry], head: bytes | None) -> None:
-    """Raise ValueError unless the head is that of one of the last lines."""
+    if head is None and entries:
+        raise ValueError(f"{HEAD} beside it is missing")
     if head is None:
-        if entries:
-            raise ValueError(f"{HEAD} beside it is missing")
         return
     digest, _, count = head.decode(errors="replace").strip().partition(" ")
     number = int(count) if re.fullmatch(r"[0-9]{1,18}", count) else -1

@@ -40,11 +40,17 @@ from calib.table.curves import DifferenceCurve, TyreCurve
 from calib.table.maps import Draws, LevelMap, PadMap
 from calib.table.table import Table, Value
 
-_CARS = "cars"
-"""Part of a budget that is the difference between cars."""
-
 _LOGS = ("level", "ratio", "stiffness")
 """Logarithms of which a budget has the variances by part."""
+
+_POSITIVE = ("compliance_f", "compliance_r")
+"""Draws that are positive: their logarithms are averaged."""
+
+_OF_CARS = ("log_pad_ratio", "log_pad_level", *_POSITIVE)
+"""Draws whose means differ from car to car."""
+
+_SIZE = 2048
+"""Number of draws for the maps."""
 
 
 class _OneCurve(NamedTuple):
@@ -112,12 +118,21 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], 
 
     ``weights`` (k,) of the cars.
     """
-    vehicle, scatter = tables[0].vehicle, _scatter(tables, weights)
+    vehicle = tables[0].vehicle
+    values = [
+        [*pad_levels(t.vehicle, t.calibration), math.log(t.calibration.slip_stiffness.value)]
+        for t in tables
+    ]
+    of_run = [[per_run(getattr(t.budget, name)) for name in _LOGS] for t in tables]
+    scatter = random_effects(np.array(values), np.array(of_run), weights)
     level, ratio, stiffness = scatter.mean.tolist()
-    parts = {
-        name: _shared(tables, name, weights) | {_CARS: of_cars}
-        for name, of_cars in zip(_LOGS, (inflated(scatter) ** 2).tolist(), strict=True)
-    }
+    parts: dict[str, dict[str, float]] = {}
+    for name, of_cars in zip(_LOGS, (inflated(scatter) ** 2).tolist(), strict=True):
+        variances = parts[name] = {}
+        for weight, table in zip(weights.tolist(), tables, strict=True):
+            for part, variance in shared(getattr(table.budget, name)).items():
+                variances[part] = variances.get(part, 0.0) + weight * variance
+        variances["cars"] = of_cars
     of_ratio, of_stiffness = (math.sqrt(sum(parts[name].values())) for name in _LOGS[1:])
     pads, budget = calibration_of(
         vehicle,
@@ -132,35 +147,6 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], 
 def inflated(scatter: RandomEffects) -> Array:
     """Sigma of one more car (n,) whose normal 95 % interval is that of Student's t."""
     return np.asarray(quantile95(scatter.freedom) / Z95 * scatter.one_more)
-
-
-def _scatter(tables: Sequence[Table], weights: Array) -> RandomEffects:
-    """Scatter of the logarithms of pad level, pad ratio and stiffness [1]."""
-    values = [
-        [*pad_levels(t.vehicle, t.calibration), math.log(t.calibration.slip_stiffness.value)]
-        for t in tables
-    ]
-    of_run = [[per_run(getattr(t.budget, name)) for name in _LOGS] for t in tables]
-    return random_effects(np.array(values), np.array(of_run), weights)
-
-
-def _shared(tables: Sequence[Table], name: str, weights: Array) -> dict[str, float]:
-    """Weighted mean of the shared variances of a logarithm, by part of the budget."""
-    out: dict[str, float] = {}
-    for weight, table in zip(weights.tolist(), tables, strict=True):
-        for part, variance in shared(getattr(table.budget, name)).items():
-            out[part] = out.get(part, 0.0) + weight * variance
-    return out
-
-
-_POSITIVE = ("compliance_f", "compliance_r")
-"""Draws that are positive: their logarithms are averaged."""
-
-_OF_CARS = ("log_pad_ratio", "log_pad_level", *_POSITIVE)
-"""Draws whose means differ from car to car."""
-
-_SIZE = 2048
-"""Number of draws for the maps."""
 
 
 def mean_maps(tables: Sequence[Table], weights: Array) -> tuple[PadMap, LevelMap, Draws]:

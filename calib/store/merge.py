@@ -3,8 +3,7 @@
     CAR@1, CAR@2, ... --> common axes --> mean and scatter of D, g, pads, tyre --> one table
                       --> draws of one more car --> its maps
 
-The mean and its scatter are those of `calib.base.random_effects`. What the cars share (the
-vehicle file, the track, the method) is in every one of them and in their mean.
+The mean and its scatter are those of `calib.base.random_effects`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,6 +15,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import RevisionError
 from calib.base.names import PROGRAM
+from calib.base.plain import counted
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
@@ -99,13 +99,12 @@ def _effects(tables: Sequence[Table], weights: Array) -> Effects:
     for effect, named in tables[0].effect_values.items():
         values[effect], sigma[effect] = {}, {}
         for parameter in named:
-            all_ = [t.effect_values[effect][parameter] for t in tables]
-            x = np.array([[v.value] for v in all_])
-            combined = random_effects(x, np.zeros_like(x), weights)
-            shared = weights @ np.array([v.sigma**2 for v in all_])
-            values[effect][parameter] = float(combined.mean[0])
-            of_cars = float(inflated(combined)[0])
-            sigma[effect][parameter] = float(np.hypot(of_cars, np.sqrt(shared)))
+            cars = [t.effect_values[effect][parameter] for t in tables]
+            x = np.array([[car.value] for car in cars])
+            scatter = random_effects(x, np.zeros_like(x), weights)
+            shared = weights @ np.array([car.sigma**2 for car in cars])
+            values[effect][parameter] = float(scatter.mean[0])
+            sigma[effect][parameter] = float(np.hypot(inflated(scatter)[0], np.sqrt(shared)))
     return Effects(values, sigma=sigma)
 
 
@@ -133,17 +132,18 @@ def _provenance(parents: Sequence[Stored]) -> Provenance:
 def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
     ends = {p.id: float(p.table.difference.eta[-1]) for p in parents}
     shortest, longest = min(ends, key=lambda i: ends[i]), max(ends, key=lambda i: ends[i])
+    k = len(parents)
     remarks = [
-        f"mean of {len(parents)} cars by a random-effects model (REML, Hartung-Knapp); bands and "
+        f"mean of {k} cars by a random-effects model (REML, Hartung-Knapp); bands and "
         "sigmas are those of one more car of the model",
         f"curves end at eta {ends[shortest]:.5f}, where {shortest} ends; {longest} goes to "
         f"{ends[longest]:.5f}",
         _SHARED,
     ]
-    if len(parents) < _FEW:
+    if k < _FEW:
         remarks.append(
-            f"{len(parents)} cars say little of how cars differ: the bands use Student's t with "
-            f"{len(parents) - 1} degree{'s' * (len(parents) > 2)} of freedom"
+            f"{k} cars say little of how cars differ: the bands use Student's t with "
+            f"{counted(k - 1, 'degree')} of freedom"
         )
     unknown = [p.id for p in parents if not any(_identity(p, mark) for mark in _CAR_MARKS)]
     if unknown:

@@ -14,11 +14,12 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from calib.base.bounded import KEY, bytes_of
 from calib.base.errors import BrakeCalError, KeyFileError, SignatureRefused
 from calib.base.extras import need
+from calib.base.write import sync
 
 _WORD = re.compile(r"RW[A-Za-z0-9+/]{54}")
 _SIGNATURE = re.compile(
@@ -26,11 +27,8 @@ _SIGNATURE = re.compile(
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
-_SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}
-"""What each try of a password takes, as minisign has it: 1 GiB, a few seconds."""
-
-_MOST_WORK = 8 * _SENSITIVE["opslimit"]
-"""About half a minute: a file that asks for more was not made by minisign."""
+_SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}  # of a try of a password: 1 GiB, seconds
+_MOST_WORK = 8 * _SENSITIVE["opslimit"]  # half a minute: no file of minisign asks for more
 
 
 @dataclass(frozen=True)
@@ -40,14 +38,9 @@ class PublicKey:
     text: str
 
     @property
-    def number(self) -> bytes:
-        """The key number, 8 bytes."""
-        return b64decode(self.text)[2:10]
-
-    @property
     def key_id(self) -> str:
         """The key number as minisign prints it."""
-        return _spelled(self.number)
+        return _key_id(self.text)
 
     @property
     def file(self) -> bytes:
@@ -66,10 +59,7 @@ class SecretKey:
         return f"SecretKey({self.public.key_id})"
 
     def sign(self, data: bytes, trusted_comment: str) -> bytes:
-        """The content of the signature file of ``data``.
-
-        Raises KeyFileError for a damaged key, whose signatures its public half would refuse.
-        """
+        """The content of the signature file of ``data``. Raises KeyFileError for a damaged key."""
         with _refused(KeyFileError, "secret key"):
             signature = self._key.sign(
                 data, trusted_comment=trusted_comment, untrusted_comment="signature from brake-cal"
@@ -123,18 +113,12 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
     return public_key
 
 
-@dataclass(frozen=True)
-class Signature:
-    """A signature file; ``trusted_comment`` is to be believed only after `verify`."""
+class Signature(NamedTuple):
+    """A signature file of the key ``key_id``; `verify` says whether to believe it."""
 
     content: bytes
-    number: bytes
+    key_id: str
     trusted_comment: str
-
-    @property
-    def key_id(self) -> str:
-        """The key number as minisign prints it."""
-        return _spelled(self.number)
 
 
 def read_signature(path: Path) -> Signature:
@@ -145,7 +129,7 @@ def read_signature(path: Path) -> Signature:
     if not match:
         raise SignatureRefused("is cut off or damaged", where=path, expected=expected)
     comment = match[2].decode(errors="backslashreplace")
-    return Signature(content, b64decode(match[1])[2:10], comment)
+    return Signature(content, _key_id(match[1]), comment)
 
 
 def verify(public: PublicKey, data: bytes, signature: Signature, where: object) -> None:
@@ -177,8 +161,9 @@ def _content(path: Path) -> bytes:
     return bytes_of(path, KEY, KeyFileError, "a file of minisign")
 
 
-def _spelled(number: bytes) -> str:
-    return f"{int.from_bytes(number, 'little'):X}"
+def _key_id(word: str | bytes) -> str:
+    """The number of the key in its word, or that of a signature, as minisign prints it."""
+    return f"{int.from_bytes(b64decode(word)[2:10], 'little'):X}"
 
 
 def _write_new(path: Path, content: bytes, mode: int) -> None:
@@ -188,7 +173,7 @@ def _write_new(path: Path, content: bytes, mode: int) -> None:
             cleanup.callback(path.unlink, missing_ok=True)
             file.write(content)
             file.flush()
-            os.fsync(file.fileno())
+            sync(path)
             cleanup.pop_all()
     except FileExistsError:
         raise KeyFileError(

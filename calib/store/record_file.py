@@ -1,7 +1,7 @@
-"""JSON files of a store: the record of a table, a summary as evidence, stores that were seen."""
+"""JSON files of a store: the record of a table, and a summary as evidence."""
 
 from dataclasses import MISSING, fields
-from typing import Annotated, Any, Literal, get_type_hints
+from typing import Any, Literal, get_type_hints
 
 from pydantic import ConfigDict, Field
 
@@ -88,33 +88,6 @@ class SummaryFile(FileSchema):
     verdict: Literal["passed", "failed"]
     proof: Literal["truth", "reference", "none"]
     logs: list[_LogOutcome]
-
-
-_Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-
-
-class Sight(Section):
-    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
-
-    ``key`` is the id of the key that verified it, ``store`` the hash of the first line, ``place``
-    the folder of the store.
-    """
-
-    key: str
-    store: _Hash
-    place: str
-    head: _Hash
-    lines: Annotated[int, Field(ge=1)]
-
-    @property
-    def subject(self) -> tuple[str, str, str]:
-        """Key, store and place, of which only the newest sight is kept."""
-        return self.key, self.store, self.place
-
-
-SeenFile = section(
-    "SeenFile", "The stores that a user has seen.", {"seen": (tuple[Sight, ...], ...)}, FileSchema
-)
 
 
 def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:

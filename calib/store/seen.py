@@ -3,26 +3,47 @@
 The newest head of a journal that was verified with a key is kept in the user's own folder,
 `$XDG_STATE_HOME/brake-cal/seen.json`, on Windows `%LOCALAPPDATA%`. A journal only grows: one that
 lacks that head is an older copy, or went another way. A store is known by the hash of the first
-line of its journal, so that it may be moved; another store in its place is noticed. Two stores
-whose first lines were written in one second by one person for the same table are taken for one.
+line of its journal, so that it may be moved; another store in its place is noticed.
 """
 
 import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.errors import SignatureRefused
 from calib.base.write import locked_folder, write_whole
 from calib.store.journal import Journal
 
-if TYPE_CHECKING:
-    from calib.store.record_file import Sight
-
 _FILE = Path("brake-cal") / "seen.json"
 _UNSEEN = "an older copy of the store will not be noticed"
+
+
+class _Sight(NamedTuple):
+    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
+
+    ``key`` that verified it, ``store`` the hash of the first line, ``place`` the folder.
+    """
+
+    key: str
+    store: str
+    place: str
+    head: str
+    lines: int
+
+    def flaw(self, folder: Path, journal: Journal) -> str:
+        """Why a journal in ``folder`` cannot follow this one, or ""."""
+        entries = journal.entries
+        if not entries or entries[0].hash != self.store:
+            return "another store was seen here before" * (self.place == str(folder.resolve()))
+        if len(entries) < self.lines:
+            had = f"its journal has {len(entries)} lines, {self.lines} were seen"
+            return f"an older copy of the store: {had}"
+        if entries[self.lines - 1].hash != self.head:
+            return f"its journal went another way: line {self.lines} is not the one that was seen"
+        return ""
 
 
 @dataclass(frozen=True)
@@ -30,7 +51,7 @@ class SeenJournals:
     """The journals that were seen, in the file ``path``; ``note`` why it cannot be used, or ""."""
 
     path: Path | None
-    sights: "tuple[Sight, ...]" = ()
+    sights: tuple[_Sight, ...] = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
@@ -39,7 +60,7 @@ class SeenJournals:
         So for another store in the place of the one that was seen.
         """
         for sight in self.sights:
-            if sight.key == key and (flaw := _flaw(sight, folder, journal)):
+            if sight.key == key and (flaw := sight.flaw(folder, journal)):
                 raise SignatureRefused(
                     flaw,
                     where=folder,
@@ -53,21 +74,18 @@ class SeenJournals:
 
         Raises SignatureRefused when the file is damaged.
         """
-        from calib.store.record_file import Sight
-
         if self.path is None or self.note or not journal.entries:
             return self.note
         first, lines = journal.entries[0].hash, len(journal.entries)
-        place = str(folder.resolve())
-        new = Sight(key=key, store=first, place=place, head=journal.head, lines=lines)
+        new = _Sight(key, first, str(folder.resolve()), journal.head, lines)
         try:
             with locked_folder(self.path.parent):
                 now = recall()
-                same = [old for old in now.sights if old.subject == new.subject]
+                same = [old for old in now.sights if old[:3] == new[:3]]
                 if now.note or any(old.lines >= lines for old in same):
                     return now.note
                 sights = [*(old for old in now.sights if old not in same), new]
-                document = {"schema": 1, "seen": [one.model_dump() for one in sights]}
+                document = {"schema": 1, "seen": [one._asdict() for one in sights]}
                 write_whole(self.path, (json.dumps(document, indent=2) + "\n").encode())
         except OSError as error:
             return f"{self.path} cannot be written ({error.strerror}): {_UNSEEN}"
@@ -79,9 +97,6 @@ def recall() -> SeenJournals:
 
     Raises SignatureRefused when the file is damaged.
     """
-    from calib.base.record import validated
-    from calib.store.record_file import SeenFile
-
     try:
         states = (os.environ.get(name, "") for name in ("XDG_STATE_HOME", "LOCALAPPDATA"))
         state = next(filter(os.path.isabs, states), None) or Path.home() / ".local" / "state"
@@ -93,17 +108,12 @@ def recall() -> SeenJournals:
         return SeenJournals(None, note=f"this user has no home folder: {_UNSEEN}")
     except OSError as error:
         return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {_UNSEEN}")
-    return SeenJournals(path, validated(data, SeenFile, path, SignatureRefused).seen)
-
-
-def _flaw(sight: "Sight", folder: Path, journal: Journal) -> str:
-    """Why a journal in ``folder`` cannot follow the one that was seen, or ""."""
-    lines = journal.entries
-    if not lines or lines[0].hash != sight.store:
-        return "another store was seen here before" * (sight.place == str(folder.resolve()))
-    if len(lines) < sight.lines:
-        had = f"its journal has {len(lines)} lines, {sight.lines} were seen"
-        return f"an older copy of the store: {had}"
-    if lines[sight.lines - 1].hash != sight.head:
-        return f"its journal went another way: line {sight.lines} is not the one that was seen"
-    return ""
+    try:
+        document = json.loads(data)
+        sights = tuple(_Sight(**one) for one in document["seen"])
+        typed = all([*map(type, one)] == [str] * 4 + [int] and one.lines > 0 for one in sights)
+        if document["schema"] == 1 and typed:
+            return SeenJournals(path, sights)
+    except (ValueError, TypeError, KeyError, RecursionError):
+        pass
+    raise SignatureRefused("is damaged", where=path, do="get it from a copy, or remove it")

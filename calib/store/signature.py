@@ -3,13 +3,12 @@
     tables/sedan/v0001.minisig         of the first key that signed
     tables/sedan/v0001.KEYID.minisig   of another one
 
-A signature is minisign's, of the record file, which holds the SHA-256 of every curve file. Its
+A signature is minisign's, of the record file, which holds the digest of every curve file. Its
 trusted comment states table, version, state, digest and head of the journal. It is valid while the
 version has that state, in a store whose journal contains that head. The journal need not have a
 line with the event `signed`: minisign itself writes none.
 """
 
-import hashlib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from calib.base.bounded import TABLE, read_bounded
+from calib.base.digest import sha256
 from calib.base.errors import DamagedTable, SignatureRefused
 from calib.base.write import write_whole
 from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
@@ -28,7 +28,6 @@ from calib.store.state import STATES, StateDecision
 from calib.store.store import Store
 from calib.store.version import Stored
 
-_NEWEST = "get the newest copy of the store"
 _STATEMENT = re.compile(
     r"brake-cal table=([A-Za-z0-9._-]{1,100}) version=([1-9][0-9]{0,5}) "
     rf"state=({'|'.join(STATES)}) digest=([0-9a-f]{{64}}) journal=([0-9a-f]{{64}})"
@@ -54,10 +53,7 @@ class _Statement(NamedTuple):
 
 
 def _parse_statement(line: str, where: object = None) -> _Statement:
-    """The statement in a trusted comment.
-
-    Raises SignatureRefused for every line that is not the one spelling of a statement.
-    """
+    """The statement in a trusted comment. Raises SignatureRefused for any other spelling."""
     match = _STATEMENT.fullmatch(line)
     if not match:
         raise SignatureRefused("its trusted comment is not that of a table", where=where)
@@ -92,11 +88,9 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
     """Sign the record and the state of ``name@version``, and enter that in the journal.
 
     It covers the head of the journal before that line, and replaces an older signature of the key.
-    The file is written first, since it is true whether entered or not; if entering fails, the old
-    file is put back.
-
-    Raises TableNotFound, DamagedTable; StoreError when the store cannot be written;
-    SignatureRefused as `require_signed` for what is wrong with the journal.
+    The file comes first, since it is true whether entered or not; if entering fails, the old one is
+    put back. Raises TableNotFound, DamagedTable, StoreError; SignatureRefused for what is wrong
+    with the journal, as `require_signed`.
     """
     public = key.public
     _, memory = _looked_up(store, public)
@@ -166,7 +160,7 @@ def key_ids(stored: Stored) -> tuple[str, ...]:
 
 
 def _signatures(
-    home: Path, version: int, key: PublicKey | None = None
+    home: Path, version: int, key: str | None = None
 ) -> Iterator[tuple[Path, Signature]]:
     """The signature files of a version, of a key or of all, that can be read."""
     for path in signature_files(home, version):
@@ -174,19 +168,15 @@ def _signatures(
             signature = read_signature(path)
         except SignatureRefused:
             continue
-        if key is None or key.number == signature.number:
+        if key in (None, signature.key_id):
             yield path, signature
 
 
 def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
-    """Whether a key has ever signed a version, by a file or the journal; it may not hold any more.
-
-    The journal shows a signature whose file was deleted.
-    """
+    """Whether a key has ever signed a version: the file may be deleted, the journal shows it."""
     history = now.journal.versions(name).get(version, ())
-    signed = (entry.document for entry in history if entry.event == SIGNED)
-    in_journal = any(line["key"] == public.key_id for line in signed)
-    return in_journal or any(_signatures(now.folder / name, version, public))
+    keys = {entry.document["key"] for entry in history if entry.event == SIGNED}
+    return public.key_id in keys or any(_signatures(now.folder / name, version, public.key_id))
 
 
 def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
@@ -201,12 +191,8 @@ def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> Stor
 
 
 def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
-    """The valid signature of a version as it is now, by a key.
-
-    Raises SignatureRefused when there is none, or it is of another version, state or store.
-    """
     refused: SignatureRefused | None = None
-    for path, signature in _signatures(stored.path.parent, stored.version, public):
+    for path, signature in _signatures(stored.path.parent, stored.version, public.key_id):
         try:
             statement = _checked(now, stored, public, path, signature)
             return _Signed(stored, path, public.key_id, statement)
@@ -226,7 +212,6 @@ def _refused(stored: Stored, flaw: str) -> SignatureRefused:
 def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
 ) -> _Statement:
-    """The statement of a signature, after it was verified and compared with version and journal."""
     # the wrong table is a better reason than a signature that does not hold
     statement = _parse_statement(signature.trusted_comment, path)
     if statement[:2] != (stored.name, stored.version) or statement.digest != stored.digest:
@@ -250,9 +235,9 @@ def _checked(
 
 
 def _check_anchors(now: Snapshot, public: PublicKey) -> None:
-    """Raise SignatureRefused if the journal does not contain a head that the key signed.
+    """Raise SignatureRefused if the journal lacks a head that the key signed anywhere in the store.
 
-    Looks at every signature of the store that holds over the record beside it.
+    Signatures count that hold over the record beside them.
     """
     for path in sorted(now.folder.glob(f"*/v*{SIGNATURE}")):
         record = path.parent / path.name.split(".")[0] / RECORD
@@ -274,8 +259,8 @@ def _line(now: Snapshot, statement: _Statement, path: Path) -> int:
             "that of another store",
             where=path,
             expected=f"a line with the hash {statement.head[:12]}...",
-            do=f"{_NEWEST}; if the journal was set back on purpose, delete this signature and "
-            "sign again",
+            do="get the newest copy of the store; if the journal was set back on purpose, delete "
+            "this signature and sign again",
         )
     return number
 
@@ -285,14 +270,14 @@ def _path(stored: Stored, public: PublicKey) -> Path:
     home = stored.path.parent
     simple = home / f"{folder_of(stored.version)}{SIGNATURE}"
     named = simple.with_name(f"{simple.stem}.{public.key_id}{SIGNATURE}")
-    mine = next((path for path, _ in _signatures(home, stored.version, public)), None)
+    mine = next((path for path, _ in _signatures(home, stored.version, public.key_id)), None)
     return mine or (named if simple.exists() else simple)
 
 
 def _record(stored: Stored) -> bytes:
     """The bytes of the record file, which are those that were loaded."""
     data = read_bounded(stored.path / RECORD, TABLE)
-    if hashlib.sha256(data).hexdigest() != stored.record:
+    if sha256(data) != stored.record:
         raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id)
     return data
 

@@ -3,21 +3,12 @@
 Every read compares three: the digests in a version, its place, and the journal.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from calib.base.errors import DamagedTable, StoreError, TableNotFound
 from calib.base.toml import did_you_mean
-from calib.store.folders import (
-    checked_name,
-    names_in,
-    numbers,
-    path_of,
-    place,
-    placed_in,
-    versions_in,
-)
+from calib.store.folders import checked_name, names_in, numbers, path_of, place, versions_in
 from calib.store.journal import JOURNAL, Journal
 from calib.store.state import DRAFT, RELEASED, WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
@@ -59,7 +50,7 @@ class Snapshot:
     journal: Journal
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def names(self) -> list[str]:
         """Names of the tables, in order.
 
         Raises TableNotFound where there is no store, DamagedTable for versions without a journal.
@@ -75,7 +66,7 @@ class Snapshot:
                 "missing, and versions are there whose state it knew",
                 where=self.folder / JOURNAL,
             )
-        return tuple(sorted(self.journal.tables))
+        return sorted(self.journal.tables)
 
     def require_table(self, name: str) -> str:
         """Return ``name`` if the store has a table of that name. Raises TableNotFound."""
@@ -90,7 +81,7 @@ class Snapshot:
             do=did_you_mean(name, names) or is_file * Path(name).is_file(),
         )
 
-    def with_strays(self, name: str) -> Sequence[int]:
+    def with_strays(self, name: str) -> list[int]:
         """Numbers of all versions: those of the journal, and folders that it does not know."""
         return sorted({*self.journal.versions(name), *versions_in(self.folder / name)})
 
@@ -103,9 +94,10 @@ class Snapshot:
         path = path_of(reference)
         if path is not None:
             stored = read_version(path)
-            home = placed_in(self.folder, stored.name, stored.version)
-            inside = home.resolve() == path.resolve()
-            return self.load(stored.name, stored.version) if inside else stored
+            inside = place(self.folder / stored.name, stored.version)
+            if inside and inside.resolve() == path.resolve():
+                return self.load(stored.name, stored.version)
+            return stored
         if "@" in reference:
             return self.load(*self.numbered(reference))
         name = self.require_table(reference)
@@ -126,10 +118,9 @@ class Snapshot:
         versions = self.with_strays(self.require_table(name))
         if version.isascii() and version.isdecimal() and int(version) in versions:
             return name, int(version)
+        expected = f"one of {', '.join(map(str, versions))}"
         raise TableNotFound(
-            f"no version {version!r} of {name!r}",
-            where=self.folder,
-            expected="one of " + ", ".join(map(str, versions)),
+            f"no version {version!r} of {name!r}", where=self.folder, expected=expected
         )
 
     def load(self, name: str, version: int) -> Stored:

@@ -26,7 +26,7 @@ CHANGES = {
 
 @dataclass(frozen=True)
 class Evidence:
-    """A file on which a state rests: its name without folder, and the SHA-256 of its bytes."""
+    """A file on which a state rests: its name without folder, and its digest."""
 
     name: str
     sha256: str
@@ -36,8 +36,8 @@ class Evidence:
 class StateDecision:
     """A new state of a version, and its reason; ``by`` "" is the user of the computer.
 
-    ``verdict`` of the evidence, see `calib.store.evidence`. ``automatic``: of a program, which
-    releases nothing that was rejected and changes nothing that was withdrawn.
+    ``verdict`` of the evidence. ``automatic``: of a program, which releases nothing that was
+    rejected and changes nothing that was withdrawn.
     """
 
     state: str = DRAFT
@@ -78,24 +78,19 @@ class VersionState:
 
     @property
     def why(self) -> str:
-        """The state with its reason, in one line, without date and person."""
+        """The state with its reason."""
         return f"{self.word}: {self.reason}" if self.reason else self.word
 
     @property
     def words(self) -> str:
-        """The state with its reason, person and date, in one line."""
-        source = ", ".join([f"by {self.by}"] * bool(self.by) + [self.since[:10]] * bool(self.since))
+        """The state with its reason, person and date."""
+        source = ", ".join(filter(None, (self.by and f"by {self.by}", self.since[:10])))
         return f"{self.why} ({source})" if source else self.why
 
 
 UNJUDGED = VersionState()
-"""State of a version before any decision."""
-
 OUTSIDE = VersionState(reason="outside of its store, whose journal knows its state", in_store=False)
-"""State of a version that no journal knows: it was copied out of its store."""
-
 NOT_STORED = VersionState(reason="not stored", in_store=False)
-"""State of a table that no store has."""
 
 
 def is_new(version: str, now: VersionState, decision: StateDecision | None) -> bool:

@@ -1,9 +1,9 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
-`calib.store.folders` says where they lie. A version exists once the journal has its line. A writer
-that is stopped earlier leaves a folder that the next writer deletes; one that is stopped later
-leaves a version that every reader finds and the next writer moves to its place. The promises of the
-store are on the page `tables` of the manual.
+`calib.store.folders` says where they lie, the page `tables` of the manual what is promised. A
+version exists once the journal has its line. A writer that is stopped earlier leaves a folder that
+the next writer deletes; one that is stopped later leaves a version that every reader finds and the
+next writer moves to its place.
 """
 
 import os
@@ -22,18 +22,10 @@ from calib.store.folders import (
     names_in,
     path_of,
     place,
-    placed_in,
     refuse_link,
     unplaced,
 )
-from calib.store.journal import (
-    CHANGED,
-    STORED,
-    Journal,
-    enter,
-    read_journal,
-    write_journal,
-)
+from calib.store.journal import CHANGED, STORED, Journal, enter, read_journal, write_journal
 from calib.store.snapshot import Snapshot, StoreEntry
 from calib.store.state import StateDecision, VersionState, is_new, user
 from calib.store.version import Stored, read_version, write_version
@@ -86,17 +78,13 @@ class Store:
             version = now.next_number(table.name)
         if same and not is_new(same.id, same.state, decision):
             return same
-        path = placed_in(self.folder, table.name, version)
+        path = self.folder / table.name / folder_of(version)
         base = same or Stored(table, table.name, version, table.digest, path)
-        state = VersionState(
-            decision.state,
-            by=decision.by or user(),
-            reason=decision.reason,
-            verdict=decision.verdict,
-            evidence=decision.evidence,
-            stored_at=base.state.stored_at,
+        reasons = {key: getattr(decision, key) for key in ("reason", "verdict", "evidence")}
+        by, stored_at = decision.by or user(), base.state.stored_at
+        return replace(
+            base, state=VersionState(decision.state, by=by, stored_at=stored_at, **reasons)
         )
-        return replace(base, state=state)
 
     def judge(self, reference: str, decision: StateDecision) -> Stored:
         """Change the state of ``name@version``. Raises TableNotFound, DamagedTable, StoreError."""
@@ -125,13 +113,6 @@ class Store:
         """`load` to hand out or to measure others by: ``name`` is its newest released version."""
         return self._find(reference, released=True)
 
-    def journal(self, name: str | None = None) -> Journal:
-        """The journal. Raises DamagedTable; TableNotFound for a ``name`` that the store lacks."""
-        with self._reading() as now:
-            if name is not None:
-                now.require_table(name)
-            return now.journal
-
     def now(self) -> Snapshot:
         """The store as it is at this moment. Raises DamagedTable."""
         with self._reading() as now:
@@ -151,9 +132,7 @@ class Store:
                         yield now.entry(name, version)
 
     def verify(
-        self,
-        name: str | None = None,
-        also: Callable[[StoreEntry], StoreEntry] = lambda x: x,
+        self, name: str | None = None, also: Callable[[StoreEntry], StoreEntry] = lambda x: x
     ) -> tuple[StoreEntry, ...]:
         """Compare versions with digests, invariants and journal, of one table or of all.
 
@@ -161,11 +140,10 @@ class Store:
         tables are let go, one is held at a time; ``also`` sees each entry with its table.
         """
         with self._reading() as now:
-            if name is None:
-                tables = sorted({*now.names, *names_in(self.folder)})
-            else:
-                tables = [now.require_table(name)]
-            each = (now.verified(table, v) for table in tables for v in now.with_strays(table))
+            every = (
+                [now.require_table(name)] if name else sorted({*now.names, *names_in(self.folder)})
+            )
+            each = (now.verified(table, v) for table in every for v in now.with_strays(table))
             return tuple(replace(also(entry), stored=None) for entry in each)
 
     def unfinished(self) -> tuple[Path, ...]:
@@ -189,7 +167,7 @@ class Store:
         """The new version: made aside, entered in the journal, moved to its place."""
         _refuse_same_folder(table.name, now.names)
         version = now.next_number(table.name)
-        final = placed_in(self.folder, table.name, version)
+        final = self.folder / table.name / folder_of(version)
         work = final.with_name(f"{NEW}{final.name}")
 
         def discard() -> None:
@@ -200,11 +178,8 @@ class Store:
         try:
             write_version(table, version, work)
             stored = read_version(work, f"{table.name}@{version}")
-            fields = {
-                "digest": stored.digest,
-                "record": stored.record,
-                "inputs": inputs(table.content()[0]),
-            }
+            fields = {"digest": stored.digest, "record": stored.record}
+            fields["inputs"] = inputs(table.content()[0])
             journal = now.journal.added(table.name, version, STORED, decision, **fields)
         except BaseException:
             discard()
@@ -217,7 +192,6 @@ class Store:
         return replace(stored, path=work, state=journal.state(table.name, version))
 
     def _judged(self, stored: Stored, decision: StateDecision | None, now: Snapshot) -> Stored:
-        """Enter a change of state, unless it is one that the journal has already."""
         if decision is None or not is_new(stored.id, stored.state, decision):
             return stored
         journal = now.journal.added(stored.name, stored.version, CHANGED, decision)
@@ -226,7 +200,6 @@ class Store:
 
     @contextmanager
     def _writing(self, name: str) -> Iterator[Snapshot]:
-        """The store, locked for one table, after `_tidy`."""
         try:
             with locked_folder(self.folder):
                 refuse_link(self.folder / name)
@@ -235,11 +208,8 @@ class Store:
                 _tidy(self.folder, name, now.journal)
                 yield now
         except OSError as error:
-            raise StoreError(
-                f"cannot be written ({error.strerror or error})",
-                where=error.filename or self.folder,
-                do="nothing was stored",
-            ) from error
+            flaw, where = f"cannot be written ({error.strerror or error})", error.filename
+            raise StoreError(flaw, where=where or self.folder, do="nothing was stored") from error
 
     @contextmanager
     def _reading(self) -> Iterator[Snapshot]:
@@ -260,7 +230,6 @@ def _require_storable(table: Table) -> None:
 
 
 def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
-    """Raise StoreError for a new name whose folder is that of another one where case is ignored."""
     same = [other for other in names if other.lower() == name.lower()]
     if same and name not in same:
         raise StoreError(

@@ -1,4 +1,4 @@
-"""One version of a table as a directory: a record, one Parquet file per curve or map, digests.
+"""A version of a table as a directory: a record, one Parquet file per curve or map, digests.
 
     v0001/record.json           {id, version, digest, parents, files, states, record}
           difference.parquet    D(eta)
@@ -7,14 +7,12 @@
           map.parquet           and level_map, draws
 
 ``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
-the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed. ``states``
+the SHA-256 of each Parquet file, so that a damaged file is found before it is parsed; ``states``
 names the journal that holds the state of the version.
 """
 
-import hashlib
 import io
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +21,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.bounded import TABLE, read_bounded
-from calib.base.digest import content_digest
+from calib.base.digest import content_digest, sha256
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.shown import Shown
 from calib.base.write import sync
@@ -36,9 +34,9 @@ from calib.table.table import COLUMNS, Table
 
 @dataclass(frozen=True)
 class Stored(Shown):
-    """A table with its address; ``digest`` is that of its content.
+    """A table with its address.
 
-    ``record`` SHA-256 of its record file; ``existed`` whether `Store.save` found it there already.
+    ``digest`` of its content, ``record`` of its record file; ``existed``: `Store.save` found it.
     """
 
     table: Table
@@ -85,13 +83,13 @@ def unstored(table: Table | Stored) -> Stored:
 def write_version(table: Table, version: int, path: Path) -> None:
     """Write the files of a version into the new directory ``path``. Raises OSError."""
     record, curves = table.content()
+    files = {f"{name}.parquet": _curve_bytes(columns) for name, columns in curves.items()}
+    digests = {name: sha256(data) for name, data in files.items()}
+    files[RECORD] = _content(record, table.digest, version, digests)
     path.mkdir(parents=True)
-    digests = {}
-    for name, columns in curves.items():
-        data = _curve_bytes(columns)
-        digests[f"{name}.parquet"] = _sha256(data)
-        _write(path / f"{name}.parquet", data)
-    _write(path / RECORD, _content(record, table.digest, version, digests))
+    for name, data in files.items():
+        (path / name).write_bytes(data)
+        sync(path / name)
     sync(path)
 
 
@@ -103,8 +101,8 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
 
-    def damaged(flaw: str) -> DamagedTable:
-        return DamagedTable(f"{RECORD}: {flaw}", where=path)
+    def damaged(flaw: str, name: str = RECORD) -> DamagedTable:
+        return DamagedTable(f"{name}: {flaw}", where=path)
 
     data = _bytes(path / RECORD)
     if b"\r\n" in data:
@@ -116,11 +114,11 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
         raise damaged(str(error)) from error
     try:
         curves = {}
-        for name in (f"{name}.parquet" for name in COLUMNS):
-            content = _bytes(path / name)
-            if _sha256(content) != file.files[name]:
-                raise DamagedTable(f"{name}: its bytes differ from their digest", where=path)
-            curves[name.removesuffix(".parquet")] = _read_curve(content)
+        for name in COLUMNS:
+            content = _bytes(path / f"{name}.parquet")
+            if sha256(content) != file.files[f"{name}.parquet"]:
+                raise damaged("its bytes differ from their digest", f"{name}.parquet")
+            curves[name] = _read_curve(content)
         if content_digest(record, curves) != file.digest:
             raise damaged("the record or its digest was changed")
         table = table_of(file.record, curves)
@@ -128,17 +126,14 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
         raise damaged(f"not the record of these curves ({error!r})") from error
     if data != _content(record, file.digest, file.version, file.files):
         raise damaged("its keys or its spelling do not agree with the record")
-    stored = Stored(table, table.name, file.version, file.digest, path, _sha256(data), OUTSIDE)
+    stored = Stored(table, table.name, file.version, file.digest, path, sha256(data), OUTSIDE)
     if promised not in (None, stored.id):
         raise damaged(f"holds {stored.id} in the place of {promised}")
     return stored
 
 
 def _curve_bytes(columns: dict[str, Array]) -> bytes:
-    """A Parquet file of named ``columns``, each (n,), in the given order, with their units.
-
-    Without compression and in one row group: the same columns give the same bytes.
-    """
+    """A Parquet file of named ``columns``, each (n,); the same columns give the same bytes."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -161,10 +156,8 @@ def _read_curve(data: bytes) -> dict[str, Array]:
         table = pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
     except (pa.ArrowException, OSError) as error:
         raise ValueError(str(error)) from error
-    return {
-        name: np.asarray(table.column(name).to_numpy(), dtype=np.float64)
-        for name in table.column_names
-    }
+    columns = zip(table.column_names, table.columns, strict=True)
+    return {name: np.asarray(column.to_numpy(), dtype=np.float64) for name, column in columns}
 
 
 def _content(record: dict[str, Any], digest: str, version: int, files: dict[str, str]) -> bytes:
@@ -189,14 +182,3 @@ def _bytes(path: Path) -> bytes:
         raise DamagedTable(f"{path.name}: missing", where=path.parent) from error
     except OSError as error:
         raise StoreError(f"cannot be read ({error.strerror})", where=path) from error
-
-
-def _write(path: Path, data: bytes) -> None:
-    with path.open("wb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _sha256(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()

@@ -26,7 +26,7 @@ def table():
 @pytest.fixture
 def secret(tmp_path):
     path = tmp_path / "ada.key"
-    path.write_bytes(secret_file(ADA.public.number, SEED))
+    path.write_bytes(secret_file(b"adasline", SEED))
     return path
 
 
@@ -44,7 +44,7 @@ def signed(tables, secret):
 
 
 def test_sign_json(tables, secret, store):
-    head = Store(store).journal().head
+    head = Store(store).now().journal.head
     said = parsed(tables("sign", "sedan@1", "--key", secret, "--json"))
     stored = Store(store).load("sedan@1")
     comment = said.pop("trusted_comment")

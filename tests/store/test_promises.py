@@ -310,7 +310,7 @@ def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
 
 
 @pytest.mark.parametrize(
-    "at", ["version._curve_bytes", "version._write", "journal.write_whole", "journal.sync"]
+    "at", ["version._curve_bytes", "version.sync", "journal.write_whole", "journal.sync"]
 )
 def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypatch, at):
     def full(*_):

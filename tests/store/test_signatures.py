@@ -48,7 +48,7 @@ def store(signed_store):
 def keys(tmp_path):
     """Ada's keys as the files of minisign."""
     secret, public = tmp_path / "ada.key", tmp_path / "ada.pub"
-    secret.write_bytes(secret_file(ADA.public.number, bytes(range(32))))
+    secret.write_bytes(secret_file(b"adasline", bytes(range(32))))
     public.write_bytes(ADA.public.file)
     return secret, public
 
@@ -97,20 +97,20 @@ def test_a_signature_is_checked_by_minisign_and_made_by_minisign(store, keys):
     record, beside = home / "v0002" / "record.json", home / "v0002.minisig"
     ran = minisign("-Vm", record, "-x", beside, "-p", public)
     assert ran.returncode == 0, ran.stderr
-    lines = len(store.journal().entries)
+    lines = len(store.now().journal.entries)
     stored = store.load("sedan@2")
-    line = _Statement("sedan", 2, "released", stored.digest, store.journal().head).line
+    line = _Statement("sedan", 2, "released", stored.digest, store.now().journal.head).line
     beside.unlink()
     ran = minisign("-S", "-W", "-s", secret, "-m", record, "-x", beside, "-t", line)
     assert ran.returncode == 0, ran.stderr
     assert used(store).statement.line == line
     found = verify_signed(store, ADA.public)[0]
     assert [verdict.signed for verdict in found] == ["released", "released", None]
-    assert len(store.journal().entries) == lines
+    assert len(store.now().journal.entries) == lines
 
 
 def test_a_signature_covers_the_journal_and_is_entered_in_it(store):
-    line = store.journal().entries[-1]
+    line = store.now().journal.entries[-1]
     assert (line.event, line.id, line.state) == ("signed", "sedan@2", "released")
     told = line.document
     assert (told["key"], told["by"]) == (ADA.public.key_id, "Ada")
@@ -175,7 +175,7 @@ def test_a_statement_that_is_not_of_the_signed_record_is_refused(store, other):
     """The key signed the right record, with a statement that a person wrote by hand."""
     statement = used(store).statement
     if other == {"head": ""}:  # before the version was stored
-        other = {"head": store.journal().entries[0].hash}
+        other = {"head": store.now().journal.entries[0].hash}
     by_hand(store, "sedan@2", statement._replace(**other).line)
     refusal(store)
     by_hand(store, "sedan@2", "my best table")
@@ -239,7 +239,7 @@ def test_an_older_version_is_not_offered_as_the_newest(store):
 
 
 def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen, tmp_path):
-    before = len(store.journal().entries)
+    before = len(store.now().journal.entries)
     store.judge("sedan@2", WITHDRAW)
     sign(store, "sedan@2", ADA)
     set_back(store, before)  # the newer signature is still there
@@ -250,7 +250,7 @@ def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen,
     with pytest.raises(SignatureRefused):
         sign(store, "wagon@1", ADA)
     assert not (store.folder / "wagon" / "v0001.minisig").exists()
-    assert len(store.journal().entries) == before
+    assert len(store.now().journal.entries) == before
 
     other = Store(tmp_path / "other")  # the same versions, whose journal has another first line
     for stiffness in (27.0, 28.0):
@@ -266,7 +266,7 @@ def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen,
 def test_a_stopped_signature_leaves_no_lie(store, seen, monkeypatch):
     """On a full disk, and before each change of the disk by kill -9."""
     path = store.folder / "sedan" / "v0002.minisig"
-    before, lines = path.read_bytes(), len(store.journal().entries)
+    before, lines = path.read_bytes(), len(store.now().journal.entries)
 
     def full(*_):
         raise OSError(28, "No space left on device")
@@ -278,12 +278,12 @@ def test_a_stopped_signature_leaves_no_lie(store, seen, monkeypatch):
                 sign(store, version, ADA)
     assert path.read_bytes() == before
     assert not (store.folder / "wagon" / "v0001.minisig").exists()
-    assert len(store.journal().entries) == lines
+    assert len(store.now().journal.entries) == lines
 
     for step in range(100):
         stopped = killed(lambda: sign(store, "wagon@1", ADA), step)
         assert passes(store)
-        if any(entry.event == "signed" for entry in store.journal().versions("wagon")[1]):
+        if any(entry.event == "signed" for entry in store.now().journal.versions("wagon")[1]):
             used(store, "wagon@1")
         if not stopped:
             break

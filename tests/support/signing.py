@@ -28,7 +28,7 @@ def secret_key(number: bytes, seed: bytes) -> SecretKey:
 
 ADA = secret_key(b"adasline", bytes(range(32)))
 EVE = secret_key(b"evesline", bytes(range(1, 33)))
-NAMESAKE = secret_key(ADA.public.number, bytes(range(2, 34)))
+NAMESAKE = secret_key(b"adasline", bytes(range(2, 34)))
 """Another key that bears the number of Ada's."""
 
 RELEASE = StateDecision("released", "four stops agree", by="Ada")
@@ -38,7 +38,7 @@ WITHDRAW = StateDecision("withdrawn", "pads recalled", by="Bob")
 
 def set_back(store: Store, lines: int) -> None:
     """Cut the journal to its first lines, and write a head that agrees."""
-    write_journal(store.folder, Journal(store.journal().entries[:lines]))
+    write_journal(store.folder, Journal(store.now().journal.entries[:lines]))
 
 
 def replaced_by(store: Store, other: Store) -> None:
