@@ -31,8 +31,8 @@ from calib.ecu.memory import calibrated, measured
 from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
-from calib.exports.dataset import prefix
 from calib.exports.export import require_handed_out
+from calib.exports.symbols import prefix
 from calib.exports.write import FORMATS, as_comment
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate

@@ -26,7 +26,7 @@ from calib.ecu.car_source import SOURCE
 from calib.estimation.known import known_effects
 from calib.estimation.online import REASON, VARIABLES, Variable
 from calib.estimation.reasons import Reason
-from calib.exports.dataset import prefix
+from calib.exports.symbols import prefix
 from calib.exports.write import printable
 from calib.store.version import Stored
 from calib.table.exported import Precision

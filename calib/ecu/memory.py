@@ -15,7 +15,8 @@ from calib.ecu.car_source import Member, comments, members_of
 from calib.estimation.online import ANSWERS, CHANNELS
 from calib.estimation.reasons import CHECKS, Reason
 from calib.estimation.state import State
-from calib.exports.dataset import Measured, Scalar, Within, label
+from calib.exports.dataset import Scalar
+from calib.exports.symbols import Measured, Within, label
 from calib.exports.write import MOST
 
 _STATE = "bte_estimator"  # of the ECU's project

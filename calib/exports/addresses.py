@@ -13,7 +13,8 @@ import numpy as np
 from calib.base.bounded import PROGRAM, bytes_of
 from calib.base.errors import ProgramError
 from calib.base.extras import need
-from calib.exports.dataset import Addresses, Dataset, Object, Within
+from calib.exports.dataset import Dataset, Object
+from calib.exports.symbols import Addresses, Within
 
 _LARGEST_ADDRESS = 0xFFFF_FFFF
 """A2L holds addresses of 32 bits."""

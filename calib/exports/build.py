@@ -7,7 +7,8 @@ from itertools import chain
 import numpy as np
 
 from calib.base.names import AXLE_NAMES
-from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Scalar, label, prefix
+from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Scalar
+from calib.exports.symbols import label, prefix
 from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
 from calib.store.figures import effect_figures
 from calib.store.version import Stored

@@ -9,16 +9,16 @@ import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
 from calib.exports.build import build, maps_of, sliced
-from calib.exports.dataset import Content, Grid, prefix
+from calib.exports.dataset import Content, Grid
 from calib.exports.read import CDF, Returned
+from calib.exports.symbols import prefix
 from calib.exports.write import FORMATS
 from calib.store.folders import names_in
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.exported import BITS, Precision
 
-_DIGITS = range(17, 2, -1)
-"""Significant digits or decimals to which a tool may have rounded, the finest way first."""
+_DIGITS = range(17, 2, -1)  # significant ones or decimals that a tool may have kept
 
 _EDITED = "the numbers do not agree with its checksum"
 
@@ -54,7 +54,6 @@ def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
 
 
 def _rounds(pair: Pair, form: str) -> bool:
-    """Whether a number is the table's as ``form`` writes it, or as it writes that in single."""
     return pair.read in (float(f"{x:{form}}") for x in (pair.true, float(np.float32(pair.true))))
 
 
@@ -103,21 +102,17 @@ def difference(file: Returned, stored: Stored | None) -> Difference:
             )
         rounds = f"so does a tool that rounds them: give the store of {file.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
-    result = _compared(file, _content(stored, file), edited)
-    points = max((len(x) for x in file.content.axes.values()), default=None)
-    for bits in (None, *BITS) if result.wrong else ():  # the axes of code are rounded first
-        how = Precision(points, bits, single=bits is None, code=True)
-        result = min(result, _compared(file, _coded(stored, file, how), edited), key=_flaws)
+    tried = list[Difference]()
+    for content in _candidates(stored, file):
+        tried.append(_compared(file, content, edited))
+        if not tried[-1].wrong:
+            break
+    result = min(tried, key=lambda one: len(one.wrong))
     claimed = file.facts.get("digest", stored.digest)
     if claimed != stored.digest:
-        result.wrong.insert(
-            0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}"
-        )
+        flaw = f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}"
+        result.wrong.insert(0, flaw)
     return result
-
-
-def _flaws(difference: Difference) -> int:
-    return len(difference.wrong)
 
 
 def _compared(file: Returned, content: Content, edited: list[str]) -> Difference:
@@ -133,25 +128,22 @@ def _labels(content: Content) -> set[str]:
     return {*content.axes, *content.grids, *content.scalars}
 
 
-def _coded(stored: Stored, file: Returned, how: Precision) -> Content:
-    """The numbers of a table, its maps as C code reads them."""
+def _candidates(stored: Stored, file: Returned) -> Iterator[Content]:
+    """The numbers of a table, its maps in the slices that the file has; then as C code reads it."""
     most = FORMATS["cdfx" if file.format == CDF else "dcm"].most_axes
     data = build(stored, first=file.prefix)
-    axes, maps = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
-    grids, over = tuple(chain.from_iterable(maps)), tuple(chain.from_iterable(axes))
-    return replace(data, axes=over, grids=grids).content()
-
-
-def _content(stored: Stored, file: Returned) -> Content:
-    """The numbers of a table, its maps in the slices that the file has where it has slices."""
-    most = FORMATS["cdfx" if file.format == CDF else "dcm"].most_axes
-    data = build(stored, first=file.prefix)
-    grids: list[Grid] = []
+    whole: list[Grid] = []
     for one in data.grids:
         rows = one.axis.numbers
         near = _nearest(file.content.axes.get(one.axis.label, rows), rows)
-        grids += sliced(one, near) if len(one.axes) > most else [one]
-    return replace(data, grids=tuple(grids)).content()
+        whole += sliced(one, near) if len(one.axes) > most else [one]
+    yield replace(data, grids=tuple(whole)).content()
+    points = max((len(x) for x in file.content.axes.values()), default=None)
+    for bits in (None, *BITS):  # the axes of code are rounded first
+        how = Precision(points, bits, single=bits is None, code=True)
+        axes, maps = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
+        grids, over = tuple(chain.from_iterable(maps)), tuple(chain.from_iterable(axes))
+        yield replace(data, axes=over, grids=grids).content()
 
 
 def _pairs(read: Content, whole: Content) -> Iterator[Pair]:

@@ -3,17 +3,16 @@
 Every format writes one `Dataset`; `calib.exports.build` makes it of a table.
 """
 
-import hashlib
-import re
-import unicodedata
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.digest import sha256
 from calib.base.intervals import Z95
 from calib.car.effects.combined import sensed
+from calib.exports.symbols import Addresses, Measured, Within
 from calib.store.evidence import Quality
 from calib.store.version import Stored
 from calib.table.breakpoints import Misfit, misfit
@@ -23,47 +22,11 @@ _CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "
     "the estimator marks such samples as not valid"
 )
-"""Values of a look-up beyond the ends, as in `calib.estimation.baselines`."""
-
 _NOT = "NOT RELEASED, not for use in a vehicle: "
-_NONE_GIVEN = (
-    "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
-    "the linked program"
-)
 _KINDS = ("VALUE", "CURVE", "MAP", "CUBOID")  # words of A2L and CDF by number of axes
 MOST_AXES = len(_KINDS) - 1
 
-LONGEST, LONGEST_PREFIX = 31, 16
-"""Characters of a label (significant in every C99 compiler), and of its first part."""
-
-_MARK = 4  # digits of the digest behind a shortened name
-
 Numbers = tuple[float, ...]
-
-
-def prefix(name: str) -> str:
-    """Label of a table's name, at most 16 characters.
-
-    >>> prefix("sedan-2up"), prefix("2up"), prefix("Müller")
-    ('sedan_2up', 't_2up', 'Muller_a784')
-    """
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
-    word = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
-    if not word[:1].isalpha():
-        word = f"t_{word}".rstrip("_")
-    whole = re.fullmatch(r"[A-Za-z0-9._-]+", name) is not None
-    return word if whole and len(word) <= LONGEST_PREFIX else _marked(word, name, LONGEST_PREFIX)
-
-
-def label(*parts: str) -> str:
-    """Label of one object, at most 31 characters: an identifier of every format and C compiler."""
-    whole = "_".join(parts)
-    return whole if len(whole) <= LONGEST else _marked(whole, whole, LONGEST)
-
-
-def _marked(word: str, name: str, longest: int) -> str:
-    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:_MARK]
-    return f"{word[: longest - _MARK - 1].rstrip('_')}_{mark}"
 
 
 @dataclass(frozen=True)
@@ -90,49 +53,11 @@ class Content:
             f"{'map' if several else 'curve'} {n} {' by '.join(map(_hex, over))} of {_hex(y)}"
             for several, n, over, y in grids
         ]
-        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+        return sha256("\n".join(lines).encode())
 
 
 def _hex(values: Numbers) -> str:
     return " ".join(v.hex() for v in values)
-
-
-class Within(NamedTuple):
-    """A place in the object of a ``symbol``: the name of it in C, and the bytes before it."""
-
-    symbol: str
-    member: str = ""
-    offset: int = 0
-
-    @property
-    def link(self) -> str:
-        """As debug information has it."""
-        return f"{self.symbol}.{self.member}" if self.member else self.symbol
-
-
-class Measured(NamedTuple):
-    """A variable in the memory; ``kind`` its type in A2L, ``low`` and ``high`` its range [unit]."""
-
-    label: str
-    meaning: str
-    unit: str
-    kind: str
-    low: float
-    high: float
-    within: Within
-
-
-@dataclass(frozen=True)
-class Addresses:
-    """Address of each object by label, and the byte order; ``remarks`` on what was assumed.
-
-    ``segment`` first address and size of what holds the data [bytes].
-    """
-
-    by_label: dict[str, int] = field(default_factory=dict)
-    segment: tuple[int, int] = (0, 0)
-    big_endian: bool = False
-    remarks: tuple[str, ...] = (_NONE_GIVEN,)
 
 
 @dataclass(frozen=True)
@@ -282,7 +207,7 @@ class Dataset:
     bits: int | None
     single: bool
     date: str
-    addresses: Addresses = Addresses()
+    addresses: Addresses = field(default_factory=Addresses)
     measured: tuple[Measured, ...] = ()
 
     @property

@@ -1,12 +1,12 @@
 """A table written as the file of a calibration tool, an ECU or another program."""
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from calib.base.digest import sha256
 from calib.base.errors import ExchangeError, StoreError
 from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
@@ -86,23 +86,16 @@ class Exported:
                 [one.label for one in grids if axis.label in (a.label for a in one.axes)]
                 for grids in (data.lines, data.maps)
             )
-            axes.append(
-                {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
-                | {"curves": curves}
-                | ({"maps": maps} if maps else {})
-                | {
-                    "worst": axis.misfit.worst,
-                    "worst_at": axis.misfit.worst_at,
-                    "rms": axis.misfit.rms,
-                }
-            )
+            head = {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
+            over = {"curves": curves} | ({"maps": maps} if maps else {})
+            axes.append(head | over | vars(axis.misfit))
         return {
             **data.facts(),
             "version": data.stored.version,
             "format": self.form,
             "out": self.path,
             "bytes": len(self.content),
-            "sha256": hashlib.sha256(self.content).hexdigest(),
+            "sha256": sha256(self.content),
             "axes": axes,
             "remarks": list(self.remarks),
             "fixed_point": {"bits": data.bits, "objects": self._rounded} if data.bits else None,

@@ -14,11 +14,11 @@ from xml.etree import ElementTree as ET
 
 from calib.base.bounded import CALIBRATION, bytes_of
 from calib.base.errors import ExchangeError
-from calib.exports.dataset import Content, Numbers, prefix
+from calib.exports.dataset import Content, Numbers
+from calib.exports.symbols import prefix
 
+DCM, CDF = "DCM", "CDF"
 _VERSION = "_version"  # the end of the label of the scalar that holds the version of the table
-DCM, CDF = "DCM", "CDF"  # formats that are read back
-
 _Found = tuple[dict[str, str], dict[str, str], Content]  # facts and units by name, and the numbers
 
 
@@ -49,29 +49,18 @@ def read_back(path: Path) -> Returned:
     Raises ExchangeError when it cannot be read, is cut off or damaged, or names no table.
     """
     data = bytes_of(path, CALIBRATION, ExchangeError, "DCM or CDF")
-    if data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):
-        return _returned(path, CDF, _read_cdf(path, data))
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ExchangeError(
-            f"not text ({error.reason})", where=path, expected="DCM or CDF"
-        ) from error
-    return _returned(path, DCM, _read_dcm(path, text))
-
-
-def _returned(path: Path, form: str, parsed: _Found) -> Returned:
-    facts, units, content = parsed
+    is_xml = data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<")
+    form, read = (CDF, _read_cdf) if is_xml else (DCM, _read_dcm)
+    facts, units, content = read(path, data)
     firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
     firsts = [x for x in firsts if {f"{x}_D", f"{x}_level"} & content.grids.keys()]
     if not firsts and "table" in facts:  # a part of a table
         firsts = [prefix(facts["table"].partition("@")[0])]
     if len(firsts) != 1:
-        raise ExchangeError(
-            f"{form} with the labels of {len(firsts)} tables: NAME{_VERSION}, NAME_D or NAME_level",
-            where=path,
-            expected="an export of one table, or that file as another tool has saved it",
+        message = (
+            f"{form} with the labels of {len(firsts)} tables: NAME{_VERSION}, NAME_D or NAME_level"
         )
+        raise _bad(path, message, "an export of one table, or that file as another tool saved it")
     if facts.get("objects", str(len(content))) != str(len(content)):
         raise ExchangeError(
             f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined",
@@ -113,7 +102,11 @@ class _Block(NamedTuple):
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029]")
 
 
-def _read_dcm(path: Path, text: str) -> _Found:
+def _read_dcm(path: Path, data: bytes) -> _Found:
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise _bad(path, f"not text ({error.reason})", "DCM or CDF") from error
     if odd := _CONTROL.search(text):
         line = text.count("\n", 0, odd.start()) + 1
         raise _bad(path, f"the control character U+{ord(odd[0]):04X} in line {line}", "text")
@@ -232,23 +225,18 @@ def _read_cdf(path: Path, text: bytes) -> _Found:
 def _root(path: Path, text: bytes) -> ET.Element:
     # A few bytes of entities can stand for gigabytes; other encodings could hide them.
     if b"<!ENTITY" in text or b"\0" in text:
-        raise ExchangeError("declares an entity", where=path, expected="XML without entities")
+        raise _bad(path, "declares an entity", "XML without entities")
     try:
         return ET.fromstring(text)
     except (ET.ParseError, LookupError, ValueError) as error:
-        raise ExchangeError(
-            f"cut off or damaged: {error}", where=path, expected="XML that ends with </MSRSW>"
-        ) from error
+        raise _bad(path, f"cut off or damaged: {error}", "XML that ends with </MSRSW>") from error
 
 
 def _over(
     path: Path, curve: str, instance: ET.Element, axes: dict[str, Numbers], count: int
 ) -> tuple[Numbers, ...]:
-    """The axes of a curve or map, its own or those that it names, the slowest first.
-
-    X is the first in the file.
-    """
-    over, conts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")
+    """The axes of a curve or map, its own or those that it names, the slowest first."""
+    over, conts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")  # X first
     if len(conts) != count:
         raise ExchangeError(f"has {len(conts)} of {count} axes", where=f"{path}: {curve}")
     for axis in reversed(conts):

@@ -33,7 +33,8 @@ from calib.base.arrays import Array
 from calib.base.errors import ExchangeError
 from calib.base.templates import templates
 from calib.exports.build import UNIT
-from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Object, Scalar, label
+from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Object, Scalar
+from calib.exports.symbols import label
 
 _FUNCTION = "brake_torque"  # to which the objects belong
 _BARE = "-"  # unit of a bare number in CSV: readers that guess types would take 1 for an integer
@@ -48,7 +49,7 @@ _MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")  # behind the `COLUMNS` where th
 
 _BOM = b"\xef\xbb\xbf"  # mark of UTF-8, which A2L demands where a file is not ASCII
 _LONGEST_TEXT = 255  # characters of a text of A2L
-_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # of A2L by width of the fixed point
+_A2L_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # by width of the fixed point
 _DIGITS = 7  # significant ones that a tool shows of the largest number of an object in double
 _MOST_DECIMALS = 15
 MOST = 1e30  # of a number without limits, in any floating point [its unit]
@@ -76,7 +77,11 @@ def _write_json(data: Dataset) -> bytes:
                     for s in data.scalars],
         "record": data.stored.table.content()[0],
     }  # fmt: skip
-    return (json.dumps(document, indent=1, allow_nan=False, default=_plain) + "\n").encode()
+
+    def plain(value: Any) -> Any:
+        return value.tolist() if isinstance(value, np.ndarray) else vars(value)
+
+    return (json.dumps(document, indent=1, allow_nan=False, default=plain) + "\n").encode()
 
 
 def _map(grid: Grid) -> dict[str, Any]:
@@ -91,23 +96,15 @@ def _bounds(grid: Grid) -> dict[str, Array]:
     return dict(zip(("lower", "upper"), grid.bounds or (), strict=False))
 
 
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray) else vars(value)
-
-
-def _columns(data: Dataset) -> tuple[str, ...]:
-    return COLUMNS + (_MORE_AXES if data.grids else ())
-
-
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
-    """Cells of the columns; the bounds of a map stand beside its medians."""
-    none = (None,) * (len(_columns(data)) - len(COLUMNS))
+    """Cells of all columns; the bounds of a map stand beside its medians."""
     for grid in (*data.curves, *data.grids):
         if not grid.is_bound:
-            yield from (row[: len(COLUMNS) + len(none)] for row in _cells(grid))
+            yield from _cells(grid)
+    more = (None,) * len(_MORE_AXES)
     for s in data.scalars:
         band = (None, None) if s.sigma is None else s.band.tolist()
-        yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning, *none)
+        yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning, *more)
 
 
 def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
@@ -127,8 +124,9 @@ def _write_csv(data: Dataset) -> bytes:
     facts = ((key, printable(fact).replace(",", ";")) for key, fact in data.facts().items())
     text.writelines(f"# {key}: {fact}\n" for key, fact in facts)
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(_columns(data))
-    table.writerows([_BARE if cell == UNIT else cell for cell in row] for row in _rows(data))
+    columns = COLUMNS + (_MORE_AXES if data.grids else ())
+    for row in (columns, *_rows(data)):
+        table.writerow(_BARE if cell == UNIT else cell for cell in row[: len(columns)])
     return text.getvalue().encode()
 
 
@@ -165,12 +163,6 @@ def as_comment(text: str) -> str:
     """``text`` for a comment of C: without a begin or end of a comment and without trigraphs."""
     plain = "".join(c if " " <= c <= "~" and c not in "?\\" else "_" for c in text)
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
-
-
-def _a2l_type(constant: Object, single: bool) -> str:
-    """Data type of A2L."""
-    floating = "FLOAT32_IEEE" if single else "FLOAT64_IEEE"
-    return floating if constant.fixed is None else _TYPES[constant.fixed.bits]
 
 
 def _origin_of(constant: Object) -> str:
@@ -212,12 +204,6 @@ def _display_format(constant: Object) -> str:
     return f"%{len(str(int(largest))) + decimals + 2}.{decimals}"
 
 
-def _c_type(constant: Object, single: bool) -> str:
-    """Type of a constant of the C header."""
-    floating = "float" if single else "double"
-    return floating if constant.fixed is None else f"int{constant.fixed.bits}_t"
-
-
 def _c_numbers(constant: Object, single: bool) -> Any:
     """The numbers of a constant as C has them, those of a map nested as its axes are."""
     if constant.fixed is None:
@@ -237,6 +223,7 @@ def _c_string(text: str) -> str:
 
 def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     """The template of a format; ``text`` makes a text fit for it."""
+    c_float, a2l_float = ("float", "FLOAT32") if data.single else ("double", "FLOAT64")
     environment = templates("calib.exports", markup=False)
     environment.filters |= {
         "text": text,
@@ -247,10 +234,10 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
         "limits": _limits,
         "type_limits": _type_limits,
         "display_format": _display_format,
-        "c_type": partial(_c_type, single=data.single),
+        "c_type": lambda x: f"int{x.fixed.bits}_t" if x.fixed else c_float,
         "c_numbers": partial(_c_numbers, single=data.single),
         "c_string": _c_string,
-        "type": partial(_a2l_type, single=data.single),
+        "type": lambda x: _A2L_TYPES[x.fixed.bits] if x.fixed else f"{a2l_float}_IEEE",
     }
     facts = data.facts()
     written = environment.get_template(f"{name}.j2").render(

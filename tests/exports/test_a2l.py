@@ -15,7 +15,7 @@ import pytest
 
 from calib.base.errors import ExchangeError
 from calib.exports.addresses import find_addresses
-from calib.exports.dataset import Addresses
+from calib.exports.symbols import Addresses
 from calib.exports.write import FORMATS
 from tests.support.a2l import decoded, objects, read_a2l
 from tests.support.curves import built
@@ -40,16 +40,6 @@ def a2ltool(folder, content, *options):
     assert run.returncode == 0, run.stdout + run.stderr
     assert "No problems found" in run.stdout
     return re.sub(r"/\*.*?\*/", "", out.read_text(), flags=re.DOTALL)
-
-
-@needs_a2ltool
-@pytest.mark.parametrize("bits", WIDTHS)
-def test_another_program_accepts_it_in_strict_mode(real, tmp_path, bits):
-    data = built(real, 8, bits=bits)
-    read = a2ltool(tmp_path, FORMATS["a2l"].write(data))
-    for label in (*(a.label for a in data.axes), *(c.label for c in data.curves)):
-        assert re.search(rf"/begin (AXIS_PTS|CHARACTERISTIC) {label} ", read)
-    assert read.count("/begin CHARACTERISTIC") == len(data.curves) + len(data.scalars)
 
 
 @needs_gcc
@@ -83,8 +73,6 @@ def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
     mu = next(s for s in data.scalars if s.label.endswith("_mu_f"))
     low, high = found[mu.label][3]
     assert low <= mu.values[0] <= high
-    if bits == 32:
-        assert high - low == pytest.approx(2 * 1.959964 * mu.sigma, rel=1e-3)
     for block in module.all("AXIS_PTS", "CHARACTERISTIC"):
         least, most = map(float, block.after("EXTENDED_LIMITS", 2))
         low, high = found[block.given[0]][3]

@@ -13,7 +13,7 @@ from calib.car.balance import force_balance
 from calib.car.effects.effects import Effects
 from calib.estimation.baselines import _by_curves
 from calib.exports.build import build
-from calib.exports.dataset import LONGEST, LONGEST_PREFIX, label, prefix
+from calib.exports.symbols import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.exports.write import printable
 from calib.store.evidence import Quality
 from calib.store.store import Store

@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -32,6 +31,9 @@ print(json.dumps({
                for c in curves},
     "scalars": {p.name: [float(p.value), p.unit] for p in d.get_parameters()},
     "axes": {c.name: c.x_mapping for c in d.get_group_characteristic_lines()},
+    "maps": {m.name: [m.x_mapping, m.y_mapping, m.x_dimension, m.y_dimension, m.unit_values,
+             [[*map(float, (y, x, v))] for y, row in m.values.items() for x, v in row.items()]]
+             for m in d.get_group_characteristic_maps()},
     "functions": [[f.name, f.version, f.description] for f in d.get_functions()],
 }))
 """
@@ -169,9 +171,6 @@ def test_no_text_of_a_csv_can_be_taken_for_a_number(stored):
         assert row["unit"]
         for name in row.keys() - {*NUMBERS}:
             assert re.fullmatch(r"[-+0-9.eE]*[0-9][-+0-9.eE]*", row[name]) is None
-
-
-PAGE = Path(__file__).parents[2] / "calib" / "manual" / "tables.md"
 
 
 def test_a_dcm_names_the_axis_of_each_curve_and_its_function(stored, tmp_path):

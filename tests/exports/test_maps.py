@@ -4,8 +4,6 @@ ln of the pads' ratio is A + B_Z z + B_SHIFT shift + B_SLIP slip; the axes have 
 """
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from itertools import product
 
@@ -22,7 +20,7 @@ from calib.exports.write import FORMATS
 from calib.store.store import Store
 from calib.table.exported import Precision, as_exported
 from tests.exports.test_a2l import a2ltool, needs_a2ltool
-from tests.exports.test_formats import TREE, frame_of
+from tests.exports.test_formats import TREE, dcm_reader, frame_of
 from tests.support.a2l import cells, decoded, read_a2l, without_epk
 from tests.support.programs import linked, memory_of, needs_gcc
 from tests.support.tables import (
@@ -65,28 +63,8 @@ def written(stored, form, **how):
     return data, FORMATS[form].write(data)
 
 
-DCM_READER = """
-import json, logging, sys
-from dcmReader.dcm_reader import DcmReader
-logging.disable(logging.NOTSET)
-d = DcmReader()
-d.read(sys.argv[1])
-print(json.dumps([
-    [m.name, m.x_mapping, m.y_mapping, m.x_dimension, m.y_dimension, m.unit_values,
-     [[float(y), float(x), float(v)] for y, row in m.values.items() for x, v in row.items()]]
-    for m in d.get_group_characteristic_maps()
-]))
-"""
-
-
 def test_dcmReader_sees_each_map_over_its_two_distributions(mapped, tmp_path):
-    (tmp_path / "table.dcm").write_bytes(written(mapped, "dcm")[1])
-    run = subprocess.run(
-        [sys.executable, "-c", DCM_READER, tmp_path / "table.dcm"],
-        capture_output=True, text=True, timeout=60, check=True,
-    )  # fmt: skip
-    assert run.stderr == ""
-    maps = {name: rest for name, *rest in json.loads(run.stdout)}
+    maps = dcm_reader(written(mapped, "dcm")[1], tmp_path)["maps"]
     flat = {"sedan_log_slip", "sedan_log_slip_sigma", "sedan_share"}
     thick = {name for name in made_map().names if f"sedan_{name}" not in flat}
     assert maps.keys() == flat | {f"sedan_{name}_s{i}" for name in thick for i in (1, 2, 3)}
