@@ -6,6 +6,7 @@ printed for people is made safe for a terminal on its way.
 
 import json
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
     from calib.base.settings_file import Project
     from calib.show.facts import Facts
 
+STOPS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)
+)
+"""Signals that ask a run to stop; Windows has SIGBREAK, of Ctrl-Break, too."""
 
 _PIPED_WIDTH = 120
 """Columns of a table that does not go to a terminal, if COLUMNS is not set; lines stay whole."""

@@ -13,7 +13,7 @@ from calib.base.errors import printable
 from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, emit_line, json_text, misuse, progress, say, this_run
+from cli.console import STOPS, complain, emit_line, json_text, misuse, progress, say, this_run
 from cli.options import argument, option
 from cli.outputs import check_folder, write_folder, writing
 
@@ -172,7 +172,7 @@ def watch(
 def _stopped() -> Iterator[Event]:
     """An event that Ctrl-C and SIGTERM set; logs in work are finished. A second signal kills."""
     stop = Event()
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number) for number in STOPS}
 
     def end(*_signal: object) -> None:
         stop.set()

@@ -121,3 +121,24 @@ def test_fit_validate_release_and_export_without_what_windows_lacks(tmp_path):
     assert (tmp_path / "car.csv").is_file()
     hidden = [p for p in tmp_path.rglob(".*") if p.name != ".gitattributes"]
     assert hidden == []
+
+
+BREAK = """
+signal.SIGBREAK = signal.SIGUSR1
+
+def pressed(event, arguments):
+    if event == "open" and str(arguments[0]).endswith("vehicle.toml"):
+        signal.raise_signal(signal.SIGBREAK)
+
+sys.addaudithook(pressed)
+from cli.main import main
+
+sys.argv = ["brake-cal", "vehicle", "show", "VEHICLE"]
+main()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Ctrl-Break is a signal of Linux here")
+def test_ctrl_break_stops_a_run_as_ctrl_c_does(tmp_path):
+    vehicle = ROOT / "sample_logs" / "simulation_study" / "vehicle.toml"
+    assert run(BREAK.replace("VEHICLE", str(vehicle)), tmp_path).returncode == 130
