@@ -6,7 +6,6 @@ The channels of a table share one clock; those of a recording, such as bus frame
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +95,7 @@ def stem_of(path: Path) -> str:
 RECORDINGS: dict[str, Callable[[Path, Databases], Recording]] = {
     **dict.fromkeys(MDF, open_mdf),
     ".blf": open_blf,
-    **{ending: partial(open_text_log, ending=ending) for ending in TEXT_LOGS},
+    **dict.fromkeys(TEXT_LOGS, open_text_log),
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
@@ -15,13 +15,13 @@ from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
 from calib.logs.channel_map import MAP_IT, TRUTH, Assigned, ChannelMap, assign
-from calib.logs.clock import check_clock, is_ascending, on_line
+from calib.logs.clock import check_clock, is_ascending
 from calib.logs.computed import computed_pressures
 from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
-from calib.logs.gaps import ChannelHole, complete_channels, fill_rows, without_open_ends
+from calib.logs.gaps import complete_channels, without_open_ends
 from calib.logs.impossible import refuse_absurd, without_impossible
 from calib.logs.log import Log
-from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
+from calib.logs.resample import Resampled, on_one_clock, rows_on_one_clock
 from calib.logs.source import ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
 
@@ -123,9 +123,9 @@ def read_log(
                     expected=f"channels named {', '.join(REQUIRED[1:])}",
                     do="; ".join([*source.notes, MAP_IT]),
                 )
-        sampled = _sampled(source, assigned, where)
-        refuse_absurd(sampled.channels, where)
-        possible, marked, bridged = without_impossible(sampled.channels, where)
+        sampled, resampled = _sampled(source, assigned, where)
+        refuse_absurd(sampled, where)
+        possible, marked, bridged = without_impossible(sampled, where)
         undelayed, delay_notes = _without_delays(possible, assigned, where)
         trimmed, trim_notes = without_open_ends(undelayed)
         values, gap_notes = complete_channels(trimmed, needed, where)
@@ -139,56 +139,35 @@ def read_log(
             truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
             ignored=ignored,
             notes=(
-                *(*source.notes, *unitless, *sampled.notes),
+                *(*source.notes, *unitless, *resampled.notes),
                 *(*delay_notes, *trim_notes, *gap_notes),
             ),
             origins=tuple(item.origin() for item in assigned if item.channel in values),
-            bridged=tuple(gap for gap in (*sampled.bridged, *bridged) if gap.channel in values),
+            bridged=tuple(gap for gap in (*resampled.bridged, *bridged) if gap.channel in values),
             marked=marked,
-            interpolated=sampled.interpolated,
+            interpolated=resampled.interpolated,
             computed=tuple(computed_pressures(values, ignored, source)),
         )
 
 
-class _Sampled(NamedTuple):
-    """Channels in SI on one clock, (n,) each, NaN for no value, and what the reader changed."""
-
-    channels: dict[str, Array]
-    notes: tuple[str, ...]
-    bridged: tuple[ChannelHole, ...]
-    interpolated: tuple[str, ...] = ()
-
-
-def _sampled(source: ColumnSource | Recording, assigned: list[Assigned], where: str) -> _Sampled:
-    """The channels of a source: its rows, or resampled where it has several clocks."""
-    by_name = {item.channel: item for item in assigned}
-    note: tuple[str, ...] = ()
+def _sampled(
+    source: ColumnSource | Recording, assigned: list[Assigned], where: str
+) -> tuple[dict[str, Array], Resampled]:
+    """The channels of a source [SI], (n,), on one clock, and how they came onto it."""
     if isinstance(source, Recording):
         others = [item for item in assigned if item.channel != "time"]
-        read = source.read([item.index for item in others])
-        traces = [item.named(trace) for item, trace in zip(others, read, strict=True)]
+        traces = source.read([item.index for item in others])
+        named = [item.named(trace) for item, trace in zip(others, traces, strict=True)]
+        resampled = on_one_clock(named, where)
+        pairs = zip(others, resampled.values, strict=True)
+        channels = {item.channel: item.to_si(x) for item, x in pairs}
     else:
         written = source.read([item.index for item in assigned])
-        values = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
-        time = values.pop("time")
-        if not of_several_clocks(time, values):
-            time, rounded = on_line(time) if is_ascending(time) else (time, ())
-            measured = {name: x for name, x in values.items() if name in CHANNELS}
-            filled, notes, bridged = fill_rows(measured, time)
-            channels = {"time": time} | values | filled
-            return _Sampled(channels, (*rounded, *notes), tuple(bridged))
-        note = ("the rows are those of several clocks: each channel was put on one clock",)
-        traces = [by_name[trace.name].named(trace) for trace in traces_of(time, values)]
-    resampled = on_one_clock(traces, where)
-    channels = {trace.name: x for trace, x in zip(traces, resampled.values, strict=True)}
-    if isinstance(source, Recording):
-        channels = {name: by_name[name].to_si(x) for name, x in channels.items()}
-    return _Sampled(
-        {"time": resampled.time} | channels,
-        (*note, *resampled.notes),
-        resampled.bridged,
-        resampled.interpolated,
-    )
+        channels = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
+        states = [item.channel for item in assigned if item.mapping.method == "hold"]
+        resampled = rows_on_one_clock(channels.pop("time"), channels, where, states)
+        channels = dict(zip(channels, resampled.values, strict=True))
+    return {"time": resampled.time} | channels, resampled
 
 
 def _without_delays(

@@ -6,8 +6,8 @@ v        .........|...................      10 Hz   linear
 time         |----|----|----|              only where all required channels have values
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.logs.clock import check_running, is_ascending, on_line, step_of
-from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, in_words
+from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, fill_rows, in_words
 from calib.logs.source import ChannelTrace
 
 _FASTEST = 1050.0
@@ -33,18 +33,43 @@ _ENDS = 0.5
 
 
 @dataclass(frozen=True)
-class _Resampled:
-    """Channels on one clock [s]: values (n,), NaN for none, and original rates by name [Hz]."""
+class Resampled:
+    """Channels on one clock [s]: values (n,), NaN for none, and original rates by name [Hz].
+
+    ``interpolated`` are the names of those that were recorded on another clock.
+    """
 
     time: Array
     values: list[Array]
     notes: tuple[str, ...]
     bridged: tuple[ChannelHole, ...]
-    rates: dict[str, float]
-    interpolated: tuple[str, ...]
+    rates: dict[str, float] = field(default_factory=dict)
+    interpolated: tuple[str, ...] = ()
 
 
-def of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
+def rows_on_one_clock(
+    time: Array, columns: Mapping[str, Array], where: str, states: Collection[str] = ()
+) -> Resampled:
+    """The columns (n,) of a table with rows at ``time`` [s] (n,): short gaps are bridged.
+
+    Rows of several clocks are resampled as by `on_one_clock`; ``states`` keep their last value.
+    """
+    if not _of_several_clocks(time, columns):
+        time, rounded = on_line(time) if is_ascending(time) else (time, ())
+        filled, notes, bridged = fill_rows(columns, time)
+        return Resampled(time, [*filled.values()], (*rounded, *notes), tuple(bridged))
+    clocks: dict[bytes, str] = {}
+    traces = []
+    for name, x in columns.items():
+        present = ~np.isnan(x)
+        clock = clocks.setdefault(present.tobytes(), f"rows of {name}")
+        traces.append(ChannelTrace(clock, time[present], x[present], name in states, name))
+    note = "the rows are those of several clocks: each channel was put on one clock"
+    resampled = on_one_clock(traces, where)
+    return replace(resampled, notes=(note, *resampled.notes))
+
+
+def _of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
     """Whether rows at ``time`` [s] (n,) come from several clocks, one row for each time stamp.
 
     The rows are uneven then, and the values of a column (n,), NaN for none, have even times.
@@ -57,18 +82,7 @@ def of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
     return any(3 <= np.count_nonzero(k) < k.size and _even(time[k]) for k in masks)
 
 
-def traces_of(time: Array, columns: Mapping[str, Array]) -> list[ChannelTrace]:
-    """Each column (n,) at the times [s] (n,) at which it has a value."""
-    clocks: dict[bytes, str] = {}
-    traces = []
-    for name, x in columns.items():
-        present = ~np.isnan(x)
-        clock = clocks.setdefault(present.tobytes(), f"rows of {name}")
-        traces.append(ChannelTrace(clock, time[present], x[present], name=name))
-    return traces
-
-
-def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
+def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
     """Resample channels onto the clock of the required one with the highest rate and even steps.
 
     Of clocks about as fast the one with most wheel speeds is chosen. Other channels are
@@ -94,7 +108,7 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> _Resampled:
         for w in wanted
     ]
     gaps = [text for item in filled for text in in_words(item)]
-    return _Resampled(
+    return Resampled(
         time,
         [item.values for item in filled],
         (*notes, *_notes(full, master, rates), *gaps, *cut),

@@ -11,8 +11,8 @@ from calib.base.units import from_si, to_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import TIME_UNITS, check_steps, step_of
-from calib.logs.gaps import ONLY, fill_rows
-from calib.logs.resample import of_several_clocks, on_one_clock, traces_of
+from calib.logs.gaps import ONLY
+from calib.logs.resample import rows_on_one_clock
 from calib.run.filters import runs
 from calib.suggest.columns import (
     GIVE_RADIUS,
@@ -112,31 +112,20 @@ def _take_clock(search: Search, item: Series) -> None:
 
 
 def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
-    """Bridge the short gaps of columns; leave those with longer ones.
-
-    Where the rows are those of several clocks, all columns are put on one, which is returned.
-    """
-    time = clock.time
-    columns = {s.name: s.values for s in (*search.series, *search.gapped)}
-    if of_several_clocks(time, columns):
-        resampled = on_one_clock(traces_of(time, columns), "the log")
-        put = dict(zip(columns, resampled.values, strict=True))
-        every = [replace(s, values=put[s.name]) for s in (*search.series, *search.gapped)]
-        search.series = [s for s in every if not np.isnan(s.values).any()]
-        search.gapped = [s for s in every if np.isnan(s.values).any()]
-        search.clock = clock = ColumnClock(resampled.time, step_of(resampled.time))
-        time = clock.time
-    for item in search.gapped:
-        filled, _, _ = fill_rows({item.name: item.values}, time)
-        values, rate = filled[item.name], 1.0 / step_of(time[~np.isnan(item.values)])
+    """Put all columns on one clock, which is returned, and leave those with gaps."""
+    every = (*search.series, *search.gapped)
+    resampled = rows_on_one_clock(clock.time, {s.name: s.values for s in every}, "the log")
+    time, search.series = resampled.time, []
+    for item, values in zip(every, resampled.values, strict=True):
         missing = np.flatnonzero(np.isnan(values))
         if missing.size:
             first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
             search.unused[item.name] = f"no value in {first}; gaps are bridged {ONLY}"
         else:
-            search.series.append(replace(item, values=values, rate=item.rate or rate))
-    search.series = [replace(s, rate=s.rate or 1.0 / clock.step) for s in search.series]
-    return clock
+            rate = item.rate or 1.0 / step_of(clock.time[~np.isnan(item.values)])
+            search.series.append(replace(item, values=values, rate=rate))
+    search.clock = ColumnClock(time, step_of(time))
+    return search.clock
 
 
 def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Array | None:

@@ -219,8 +219,8 @@ TEXT_LOGS = tuple(_READERS)
 """File name endings of the text logs of a bus."""
 
 
-def open_text_log(path: Path, dbc: Databases, ending: str) -> Recording:
-    """Open a log of one of `TEXT_LOGS`.
+def open_text_log(path: Path, dbc: Databases) -> Recording:
+    """Open a log whose ending is one of `TEXT_LOGS`.
 
     Raises LogError for a line or frame that is cut off or cannot be read, an ASC block without its
     end, relative timestamps, a lost message of TRC; without a DBC, and if it describes no frame.
@@ -228,7 +228,7 @@ def open_text_log(path: Path, dbc: Databases, ending: str) -> Recording:
     can = need("can", "can", str(path), LogError)
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
     database = require_dbc(dbc, "can", str(path))
-    kind = _READERS[ending]
+    kind = _READERS[path.suffix.lower()]
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = kind(file, path)
         capture = lines.captured(getattr(can, kind.reader)(lines), database)

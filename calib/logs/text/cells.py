@@ -3,8 +3,8 @@
 name [unit]    always a name and a unit
 name (unit)    if the text in brackets is a unit, or if the name is a canonical channel
 name|unit|...  always; lowest and highest value and rate may follow
-name_unit      if the ending can only be a unit, or if the name is a canonical channel and the
-               ending a unit of it: ``time_s`` but not ``valve_s``
+name_unit      if the ending can only be a unit of a channel, or if the name is a canonical channel
+               and the ending a unit of it: ``time_s`` but not ``valve_s``
 
 14:03:07,120       2026-03-14T14:03:07.120+01:00       14-Mar-2026 2:03:07.120 PM       03:07.120
 0.12 sec           number and unit of time
@@ -23,23 +23,6 @@ from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import is_unit, spelling, to_si
 from calib.logs.source import Column
-
-_ENDINGS = {
-    **{u: u for u in ("bar", "mbar", "hPa", "kPa", "MPa", "psi", "kmh", "kph", "mph", "rpm")},
-    **{u: u for u in ("degC", "degF", "Nm", "kNm", "mps", "percent", "deg")},
-    "km_h": "km/h",
-    "m_s": "m/s",
-    "m_s2": "m/s^2",
-    "mps2": "m/s^2",
-    "ms2": "m/s^2",
-    "rad_s": "rad/s",
-    "radps": "rad/s",
-    "deg_s": "deg/s",
-    "degps": "deg/s",
-    "U_min": "U/min",
-    "1_min": "1/min",
-}
-"""Endings that are always a unit after an underscore."""
 
 
 def column_from_cell(cell: str) -> Column:
@@ -76,14 +59,13 @@ def _ending(cell: str) -> tuple[str, str] | None:
         return None
     parts = cell.split("_")
     for count in (2, 1):  # m_s before s
-        name, ending = "_".join(parts[:-count]), "_".join(parts[-count:])
-        unit = _ENDINGS.get(ending)
-        if name in CHANNELS:
-            unit = unit or ending
-            if is_unit(unit, CHANNELS[name].si):
-                return name, unit
-        elif name and unit is not None:
-            return name, unit
+        name, unit = "_".join(parts[:-count]), "/".join(parts[-count:])
+        ours = [CHANNELS[name]] if name in CHANNELS else []
+        # two letters may mean something else, and so does the lowest value
+        clear = name and len(unit) > 2 and unit != "min"
+        others = CHANNELS.values() if clear or (name and unit == "Nm") else []
+        if any(is_unit(unit, quantity.si) for quantity in ours or others):
+            return name, spelling(unit)
     return None
 
 

@@ -198,8 +198,15 @@ def _layout(
     numbers = [i for i, column in enumerate(columns) if mostly(_any_number, column)]
     if len(numbers) < 2:
         return None
-    table = [cells_of(x.decode("latin-1"), separator) if x.strip() else [] for x in lines]
-    first = _first_row(table, width, numbers)
+    table, run = list[list[str]](), list[int]()
+    for index, line in enumerate(lines):
+        row = cells_of(line.decode("latin-1"), separator) if line.strip() else []
+        table.append(row)
+        if row:
+            run = [*run, index] if _is_sample(row, width, numbers) else []
+        if len(run) == _RUN:
+            break
+    first = run[0] if run else len(table)
     spare = sum(map(bool, columns[-1])) <= 1  # each row ends with a separator
     block = _block(table, first, (width, width - spare))
     if not block:
@@ -215,24 +222,16 @@ def _layout(
     return Layout(separator, names_line, units_line, more_line, starts[first], above, numbers)
 
 
-def _first_row(table: Sequence[Sequence[str]], width: int, numbers: Sequence[int]) -> int:
-    """The first of a run of rows with numbers; the number of lines without such a run."""
-
-    def is_row(row: Sequence[str]) -> bool:
-        cells = [row[i] for i in numbers if row[i] not in EMPTY] if len(row) == width else []
-        return any(map(_any_number, cells)) and not is_unit_row(row)
-
-    filled = [i for i, row in enumerate(table) if row]
-    for place, index in enumerate(filled):
-        if all(is_row(table[i]) for i in filled[place : place + _RUN]):
-            return index
-    return len(table)
+def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
+    """Whether a row has a number in one of the columns of ``numbers``, and no units."""
+    cells = [row[i] for i in numbers if row[i] not in EMPTY] if len(row) == width else []
+    return any(map(_any_number, cells)) and not is_unit_row(row)
 
 
 def _block(table: Sequence[Sequence[str]], first: int, widths: tuple[int, int]) -> list[int]:
     """The lines of the header above the ``first`` row: names, or names over a blank and units."""
     block: list[int] = []
-    for index in range(min(first, len(table)) - 1, -1, -1):
+    for index in range(first - 1, -1, -1):
         row = table[index]
         if not row and (not block or is_unit_row(table[block[0]])):
             continue

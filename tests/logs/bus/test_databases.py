@@ -28,7 +28,7 @@ def folder(tmp_path):
 def opened(folder, buses):
     """The names and values of the log with files by bus, and its notes."""
     files = {bus: tuple(folder / name for name in names) for bus, names in buses.items()}
-    found = open_text_log(folder / "run.log", files, ".log")
+    found = open_text_log(folder / "run.log", files)
     names = [column.full for column in found.columns[1:]]
     traces = found.read(range(1, 1 + len(names)))
     return {name: trace.values for name, trace in zip(names, traces, strict=True)}, found.notes

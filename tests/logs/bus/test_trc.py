@@ -27,7 +27,7 @@ def texts():
 def opened(folder, text, name="run.trc"):
     path = folder / name
     path.write_text(text)
-    return open_text_log(path, {"": (folder / "chassis.dbc",)}, ".trc")
+    return open_text_log(path, {"": (folder / "chassis.dbc",)})
 
 
 def refused(folder, text):
