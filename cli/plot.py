@@ -39,22 +39,22 @@ def plot(
 ) -> Answer:
     """Draw tables, logs and results.
 
-    A table: its curves and its map, and with the ramps it was made of, their measured points. Two
-    tables: one against the other. A table and another log: the stop and its verdict. A log: its
-    channels. A PDF or HTML file holds all pages, of PNG and SVG there is one file per page; without
-    --out they are PNG files in this directory, named after their content.
+    A table: its curves and its map, and with the ramps it was made of, their measured points. A
+    table and another log: the stop and its verdict. A log: its channels. A PDF or HTML file holds
+    all pages, of PNG and SVG there is one file per page; without --out they are PNG files in this
+    directory, named after their content.
 
     Panels for --figure, of a table: f1-f2, map, map-band, tyre, posterior, pairs, and forces of a
-    ramp. Of two tables: f1-f2, map. Of a stop or a result: axle-torques, pads, normalised-forces,
-    slip, and map of a stop. Of a log: eta, and its channels: omega, p_mc, ...
+    ramp. Of a stop or a result: axle-torques, pads, normalised-forces, slip, and map of a stop. Of
+    a log: eta, and its channels: omega, p_mc, ...
     """
     from calib.show.choose import sheet_facts, sheets
     from calib.show.stop import of_result
 
-    tables, logs, results = _read(sources, store, channel_map)
-    if vehicle and not (tables and logs):
+    table, logs, results = _read(sources, store, channel_map)
+    if vehicle and not (table and logs):
         raise misuse("only with a TABLE and a LOG", "--vehicle")
-    drawn = [*sheets(tables, logs, vehicle, limits), *map(of_result, results)]
+    drawn = [*sheets(table, logs, vehicle, limits), *map(of_result, results)]
     if figure is not None:
         for sheet in drawn:
             require_known(figure, sheet.names, "figure ")
@@ -72,7 +72,7 @@ def plot(
 
 def _read(
     sources: list[str], store: options.Tables, channel_map: options.Map
-) -> "tuple[list[Stored], list[Log], list[StoredResult]]":
+) -> "tuple[Stored | None, list[Log], list[StoredResult]]":
     """Read all inputs; a name that is no log and no result is a table."""
     from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
@@ -82,14 +82,14 @@ def _read(
     results = [p for p in files if is_result(p)]
     logs = [p for p in files if p not in results and (is_stdin(p) or ending_of(p) in FORMATS)]
     names = [w for w, p in zip(sources, files, strict=True) if p not in results and p not in logs]
-    if len(names) > 2 or (len(names) == 2 and logs):
-        raise misuse("give one table with its logs, or two tables without logs", "TABLE")
-    tables = [store.load(name) for name in names]
-    for one in tables:
-        say(f"{one.id} is {one.state.words}")
+    if len(names) > 1:
+        raise misuse("give one table; `tables compare` compares two", "TABLE")
+    table = store.load(names[0]) if names else None
+    if table:
+        say(f"{table.id} is {table.state.words}")
     needed = REQUIRED if names else ()  # a log alone is drawn with the channels that it has
     read_logs = [read(path, channel_map, require=needed) for path in logs]
-    return tables, read_logs, [read_result(path) for path in results]
+    return table, read_logs, [read_result(path) for path in results]
 
 
 def _draw(drawn: "list[Sheet]", out: Path | None, figure: str | None) -> list[Path]:

@@ -1,7 +1,6 @@
 """The sheets that are drawn for the given tables and logs.
 
 a table                     the table; with the ramps it was made of, also their measured points
-two tables                  one against the other
 a table and another log     the stop, judged as `validate` does; a simulation if it has truth
 a log                       its channels
 """
@@ -23,20 +22,19 @@ from calib.store.version import Stored
 
 
 def sheets(
-    tables: Sequence[Stored],
+    stored: Stored | None,
     logs: Sequence[Log],
     vehicle: Vehicle | None = None,
     limits: tuple[Limit, ...] = DEFAULTS,
 ) -> Iterator[Sheet]:
-    """Yield the sheets of one table with its logs, of two tables, or of logs.
+    """Yield the sheets of a table with its logs, or of logs alone.
 
     ``vehicle`` replaces the nominal pads, ``limits`` judge a stop. Raises LogError and VehicleError
     as `validate_one`.
     """
-    if len(tables) == 2:
-        yield table.two_tables({one.id: one.table for one in tables})
-        return
-    for stored in tables:
+    if stored is None:
+        yield from map(_of_log, logs)
+    else:
         parents = [(run, stored.table.provenance.parent_of(run)) for run in logs]
         ramps = [run for run, parent in parents if parent and parent.role == "ramp"]
         if ramps or not logs:
@@ -48,8 +46,6 @@ def sheets(
                 yield stop.of_validation(result, stored.id, vehicle)
             elif parent.role != "ramp":
                 yield _of_log(run)  # a coast has no braked sample
-    if not tables:
-        yield from map(_of_log, logs)
 
 
 def _of_log(run: Log) -> Sheet:

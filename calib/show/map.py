@@ -51,14 +51,6 @@ def map_panels(
     )
 
 
-def difference_panel(first: Table, second: Table) -> Panel:
-    """Ratio of the pads by the map of the ``second`` table over that by the ``first``."""
-    axes = _axes(first, [(second.paper.eta - 1.0, second.paper.z)])
-    (a, *_), (b, *_) = (_read(table, axes) for table in (first, second))
-    differ = 100.0 * (np.exp(b - a) - 1.0)
-    return _panel("map", "Maps: second less first [%]", axes, [_ridge(first)], differ, middle=0.0)
-
-
 def _axes(table: Table, others: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
     """eta - 1 (1, k) and z (k, 1) around the ramp and the ``others``."""
     drawn = [(table.paper.eta - 1.0, table.paper.z), *others]

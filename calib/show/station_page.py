@@ -23,7 +23,7 @@ from calib.line.station.files import (
     why_not_exported,
 )
 from calib.line.station.station import TITLES, StationOutcome
-from calib.show.facts import WORDS, Facts, Picture
+from calib.show.facts import WORDS, Facts, Picture, Row
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of
 from calib.show.judged import budget_rows, judged, ramp_rows, stop_by_stop
@@ -59,6 +59,10 @@ def station_facts(run: StationRun) -> Facts:
     outcome, stored, date = run.outcome, run.stored, run.date
     identity = outcome.identity
     curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
+    of_car = [[check.judgement] for check in outcome.checks if check.stop is None]
+    car, unknown = judged("The car as a whole, the worst first.", of_car)
+    by_stop, unknown_too = stop_by_stop(outcome.results)
+    budgets = outcome.table.budget.axles
     advice = "" if outcome.passed else "find the cause, and run the car again"
     if stored.state.word == DRAFT:
         advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
@@ -73,23 +77,20 @@ def station_facts(run: StationRun) -> Facts:
         next=advice,
         warnings=outcome.warnings,
         parts=[
-            _torques(outcome, stored),
-            _metrics(outcome),
-            _run(outcome, date),
+            Facts(
+                "Brake torque and pads",
+                tables=[beside_best(stored, outcome.results)],
+                rows=budget_rows(budgets, suffix=" of the ramp"),
+                notes=advice_lines(budgets),
+            ),
+            Facts("Metrics", tables=[car, by_stop], notes=[*unknown, *unknown_too]),
+            Facts("The run", rows=_run(outcome, date)),
             Facts("The table", pictures=[curves]),
             Facts("The stops", pictures=[torque_and_pads(r) for r in outcome.results]),
             Facts("Remarks", notes=outcome.table.remarks, folded=True),
             origin(stored, outcome.logs, date),
         ],
     )
-
-
-def _metrics(outcome: StationOutcome) -> Facts:
-    """Every metric with its limit, the worst first."""
-    of_car = [[check.judgement] for check in outcome.checks if check.stop is None]
-    car, unknown = judged("The car as a whole, the worst first.", of_car)
-    by_stop, unknown_too = stop_by_stop(outcome.results)
-    return Facts("Metrics", tables=[car, by_stop], notes=[*unknown, *unknown_too])
 
 
 def _missed(outcome: StationOutcome) -> Cells:
@@ -103,32 +104,18 @@ def _missed(outcome: StationOutcome) -> Cells:
     return Cells(("verdict", "result", "next step"), steps, _MISSED, [one[0] for one in steps])
 
 
-def _run(outcome: StationOutcome, date: str) -> Facts:
+def _run(outcome: StationOutcome, date: str) -> list[Row]:
     """Identity of the car, date, operator, limits and golden table."""
     mean = f", mean of {outcome.golden_cars} cars" if outcome.golden_cars else ""
-    return Facts(
-        "The run",
-        rows=[
-            ("Vehicle", outcome.table.vehicle.name),
-            *((TITLES[name], value) for name, value in outcome.identity.items()),
-            ("Mass", str(outcome.results[0].mass)),
-            ("Date", date or "not stated (--date)"),
-            ("Operator", outcome.by or "not stated (--by)"),
-            ("Limits file", outcome.limits_file or "none: those of the program"),
-            ("Golden table", f"{outcome.golden.id}{mean}" if outcome.golden else "none given"),
-        ],
-    )
-
-
-def _torques(outcome: StationOutcome, stored: Stored) -> Facts:
-    """Torques and pads of each stop, and the uncertainty of the ramp by its causes."""
-    budgets = outcome.table.budget.axles
-    return Facts(
-        "Brake torque and pads",
-        tables=[beside_best(stored, outcome.results)],
-        rows=budget_rows(budgets, suffix=" of the ramp"),
-        notes=advice_lines(budgets),
-    )
+    return [
+        ("Vehicle", outcome.table.vehicle.name),
+        *((TITLES[name], value) for name, value in outcome.identity.items()),
+        ("Mass", str(outcome.results[0].mass)),
+        ("Date", date or "not stated (--date)"),
+        ("Operator", outcome.by or "not stated (--by)"),
+        ("Limits file", outcome.limits_file or "none: those of the program"),
+        ("Golden table", f"{outcome.golden.id}{mean}" if outcome.golden else "none given"),
+    ]
 
 
 def store_and_write(

@@ -18,15 +18,11 @@ from calib.store.signature import key_ids
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, limiting
-from calib.table.table import Table as LookUp
 
 if TYPE_CHECKING:
     from calib.exports.compare import Difference as FromFile
     from calib.exports.read import Returned
     from calib.table.compare import Difference
-
-_ROWS = 12
-"""Rows of f1 and f2 that are printed; all of them are in the JSON."""
 
 
 def listed(rows: Sequence[ListedVersion]) -> Facts:
@@ -71,7 +67,7 @@ def table_facts(stored: Stored) -> Facts:
         ],
         notes=advice[:1],
         next=use.next,
-        parts=[_made_of(stored), Facts("Curves", tables=[_curves(table)])],
+        parts=[_made_of(stored)],
     )
 
 
@@ -114,16 +110,6 @@ def shown_document(stored: Stored) -> dict[str, Any]:
         "record": record,
         "curves": curves,
     }
-
-
-def _curves(table: LookUp) -> Table:
-    curve, last = table.paper, len(table.paper.eta) - 1
-    rows = sorted({round(k * last / (_ROWS - 1)) for k in range(_ROWS)})
-    columns = ((curve.eta, ".5f"), (curve.z, ".3f"), (curve.f1, "+.4f"), (curve.f2, "+.4f"))
-    cells = [
-        [*(f"{values[i]:{form}}" for values, form in columns), f"{curve.count[i]:g}"] for i in rows
-    ]
-    return Table(("eta", "z", "f1", "f2", "blocks"), cells)
 
 
 def history(entries: Sequence[dict[str, Any]]) -> Facts:

@@ -1,12 +1,11 @@
 """A table on a page: f1 and f2 (Fig. 6), its map of the pads, its tyre (Fig. 3), its posterior.
 
-With the ramps it was made of, their measured points are drawn too, and Fig. 5. Of two tables a
-colour is a quantity, as of one, and a line style is a table, in the order given.
+With the ramps it was made of, their measured points are drawn too, and Fig. 5.
 """
 
 import numpy as np
 
-from calib.show.map import difference_panel, map_panels
+from calib.show.map import map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.posterior import forest, pairs
 from calib.show.ramp import MeasuredRamp, panel, points
@@ -23,9 +22,8 @@ from calib.show.style import (
     Array,
     Stroke,
 )
-from calib.show.torque import ENDS, UNIT, per_bar
+from calib.show.torque import UNIT, per_bar
 from calib.table.budget import ramp_pads
-from calib.table.compare import diff
 from calib.table.curves import MEASURED
 from calib.table.table import Table
 
@@ -35,7 +33,6 @@ _FREED = "ramps, drag taken out"
 """Label of the measured points beside a curve over eta."""
 _MARKED = 0.1
 """Step between the decelerations that are marked on an axis over eta [g]."""
-_FORCES = "Force over load, less deceleration over g"
 
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
@@ -119,7 +116,7 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     ]
     return Panel(
         "f1-f2",
-        f"{_FORCES} (Fig. 6)",
+        "Force over load, less deceleration over g (Fig. 6)",
         ETA,
         "f1, f2 [1]",
         [*f, *zero],
@@ -129,28 +126,3 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
         ends,
         columns=2,
     )  # fmt: skip
-
-
-def two_tables(tables: dict[str, Table]) -> Sheet:
-    """Return the sheet of two tables by their ids: f1 and f2, and how their maps differ."""
-    curves, notes = list[Line](), list[str]()
-    for (name, table), style in zip(tables.items(), ("-", DASHED), strict=True):
-        x = 100.0 * (table.paper.eta - 1.0)
-        for key, stroke in (("f1", FRONT), ("f2", REAR)):
-            y, low, high = (getattr(table.paper, f"{key}{end}") for end in ENDS)
-            curves.append(Line(x, y, {**stroke, "linestyle": style}, f"{key}, {name}", (low, high)))
-        front, rear = ramp_pads(table)
-        notes.append(f"{name}: digest {table.digest[:16]}, pads front {front}, rear {rear}.")
-    difference = diff(*tables.values())
-    beyond = [*difference.apart, *(gap.curve for gap in difference.curves if gap.in_bands > 1.0)]
-    return Sheet(
-        kind="comparison",
-        name="_".join(tables),
-        panels=(
-            Panel("f1-f2", _FORCES, ETA, "f1, f2 [1]", curves, columns=2),
-            difference_panel(*tables.values()),
-        ),
-        title=" and ".join(tables),
-        note=" ".join([*notes, "Bands are 95 %."]),
-        result=difference.verdict.capitalize() + f" in {', '.join(beyond)}" * bool(beyond),
-    )

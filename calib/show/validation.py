@@ -70,18 +70,23 @@ def validation_facts(judged: Validated) -> Facts:
     failed, proof = not all(result.passed for result in in_order), proof_of(list(results))
     verdict = FAILED if failed else WARNING if warnings else PASSED
     budgets = [result.budget for result in in_order if result.budget]
-    advice = advice_lines((of for budget in budgets for of in budget), STOP)
+    broken_limits = {r.log: [NO_HOLDOUT] if r.role == CALIBRATION else broken(r) for r in in_order}
+    rows = [(log, text) for log, texts in broken_limits.items() for text in texts]
+    if any(result.role == HOLDOUT for result in in_order):
+        v_unused = proof == NONE and any("v" in r.estimate.ran.log for r in results)
+        rows.append(("checked against", _V_NOT_USED if v_unused else _PROOFS[proof]))
+    rows += [("as exported", str(how))] if how else []
+    rows += [("largest uncertainty", limiting(budget)) for budget in budgets[:1]]
     details = Facts(
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
         rows=[
             ("table", f"{stored.id}, {stored.state.why}"),
-            ("vehicle", stored.table.vehicle.name),
             ("mass", str(in_order[0].mass)),
             *_limiting(in_order),
             ("seen by", unseen_line(unseen_in(stored, results))),
         ],
-        notes=advice,
+        notes=advice_lines((of for budget in budgets for of in budget), STOP),
     )
     return Facts(
         title=f"Validation of {stored.id}",
@@ -89,16 +94,7 @@ def validation_facts(judged: Validated) -> Facts:
         verdict=verdict,
         word=CONSISTENT.capitalize() if proof == NONE and not failed else WORDS[verdict],
         tables=[by_stop(in_order)],
-        rows=[
-            *(row for result in in_order for row in _against(result)),
-            *(
-                [("checked against", _judged_by(results, proof))]
-                if any(r.role == HOLDOUT for r in in_order)
-                else []
-            ),
-            *([] if how is None else [("as exported", str(how))]),
-            *(("largest uncertainty", limiting(budget)) for budget in budgets[:1]),
-        ],
+        rows=rows,
         next=_next(stored, in_order),
         warnings=warnings,
         parts=[
@@ -108,12 +104,6 @@ def validation_facts(judged: Validated) -> Facts:
             origin(stored, logs, date.today().isoformat(), judged.files),
         ],
     )
-
-
-def _judged_by(results: Sequence[Validation], proof: str) -> str:
-    """Measurement that the verdict rests on."""
-    with_v = any("v" in result.estimate.ran.log for result in results)
-    return _V_NOT_USED if proof == NONE and with_v else _PROOFS[proof]
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
@@ -210,12 +200,6 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
         names = ("true_pad_friction_f", "true_pad_friction_r")
         pads_ = ("" if figures[name] is None else f"{figures[name]:.3f}" for name in names)
         yield "truth", *true, *pads_, "", ""
-
-
-def _against(r: Validation) -> Iterator[Row]:
-    """Reasons why a stop fails."""
-    for text in [NO_HOLDOUT] if r.role == CALIBRATION else broken(r):
-        yield r.log, text
 
 
 def _limiting(results: list[Validation]) -> list[Row]:

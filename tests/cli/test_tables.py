@@ -46,8 +46,7 @@ def test_show_holds_the_whole_table(tables, two):
     assert shown["peak"] == pytest.approx({"eta": 1.005, "D": C * 0.005})
     assert shown["answer"]["usable"] is True
     out = tables("show", "sedan@1", "-v").out
-    # the last row: z = 0.3, D = 0.135, rear share (1.1556 - 0.3*0.615)/2.805 = 0.3462
-    for part in (shown["digest"], "ramp.csv (abababababab)", "1.00500  0.300  +0.0467  -0.0883"):
+    for part in (shown["digest"], "ramp.csv (abababababab)"):
         assert part in out
     assert tables("show", "sedna").code == 2
     (two / "wagon" / "v0001" / "tyre.parquet").unlink()

@@ -52,7 +52,7 @@ def simulated() -> Sheet:
     return stop.of_validation(result, "sedan@1", wrong)
 
 
-SHEETS = ("table", "ramp", "stop", "simulation", "comparison", "log")
+SHEETS = ("table", "ramp", "stop", "simulation", "log")
 
 
 @pytest.fixture(scope="session", params=SHEETS)
@@ -64,6 +64,5 @@ def sheet(request, sedan, ramp, transition):
         "ramp": lambda: table.table_sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
         "stop": lambda: stop.of_validation(request.getfixturevalue("stopped"), "sedan@1"),
         "simulation": lambda: request.getfixturevalue("simulated"),
-        "comparison": lambda: table.two_tables({"sedan@1": made, "sedan@2": made_table(28.0)}),
         "log": lambda: log.log_sheet(log.whole_of(transition), run_events(transition)),
     }[request.param]()

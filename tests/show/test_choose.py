@@ -19,19 +19,19 @@ def kinds(*given):
 
 
 def test_a_table_alone_and_with_its_parents(stored, ramp):
-    assert kinds([stored], []) == [("table", stored.id)]
-    assert kinds([stored], [ramp]) == [("table", stored.id)]
-    (sheet,) = sheets([stored], [ramp])
+    assert kinds(stored, []) == [("table", stored.id)]
+    assert kinds(stored, [ramp]) == [("table", stored.id)]
+    (sheet,) = sheets(stored, [ramp])
     assert "forces" in sheet.names
     coast = read_log(SEDAN / "coast.csv")
-    assert kinds([stored], (coast,)) == [("log", "coast")]
+    assert kinds(stored, (coast,)) == [("log", "coast")]
 
 
 def test_another_log_is_a_stop_even_under_the_name_of_a_parent(stored, ramp, transition):
-    assert kinds([stored], (transition,)) == [("stop", transition.name)]
+    assert kinds(stored, (transition,)) == [("stop", transition.name)]
     other = replace(transition, name=ramp.name)
-    assert kinds([stored], (other,)) == [("stop", ramp.name)]
-    assert kinds([stored], (transition, ramp)) == [
+    assert kinds(stored, (other,)) == [("stop", ramp.name)]
+    assert kinds(stored, (transition, ramp)) == [
         ("table", stored.id),
         ("stop", transition.name),
     ]

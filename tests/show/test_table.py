@@ -24,18 +24,6 @@ def test_f1_and_f2_are_those_of_the_table_and_thin_where_no_ramp_measured_them()
         assert not measured.all()
 
 
-def test_two_tables_are_drawn_with_their_pads(sedan):
-    second = made_table(28.0, rows=31)
-    both = figures.two_tables({"sedan@1": TABLE, "sedan@2": second})
-    curves = panel(both, "f1-f2")
-    assert np.array_equal(line(curves, "f1, sedan@1")[1], TABLE.paper.f1)
-    assert np.array_equal(line(curves, "f2, sedan@2")[1], second.paper.f2)
-    assert all(one.band for one in curves.lines)
-    alike = panel(figures.two_tables({"a": sedan, "b": sedan}), "map").field.values
-    assert np.isfinite(alike).any()
-    assert np.nanmax(np.abs(alike)) == 0.0
-
-
 def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     run = measure(sedan, ramp)
     sheet = figures.table_sheet(sedan, "sedan@1", (run,))
