@@ -60,7 +60,9 @@ def export(
     ),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     shape: Shape,
-    sample_time: float | None = option("Time from call to call [s]; of ecu and FMUs.", "S"),
+    sample_time: float | None = option(
+        "Time from call to call [s] of ecu, FMUs; else of the logs.", "S"
+    ),
     prefix: str | None = option("First part of all labels; else the table's name.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     compiled: bool = option("With a binary for this machine in an FMU; needs FMPy and cmake."),
@@ -99,7 +101,10 @@ def export(
         if kind in CODES:
             how = shape.precision(kind == FOLDER) or Precision()
             if sample_time is None:
-                raise misuse("needed: the time from call to call of your ECU", "--sample-time")
+                sample_time = stored.table.provenance.sample_time
+            if sample_time is None:
+                why = "needed: the table does not say that of its logs, or they differ"
+                raise misuse(why, "--sample-time")
             choices["compiled"] = compiled
             written = write_code(stored, out, kind, how, sample_time, prefix, **choices)
         elif sample_time is not None or compiled:

@@ -228,10 +228,14 @@ def _provenance(
     fleet: Mapping[str, Table],
 ) -> Provenance:
     """Logs by role, tables, settings and program that a table was made from."""
-    logs_read = ((run.log, role) for role in roles for run in roles[role])
+    logs_read = (
+        LogReference(x.name, x.digest, role, x.notes, fingerprint_of(x), x.sample_time)
+        for role in roles
+        for x in (run.log for run in roles[role])
+    )
     return Provenance(
         logs=(
-            *(LogReference(x.name, x.digest, r, x.notes, fingerprint_of(x)) for x, r in logs_read),
+            *logs_read,
             *([LogReference(bench.name, bench.digest, "bench")] if bench else []),
             *(LogReference(tyre.name, tyre.digest, "tyre") for tyre in tyres),
         ),

@@ -1,6 +1,7 @@
 """JSON files of a store: the record of a table, and a summary as evidence."""
 
-from dataclasses import MISSING, fields
+from collections.abc import Sequence
+from dataclasses import MISSING, fields, replace
 from typing import Any, Literal, get_type_hints
 
 from pydantic import ConfigDict, Field
@@ -54,6 +55,7 @@ class _Parent(Section):
 
     name: str
     digest: str
+    sample_time: float | None = None
 
 
 class RecordFile(Section):
@@ -90,8 +92,10 @@ class SummaryFile(FileSchema):
     logs: list[_LogOutcome]
 
 
-def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
-    """Build the table from its `Record`, its curves and maps.
+def table_of(
+    record: Any, curves: dict[str, dict[str, Array]], sample_times: Sequence[float | None]
+) -> Table:
+    """Build the table from its `Record`, its curves and maps; ``sample_times`` of its logs [s].
 
     Raises KeyError or TypeError for a curve or a column that is missing.
     """
@@ -106,4 +110,7 @@ def table_of(record: Any, curves: dict[str, dict[str, Array]]) -> Table:
         for part in ("value", "sigma")
     )
     parts["effects"] = Effects(values, sigma=sigma)
+    logs = zip(record.provenance.logs, sample_times, strict=True)
+    timed = tuple(replace(log, sample_time=time) for log, time in logs)
+    parts["provenance"] = replace(record.provenance, logs=timed)
     return Table(**parts)

@@ -85,7 +85,8 @@ def write_version(table: Table, version: int, path: Path) -> None:
     record, curves = table.content()
     files = {f"{name}.parquet": _curve_bytes(columns) for name, columns in curves.items()}
     digests = {name: sha256(data) for name, data in files.items()}
-    files[RECORD] = _content(record, table.digest, version, digests)
+    times = [log.sample_time for log in table.provenance.logs]
+    files[RECORD] = _content(record, table.digest, version, digests, times)
     path.mkdir(parents=True)
     for name, data in files.items():
         (path / name).write_bytes(data)
@@ -121,10 +122,11 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
             curves[name] = _read_curve(content)
         if content_digest(record, curves) != file.digest:
             raise damaged("the record or its digest was changed")
-        table = table_of(file.record, curves)
+        times = [parent.sample_time for parent in file.parents]
+        table = table_of(file.record, curves, times)
     except (KeyError, TypeError, ValueError) as error:
         raise damaged(f"not the record of these curves ({error!r})") from error
-    if data != _content(record, file.digest, file.version, file.files):
+    if data != _content(record, file.digest, file.version, file.files, times):
         raise damaged("its keys or its spelling do not agree with the record")
     stored = Stored(table, table.name, file.version, file.digest, path, sha256(data), OUTSIDE)
     if promised not in (None, stored.id):
@@ -160,14 +162,21 @@ def _read_curve(data: bytes) -> dict[str, Array]:
     return {name: np.asarray(column.to_numpy(), dtype=np.float64) for name, column in columns}
 
 
-def _content(record: dict[str, Any], digest: str, version: int, files: dict[str, str]) -> bytes:
-    """The bytes of a record file, which has one spelling."""
+def _content(
+    record: dict[str, Any],
+    digest: str,
+    version: int,
+    files: dict[str, str],
+    sample_times: list[float | None],
+) -> bytes:
+    """The bytes of a record file, which has one spelling; ``sample_times`` of its logs [s]."""
+    logs = zip(record["provenance"]["logs"], sample_times, strict=True)
     document = {
         "id": f"{record['name']}@{version}",
         "version": version,
         "digest": digest,
-        "parents": [{key: log[key] for key in ("name", "digest")}
-                    for log in record["provenance"]["logs"]],
+        "parents": [{"name": log["name"], "digest": log["digest"]}
+                    | ({"sample_time": time} if time else {}) for log, time in logs],
         "files": files,
         "record": record,
         "states": JOURNAL,

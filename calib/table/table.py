@@ -78,7 +78,8 @@ class Calibration:
 class LogReference:
     """A log of the fit; ``digest`` SHA-256 of its bytes; ``notes`` of its reader.
 
-    ``fingerprint`` tells a copy of the run from another run.
+    ``fingerprint`` tells a copy of the run from another run. ``sample_time`` [s] is not part of the
+    content of a table: those that were stored without it keep their digests.
     """
 
     name: str
@@ -86,6 +87,7 @@ class LogReference:
     role: str
     notes: tuple[str, ...] = ()
     fingerprint: Fingerprint | None = None
+    sample_time: float | None = None
 
     def is_run_of(self, log: Log) -> bool:
         """Whether ``log`` is this run, even if it was cut, thinned, rounded or resampled."""
@@ -115,6 +117,12 @@ class Provenance:
     program: str
     identity: dict[str, str] = field(default_factory=dict)
     parents: tuple[TableReference, ...] = ()
+
+    @property
+    def sample_time(self) -> float | None:
+        """That of all its logs [s], to four digits; None where they differ, or nobody knows it."""
+        times = {float(f"{log.sample_time:.4g}") for log in self.logs if log.sample_time}
+        return times.pop() if len(times) == 1 else None
 
     def parent_of(self, log: Log) -> LogReference | None:
         """The log of the fit of which ``log`` is the run or a copy; None for another run."""
@@ -250,6 +258,8 @@ class Table(Shown):
         }
         for name in COLUMNS:
             del record[name]
+        for log in record["provenance"]["logs"]:
+            del log["sample_time"]
         return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
 
     @property

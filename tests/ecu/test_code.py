@@ -266,3 +266,18 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
     for form in ("car-fmu2", "FMU3"):
         ran = brake_cal(*words, form, *step, "--out", own / "car.fmu", "--json")
         assert json.loads(ran.out)["format"] == form.lower()
+
+
+def test_the_sample_time_is_that_of_the_logs_and_no_part_of_the_digest(brake_cal, fitted, tmp_path):
+    origin = fitted.provenance
+    unknown = (replace(log, sample_time=None) for log in origin.logs)
+    older = replace(fitted, provenance=replace(origin, logs=tuple(unknown)))
+    assert older.digest == fitted.digest
+    for table, code in ((older, 2), (fitted, 0)):
+        store = Store(tmp_path / f"{code}")
+        assert store.save(table).table.provenance == table.provenance
+        assert store.load(table.name).table.provenance == table.provenance
+        words = ("--store", tmp_path / f"{code}", "--unreleased", "--format", "fmu3")
+        ran = brake_cal("tables", "export", table.name, *words, "--out", tmp_path / "x", "--json")
+        assert ran.code == code
+    assert json.loads(ran.out)["sample_time"] == pytest.approx(0.005)

@@ -183,4 +183,5 @@ def stored_as(reference: str) -> Stored:
 
 def from_content(record, curves) -> Table:
     """The table that `Table.content` described."""
-    return table_of(validated(canonical_json(record), Record, None, StoreError), curves)
+    read = validated(canonical_json(record), Record, None, StoreError)
+    return table_of(read, curves, [None] * len(record["provenance"]["logs"]))
