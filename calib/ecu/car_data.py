@@ -149,37 +149,45 @@ def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
     drag, rolling = resistance[DRAG[0]], resistance[ROLLING[0]]
     on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
     lever = car.cg_height / car.wheelbase
-    lift = (1.0 - drag.get("load_share", 1.0)) * lever / car.weight
+    lift = (1.0 - drag.get("load_share", 1.0)) * lever
     load = [float(x[0]) / car.weight for x in axle_loads(car, np.zeros(1))]
-    turning = [car.weight / G * x for x in turning_shares(car)]
-    lateral = 1.0 - math.exp(-sample_time / LATERAL_TIME)
+    turning, radii = turning_shares(car), [axle.rolling_radius for axle in axles]
+    lateral, slows = 1.0 - math.exp(-sample_time / LATERAL_TIME), Constants.slows * sample_time
+    recent = Constants.recover + 0.5 * sample_time  # else a rounding could decide it
     yield Number("low", low, "least reading of a sensor that works", sensors)
     yield Number("high", high, "largest reading", sensors)
     yield Number("change", change, "largest change from call to call", sensors)
     yield Number("sample_time", sample_time, "from call to call [s]")
     yield Number("rests", _RESTS, "speed of every wheel of a car that rests [rad/s]")
     yield Number("lateral_part", lateral, "of a sample in the low pass of the lateral speeds [1]")
-    yield Number("weight", car.weight, "of the car [N]")
+    yield Number("recent", recent, "time after ABS or a lock, with half a sample [s]")
+    yield Number("slowing", slows, "of a wheel on a road from call to call, at most [rad/s]")
     yield Number("load", load, "share of an axle in the weight at rest [1]", AXLES)
     yield Number("height", [lever, -lever], "share that moves at 1 g [1]", AXLES)
     yield Number("track_width", car.track_width, "of the rear axle [m]")
-    yield Number("cg_height", car.cg_height, "of the centre of gravity [m]")
-    air = 0.5 * AIR_DENSITY * drag[DRAG[1]]
-    yield Number("drag", air, "aerodynamic drag over the square of the speed [N*s^2/m^2]")
-    yield Number("drag_lift", [-lift, lift], "share of an axle that moves by drag [1/N]", AXLES)
-    yield Number("rolling", rolling[ROLLING[1]], "rolling resistance over load at 20 m/s [1]")
-    yield Number("rolling_growth", rolling.get("rolling_growth", 0.0), "of it with v^2 [1]")
-    radii = [axle.rolling_radius for axle in axles]
+    leaning = 4.0 * car.cg_height / (G * car.track_width)
+    yield Number("leaning", leaning, "of a car in a bend, by the slip of its tyres [s^2/m]")
+    air = 0.5 * AIR_DENSITY * drag[DRAG[1]] / car.weight
+    yield Number("drag", air, "aerodynamic drag over weight and speed squared [s^2/m^2]")
+    yield Number("drag_lift", [-lift, lift], "share of an axle that moves by drag [1]", AXLES)
+    at_20, grows = rolling[ROLLING[1]], rolling.get("rolling_growth", 0.0)
+    yield Number("rolling", at_20 * (1.0 - grows), "rolling resistance over load at rest [1]")
+    more = at_20 * grows / 20.0**2
+    yield Number("rolling_growth", more, "of it over the speed squared [s^2/m^2]")
     yield Number("rolling_radius", radii, "of the wheels of an axle [m]", AXLES)
-    yield Number("turning_mass", turning, "of the wheels of an axle at the road [kg]", AXLES)
-    rolls = car.weight * (1.0 + sum(turning_shares(car)))
-    yield Number("rolls", rolls, "weight of the car and of what turns [N]")
+    drive = [1.0 / (radius * car.weight) for radius in radii]
+    yield Number("drive", drive, "force over weight and torque of a motor [1/(N*m)]", AXLES)
+    yield Number("turns", [*turning], "mass of what turns over that of the car [1]", AXLES)
+    inertia = [share * radius / G for share, radius in zip(turning, radii, strict=True)]
+    yield Number("spinning", inertia, "force over weight and acceleration of a wheel [s^2]", AXLES)
+    rolls = 1.0 + sum(turning)
+    yield Number("rolls", rolls, "mass of the car with what turns, over its own [1]")
     gains = [axle.torque_gain for axle in axles]
     yield Number("torque_gain", gains, "torque of a wheel over pressure and friction [m^3]", AXLES)
     friction = [axle.pad_friction for axle in axles]
     yield Number("pad_friction", friction, "of the pads of the vehicle file [1]", AXLES)
-    force = sum(force_per_pressure(car))
-    yield Number("force", force, "brake force of all wheels over pressure with these pads [N/Pa]")
+    force = sum(force_per_pressure(car)) / car.weight
+    yield Number("force", force, "brake force over weight and pressure with these pads [1/Pa]")
     yield Number("share", front_share(car, 0.0), "of the front axle in it [1]")
     shares = [on_ramp, 1.0 - on_ramp]
     yield Number("ramp_share", shares, "of an axle in it with the pads of the ramp [1]", AXLES)

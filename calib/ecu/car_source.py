@@ -29,7 +29,7 @@ _MATH = {  # how a floating point calls sqrt, and has exp and ln
     64: {"function": "name", "terms": 14, "largest": 700},
 }
 _IN_PYTHON = {"v", "log_odds", "driven"}  # of a `Sample`: the code has no such member
-_BY_HAND = {"waiting", "held_ratio"}  # of a `State`: the code has its own
+_BY_HAND = {"waiting", "held_ratio", "zero_slip"}  # of a `State`: the code has its own, or no v
 
 Member: TypeAlias = Any
 """A member of a structure: a number (whole: a count), text as in C, a list, or a structure."""
@@ -38,18 +38,8 @@ Member: TypeAlias = Any
 def code(how: Precision) -> str:
     """bte.c in a precision."""
     equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
-    first = "\n".join(f"    s->filters.{x} = R({value});" for x, value in _first(State()))
-    facts = {"equations": translated(equations), "first": first, "floating": how.floating}
+    facts = {"equations": translated(equations), "floating": how.floating}
     return source("bte.c").substitute(_MATH[how.floating], **facts)
-
-
-def _first(structure: Member) -> Iterator[tuple[str, float]]:
-    """Places of the numbers of a state, with their first values, that are not 0."""
-    for name, x in members_of(structure):
-        if is_dataclass(x):
-            yield from ((f"{name}.{place}", value) for place, value in _first(x))
-        elif x:
-            yield name, x
 
 
 def header(numbers: Iterable[tuple[str, str]], how: Precision) -> tuple[str, str]:

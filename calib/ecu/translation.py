@@ -3,9 +3,9 @@
     calib/estimation/equations.py --ast--> static functions of bte.c
 
 They are of numbers: assignments, if, calls and return. Parts of a tuple are assigned one by one; a
-NamedTuple that is returned is a structure; a name with a type is a pointer to a part of the state;
-a docstring is a comment. What C would take in another meaning, as 1/2, is found by the tests, which
-hold both to the same numbers.
+NamedTuple that is returned is a structure, but a `BlockState` is read where it is made of the
+state; a name with a type is a pointer to a part of the state; a docstring is a comment. What C
+would take in another meaning, as 1/2, is found by the tests, which hold both to the same numbers.
 """
 
 import ast
@@ -17,11 +17,13 @@ from textwrap import wrap
 _TYPES = {
     "Constants": "BTE_CAL bte_numbers *", "State": "bte_filters *", "Sample": "const bte_block *",
     "Zero": "bte_zero *", "LevelFilter": "bte_level_filter *", "SpeedFilter": "bte_speed_filter *",
-    "Check": "bte_check *",
-    "Sums": "bte_sums *", "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
+    "Check": "bte_check *", "Means": "bte_means *", "BlockState": "const bte_filters *",
+    "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
     "None": "void",
 }  # fmt: skip
 """Of parameters and what is returned; a NamedTuple has a type of its own."""
+_CALLED = {"update", "update_zero", "reset_speed"}  # within others they take their registers
+_VIEW = "BlockState", "block_state"  # of the state, and the function that makes it
 _NAMES = {
     "G": "GRAVITY", "max": "largest", "min": "smallest",
     "abs": "MATH(fabs)", "np.abs": "MATH(fabs)",
@@ -39,7 +41,7 @@ def translated(source: str) -> str:
     """
     out, depth = list[str](), 0
     whole = [x for x in ast.parse(source).body if isinstance(x, ast.ClassDef | ast.FunctionDef)]
-    for line in _lines(whole, {}):
+    for line in _lines(map(_View(whole).visit, (x for x in whole if x.name not in _VIEW)), {}):
         depth -= line.startswith("}")
         margin = 4 * depth * " "
         out += wrap(line, 100, initial_indent=margin, subsequent_indent=margin + 8 * " ") or [""]
@@ -59,7 +61,10 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
                 yield from ("", f"/* {' '.join(about.split()).replace('``', '')} */")
                 parameters = (*node.args.args, *node.args.kwonlyargs)
                 heads = ", ".join(f"{_type(x.annotation, ' *')} {x.arg}" for x in parameters)
-                yield f"static {_type(node.returns)} {node.name}({heads}) {{".replace(" * ", " *")
+                called = "CALLED " * (node.name in _CALLED)
+                yield f"{called}static {_type(node.returns)} {node.name}({heads}) {{".replace(
+                    " * ", " *"
+                )
                 names = (x for x in ast.walk(node) if isinstance(getattr(x, "ctx", 0), ast.Store))
                 stored = Counter(map(ast.unparse, names))
                 yield from _lines(
@@ -131,6 +136,8 @@ class _InC(ast.NodeTransformer):
         return ast.Name(_NAMES.get(node.id, node.id))
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
+        if isinstance(node.value, bool):
+            return ast.Name(str(node.value).lower())
         return ast.Name(f"R({node.value})") if isinstance(node.value, float) else node
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
@@ -147,7 +154,27 @@ class _InC(ast.NodeTransformer):
         return ast.Name(f"({_text(node.test)} ? {_text(node.body)} : {_text(node.orelse)})")
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
+        match node:
+            case ast.Call(ast.Name("min"), [ast.Call(ast.Name("max"), [x, low]), high]):
+                return self.visit_Call(ast.Call(ast.Name("clip"), [x, low, high], []))
         if ast.unparse(node.func) == "np.where":
             return self.visit_IfExp(ast.IfExp(*node.args))
         arguments = [self.visit(x) for x in (*node.args, *(k.value for k in node.keywords))]
         return ast.Call(self.visit(node.func), arguments, [])
+
+
+class _View(ast.NodeTransformer):
+    """Reads the members of a `BlockState` ``s`` where the state has them."""
+
+    def __init__(self, body: Iterable[ast.ClassDef | ast.FunctionDef]) -> None:
+        view, maker = ({x.name: x.body for x in body}.get(name, []) for name in _VIEW)
+        names = [ast.unparse(x.target) for x in view if isinstance(x, ast.AnnAssign)]
+        calls = [x.value for x in maker if isinstance(x, ast.Return)]
+        values = [y for x in calls if isinstance(x, ast.Call) for y in x.args]
+        self._places = dict(zip(map("s.{}".format, names), values, strict=True))
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        return self.generic_visit(node) if f"s: {_VIEW[0]}" in ast.unparse(node.args) else node
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        return self._places.get(ast.unparse(node), node)

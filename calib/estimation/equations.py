@@ -17,17 +17,16 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.names import G
 from calib.estimation.reasons import Reason
 from calib.estimation.state import (
     Check,
     Constants,
     LevelFilter,
+    Means,
     Number,
     Sample,
     SpeedFilter,
     State,
-    Sums,
     Zero,
 )
 
@@ -37,7 +36,7 @@ class BlockState(NamedTuple, Generic[Number]):
 
     level: Number  # of the pads [1], its variance
     level_variance: Number
-    blocks: Number  # number in the means that forget; 0 before any braking
+    blocks: Number  # number in the means that forget
     z: Number  # means of z, eta - 1 from their zeros and of z squared [1]
     shift: Number
     z_squared: Number
@@ -78,7 +77,7 @@ def update_zero(zero: Zero, x: float, variance: float) -> None:
 
 def zero_fits(c: Constants, s: State, demand: float, eta_less_1: float) -> bool:
     """Whether readings of a car that rolls are zeros that a car can have."""
-    fits = abs(demand) < c.most_zero and abs(eta_less_1 - c.radii + 1.0) < c.most_radii
+    fits = abs(demand) < c.most_zero and abs(eta_less_1 - c.radii) < c.most_radii
     s.check.refused = 0.0 if fits else s.check.refused + 1.0
     return fits
 
@@ -96,28 +95,27 @@ def rim_speed(s: State, x: Sample[float]) -> float:
 def reset_stop(c: Constants, s: State) -> None:
     """Forget what is only of the last stop; the lag is the car's."""
     f: LevelFilter = s.level
-    f.level, f.rate, f.var_level, f.var_rate = 1.0, 0.0, c.level_sigma**2, c.fade**2
+    f.level, f.rate, f.var_level, f.var_rate = 1.0, 0.0, c.var_level, c.var_rate
     f.cov_level_lag, f.cov_level_rate, f.cov_lag_rate = 0.0, 0.0, 0.0
-    s.sums.blocks, s.sums.z, s.sums.shift, s.sums.z_squared = 0.0, 0.0, 0.0, 0.0
+    s.means.blocks, s.means.z, s.means.shift, s.means.z_squared = 0.0, 0.0, 0.0, 0.0
     s.braked, s.mean_z = 0.0, 0.0
     e: Check = s.check
     off = s.speed.scale - c.scale
     if abs(off) > c.far * c.scale_sigma:  # what a fault that is gone has left, is learned again
         s.speed.var_scale = max(s.speed.var_scale, off**2)
-    e.level, e.chatter, e.ratio, e.modulated, e.far = 1.0, 0.0, 0.0, 1e3, 1e3
+    e.level, e.chatter, e.ratio = 1.0, 0.0, 0.0
 
 
 def start(c: Constants, s: State) -> None:
     """Begin with radii of the car within 1 %, and with pads of any level."""
-    s.demand.value, s.eta_less_1.value, s.slip.value = 0.0, c.radii - 1.0, 0.0
-    s.demand.variance, s.eta_less_1.variance, s.slip.variance = c.zero**2, c.zero**2, c.zero**2
-    s.level.lag, s.level.var_lag = c.lag, c.lag_sigma**2
+    s.eta_less_1.value, s.lag.value, s.level_then = c.radii, c.lag, 1.0
+    s.demand.variance, s.eta_less_1.variance, s.lag.variance = c.var_zero, c.var_zero, c.var_lag
     reset_stop(c, s)
 
 
 def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
-    dt, lag = c.block, max(s.level.lag, c.least_lag)
+    dt, lag = c.block, max(s.lag.value, c.least_lag)
     decay = math.exp(-dt / lag)
     rate = (nominal - s.nominal) / dt
     behind = s.acting - s.nominal + lag * rate
@@ -126,32 +124,39 @@ def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     s.nominal = nominal
 
 
-def rough_force(c: Constants, s: State, x: Sample[float]) -> float:
-    """Variance of a block's brake force by road, body and what the lag still holds back."""
-    to_come = c.r_lag * s.level.level * (x.nominal - s.acting)
-    return (c.r_level * (x.demand - s.demand.value)) ** 2 + to_come**2
+def force_variance(c: Constants, s: State, x: Sample[float]) -> float:
+    """Variance of the brake force less that of level and lag, which h level + k lag are.
+
+    Beside theirs and noise: by road and body, and by what the lag still holds back.
+    """
+    f: LevelFilter = s.level
+    h, k = s.acting, f.level * s.by_lag
+    rough, to_come = c.r_level * (x.demand - s.demand.value), c.r_lag * f.level * (x.nominal - h)
+    of_states = h * (h * f.var_level + 2.0 * k * f.cov_level_lag) + k * k * s.lag.variance
+    return of_states + c.var_z + rough**2 + to_come**2
 
 
 def update_level(c: Constants, s: State, x: Sample[float]) -> None:
-    """Level and lag by the brake force of a block; sums of what goes into the map."""
+    """Level and lag by the brake force of a block; means of what goes into the map."""
     f: LevelFilter = s.level
-    sums: Sums = s.sums
+    m: Means = s.means
     y, dt = x.demand - s.demand.value, c.block
     f.level += f.rate * dt
-    f.var_level += dt * (2.0 * f.cov_level_rate + dt * f.var_rate) + (c.q_level * f.level) ** 2 * dt
+    f.var_level += dt * (2.0 * f.cov_level_rate + dt * f.var_rate)
+    f.var_level += c.walk_level * f.level**2
     f.cov_level_lag += dt * f.cov_lag_rate
     f.cov_level_rate += dt * f.var_rate
-    f.var_rate += (c.q_rate * f.level) ** 2 * dt
+    f.var_rate += c.walk_rate * f.level**2
     h, k = s.acting, f.level * s.by_lag  # of the reading h level + k lag
     p_level = h * f.var_level + k * f.cov_level_lag
-    p_lag = h * f.cov_level_lag + k * f.var_lag
+    p_lag = h * f.cov_level_lag + k * s.lag.variance
     p_rate = h * f.cov_level_rate + k * f.cov_lag_rate
-    spread = h * p_level + k * p_lag + c.noise_z**2 / dt + rough_force(c, s, x)
+    spread = force_variance(c, s, x)
     residual = y - f.level * h
     nis = min(residual**2 / spread, c.most_chatter)
-    s.check.chatter += (nis - s.check.chatter) * dt / c.chatter_memory
-    jump = min(residual**2 - c.jump**2 * spread, (c.level_sigma * h) ** 2)
-    keep = math.exp(-dt / c.memory)
+    s.check.chatter += c.share_chatter * (nis - s.check.chatter)
+    jump = min(residual**2 - c.jump**2 * spread, c.var_level * h**2)
+    keep = c.keep
     if jump > 0.0:  # pads that change at once: what no noise explains, and the means are of others
         f.var_level += jump / h**2
         p_level += jump / h
@@ -160,19 +165,20 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     gain = 1.0 / spread
     step, g_level, g_lag = gain * residual, gain * p_level, gain * p_lag
     f.level += step * p_level
-    f.lag = max(f.lag + step * p_lag, 0.0)
+    s.lag.value = max(s.lag.value + step * p_lag, 0.0)
     f.rate += step * p_rate
     f.var_level -= g_level * p_level
     f.cov_level_lag -= g_level * p_lag
     f.cov_level_rate -= g_level * p_rate
-    f.var_lag -= g_lag * p_lag
+    s.lag.variance -= g_lag * p_lag
     f.cov_lag_rate -= g_lag * p_rate
     f.var_rate -= gain * p_rate * p_rate
-    sums.blocks = keep * sums.blocks + 1.0
-    sums.z = keep * sums.z + y
-    sums.shift = keep * sums.shift + shift(s, x)
-    sums.z_squared = keep * sums.z_squared + y * y
-    s.mean_z = max(sums.z / sums.blocks, c.least_mean_z)
+    m.blocks = keep * m.blocks + 1.0
+    share = 1.0 / m.blocks
+    m.z += share * (y - m.z)
+    m.shift += share * (shift(s, x) - m.shift)
+    m.z_squared += share * (y * y - m.z_squared)
+    s.mean_z = max(m.z, c.least_mean_z)
 
 
 def update(
@@ -217,8 +223,7 @@ def reset_speed(c: Constants, s: State) -> None:
     """Take the speed of the rims, with a_x as it usually is."""
     f: SpeedFilter = s.speed
     f.v, f.slip, f.offset, f.scale = 0.0, c.log_slip, 0.0, c.scale
-    f.var_v, f.var_slip = 1.0, c.log_slip_sigma**2
-    f.var_offset, f.var_scale = c.offset**2, c.scale_sigma**2
+    f.var_v, f.var_slip, f.var_offset, f.var_scale = 1.0, c.var_log_slip, c.var_offset, c.var_scale
     f.cov_v_slip, f.cov_v_offset, f.cov_v_scale = 0.0, 0.0, 0.0
     f.cov_slip_offset, f.cov_slip_scale, f.cov_offset_scale = 0.0, 0.0, 0.0
     e: Check = s.check
@@ -237,17 +242,15 @@ def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> boo
     If the torque is wrong, the demand, of which it is a part, changes by as much, and the brakes
     do not explain it.
     """
-    f: LevelFilter = s.level
     e: Check = s.check
-    y, h, k = x.demand - s.demand.value, s.acting, f.level * s.by_lag
-    spread = h * (h * f.var_level + 2.0 * k * f.cov_level_lag) + k * k * f.var_lag
-    spread += rough_force(c, s, x)
-    spread += c.noise_z**2 / c.block + s.demand.variance
     step = x.drive - e.drive
-    likely = step * (y - f.level * h - 0.5 * step)
+    likely = step * (x.demand - s.demand.value - s.level.level * s.acting - 0.5 * step)
+    spread = force_variance(c, s, x) + s.demand.variance
     fits = not counts or abs(step) < c.unexplained or likely < c.errs * spread
-    e.motor = e.motor + c.block if fits else 0.0
-    e.drive += step * min(c.block / c.drive_memory, 1.0) if fits else 0.0
+    e.failing = 2.0
+    if fits:
+        e.failing = 0.0
+        e.drive += step * c.share_drive
     return fits
 
 
@@ -257,15 +260,20 @@ def check_a_x(c: Constants, s: State) -> None:
     Once it is, it stays one until the force is explained again.
     """
     e: Check = s.check
-    e.ratio -= e.ratio * c.block / c.usual_level if e.error == 0.0 else 0.0
-    errs = e.ratio > c.errs or (e.a_x == 0.0 and e.error != 0.0)
-    e.a_x = 0.0 if errs else e.a_x + c.block
+    if e.error == 0.0:
+        e.ratio -= c.share_level * e.ratio
+    if e.ratio > c.errs:
+        s.errs = True
+    elif e.error == 0.0:
+        s.errs = False
     e.ratio = min(e.ratio, c.errs)
     if e.ratio <= 0.0:  # it begins again
         e.ratio, e.v, e.slip, e.offset, e.scale = 0.0, 0.0, 0.0, 0.0, 0.0
-    if errs:  # what was learned of it is of no use
-        s.demand.variance = c.zero**2
-    s.anchored = s.anchored and not errs and e.motor > 0.0
+    if s.errs:  # what was learned of it is of no use
+        s.demand.variance = c.var_zero
+        e.failing += 1.0
+    if e.failing > 0.0:
+        s.anchored = False
 
 
 def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, counts: bool) -> None:
@@ -273,13 +281,24 @@ def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, cou
     e: Check = s.check
     y = x.demand - s.demand.value
     check_a_x(c, s)
-    if braking and counts and e.a_x > 0.0:
+    if braking and counts and not s.errs:
         e.level += (s.level.level - e.level) * c.block / min(s.braked + c.block, c.usual_level)
-    e.modulated = 0.0 if e.chatter > c.chatter else e.modulated + c.block
-    beyond = y < c.least_demand or y > c.most_demand or abs(s.speed.offset) > c.far * c.offset
-    beyond = beyond or abs(s.speed.scale - c.scale) > c.far_scale * c.scale_sigma
-    beyond = beyond or s.speed.slip - c.log_slip > c.far_slip * c.log_slip_sigma
-    e.far = 0.0 if beyond and counts else e.far + c.block
+    if braking and e.chatter > c.chatter:
+        e.failing += 4.0
+    if counts and (
+        y < c.least_demand
+        or y > c.most_demand
+        or abs(s.speed.offset) > c.most_offset
+        or abs(s.speed.scale - c.scale) > c.most_scale
+        or s.speed.slip > c.most_log_slip
+    ):
+        e.failing += 8.0
+    e.since += c.block
+    if e.failing > 0.0:
+        e.failed, e.since = e.failing, 0.0
+    s.checks = e.failed if e.since < c.recover else 0.0
+    if e.refused >= c.refusals:
+        s.checks += 16.0
 
 
 def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
@@ -292,13 +311,14 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
     if not s.anchored:  # radii that are made equal now would look like a speed that jumps
         reset_speed(c, s)
         s.rim = rims
-        s.anchored = braking or s.eta_less_1.variance < 0.5 * c.zero**2
-    dt = c.block
-    lost = G * dt * (0.5 * (x.z + s.z) - f.offset)
-    by_offset = G * dt * (1.0 - f.scale) if braking else G * dt
-    by_scale = lost if braking else 0.0
-    f.v += s.rim - rims
-    f.v -= lost * (1.0 - f.scale) if braking else lost
+        if braking or s.eta_less_1.variance < 0.5 * c.var_zero:
+            s.anchored = True
+    lost = c.speed * (0.5 * (x.z + s.z) - f.offset)
+    by_offset, by_scale = c.speed, 0.0
+    f.v += s.rim - rims - lost
+    if braking:
+        by_offset, by_scale = c.speed * (1.0 - f.scale), lost
+        f.v += lost * f.scale
     e: Check = s.check
     errs = unexplained(c, s, x)
     e.v += by_offset * e.offset + by_scale * e.scale - 0.5 * by_offset * (errs + e.error)
@@ -309,12 +329,12 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
     f.cov_v_offset += by_offset * f.var_offset + by_scale * f.cov_offset_scale
     f.cov_v_scale += by_offset * f.cov_offset_scale + by_scale * f.var_scale
     f.var_v = var_v + by_offset * f.cov_v_offset + by_scale * f.cov_v_scale
-    f.var_v += (G * c.noise_z) ** 2 * dt + (G * c.apart * (x.z - s.z)) ** 2
-    f.var_offset += c.q_grade**2 * dt
-    if s.braked > dt:
-        f.var_slip += c.q_slip**2 * dt + c.q_bends * bends
+    f.var_v += c.var_v + c.var_apart * (x.z - s.z) ** 2
+    f.var_offset += c.walk_grade
+    if s.braked > c.block:
+        f.var_slip += c.walk_slip + c.q_bends * bends
     else:
-        f.slip, f.var_slip = c.log_slip, c.log_slip_sigma**2
+        f.slip, f.var_slip = c.log_slip, c.var_log_slip
         f.cov_v_slip, f.cov_slip_offset, f.cov_slip_scale = 0.0, 0.0, 0.0
         e.slip = 0.0
 
@@ -322,10 +342,12 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
 def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
     """Update the speed by the wheels; what does not fit changes offset, scale and slip."""
     e: Check = s.check
-    v, over = s.rim + s.speed.v, max(x.demand - s.demand.value, 0.0)
-    slip = over * math.exp(s.speed.slip) if braking else 0.0
-    variance = c.noise_rim**2 / c.block + (c.r_slip * slip * v) ** 2
-    then = slip if over <= 0.0 else slip * max(1.0 - e.error / over, 0.0)  # if a_x errs
+    v, y, per_force = s.rim + s.speed.v, x.demand - s.demand.value, 0.0
+    if braking:
+        per_force = math.exp(s.speed.slip)
+    slip = per_force * max(y, 0.0)
+    variance = c.var_rim + (c.r_slip * slip * v) ** 2
+    then = per_force * max(y - e.error, 0.0)  # if a_x errs
     then /= 1.0 + e.slip + 0.5 * e.slip**2  # is exp(e.slip), nearly
     mean = (v - e.v) * (1.0 - then) - v * (1.0 - slip)
     s.innovation = update(c, s, 1.0 - slip, -v * slip, v * slip - s.speed.v, variance, mean)
@@ -336,12 +358,13 @@ def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
     dt, braking, last_mean = c.block, x.pressure > c.bite, s.mean_z
     if braking:
         s.braked += dt
-        s.released = 0.0
+        s.released, s.share = 0.0, s.acting / x.nominal
         if counts:
             update_level(c, s, x)
     else:
         s.released += dt
-        if s.braked > 0.0 and s.released > 1.0 + 0.5 * dt:
+        s.share = 1.0
+        if s.braked > 0.0 and s.released > c.released:
             reset_stop(c, s)
     predict(c, s, x, abs(s.mean_z - last_mean), braking=braking)
     if counts:
@@ -350,32 +373,20 @@ def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
     s.z = x.z
 
 
-def failed_checks(c: Constants, s: State) -> float:
-    """Bits of the checks that fail, or did just now, in the order of `CHECKS`."""
-    e: Check = s.check
-    bits = (1.0 if e.a_x < c.recover else 0.0) + (2.0 if e.motor < c.recover else 0.0)
-    bits += (4.0 if e.modulated < c.recover else 0.0) + (8.0 if e.far < c.recover else 0.0)
-    return bits + (16.0 if e.refused >= c.refusals else 0.0)
-
-
-def block_state(c: Constants, s: State, x: Sample[float], *, counts: bool) -> BlockState[float]:
+def block_state(s: State, *, counts: bool) -> BlockState[float]:
     """Return the estimate of brakes and tyres after a block."""
-    f: SpeedFilter = s.speed
-    n = s.sums.blocks if s.sums.blocks > 0.0 else 1.0
     return BlockState(
-        s.level.level, s.level.var_level, s.sums.blocks, s.mean_z,
-        s.sums.shift / n, s.sums.z_squared / n,
-        s.rim + f.v, f.slip, f.scale, f.var_slip, f.cov_slip_scale, f.var_scale,
-        s.demand.variance, s.eta_less_1.variance,
-        s.acting / x.nominal if x.pressure > c.bite else 1.0, s.innovation, s.braked,
-        1.0 + s.eta_less_1.value, s.slip.value, 1.0 if counts else 0.0,
-        failed_checks(c, s),
+        s.level.level, s.level.var_level, s.means.blocks, s.mean_z, s.means.shift,
+        s.means.z_squared, s.rim + s.speed.v, s.speed.slip, s.speed.scale, s.speed.var_slip,
+        s.speed.cov_slip_scale, s.speed.var_scale, s.demand.variance, s.eta_less_1.variance,
+        s.share, s.innovation, s.braked, 1.0 + s.eta_less_1.value, s.zero_slip.value,
+        1.0 if counts else 0.0, s.checks,
     )  # fmt: skip
 
 
 def held_variance(c: Constants, s: State, level: float) -> float:
     """Variance by which the held ratio grew: pads warm up, and those that changed did so unlike."""
-    return c.ageing**2 * s.age + (c.unlike * math.log(level / s.level_then)) ** 2
+    return c.walk_held * s.age + (c.unlike * math.log(level / s.level_then)) ** 2
 
 
 def share_of(c: Constants, width: float, held_width: float) -> float:
@@ -394,46 +405,46 @@ def reset_held(c: Constants, s: State, level: float, share: float) -> float:
 
 
 def slip_evidence(
-    c: Constants, block: BlockState[Array], z: Array, by_map: Array, sigma: Array
+    c: Constants, s: BlockState[Array], z: Array, by_map: Array, sigma: Array
 ) -> SlipEvidence:
     """Slip and level (k,); ``by_map`` is its ln(slip/z), with its ``sigma``.
 
     What the scale of a_x departs by from what its prior trusts may be another error, as of the
     wheels: the level is in doubt by as much.
     """
-    variance, residual = block.slip_variance, by_map - block.log_slip
+    variance, residual = s.slip_variance, by_map - s.log_slip
     gain = 1.0 / (variance + sigma**2)
-    scale = block.scale + gain * block.slip_scale * residual
-    doubt = np.maximum(np.abs(scale - c.scale) - c.trusted * c.scale_sigma, 0.0)
-    scale_variance = np.maximum(block.scale_variance - gain * block.slip_scale**2, 0.0)
-    steady = np.maximum(block.level, c.least_share)
+    scale = s.scale + gain * s.slip_scale * residual
+    doubt = np.maximum(np.abs(scale - c.scale) - c.trusted_scale, 0.0)
+    scale_variance = np.maximum(s.scale_variance - gain * s.slip_scale**2, 0.0)
+    steady = np.maximum(s.level, c.least_share)
     return SlipEvidence(
         -gain * sigma * residual,
         np.sqrt(gain * variance),
         np.maximum(1.0 - scale, c.least_share),
-        steady * np.clip(block.effective_pressure_share, c.least_share, 1.0 / c.least_share),
-        np.minimum(np.maximum(block.level_variance, 0.0) / steady**2, 1.0),
-        block.demand_variance / z**2 + scale_variance + doubt**2,
+        steady * np.clip(s.effective_pressure_share, c.least_share, c.most_share),
+        np.minimum(np.maximum(s.level_variance, 0.0) / steady**2, 1.0),
+        s.demand_variance / z**2 + scale_variance + doubt**2,
     )
 
 
-def eta_error(c: Constants, block: BlockState[Array], z: Array) -> Array:
+def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
     """Standard deviation of the mean of eta - 1 (k,) by wheels, zero and a changing z."""
-    wheels = c.noise_rim / np.maximum(block.speed, 1.0)
-    wheels = wheels / np.sqrt(c.block * np.maximum(block.blocks, 1.0))
+    speed = np.maximum(s.speed, 1.0)
+    wheels = c.var_rim / (np.maximum(s.blocks, 1.0) * speed * speed)
     # a mean over decelerations that differ is not the curve at their mean
-    nonlinearity = block.shift * np.maximum(block.z_squared / z**2 - 1.0, 0.0)
-    return np.sqrt(wheels**2 + block.eta_variance + nonlinearity**2)
+    nonlinearity = s.shift * np.maximum(s.z_squared / z**2 - 1.0, 0.0)
+    return np.sqrt(wheels + s.eta_variance + nonlinearity**2)
 
 
 def reason_of(
-    c: Constants, x: Sample[Array], block: BlockState[Array], level: Array, of_map: Mask
+    c: Constants, x: Sample[Array], s: BlockState[Array], level: Array, of_map: Mask
 ) -> Array:
     """The first `Reason` that applies to blocks (k,); ``level`` of the pads [1]."""
     why = np.where(of_map, Reason.VALID, Reason.BEYOND_MAP)
     why = np.where((level <= c.least_level) | (level >= c.most_level), Reason.NO_PAD, why)
-    why = np.where(block.checks > 0.0, Reason.IMPLAUSIBLE, why)
-    why = np.where(block.braked < c.settle - 0.5 * c.block, Reason.JUST_APPLIED, why)
+    why = np.where(s.checks > 0.0, Reason.IMPLAUSIBLE, why)
+    why = np.where(s.braked < c.applied, Reason.JUST_APPLIED, why)
     why = np.where(x.rim <= c.moving, Reason.SLOW, why)
     why = np.where(x.disturbed > 0.0, x.disturbed, why)  # the rims of locked wheels are slow
     return np.where(x.pressure <= c.least_pressure, Reason.NOT_BRAKED, why)

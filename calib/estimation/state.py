@@ -10,6 +10,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.names import G
 from calib.car.beliefs import CAR, LOG, SENSOR
 from calib.car.braking import BITE, MOVING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
@@ -21,6 +22,8 @@ LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "change_upper")
 SLIP = ("log_slip", "log_slip_sigma")
 """Columns of the maps that the step reads, in the shape in which it has them."""
+
+_WALKS = "level", "rate", "slip", "grade", "bias", "radius"
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class Constants:
     noise_rim: float  # densities of the sensors' noise: of the wheels' rims [m/s s^0.5]
     noise_z: float  # as in `SensorNoise`
     noise_v: float
-    radii: float  # rolling radius of the front wheels over that of the rear ones [1]
+    radii: float  # rolling radius of the front wheels over that of the rear ones, less 1 [1]
     late: float  # time by which v comes after the wheel speeds [s], and its sigma
     late_sigma: float
     ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
@@ -47,6 +50,7 @@ class Constants:
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
     untouched: float = 7e4  # pressure up to which they do not [Pa]
     settle: float = 0.3  # time of braking before an answer stands [s]
+    over: float = 1.0  # time after a release at which a stop is over [s]
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
     usual_z: float = 0.1  # at which the maps are read before any braking [1]
@@ -104,6 +108,72 @@ class Constants:
     most_zero: float = 0.1  # of a zero of the demand [1]
     most_radii: float = 0.05  # by which eta - 1 is from that of the file's radii [1]
     refusals: float = 10.0  # of zeros in a row, after which none is known
+    # of those above, what a block needs
+    keep: float = field(init=False)  # share of the means that stays [1]
+    var_level: float = field(init=False)  # variances before any braking
+    var_rate: float = field(init=False)
+    var_lag: float = field(init=False)
+    var_log_slip: float = field(init=False)
+    var_zero: float = field(init=False)
+    var_offset: float = field(init=False)
+    var_scale: float = field(init=False)
+    var_z: float = field(init=False)  # of the means of a block, by noise
+    var_rim: float = field(init=False)
+    var_zero_z: float = field(init=False)
+    var_v: float = field(init=False)  # of the speed by the noise of a_x, and by clocks apart
+    var_apart: float = field(init=False)
+    walk_level: float = field(init=False)  # variances that a block adds
+    walk_rate: float = field(init=False)
+    walk_slip: float = field(init=False)
+    walk_grade: float = field(init=False)
+    walk_bias: float = field(init=False)
+    walk_radius: float = field(init=False)
+    share_chatter: float = field(init=False)  # of a block in a mean that forgets [1]
+    share_level: float = field(init=False)
+    share_drive: float = field(init=False)
+    walk_held: float = field(init=False)  # of a held ratio [1/s]
+    applied: float = field(init=False)  # times of braking and of rolling that count [s]
+    released: float = field(init=False)
+    most_share: float = field(init=False)  # of the pressure that acts [1]
+    trusted_scale: float = field(init=False)  # departures of a car that is plausible
+    most_offset: float = field(init=False)
+    most_scale: float = field(init=False)
+    most_log_slip: float = field(init=False)
+    speed: float = field(init=False)  # that a car loses in a block at 1 g [m/s]
+
+    def __post_init__(self) -> None:
+        """Compute what a block needs."""
+        dt = self.block
+        of_block = {
+            "keep": math.exp(-dt / self.memory),
+            "var_level": self.level_sigma**2,
+            "var_rate": self.fade**2,
+            "var_lag": self.lag_sigma**2,
+            "var_log_slip": self.log_slip_sigma**2,
+            "var_zero": self.zero**2,
+            "var_offset": self.offset**2,
+            "var_scale": self.scale_sigma**2,
+            "var_z": self.noise_z**2 / dt,
+            "var_rim": self.noise_rim**2 / dt,
+            "var_zero_z": (self.noise_z**2 + 1e-8) / dt,
+            "var_v": (G * self.noise_z) ** 2 * dt,
+            "var_apart": (G * self.apart) ** 2,
+            **{f"walk_{x}": getattr(self, f"q_{x}") ** 2 * dt for x in _WALKS},
+            "share_chatter": dt / self.chatter_memory,
+            "share_level": dt / self.usual_level,
+            "share_drive": min(dt / self.drive_memory, 1.0),
+            "walk_held": self.ageing**2,
+            "applied": self.settle - 0.5 * dt,  # else a rounding could decide it
+            "released": self.over + 0.5 * dt,
+            "most_share": 1.0 / self.least_share,
+            "trusted_scale": self.trusted * self.scale_sigma,
+            "most_offset": self.far * self.offset,
+            "most_scale": self.far_scale * self.scale_sigma,
+            "most_log_slip": self.log_slip + self.far_slip * self.log_slip_sigma,
+            "speed": G * dt,
+        }
+        for name, value in of_block.items():
+            object.__setattr__(self, name, value)
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
@@ -127,7 +197,7 @@ def _of_table(table: Table) -> dict[str, Any]:
         "slip": Reader(table.map, SLIP),
         "level": Reader(table.level_map, LEVEL),
         "prior": Reader(table.level_map, PADS),
-        "radii": car.front.rolling_radius / car.rear.rolling_radius,
+        "radii": car.front.rolling_radius / car.rear.rolling_radius - 1.0,
         "late": float(np.mean(draws.v_late)),
         "late_sigma": float(np.std(draws.v_late)),
         "ramp_ratio": float(np.mean(draws.log_pad_ratio)),
@@ -157,7 +227,7 @@ class Sample(NamedTuple, Generic[Number]):
 
 @dataclass(slots=True)
 class Zero:
-    """What a signal reads while nothing brakes: a Gaussian that walks."""
+    """What a signal reads while nothing brakes, or the lag of the brakes: a Gaussian that walks."""
 
     value: float = 0.0
     variance: float = 0.0
@@ -165,15 +235,16 @@ class Zero:
 
 @dataclass(slots=True)
 class LevelFilter:
-    """Kalman filter of the brakes: states, then their variances and covariances."""
+    """Kalman filter of the brakes: states, then their variances and covariances.
 
-    level: float = 1.0  # of the pads [1]
-    lag: float = 0.0  # of the brakes [s]
+    Their lag is the third state; it stands in `State`, since it lasts.
+    """
+
+    level: float = 0.0  # of the pads [1]
     rate: float = 0.0  # of the level [1/s]
     var_level: float = 0.0
     cov_level_lag: float = 0.0
     cov_level_rate: float = 0.0
-    var_lag: float = 0.0
     cov_lag_rate: float = 0.0
     var_rate: float = 0.0
 
@@ -199,10 +270,10 @@ class SpeedFilter:
 
 
 @dataclass(slots=True)
-class Sums:
-    """Sums over the blocks of a braking, which forget."""
+class Means:
+    """Means over the blocks of a braking, which forget."""
 
-    blocks: float = 0.0
+    blocks: float = 0.0  # number in them; 0 before any braking
     z: float = 0.0  # brake force that z demands, from its zero [1]
     shift: float = 0.0  # eta over its zero, less 1
     z_squared: float = 0.0
@@ -212,7 +283,7 @@ class Sums:
 class Check:
     """What the innovations say of the sensors: whether it is the brakes, a_x, a motor or ABS."""
 
-    level: float = 1.0  # before a step [1]
+    level: float = 0.0  # before a step [1]
     error: float = 0.0  # of a_x, if the pads did not change [1]
     v: float = 0.0  # and by how much the states of the speed are off then
     slip: float = 0.0
@@ -222,10 +293,9 @@ class Check:
     drive: float = 0.0  # force of motors, as it was [1]
     chatter: float = 0.0  # mean of the squared innovations
     refused: float = 0.0  # zeros in a row that are none
-    a_x: float = 1e3  # time since each was seen last [s]
-    motor: float = 1e3
-    modulated: float = 1e3
-    far: float = 1e3
+    failing: float = 0.0  # `CHECKS` that fail now, one bit each; that failed last, how long ago [s]
+    failed: float = 0.0
+    since: float = 0.0
 
 
 @dataclass(slots=True)
@@ -234,12 +304,14 @@ class State:
 
     demand: Zero = field(default_factory=Zero)
     eta_less_1: Zero = field(default_factory=Zero)
-    slip: Zero = field(default_factory=Zero)
+    lag: Zero = field(default_factory=Zero)  # of the brakes [s]
+    zero_slip: Zero = field(default_factory=Zero)  # without brakes, where v is logged
     level: LevelFilter = field(default_factory=LevelFilter)
     speed: SpeedFilter = field(default_factory=SpeedFilter)
     check: Check = field(default_factory=Check)
     rim: float = 0.0  # of all wheels [m/s]
     anchored: bool = False  # once the speed no longer moves with the zero of eta
+    errs: bool = False  # a_x does, as the innovations say
     waiting: deque[Sample[float]] = field(default_factory=deque)
     nominal: float = 0.0  # brake force of nominal pads over the weight [1]
     acting: float = 0.0  # the same behind the lag [1]
@@ -247,10 +319,12 @@ class State:
     z: float = 0.0
     braked: float = 0.0  # time of this stop [s]
     released: float = 0.0  # [s]
-    sums: Sums = field(default_factory=Sums)
+    means: Means = field(default_factory=Means)
     mean_z: float = 0.0
-    innovation: float = 0.0
+    share: float = 0.0  # of the pressure that acts [1]
+    innovation: float = 0.0  # of the wheels where they count, in standard deviations
+    checks: float = 0.0  # `CHECKS` that fail or just did, one bit each
     # the best informed ratio and its change, their lower and upper bounds, variance by reading
     held_ratio: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
     age: float = 0.0  # of it [s]
-    level_then: float = 1.0  # [1]
+    level_then: float = 0.0  # [1]

@@ -63,6 +63,7 @@ def started(c: Constants) -> State:
     """The state before the first block."""
     s = State()
     start(c, s)
+    s.zero_slip.variance = c.var_zero
     return s
 
 
@@ -75,24 +76,26 @@ def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
     step_filters(c, s, x, counts=counts)
     if counts and x.v == x.v:  # not where v is missing: NaN is not
         _update_speed(c, s, x)
-    return block_state(c, s, x, counts=counts)
+    return block_state(s, counts=counts)
 
 
 def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """Zeros, from blocks that lie far enough before a bite."""
-    a_x, radii, most = c.q_bias**2 * c.block, c.q_radius**2 * c.block, c.zero**2
-    for zero, grows in ((s.demand, a_x), (s.eta_less_1, radii), (s.slip, radii)):
-        variance = zero.variance + grows
-        zero.variance = variance if variance < most else most
+    for zero, walk in (
+        (s.demand, c.walk_bias),
+        (s.eta_less_1, c.walk_radius),
+        (s.zero_slip, c.walk_radius),
+    ):
+        zero.variance = min(zero.variance + walk, c.var_zero)
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
-        wheels = c.noise_rim / old.rim
+        wheels = c.var_rim / old.rim**2
         if zero_fits(c, s, old.demand, old.eta_less_1):
-            update_zero(s.demand, old.demand, (c.noise_z**2 + 1e-8) / c.block)
-            update_zero(s.eta_less_1, old.eta_less_1, 2.0 * wheels**2 / c.block)
+            update_zero(s.demand, old.demand, c.var_zero_z)
+            update_zero(s.eta_less_1, old.eta_less_1, 2.0 * wheels)
         if old.v > c.moving:
             slip = 1.0 - rim_speed(s, old) / old.v
-            update_zero(s.slip, slip, (wheels**2 + (c.noise_v / old.v) ** 2) / c.block)
+            update_zero(s.zero_slip, slip, wheels + (c.noise_v / old.v) ** 2 / c.block)
     if counts and not x.driven and x.pressure < c.untouched and abs(x.z) < c.steady:
         s.waiting.append(x)
     else:
@@ -102,10 +105,10 @@ def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
 def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
     """The speed by v."""
     v = s.rim + s.speed.v
-    variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.slip.variance
+    variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.zero_slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
     in_time = x.v - G * x.z * c.late
-    update(c, s, 1.0, 0.0, in_time * (1.0 - s.slip.value) - v, variance, -s.check.v)
+    update(c, s, 1.0, 0.0, in_time * (1.0 - s.zero_slip.value) - v, variance, -s.check.v)
 
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:

@@ -42,7 +42,7 @@ WIDTHS = {
 }
 ARGUED = {
     "2.4": "the enumerations have no tags; their constants are used",
-    "11.3": "a structure of numbers of one type, read as an array of them: its sum",
+    "11.3": "structures of numbers of one type, read as arrays of them",
     "12.1": "products before sums and comparisons before `&&`, as in the formulas of the paper; "
     "where it could be misread, gcc and clang remark with -Wall, and they do not",
     "12.3": "several variables or members of one kind in one declaration; no comma operator",

@@ -167,7 +167,9 @@ def picture(sheet: Sheet) -> Image.Image:
     return Image.open(BytesIO(render(figure, ".png"))).convert("RGB").quantize(64)
 
 
-_UNIT = re.compile(r"^    (\w+): float = [^#\n]*(?:#(?:[^[\n]*\[([^]\n]+)\])?.*)?$", re.MULTILINE)
+_UNIT = re.compile(
+    r"^    (\w+): float = (?!field)[^#\n]*(?:#(?:[^[\n]*\[([^]\n]+)\])?.*)?$", re.MULTILINE
+)
 _SHOWN = {"Pa": (1e-5, "bar"), "rad": (180.0 / math.pi, "deg")}
 
 

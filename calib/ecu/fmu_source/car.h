@@ -1,5 +1,6 @@
 /* A car that rolls and brakes in a straight line, as a model of fmi.c: the equations of
  * calib/model/solver.py with the numbers of $data.c, and the tyre of calib/car/magic_formula.py.
+ * Forces are over the weight.
  * Newton's method finds the slips of the axles; z, speed and loads follow in the same turns.
  */
 static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01; /* [1]; [m/s]; [1] */
@@ -19,32 +20,33 @@ static void solve(model *m, double x[], double dt) {
         m->v = was.v - 0.5 * G * dt * (was.z + m->z);
         x[REASON] = m->v < STOPS ? STANDS : DRIVES;
         const double v = fmax(m->v, 0.5 * STOPS), drag = car->drag * v * v;
-        const double grown = 1.0 + car->rolling_growth * (pow(v / 20.0, 2.0) - 1.0);
+        const double rolling = car->rolling + car->rolling_growth * v * v;
         double sum = drag;
         for (int a = 0; a < BTE_AXLES; a++) {
             const double share = car->load[a] + car->height[a] * m->z + car->drag_lift[a] * drag;
-            const double load = car->weight * fmax(share, LEAST);
+            const double load = fmax(share, LEAST);
             /* tyre: B x of its formula, and straight on from the end of its rising branch */
-            const double soft = pow(2.0 * load / car->weight, x[TYRE_LOAD_EXPONENT]);
+            const double soft = pow(2.0 * load, x[TYRE_LOAD_EXPONENT]);
             const double stiffness = load * x[TYRE_STIFFNESS] / soft, most = load * x[TYRE_PEAK];
             const double bx = stiffness / (shape * most) * m->slip[a];
             const double clipped = fmin(fmax(bx, -edge), edge), angle = shape * atan(clipped);
             const double rise = stiffness * cos(angle) / (1.0 + clipped * clipped);
             const double force = most * (sin(angle) + shape * (bx - clipped) * rise / stiffness);
             /* wheels and brakes */
-            const double radius = car->rolling_radius[a], turning = car->turning_mass[a];
+            const double radius = car->rolling_radius[a], turning = car->spinning[a];
             const double omega = v * (1.0 - m->slip[a]) / radius;
             const double spin = dt > 0.0 ? (omega - was.omega[a]) / dt : -G * m->z * omega / v;
             const double brakes = 2.0 * x[PAD_FRICTION_F + a] * car->torque_gain[a] * x[P_MC];
-            const double demanded = turning * radius * spin + car->rolling * grown * load
-                                    + (brakes - x[T_DRIVE_F + a]) / radius; /* (1) */
-            const double more = (demanded - force) / (rise + (dt > 0.0 ? turning * v / dt : 0.0));
+            const double demanded = turning * spin + rolling * load
+                                    + (brakes - x[T_DRIVE_F + a]) * car->drive[a]; /* (1) */
+            const double by_spin = dt > 0.0 ? turning * v / (radius * dt) : 0.0;
+            const double more = (demanded - force) / (rise + by_spin);
             m->omega[a] = omega;
             m->slip[a] += more;
             x[REASON] = share < LEAST ? LIFTS : fabs(bx) > edge ? SLIDES : x[REASON];
             sum += force + rise * more;
         }
-        m->z = sum / car->weight; /* (5) */
+        m->z = sum; /* (5) */
     }
 }
 

@@ -13,16 +13,22 @@ enum { TERMS = $terms, LARGEST = $largest }; /* of the series; of what exp gives
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
 
-static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
-static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
-static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
+/* Written out at every place they would be a tenth of the code. */
+#ifdef __GNUC__
+#define CALLED __attribute__((noinline))
+#else
+#define CALLED
+#endif
+CALLED static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
+CALLED static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
+CALLED static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
 static bte_real square(bte_real x) { return x * x; }
 
 /* Own exp and ln, by their series: those of C libraries differ in the last digits. */
 static bte_real exponential(bte_real x) {
     const bte_real clipped = clip(x, -R(LARGEST), R(LARGEST));
     const bte_real turns = clipped / (LN2_HIGH + LN2_LOW);
-    const int k = (int)(turns + (turns < R(0.0) ? R(-0.5) : R(0.5)));
+    const int k = (int)(turns + (R(LARGEST) + R(0.5))) - LARGEST; /* the nearest */
     const bte_real residual = (clipped - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
     bte_real sum = R(1.0);
     for (int n = TERMS; n > 0; n--) {
@@ -45,12 +51,15 @@ static bte_real logarithm(bte_real x) {
     return (bte_real)k * LN2_HIGH + ((bte_real)k * LN2_LOW + R(2.0) * f * sum);
 }
 
+/* Intervals inside are a median, its lower and its upper bound; in their order. */
+enum { MEDIAN, LOWER, UPPER, ENDS };
+
 /* A median with its bounds `by` higher, these farther away by `more`, added as squares. */
-static void widen(bte_interval *x, bte_real by, bte_real more_lower, bte_real more_upper) {
-    const bte_real below = x->lower - x->median, above = x->upper - x->median;
-    x->median += by;
-    x->lower = x->median - MATH(sqrt)(square(below) + square(more_lower));
-    x->upper = x->median + MATH(sqrt)(square(above) + square(more_upper));
+static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_upper) {
+    const bte_real below = x[LOWER] - x[MEDIAN], above = x[UPPER] - x[MEDIAN];
+    x[MEDIAN] += by;
+    x[LOWER] = x[MEDIAN] - MATH(sqrt)(square(below) + square(more_lower));
+    x[UPPER] = x[MEDIAN] + MATH(sqrt)(square(above) + square(more_upper));
 }
 
 #ifndef BTE_FIND /* there is no other search; the last point has `along` 1 in the last cell */
@@ -96,13 +105,6 @@ static void look_up(const bte_map *map, const bte_real point[], unsigned columns
     }
 }
 
-static bte_interval interval_at(const bte_map *map, const bte_real point[]) {
-    bte_real x[BTE_COLUMNS];
-    look_up(map, point, BTE_COLUMNS, x);
-    const bte_interval read = {x[0], x[1], x[2]};
-    return read;
-}
-
 $equations
 
 /* Zeros, from blocks that lie far enough before a bite. */
@@ -110,15 +112,13 @@ static void roll(bte_state *state, const bte_block *x, bool counts) {
     const bte_car *car = state->car;
     BTE_CAL bte_numbers *c = car->numbers;
     bte_filters *s = &state->filters;
-    const bte_real dt = c->block, most = square(c->zero);
     bte_rolling *oldest = &state->waiting[state->waits % car->waiting];
-    s->demand.variance = smallest(s->demand.variance + square(c->q_bias) * dt, most);
-    s->eta_less_1.variance = smallest(s->eta_less_1.variance + square(c->q_radius) * dt, most);
+    s->demand.variance = smallest(s->demand.variance + c->walk_bias, c->var_zero);
+    s->eta_less_1.variance = smallest(s->eta_less_1.variance + c->walk_radius, c->var_zero);
     if (x->pressure <= c->bite && state->waits >= car->waiting) {
-        const bte_real wheels = c->noise_rim / oldest->rim;
         if (zero_fits(c, s, oldest->demand, oldest->eta_less_1)) {
-            update_zero(&s->demand, oldest->demand, (square(c->noise_z) + R(1e-8)) / dt);
-            update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * square(wheels) / dt);
+            update_zero(&s->demand, oldest->demand, c->var_zero_z);
+            update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * c->var_rim / square(oldest->rim));
         }
     }
     if (counts && !state->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
@@ -132,82 +132,82 @@ static void roll(bte_state *state, const bte_block *x, bool counts) {
 }
 
 /* ln of the ratio with its bounds, wider by the errors of where the map is read. */
-static bte_interval read_ratio(const bte_car *car, const bte_real point[BTE_MAP_AXES],
-                               const bte_real error[BTE_MAP_AXES]) {
+static void read_ratio(const bte_car *car, const bte_real point[], const bte_real error[],
+                       bte_real ratio[]) {
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const uint16_t cell = BTE_FIND(shifts, point[BTE_SHIFT]).cell;
     const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
-    bte_interval ratio = interval_at(&car->pads, point);
+    look_up(&car->pads, point, BTE_COLUMNS, ratio);
     for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
         bte_real place[] = {point[BTE_Z], point[BTE_SHIFT], point[BTE_SLIP]};
-        place[axis] = point[axis] - step;
         bte_real low, high;
+        place[axis] = point[axis] - step;
         look_up(&car->pads, place, 1U, &low);
         place[axis] = point[axis] + step;
         look_up(&car->pads, place, 1U, &high);
-        const bte_real by_one = (high - low) / step;
-        const bte_real more = R(0.5) * Z95 * error[axis] * by_one;
-        widen(&ratio, R(0.0), more, more);
+        const bte_real more = R(0.5) * Z95 * error[axis] * ((high - low) / step);
+        widen(ratio, R(0.0), more, more);
     }
-    return ratio;
 }
 
-static void blend(bte_interval *x, const bte_interval *y, bte_real share) {
-    x->median = (R(1.0) - share) * x->median + share * y->median;
-    x->lower = (R(1.0) - share) * x->lower + share * y->lower;
-    x->upper = (R(1.0) - share) * x->upper + share * y->upper;
+static void blend(bte_real x[], const bte_real y[], bte_real share) {
+    for (unsigned k = 0; k < ENDS; k++) {
+        x[k] = (R(1.0) - share) * x[k] + share * y[k];
+    }
 }
 
-/* The best informed ratio so far. */
-static bte_interval best_ratio(bte_state *state, const bte_interval *now, bte_real level,
-                               bool is_new, bool adds) {
+/* The held ratio, with bounds that grew by a variance. */
+static void held_ratio(const bte_state *state, bte_real variance, bte_real ratio[]) {
+    const bte_real more = Z95 * MATH(sqrt)(variance);
+    (void)memcpy(ratio, state->ratio, sizeof state->ratio);
+    widen(ratio, R(0.0), more, more);
+}
+
+/* The best informed ratio so far: that, or `ratio`. */
+static void best_ratio(bte_state *state, bte_real ratio[], bte_real level, bool is_new, bool adds) {
     BTE_CAL bte_numbers *c = state->car->numbers;
     bte_filters *s = &state->filters;
+    bte_real held[ENDS];
     s->age += c->block;
-    const bte_real then = Z95 * MATH(sqrt)(held_variance(c, s, level));
-    bte_interval best = state->ratio;
-    widen(&best, R(0.0), then, then);
-    const bte_real of_new = share_of(c, now->upper - now->lower, best.upper - best.lower);
+    held_ratio(state, held_variance(c, s, level), held);
+    const bte_real of_new = share_of(c, ratio[UPPER] - ratio[LOWER], held[UPPER] - held[LOWER]);
     const bte_real share = is_new ? R(1.0) : adds ? of_new : R(0.0);
-    blend(&state->ratio, now, share);
-    const bte_real wider = Z95 * MATH(sqrt)(reset_held(c, s, level, share));
-    best = state->ratio;
-    widen(&best, R(0.0), wider, wider);
-    return best;
+    blend(state->ratio, ratio, share);
+    held_ratio(state, reset_held(c, s, level, share), ratio);
 }
 
-static bte_interval scaled(bte_real by, const bte_interval *ln) {
-    const bte_interval x = {by * exponential(ln->median), by * exponential(ln->lower),
-                            by * exponential(ln->upper)};
-    return x;
-}
-
-/* ln of the rear pads over those of the level, by ln of the ratio. */
-static bte_real rear_of(BTE_CAL bte_numbers *c, bte_real ratio) {
-    return -logarithm(c->share * exponential(ratio) + (R(1.0) - c->share));
+static void scale(bte_interval *y, bte_real by, const bte_real ln[]) {
+    bte_real *ends = (bte_real *)y;
+    for (unsigned k = 0; k < ENDS; k++) {
+        ends[k] = by * exponential(ln[k]);
+    }
 }
 
 /* Pads by ln of level and ratio; distances to their bounds add up as squares. */
-static void answer_pads(bte_state *s, const bte_interval *level, const bte_interval *ratio) {
+static void answer_pads(bte_state *s, const bte_real level[], const bte_real ratio[]) {
     BTE_CAL bte_numbers *c = s->car->numbers;
-    const bte_interval rear = {rear_of(c, ratio->median), rear_of(c, ratio->lower),
-                               rear_of(c, ratio->upper)};
-    const bte_interval front = {ratio->median + rear.median, ratio->lower + rear.lower,
-                                ratio->upper + rear.upper};
-    bte_interval of_front = *level, of_rear = *level;
-    widen(&of_front, front.median, front.median - front.lower, front.median - front.upper);
-    widen(&of_rear, rear.median, rear.median - rear.upper, rear.median - rear.lower);
+    bte_answers *y = &s->answers;
     const bte_real friction_f = c->pad_friction[BTE_FRONT], friction_r = c->pad_friction[BTE_REAR];
-    s->answers.pad_level = scaled(R(1.0), level);
-    s->answers.pad_ratio = scaled(friction_f / friction_r, ratio);
-    s->answers.pad_friction_f = scaled(friction_f, &of_front);
-    s->answers.pad_friction_r = scaled(friction_r, &of_rear);
+    bte_real front[ENDS], rear[ENDS], more_f[ENDS], more_r[ENDS];
+    for (unsigned k = 0; k < ENDS; k++) { /* over the pads of the level */
+        more_r[k] = -logarithm(c->share * exponential(ratio[k]) + (R(1.0) - c->share));
+        more_f[k] = ratio[k] + more_r[k];
+        front[k] = level[k];
+        rear[k] = level[k];
+    }
+    widen(front, more_f[MEDIAN], more_f[MEDIAN] - more_f[LOWER], more_f[MEDIAN] - more_f[UPPER]);
+    widen(rear, more_r[MEDIAN], more_r[MEDIAN] - more_r[UPPER], more_r[MEDIAN] - more_r[LOWER]);
+    scale(&y->pad_level, R(1.0), level);
+    scale(&y->pad_ratio, friction_f / friction_r, ratio);
+    scale(&y->pad_friction_f, friction_f, front);
+    scale(&y->pad_friction_r, friction_r, rear);
 }
 
-static bte_interval times(bte_real by, const bte_interval *x) {
-    const bte_interval y = {by * x->median, by * x->lower, by * x->upper};
-    return y;
+CALLED static void times(bte_interval *y, bte_real by, const bte_interval *x) {
+    y->median = by * x->median;
+    y->lower = by * x->lower;
+    y->upper = by * x->upper;
 }
 
 /* Torques by the pads of the last block and the pressure of now. */
@@ -215,12 +215,12 @@ static void answer_torques(bte_state *s) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     bte_answers *y = &s->answers;
     const bte_real p_mc = largest(s->last.p_mc, R(0.0));
-    y->brake_torque_fl = times(c->torque_gain[BTE_FRONT] * p_mc, &y->pad_friction_f);
+    times(&y->brake_torque_fl, c->torque_gain[BTE_FRONT] * p_mc, &y->pad_friction_f);
+    times(&y->brake_torque_rl, c->torque_gain[BTE_REAR] * p_mc, &y->pad_friction_r);
     y->brake_torque_fr = y->brake_torque_fl;
-    y->brake_torque_rl = times(c->torque_gain[BTE_REAR] * p_mc, &y->pad_friction_r);
     y->brake_torque_rr = y->brake_torque_rl;
     const bte_real sum = R(2.0) * (y->brake_torque_fl.median + y->brake_torque_rl.median);
-    y->brake_torque_sum = times(sum / y->pad_level.median, &y->pad_level);
+    times(&y->brake_torque_sum, sum / y->pad_level.median, &y->pad_level);
 }
 
 /* A sum with one more word of 32 bits, and with one more number: FNV-1a by such words. */
@@ -235,14 +235,14 @@ static uint32_t mixed(uint32_t sum, bte_real x) {
     return with_word(with_word(sum, wide), wide >> 32U);
 }
 
-/* The sum over what lasts. */
+/* What lasts, the first LASTING numbers of the filters: two zeros and the lag of the brakes. */
+enum { LASTING = 6 };
+
 static uint32_t seal_of(const bte_state *s) {
-    const bte_filters *f = &s->filters;
-    const bte_real lasts[] = {f->demand.value,        f->demand.variance, f->eta_less_1.value,
-                              f->eta_less_1.variance, f->level.lag,       f->level.var_lag};
+    const bte_real *x = (const bte_real *)&s->filters;
     uint32_t sum = BTE_LAYOUT ^ (uint32_t)sizeof *s;
-    for (unsigned i = 0; i < sizeof lasts / sizeof lasts[0]; i++) {
-        sum = mixed(sum, lasts[i]);
+    for (unsigned i = 0; i < (unsigned)LASTING; i++) {
+        sum = mixed(sum, x[i]);
     }
     return sum;
 }
@@ -255,41 +255,40 @@ static void take(bte_state *state, const bte_block *x) {
     const bool fits = motor_fits(c, &state->filters, x, usual), counts = usual && fits;
     roll(state, x, counts);
     step_filters(c, &state->filters, x, counts);
-    const bte_block_state estimate = block_state(c, &state->filters, x, counts);
-    const bool is_new = estimate.blocks == R(0.0);
-    const bte_real z = is_new ? c->usual_z : estimate.z, shifted = estimate.shift / z;
+    const bte_filters *s = &state->filters;
+    const bool is_new = s->means.blocks == R(0.0);
+    const bte_real z = is_new ? c->usual_z : s->mean_z, shifted = s->means.shift / z;
     bte_real point[BTE_MAP_AXES] = {z, shifted, R(0.0)}, by_map[BTE_COLUMNS];
     look_up(&car->slip, point, 2U, by_map);
-    bte_interval level = interval_at(&car->level, point);
-    const bte_slip_evidence w = slip_evidence(c, &estimate, z, by_map[0], by_map[1]);
+    bte_real level[ENDS], ratio[ENDS], prior[ENDS];
+    look_up(&car->level, point, BTE_COLUMNS, level);
+    const bte_slip_evidence w = slip_evidence(c, s, z, by_map[0], by_map[1]);
     const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
-    widen(&level, logarithm(w.pads * w.scaled), wider, wider);
+    widen(level, logarithm(w.pads * w.scaled), wider, wider);
     /* ratio */
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const bool of_map = shifted >= shifts->x[0] && shifted <= shifts->x[shifts->count - 1U];
     point[BTE_SLIP] = w.slip;
-    const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, &estimate, z) / z, w.slip_sigma};
-    bte_interval now = read_ratio(car, point, error);
-    const bte_interval prior = interval_at(&car->prior, point);
-    const bte_real unread = (now.upper - now.lower) / (prior.upper - prior.lower);
+    const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, s, z) / z, w.slip_sigma};
+    read_ratio(car, point, error, ratio);
+    look_up(&car->prior, point, BTE_COLUMNS, prior);
+    const bte_real unread = (ratio[UPPER] - ratio[LOWER]) / (prior[UPPER] - prior[LOWER]);
     const bool reads = !is_new && of_map && z >= c->least_z;
     const bte_real read = reads ? share_of(c, unread, R(1.0)) : R(0.0);
-    blend(&now, &prior, R(1.0) - read);
+    blend(ratio, prior, R(1.0) - read);
     const bte_real of_prior = R(1.0) + read * (unread - R(1.0));
-    widen(&now, square(of_prior) * (c->ramp_ratio - prior.median), R(0.0), R(0.0));
-    const bool adds = counts && x->pressure > c->bite;
-    const bte_interval ratio = best_ratio(state, &now, w.pads, is_new, adds);
-    answer_pads(state, &level, &ratio);
+    widen(ratio, square(of_prior) * (c->ramp_ratio - prior[MEDIAN]), R(0.0), R(0.0));
+    best_ratio(state, ratio, w.pads, is_new, counts && x->pressure > c->bite);
+    answer_pads(state, level, ratio);
     const bte_real median = state->answers.pad_level.median;
-    state->checks = (uint16_t)estimate.checks;
-    state->block_reason = (bte_reason)reason_of(c, x, &estimate, median, of_map);
+    state->checks = (uint16_t)s->checks;
+    state->block_reason = (bte_reason)reason_of(c, x, s, median, of_map);
     state->seal = seal_of(state);
 }
 
-/* Slip of an axle by its force and load. */
+/* Slip of an axle by its force and load, over the weight. */
 static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
-    const bte_real least = R(0.1) * car->numbers->weight;
-    const bte_place place = BTE_FIND(&car->tyre, force / largest(load, least));
+    const bte_place place = BTE_FIND(&car->tyre, force / largest(load, R(0.1)));
     const bte_real low = car->tyre_slip[place.cell], high = car->tyre_slip[place.cell + 1U];
     return low + place.along * (high - low);
 }
@@ -298,18 +297,20 @@ static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
  * the sensors that fail. */
 static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     BTE_CAL bte_numbers *c = s->car->numbers;
-    bte_real x[BTE_INPUTS], last[BTE_INPUTS]; /* the same, by number */
+    const bte_real *x = (const bte_real *)inputs; /* the same, by number */
+    bte_real *last = (bte_real *)&s->last;
     uint32_t failing = 0U;
-    (void)memcpy(x, inputs, sizeof x);
-    (void)memcpy(last, &s->last, sizeof last);
     for (unsigned i = 0; i < (unsigned)BTE_INPUTS; i++) {
         const bool inside = x[i] >= c->low[i] && x[i] <= c->high[i];
-        const bool taken = inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i]);
-        s->raw[i] = inside ? x[i] : s->raw[i];
-        last[i] = taken ? x[i] : last[i];
-        failing |= taken ? 0U : ((uint32_t)1U << i);
+        if (inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i])) {
+            last[i] = x[i];
+        } else {
+            failing |= (uint32_t)1U << i;
+        }
+        if (inside) {
+            s->raw[i] = x[i];
+        }
     }
-    (void)memcpy(&s->last, last, sizeof last);
     return failing;
 }
 
@@ -328,7 +329,7 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     const bte_inputs *x = &s->last;
     const bte_real omega[BTE_WHEELS] = {x->omega_fl, x->omega_fr, x->omega_rl, x->omega_rr};
-    bte_real fastest = s->fastest - c->slows * c->sample_time, slowest = R(1e9);
+    bte_real fastest = s->fastest - c->slowing, slowest = R(1e9);
     for (unsigned w = 0; w < (unsigned)BTE_WHEELS; w++) {
         bte_real *past = s->wheels[w];
         if (!s->started) {
@@ -344,23 +345,26 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     }
     const bte_real mean = R(0.5) * (x->omega_rl + x->omega_rr);
     const bte_real speed = c->rolling_radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
-    const bool locks = fastest - slowest > c->lock * largest(fastest, R(1.0))
-                       && fastest > c->turning;
     s->fastest = fastest;
-    s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
-    s->since_abs = x->abs_active > R(0.5) ? R(0.0) : s->since_abs + c->sample_time;
+    s->since_lock += c->sample_time;
+    s->since_abs += c->sample_time;
+    if (fastest - slowest > c->lock * largest(fastest, R(1.0)) && fastest > c->turning) {
+        s->since_lock = R(0.0);
+    }
+    if (x->abs_active > R(0.5)) {
+        s->since_abs = R(0.0);
+    }
     const bte_real apart = (x->omega_rr - x->omega_rl) / largest(mean, R(1.0));
-    const bte_real slip = largest(slip_at(s->car, z * c->weight, c->weight), R(0.0));
-    const bte_real leaned = R(4.0) * slip * c->cg_height / (GRAVITY * c->track_width);
-    const bte_real turned = apart / (c->track_width / square(largest(speed, c->moving)) + leaned);
+    const bte_real slip = largest(slip_at(s->car, z, R(1.0)), R(0.0));
+    const bte_real geometric = c->track_width / square(largest(speed, c->moving));
+    const bte_real turned = apart / (geometric + c->leaning * slip);
     s->lateral = s->started ? s->lateral + c->lateral_part * (turned - s->lateral) : turned;
-    const bte_real recent = c->recover + R(0.5) * c->sample_time;
     bte_reason why;
     if (!fine) {
         why = BTE_FAULT;
-    } else if (s->since_abs <= recent) {
+    } else if (s->since_abs <= c->recent) {
         why = BTE_ABS;
-    } else if (s->since_lock <= recent) {
+    } else if (s->since_lock <= c->recent) {
         why = BTE_LOCKED;
     } else if (!(MATH(fabs)(s->lateral) < c->lateral)) {
         why = BTE_CORNERS;
@@ -372,90 +376,88 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     return why;
 }
 
-/* A block from the sums: the force balance (1), (5) to (7), drag and rolling resistance known. */
+/* A block from the sums: the force balance (1), (5) to (7), drag and rolling resistance known.
+ * Forces are over the weight. */
 static void block_ends(bte_state *s) {
     const bte_car *car = s->car;
     BTE_CAL bte_numbers *c = car->numbers;
-    const bte_real n = (bte_real)car->samples;
-    const bte_real p = s->sum.p_mc / n, z = s->sum.z / n, front = s->sum.omega_f / n;
-    const bte_real apart = s->sum.apart / n, omega[BTE_AXLES] = {front, front + apart};
-    const bte_real drive[BTE_AXLES] = {s->sum.drive_f / n, s->sum.drive_r / n};
-    bte_real load[BTE_AXLES], other[BTE_AXLES], driven[BTE_AXLES];
+    bte_sums_of_block mean = s->sum;
+    bte_real *means = (bte_real *)&mean;
+    for (unsigned i = 0; i < sizeof mean / sizeof mean.z; i++) {
+        means[i] /= (bte_real)car->samples;
+    }
+    const bte_real z = mean.z, front = mean.omega_f;
+    const bte_real omega[BTE_AXLES] = {front, front + mean.apart};
+    const bte_real drive[BTE_AXLES] = {mean.drive_f, mean.drive_r};
+    bte_real load[BTE_AXLES], other[BTE_AXLES], driven[BTE_AXLES], driving = R(0.0);
     const bte_real speed = c->rolling_radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = c->drag * square(speed);
-    const bte_real grown = R(1.0) + c->rolling_growth * (square(speed / R(20.0)) - R(1.0));
+    const bte_real rolling = c->rolling + c->rolling_growth * square(speed);
     const bool is_stale = s->faulty || s->failed; /* nothing is known of spins */
-    bte_real demanded = c->weight * z - body;
+    bte_real demanded = z - body;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
-        const bte_real radius = c->rolling_radius[a];
-        const bte_real spin = is_stale        ? -GRAVITY * z / radius
-                              : s->block_full ? (omega[a] - s->omega[a]) / c->block
-                                              : R(0.0);
+        bte_real spin = s->block_full ? (omega[a] - s->omega[a]) / c->block : R(0.0);
+        if (is_stale) {
+            spin = -GRAVITY * z / c->rolling_radius[a];
+        }
         s->omega[a] = omega[a];
-        load[a] = c->weight * (c->load[a] + c->height[a] * z);
-        other[a] = c->rolling * grown * load[a] - drive[a] / radius;
-        demanded -= other[a] + c->turning_mass[a] * radius * spin;
+        load[a] = c->load[a] + c->height[a] * z;
+        driving += c->drive[a] * drive[a];
+        other[a] = rolling * load[a] - c->drive[a] * drive[a];
+        demanded -= other[a] + c->spinning[a] * spin;
     }
     s->block_full = true;
     s->faulty = s->failed;
     const bte_real z_alone = demanded / c->rolls;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
-        const bte_real tyre = c->ramp_share[a] * demanded
-                              - c->turning_mass[a] * GRAVITY * z_alone;
-        const bte_real alone = c->weight * (c->load[a] + c->height[a] * z_alone);
-        load[a] += c->weight * c->drag_lift[a] * body;
+        const bte_real tyre = c->ramp_share[a] * demanded - c->turns[a] * z_alone;
+        const bte_real alone = c->load[a] + c->height[a] * z_alone;
+        load[a] += c->drag_lift[a] * body;
         driven[a] = slip_at(car, tyre + other[a], load[a]) - slip_at(car, tyre, alone);
     }
-    const bte_real eta_less_1 = front > R(0.0) ? apart / front : R(0.0);
+    const bte_real eta_less_1 = front > R(0.0) ? mean.apart / front : R(0.0);
     const bte_real eta = eta_less_1 + driven[BTE_REAR] - driven[BTE_FRONT] * (R(1.0) + eta_less_1);
     const bte_real rim = c->rolling_radius[BTE_FRONT] * front / (R(1.0) - driven[BTE_FRONT]);
     bte_block block;
-    block.demand = demanded / c->weight;
-    block.nominal = c->force / c->weight * p;
-    block.pressure = p;
+    block.demand = demanded;
+    block.nominal = c->force * mean.p_mc;
+    block.pressure = mean.p_mc;
     block.z = z;
     block.eta_less_1 = eta / (R(1.0) - driven[BTE_REAR]);
     block.rim = largest(rim, c->slowest);
-    block.rear_share = load[BTE_REAR] / c->weight;
+    block.rear_share = load[BTE_REAR];
     block.disturbed = (bte_real)s->worst;
-    block.drive = (drive[BTE_FRONT] / c->rolling_radius[BTE_FRONT]
-                   + drive[BTE_REAR] / c->rolling_radius[BTE_REAR])
-                  / c->weight;
+    block.drive = driving;
     take(s, &block);
 }
 
 static void begin(bte_state *s, const bte_car *car) {
     BTE_CAL bte_numbers *c = car->numbers;
-    const bte_interval any = {R(0.0), logarithm(c->least_level), logarithm(c->most_level)};
+    const bte_real any[] = {R(0.0), logarithm(c->least_level), logarithm(c->most_level)};
     (void)memset(s, 0, sizeof *s);
     s->reason = (uint32_t)BTE_NOT_BRAKED;
     s->block_reason = BTE_NOT_BRAKED;
     s->layout = BTE_LAYOUT;
     s->car = car;
-$first
     s->since_lock = R(2.0) * c->recover;
     s->since_abs = s->since_lock;
     start(c, &s->filters);
-    answer_pads(s, &any, &any);
-    s->seal = seal_of(s);
+    answer_pads(s, any, any);
 }
 
 static bool is_taken(const bte_car *car) {
     return car->layout == BTE_LAYOUT && car->size == sizeof(bte_car) + sizeof(bte_numbers)
-           && car->waiting >= 1U && car->waiting <= 3U;
+           && car->waiting - 1U < 3U;
 }
 
 /* Zeros of the sensors and the lag of the brakes last, where a state may take the data. */
 static bool begin_again(bte_state *s, const bte_car *car, bool may) {
     const bool taken = may && is_taken(car);
     if (taken) {
-        const bte_zero demand = s->filters.demand, eta_less_1 = s->filters.eta_less_1;
-        const bte_real lag = s->filters.level.lag, var_lag = s->filters.level.var_lag;
+        bte_real lasts[LASTING];
+        (void)memcpy(lasts, &s->filters, sizeof lasts);
         begin(s, car);
-        s->filters.demand = demand;
-        s->filters.eta_less_1 = eta_less_1;
-        s->filters.level.lag = lag;
-        s->filters.level.var_lag = var_lag;
+        (void)memcpy(&s->filters, lasts, sizeof lasts);
         s->seal = seal_of(s);
     }
     return taken;
@@ -496,6 +498,7 @@ bte_status bte_init(bte_state *s, const bte_car *car) {
     bte_status status = BTE_REFUSED;
     if (is_taken(car)) {
         begin(s, car);
+        s->seal = seal_of(s);
         status = checksum(car) == car->checksum ? BTE_READY : BTE_CALIBRATED;
     } else {
         (void)memset(s, 0, sizeof *s);
@@ -506,8 +509,8 @@ bte_status bte_init(bte_state *s, const bte_car *car) {
 bool bte_exchange(bte_state *s, const bte_car *car) {
     const bool known = s->layout == BTE_LAYOUT;
     const bte_real rests = known ? s->car->numbers->rests : R(0.0);
-    return begin_again(s, car, MATH(fabs)(s->omega[BTE_FRONT]) < rests
-                                   && MATH(fabs)(s->omega[BTE_REAR]) < rests);
+    const bte_real front = MATH(fabs)(s->omega[BTE_FRONT]), rear = MATH(fabs)(s->omega[BTE_REAR]);
+    return begin_again(s, car, largest(front, rear) < rests);
 }
 
 bool bte_resume(bte_state *s, const bte_car *car) {
@@ -522,8 +525,12 @@ static bte_reason step(bte_state *s, const bte_inputs *x) {
     bte_sums_of_block *sum = &s->sum;
     s->started = true;
     s->worst = disturbed > s->worst ? disturbed : s->worst;
-    s->failed = s->failed || !fine;
-    s->driven = s->driven || last->driven > R(0.5);
+    if (!fine) {
+        s->failed = true;
+    }
+    if (last->driven > R(0.5)) {
+        s->driven = true;
+    }
     sum->p_mc += last->p_mc;
     sum->z += -last->a_x / GRAVITY;
     sum->omega_f += R(0.5) * (last->omega_fl + last->omega_fr);

@@ -136,7 +136,7 @@ typedef struct {
     bte_answers answers;
     bte_filters filters;
     const bte_car *car;
-    bte_interval ratio; /* ln of the best informed one */
+    bte_real ratio[3]; /* ln of the best informed one, with its bounds */
     bool started, block_full, faulty, failed, driven;
     uint16_t count, checks;
     uint32_t seal, waits;
