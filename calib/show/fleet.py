@@ -63,6 +63,7 @@ def fleet_facts(summary: Summary) -> Facts:
             *((k, str(n)) for k, n in summary.status.items()),
         ],
         rows=[*_torque(looks), *(first if failed else []), *apart[:_FIRST]],
+        notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in summary.copies],
         parts=[
             Facts("All that stands apart", rows=apart[:_NAMES] if len(apart) > _FIRST else ()),
             Facts(

@@ -63,6 +63,7 @@ def station_facts(run: StationRun) -> Facts:
     car, unknown = judged("The car as a whole, the worst first.", of_car)
     by_stop, unknown_too = stop_by_stop(outcome.results)
     budgets = outcome.table.budget.axles
+    remarks = [*outcome.table.remarks, *map(str, outcome.caveats)]
     advice = "" if outcome.passed else "find the cause, and run the car again"
     if stored.state.word == DRAFT:
         advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
@@ -87,7 +88,7 @@ def station_facts(run: StationRun) -> Facts:
             Facts("The run", rows=_run(outcome, date)),
             Facts("The table", pictures=[curves]),
             Facts("The stops", pictures=[torque_and_pads(r) for r in outcome.results]),
-            Facts("Remarks", notes=outcome.table.remarks, folded=True),
+            Facts("Remarks", notes=remarks, folded=True),
             origin(stored, outcome.logs, date),
         ],
     )

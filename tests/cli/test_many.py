@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -137,13 +138,14 @@ def test_a_watch_ends_when_asked(bench, home, tmp_path, send):
 def test_a_fleet_is_written_and_told(brake_cal, tmp_path):
     folder = tmp_path / os.fsdecode(b"fr\xfch")  # a title that is not UTF-8
     folder.mkdir()
-    path = results(folder / "r.parquet", 8)
+    digests = ([*"abacbbd", None], pa.string(), None)
+    path = results(folder / "r.parquet", 8, extra={"digest": digests})
     out = tmp_path / "out"
     ran = brake_cal("fleet", path, "--out", out)
     assert ran.code == 0, ran.err
     assert {p.name for p in out.iterdir()} == {"fleet.json", "report.html"}
     document = json.loads((out / "fleet.json").read_text())
-    assert document["logs"] == 8
+    assert (document["logs"], len(document["copies"])) == (8, 2)
     ordered = parsed(brake_cal("fleet", path, "--order", "built", "--json"))
     assert ordered["ordered_by"] == "built"
     assert ordered["figures"]["built"]["change"] is None  # what orders the line does not drift

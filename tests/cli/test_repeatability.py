@@ -6,6 +6,7 @@ import pytest
 
 from calib.logs.write import write_csv
 from tests.cli.conftest import parsed
+from tests.support.documents import missing_and_unknown
 from tests.support.reference_car import REAL, SEDAN, noisy, ramp, with_pads
 
 VEHICLE = SEDAN / "vehicle.toml"
@@ -33,6 +34,7 @@ def test_a_study(brake_cal, ramps, tmp_path):
     told = parsed(ran)
     assert told == json.loads((out / "repeatability.json").read_text())
     assert (out / "repeatability.png").read_bytes().startswith(b"\x89PNG")
+    assert missing_and_unknown("repeatability-json", told) == []
     found = told["quantities"]["pad_scale"]
     # the cars differ by 0.0636 in friction, sd, which is 0.167 of the nominal 0.38
     assert found["components"]["car"]["sd"] == pytest.approx(0.167, rel=0.1)

@@ -38,9 +38,12 @@ COMMANDS = (
     ("batch-json", "batch validate stop.csv --table car --out checked --workers 1"),
     ("fleet-json", "fleet checked/results.parquet --out fleet"),
 )
-ELSEWHERE = {"diagnose-json", "plan-json", "qualification-json", "refused-json", "error"}
+ELSEWHERE = {
+    *("diagnose-json", "plan-json", "qualification-json", "refused-json", "repeatability-json"),
+    "error",
+}
 """Commands that take long, and those that end with an error: see the tests of `calib.diagnose`,
-`calib.help`, `cli.plan`, `cli.station` and `cli.commands`."""
+`calib.help`, `cli.plan`, `cli.station`, `cli.repeatability` and `cli.commands`."""
 
 
 def test_every_document_is_looked_at():

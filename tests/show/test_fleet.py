@@ -46,11 +46,13 @@ def test_small_fleets_are_drawn_and_names_as_they_are(tmp_path, n):
 def test_the_document_is_json(found):
     told = json.loads(json.dumps(plain(document(found)), allow_nan=False))
     assert told["status"] == {"passed": 397, "error": 3}
-    pads, apart = told["figures"]["pad_friction_f"], told["apart"][0]
+    pads, worst = told["figures"]["pad_friction_f"], told["outliers"][0]
     assert pads["change"]["drifts"] is True
-    assert apart["log"] == "line/car134.csv"
-    assert list(apart["reasons"][0]) == ["figure", "value", "p"]
-    assert pads["quantiles"]["95"] < apart["reasons"][0]["value"]
+    assert told["outliers_by_chance"] == pytest.approx(0.03 * len(told["outliers"]))
+    assert told["apart"][0]["log"] == worst["log"] == "line/car134.csv"
+    assert list(worst) == ["log", "figure", "value", "z", "p"]
+    assert pads["quantiles"]["95"] < worst["value"]
+    assert worst["z"] > 4.0
 
 
 def test_a_short_line_is_not_called_steady(tmp_path):

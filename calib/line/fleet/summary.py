@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import counted, plain
 from calib.line.fleet.drift import LevelChange, change
-from calib.line.fleet.outliers import Judged, judge, named
+from calib.line.fleet.outliers import SHARE, Judged, judge, named
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
@@ -22,16 +22,24 @@ _DRIFT = 0.01
 _MAD = 0.67449
 """Median absolute deviation of a normal distribution of sigma 1."""
 
+_P_OF_3 = 0.0027
+"""Two-sided p of 3 sigma."""
+
+_MANY = 20
+"""A text column with more different values than this is not a class: names, digests."""
+
 _EXAMPLES = 3
 """Most logs that are named for a kind of error."""
 
 
 @dataclass(frozen=True)
 class Outlier:
-    """A reason why a log stands apart: a metric, its value and two-sided p."""
+    """A reason why a log stands apart: a metric, its value, two-sided p and the z as rare."""
 
+    log: str
     figure: str
     value: float
+    z: float
     p: float
 
 
@@ -41,23 +49,23 @@ class _Apart:
 
     log: str
     p: float
-    reasons: list[Outlier]
+    reasons: tuple[Outlier, ...]
 
 
 @dataclass(frozen=True)
 class MetricSummary:
     """One metric, a number, over the fleet.
 
-    ``rows`` (k,) with a value, in order; ``values`` and ``outlying`` (k,); ``judged`` whether it
-    has enough of them; ``change`` None if they are too few; ``drifts`` whether the change is
+    ``rows`` (k,) with a value, in order; ``values``, their two-sided ``p``, NaN if not judged, and
+    ``outlying`` (k,); ``change`` None if they are too few; ``drifts`` whether the change is
     significant among all metrics.
     """
 
     column: Column
     rows: Index
     values: Array
+    p: Array
     outlying: Mask
-    judged: bool
     change: LevelChange | None
     drifts: bool
 
@@ -65,6 +73,11 @@ class MetricSummary:
     def name(self) -> str:
         """The plain name of the metric."""
         return plain(self.column.name, self.column.unit).name
+
+    @property
+    def judged(self) -> bool:
+        """Whether there are enough values to tell outliers."""
+        return bool(np.isfinite(self.p).any())
 
     @property
     def median(self) -> float:
@@ -112,7 +125,9 @@ class Summary:
     """The whole fleet.
 
     ``status``: number of logs for each; ``failed``: logs that fail, each with the limits that it
-    does not hold, "" where that is not known; ``apart``: the farthest log first.
+    does not hold, "" where that is not known; ``classes``: of each metric of text or yes/no the
+    number of each value, the most frequent first; ``apart``: the farthest log first; ``copies``:
+    names of logs that are one and the same recording, by recording.
     """
 
     logs: tuple[str, ...]
@@ -120,8 +135,10 @@ class Summary:
     status: dict[Status, int]
     failed: dict[str, str]
     looks: tuple[MetricSummary, ...]
+    classes: dict[str, dict[str, int]]
     apart: tuple[_Apart, ...]
     failures: tuple[_Failure, ...]
+    copies: list[list[str]]
 
     @property
     def drift_tested(self) -> bool:
@@ -155,22 +172,25 @@ def summarise(fleet: FleetFile) -> Summary:
     lines = [x[:0] if m.name == fleet.order else x for m, x in zip(numbers, every, strict=True)]
     changes = drifting([x[np.isfinite(x)] for x in lines])
     looks = [
-        MetricSummary(
-            m, k, every[i, k], judged.named[i, k], bool(np.isfinite(judged.p[i]).any()), *changes[i]
-        )
+        MetricSummary(m, k, every[i, k], judged.p[i, k], judged.named[i, k], *changes[i])
         for i, (m, k) in enumerate(zip(numbers, rows, strict=True))
     ]
     words = fleet.values("status")
     status = Counter(words)
     verdicts = zip_longest(fleet.logs, words, fleet.values("not_held"))
+    recordings: dict[object, list[str]] = {}
+    for log, digest in zip(fleet.logs, fleet.values("digest"), strict=False):
+        recordings.setdefault(log if digest is None else digest, []).append(log)
     return Summary(
         fleet.logs,
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
         {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
         tuple(looks),
+        dict(_classes(fleet)),
         _apart(fleet.logs, numbers, every, judged),
         failures(fleet.logs, fleet.values("error")),
+        [copies for copies in recordings.values() if len(copies) > 1],
     )
 
 
@@ -181,18 +201,30 @@ def drifting(lines: Sequence[Array]) -> list[tuple[LevelChange | None, bool]]:
     return list(zip(changes, named(p, _DRIFT).tolist(), strict=True))
 
 
+def _classes(fleet: FleetFile) -> Iterator[tuple[str, dict[str, int]]]:
+    words: dict[object, str] = {True: "yes", False: "no", None: "none"}
+    for metric in (m for m in fleet.metrics if m.kind is not float):
+        counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
+        if metric.kind is bool or len(counts) <= _MANY:
+            yield metric.name, dict(counts.most_common())
+
+
 def _apart(
     logs: tuple[str, ...], metrics: Sequence[Column], values: Array, judged: Judged
 ) -> tuple[_Apart, ...]:
     """The logs that stand apart, each with its metrics; ``values`` (m, n)."""
-    cars = []
+    from scipy.special import ndtri
+
+    away = values - np.nanmedian(values, axis=1, keepdims=True) if judged.named.any() else values
+    z = -np.sign(away) * ndtri(np.maximum(0.5 * judged.p, 1e-19))
+    numbers, cars = np.stack([values, z, judged.p]), []
     for row in np.flatnonzero(judged.named.any(axis=0)):
         reasons = [
-            Outlier(metrics[i].name, float(values[i, row]), float(judged.p[i, row]))
+            Outlier(logs[row], metrics[i].name, *numbers[:, i, row].tolist())
             for i in np.flatnonzero(judged.named[:, row]).tolist()
         ]
-        reasons.sort(key=lambda o: o.p)
-        cars.append(_Apart(logs[row], float(judged.p_of_car[row]), reasons))
+        reasons.sort(key=lambda o: (o.p, -abs(o.z)))
+        cars.append(_Apart(logs[row], float(judged.p_of_car[row]), tuple(reasons)))
     return tuple(sorted(cars, key=lambda car: (car.p, car.log)))
 
 
@@ -222,6 +254,7 @@ def kind_of(error: str, log: str) -> str:
 
 def document(summary: Summary) -> dict[str, Any]:
     """The whole summary as one JSON-able document."""
+    reasons = [reason for car in summary.apart for reason in car.reasons]
     return {
         "schema": 1,
         "logs": len(summary.logs),
@@ -230,8 +263,15 @@ def document(summary: Summary) -> dict[str, Any]:
         "headline": summary.headline,
         "failed": summary.failed,
         "errors": summary.failures,
-        "apart": summary.apart,
+        "copies": summary.copies,
+        "outliers": sorted(reasons, key=lambda o: (o.p, -abs(o.z), o.log)),
+        "outliers_by_chance": SHARE * len(reasons),
+        "apart": [
+            {"log": car.log, "p": car.p, "figures": [o.figure for o in car.reasons]}
+            for car in summary.apart
+        ],
         "figures": {look.column.name: _entry(summary, look) for look in summary.looks},
+        "classes": summary.classes,
     }
 
 
@@ -243,12 +283,14 @@ def _entry(summary: Summary, look: MetricSummary) -> dict[str, Any]:
         "median": look.median,
         "scale": look.scale,
         "quantiles": look.quantiles,
+        "beyond_3": int(np.sum(look.p < _P_OF_3)),
         "outliers": int(look.outlying.sum()),
         "change": c
         and {
             "drifts": look.drifts,
             "p": c.p,
             "first_log": summary.logs[look.rows[c.first]],
+            "number": int(look.rows[c.first]) + 1,
             "before": c.old_level,
             "after": c.new_level,
         },

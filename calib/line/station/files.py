@@ -108,6 +108,7 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in outcome.logs],
         "validation": validation_dict(stored, list(outcome.results)),
         "remarks": list(outcome.table.remarks),
+        "caveats": [warning_dict(warning) for warning in outcome.caveats],
         "files": files,
     }
 

@@ -23,6 +23,7 @@ from calib.fitting.fit import fit
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
+from calib.plausibility.check import check
 from calib.run.same_run import refuse_copies
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
@@ -127,6 +128,17 @@ class StationOutcome:
         of_car = judge(tuple(x for x in self.limits if x.figure in OF_CAR), self.figures)
         of_stops = [StationCheck(r.log, j) for r in self.results for j in r.judgements]
         return [*(StationCheck(None, j) for j in of_car), *of_stops]
+
+    @cached_property
+    def caveats(self) -> list[PlausibilityWarning]:
+        """Warnings of `brake-cal check` on a log that fit and estimate do not have.
+
+        They are no verdict on the car.
+        """
+        places = {(warning.code, warning.log) for warning in self.warnings}
+        logs = (*self.ramps, *self.coasts, *self.stops)
+        every = (w for log in logs for w in check(log, vehicle=self.table.vehicle).warnings)
+        return [w for w in every if (w.code, w.log) not in places]
 
     @property
     def golden_cars(self) -> int:

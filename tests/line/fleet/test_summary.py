@@ -35,6 +35,10 @@ def test_the_outlier_is_named(found):
 
 def test_statuses_shares_and_errors(found):
     assert found.status == {"passed": 397, "error": 3}
+    assert found.classes == {
+        "usable": {"yes": 300, "no": 100},
+        "verdict": {"no_gap": 266, "named": 134},
+    }
     (failure,) = found.failures
     assert re.fullmatch(r"line/car\d+\.csv: <b>ends</b> at [\d.]+ s", failure.message)
     assert failure.count == 3
