@@ -5,54 +5,17 @@ import pint
 import pytest
 
 from calib.base.names import CHANNELS, TRUTH_UNITS
-from calib.base.units import QUANTITIES, UnknownUnit, si_of, spelling, to_si
+from calib.base.units import QUANTITIES, UnknownUnit, si_of, to_si
 
-# Pint's names. Its own reading of three of ours would be wrong: "Nm" is a nanometre to it, "g" a
-# gram, and a Hz one radian per second.
 PINT = {
-    "s": {
-        "s": "second",
-        "ms": "millisecond",
-        "us": "microsecond",
-        "min": "minute",
-        "h": "hour",
-        "d": "day",
-    },
-    "Pa": {u: u for u in ("Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi")},
-    "m/s^2": {"m/s^2": "m/s^2", "g": "standard_gravity"},
-    "rad/s": {
-        "rad/s": "rad/s",
-        "deg/s": "deg/s",
-        "rpm": "turn/minute",
-        "U/min": "turn/minute",
-        "1/min": "turn/minute",
-        "Hz": "turn/second",
-    },
-    "m/s": {
-        "m/s": "m/s",
-        "mm/s": "mm/s",
-        "cm/s": "cm/s",
-        "km/h": "km/h",
-        "kph": "km/h",
-        "mph": "mile/hour",
-        "kn": "knot",
-    },
-    "degC": {"degC": "degC", "K": "kelvin", "degF": "degF"},
-    "rad": {"rad": "radian", "mrad": "milliradian", "deg": "degree"},
-    "N": {"N": "newton", "daN": "decanewton", "kN": "kilonewton"},
-    "N*m": {"N*m": "newton*meter", "Nm": "newton*meter", "kN*m": "kilonewton*meter"},
-    "kg": {"kg": "kilogram", "t": "metric_ton", "lb": "pound"},
-    "m": {"m": "meter", "cm": "centimeter", "mm": "millimeter", "in": "inch"},
-    "m^2": {"m^2": "meter^2", "cm^2": "centimeter^2", "mm^2": "millimeter^2"},
-    "kg*m^2": {"kg*m^2": "kilogram*meter^2", "kg*cm^2": "kilogram*centimeter^2"},
-    "1": {"1": "", "-": "", "%": "percent"},
-    "1/K": {"1/K": "1/kelvin", "1/degC": "1/delta_degC", "%/K": "percent/kelvin"},
-    "1/Pa": {"1/Pa": "1/pascal", "1/bar": "1/bar", "1/MPa": "1/megapascal", "%/bar": "percent/bar"},
-    "s/m": {"s/m": "second/meter", "h/km": "hour/kilometer", "%/(km/h)": "percent*hour/kilometer"},
-    "J": {"J": "joule", "kJ": "kilojoule", "MJ": "megajoule"},
-    "W": {"W": "watt", "kW": "kilowatt"},
-}
-CASES = [(si, ours, theirs) for si, units in PINT.items() for ours, theirs in units.items()]
+    "g": "standard_gravity", "Hz": "turn/second", "kn": "knot", "t": "metric_ton",
+    "U/min": "turn/minute", "1/min": "turn/minute", "rpm": "turn/minute", "kph": "km/hour",
+    "1": "", "-": "", "%": "percent", "1/degC": "1/delta_degC", "%/K": "percent/kelvin",
+    "%/bar": "percent/bar", "%/(km/h)": "percent*hour/kilometer", "in": "inch", "d": "day",
+}  # fmt: skip
+"""Units that have another name in pint. "g" is a gram to it, and a Hz one radian per second."""
+
+CASES = [(si, unit) for si, (_, units) in QUANTITIES.items() for unit in units]
 
 
 @pytest.fixture(scope="module")
@@ -60,10 +23,11 @@ def registry():
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
-@pytest.mark.parametrize(("si", "ours", "theirs"), CASES)
-def test_agrees_with_pint(registry, si, ours, theirs):
+@pytest.mark.parametrize(("si", "ours"), CASES)
+def test_agrees_with_pint(registry, si, ours):
     values = np.array([-12.5, 0.0, 3.7, 1234.0])
-    expected = registry.Quantity(values, theirs).to(PINT[si][si]).magnitude
+    theirs = registry.Quantity(values, PINT.get(ours, ours))
+    expected = theirs.to(PINT.get(si, si)).magnitude
     np.testing.assert_allclose(to_si(values, ours, si), expected, rtol=1e-12, atol=1e-12)
 
 
@@ -74,6 +38,7 @@ def test_agrees_with_pint(registry, si, ours, theirs):
         ("N·m", "N*m", "N*m"),
         ("N.m", "N*m", "N*m"),
         ("N m", "N*m", "N*m"),
+        ("Nm", "N*m", "N*m"),
         ("kg·m²", "kg*m^2", "kg*m^2"),
         ("cm²", "cm^2", "m^2"),
         ("m·s⁻²", "m/s^2", "m/s^2"),
@@ -105,11 +70,6 @@ def test_refuses_what_it_does_not_know(unit, si, words):
     with pytest.raises(UnknownUnit) as error:
         to_si(1.0, unit, si)
     assert all(word in str(error.value) for word in words)
-
-
-def test_every_unit_of_the_table_was_compared_with_pint():
-    compared = {(si, spelling(ours)) for si, ours, _ in CASES}
-    assert compared == {(si, unit) for si, (_, units) in QUANTITIES.items() for unit in units}
 
 
 def test_every_channel_converts_and_its_quantity_is_found():
