@@ -155,16 +155,12 @@ class UsageError(BrakeCalError):
     exit_code = 2
 
 
-class BatchError(BrakeCalError):
+class BatchError(UsageError):
     """A batch cannot start: other settings, folder in use, no scheduler, unfit workers."""
 
-    exit_code = 2
 
-
-class RevisionError(BrakeCalError):
+class RevisionError(UsageError):
     """Tables cannot be merged."""
-
-    exit_code = 2
 
 
 class StoreError(BrakeCalError):
@@ -189,10 +185,8 @@ class SignatureRefused(StoreError):
     """A signature does not hold, is of another key or is malformed."""
 
 
-class FolderGone(BrakeCalError):
+class FolderGone(UsageError):
     """The folder in which the program runs was deleted."""
-
-    exit_code = 2
 
 
 class ProgramFailure(BrakeCalError):

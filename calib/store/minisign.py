@@ -104,12 +104,20 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
     if password:
         with _refused(KeyFileError, secret):
             key.encrypt(password, **_SENSITIVE)
-    _write_new(secret, bytes(key) + b"\n", 0o600)
+    files = (secret, bytes(key) + b"\n", 0o600), (public, public_key.file, 0o644)
     try:
-        _write_new(public, public_key.file, 0o644)
-    except KeyFileError:
-        secret.unlink()
-        raise
+        with ExitStack() as undo:
+            for path, content, mode in files:
+                with open(path, "xb", opener=partial(os.open, mode=mode)) as file:
+                    undo.callback(path.unlink)
+                    file.write(content)
+                sync(path)
+            undo.pop_all()
+    except FileExistsError:
+        do = "choose another name: a key is not replaced"
+        raise KeyFileError("exists already", where=path, do=do) from None
+    except OSError as error:
+        raise KeyFileError(f"cannot be written ({error.strerror})", where=path) from None
     return public_key
 
 
@@ -164,20 +172,3 @@ def _content(path: Path) -> bytes:
 def _key_id(word: str | bytes) -> str:
     """The number of the key in its word, or that of a signature, as minisign prints it."""
     return f"{int.from_bytes(b64decode(word)[2:10], 'little'):X}"
-
-
-def _write_new(path: Path, content: bytes, mode: int) -> None:
-    """Write a new file; nothing of it is left on failure. Raises KeyFileError if it exists."""
-    try:
-        with open(path, "xb", opener=partial(os.open, mode=mode)) as file, ExitStack() as cleanup:
-            cleanup.callback(path.unlink, missing_ok=True)
-            file.write(content)
-            file.flush()
-            sync(path)
-            cleanup.pop_all()
-    except FileExistsError:
-        raise KeyFileError(
-            "exists already", where=path, do="choose another name: a key is not replaced"
-        ) from None
-    except OSError as error:
-        raise KeyFileError(f"cannot be written ({error.strerror})", where=path) from None
