@@ -103,12 +103,10 @@ def verify(
         verdicts, note = store.verify(name), ""
     keys = ("id", "sound", "violations", *(["signed"] if key else []))
     rows = [{name: getattr(verdict, name) for name in keys} for verdict in verdicts]
-    unfinished, sound = store.unfinished(), all(v.sound for v in verdicts)
-    for path in unfinished:
-        say(f"{path}: being written, or left by a run that was stopped; the next one clears it")
+    sound = all(verdict.sound for verdict in verdicts)
     if note:
         say(note)
-    document = {"store": store.folder, "sound": sound, "versions": rows, "unfinished": unfinished}
+    document = {"store": store.folder, "sound": sound, "versions": rows}
     none = f"{store.folder} holds no table"
     return Answer(document, verified(verdicts, bool(key)) if rows else none, DAMAGED * (not sound))
 

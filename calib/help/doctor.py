@@ -17,7 +17,7 @@ from calib.base.names import NAME, PROGRAM, STORE
 from calib.base.plain import counted
 from calib.help.samples import sample_logs
 from calib.show.facts import Facts, Table
-from calib.store.folders import names_in, unplaced, versions_in
+from calib.store.folders import names_in, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
 """States: as it should be, something is limited, the program cannot work."""
@@ -98,7 +98,6 @@ def _store(store: Path) -> _Finding:
         return _Finding("store", WRONG, f"{store} {fault}", "name another one: --store DIR")
     versions = [len(versions_in(store / name)) for name in names_in(store)]
     text = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
-    text += f", {unfinished} unfinished" if (unfinished := len(unplaced(store))) else ""
     if os.access(store, os.W_OK):
         return _Finding("store", FINE, text)
     return _Finding("store", NOTE, f"{text}, read only", "no table can be stored or released here")

@@ -23,7 +23,6 @@ from calib.store.folders import (
     path_of,
     place,
     refuse_link,
-    unplaced,
 )
 from calib.store.journal import CHANGED, STORED, Journal, enter, read_journal, write_journal
 from calib.store.snapshot import Snapshot, StoreEntry
@@ -146,10 +145,6 @@ class Store:
             each = (now.verified(table, v) for table in every for v in now.with_strays(table))
             return tuple(replace(also(entry), stored=None) for entry in each)
 
-    def unfinished(self) -> tuple[Path, ...]:
-        """Folders of versions that a writer has begun; the next writer clears what is left."""
-        return tuple(unplaced(self.folder))
-
     @contextmanager
     def changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
         """The store, locked, and the version ``name@version`` of it, which will change."""
@@ -244,7 +239,7 @@ def _tidy(folder: Path, table: str, journal: Journal) -> None:
     """Finish or undo what stopped writers left, under the lock. Raises OSError."""
     for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
         path.unlink(missing_ok=True)
-    for path in unplaced(folder, table):
+    for path in list((folder / table).glob(f"{NEW}*")):
         final = path.with_name(path.name.removeprefix(NEW))
         if path.is_symlink():
             path.unlink()  # nobody knows where it leads
