@@ -17,6 +17,8 @@ PROGRAM = f"{NAME} {VERSION}"
 SETTINGS_FILE = "brake-cal.toml"
 SETTINGS_VARIABLE = "BRAKE_CAL_SETTINGS"
 """Environment variable: the path of a settings file; empty for none."""
+PUBLIC_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")
+"""The word of a public key of minisign, the second line of its file."""
 STORE = Path("tables")
 """The store where neither the command line nor the settings file names one."""
 

@@ -4,7 +4,6 @@ It is in the working folder or in one above it; the first one found counts.
 """
 
 import os
-import re
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +12,10 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator
 
 from calib.base.errors import SettingsError
-from calib.base.names import SETTINGS_FILE, SETTINGS_VARIABLE
+from calib.base.names import PUBLIC_KEY, SETTINGS_FILE, SETTINGS_VARIABLE
 from calib.base.record import FileSchema, Section, read_toml
 from calib.base.record_errors import wrong
 from calib.base.toml import shown
-
-_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")  # the second line of a public key of minisign
 
 
 def _text(written: object) -> object:
@@ -75,7 +72,7 @@ def read_settings(path: Path | None) -> dict[str, Any]:
         "station.name": file.station.name,
         "station.golden": str(place(golden)) if golden and "/" in golden else golden,
         "station.export": file.station.export,
-        "keys.public": public if public and _KEY.fullmatch(public) else place(public),
+        "keys.public": public if public and PUBLIC_KEY.fullmatch(public) else place(public),
         "require_signed": file.require_signed,
         "by": file.by,
     }

@@ -6,11 +6,8 @@ Every format writes one `Dataset`; `calib.exports.build` makes it of a table.
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from calib.base.arrays import Array
 from calib.base.digest import sha256
-from calib.base.intervals import Z95
 from calib.car.effects.combined import sensed
 from calib.exports.symbols import Addresses, Measured, Within
 from calib.store.evidence import Quality
@@ -95,11 +92,6 @@ class Object:
         """Range of the values, in words."""
         return f"range {min(self.numbers)!r} to {max(self.numbers)!r}"
 
-    @property
-    def band(self) -> Array:
-        """Values that the limits of the object must hold."""
-        return self.values
-
 
 @dataclass(frozen=True)
 class Axis(Object):
@@ -164,12 +156,6 @@ class Grid(Object):
         return self.column.endswith(("_lower", "_upper"))
 
     @property
-    def band(self) -> Array:
-        """Values, of a curve with their bounds."""
-        ends = () if self.count is None or self.bounds is None else self.bounds
-        return np.concatenate((self.values, *ends))
-
-    @property
     def fixed_misfit(self) -> float | None:
         """Largest error of a curve over its axis when both are rounded; None of others."""
         if self.count is None or self.fixed is None or self.axis.fixed is None:
@@ -183,11 +169,6 @@ class Scalar(Object):
     """One number; ``sigma`` one standard deviation where it was fitted."""
 
     sigma: float | None
-
-    @property
-    def band(self) -> Array:
-        """The 95 % band."""
-        return self.values + Z95 * (self.sigma or 0.0) * np.array([-1.0, 1.0])
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ExchangeError
+from calib.base.intervals import Z95
 from calib.base.templates import templates
 from calib.exports.build import UNIT
 from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Object, Scalar
@@ -103,7 +104,7 @@ def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
             yield from _cells(grid)
     more = (None,) * len(_MORE_AXES)
     for s in data.scalars:
-        band = (None, None) if s.sigma is None else s.band.tolist()
+        band = (None, None) if s.sigma is None else _band(s).tolist()
         yield (s.label, None, None, s.numbers[0], s.unit, *band, None, None, s.meaning, *more)
 
 
@@ -182,6 +183,14 @@ def _type_limits(constant: Object) -> tuple[float, float]:
     return constant.fixed.origin - half, constant.fixed.origin + half - constant.fixed.step
 
 
+def _band(constant: Object) -> Array:
+    """The 95 % band of a number; of a curve its values and bounds."""
+    if isinstance(constant, Scalar):
+        return constant.values + Z95 * (constant.sigma or 0.0) * np.array([-1.0, 1.0])
+    ends = constant.bounds if isinstance(constant, Grid) and constant.count is not None else None
+    return np.concatenate((constant.values, *(ends or ())))
+
+
 def _limits(constant: Object) -> tuple[float, float]:
     """Range of the numbers and their 95 % band, within that of the type [unit].
 
@@ -190,7 +199,8 @@ def _limits(constant: Object) -> tuple[float, float]:
     if constant.within is not None:
         return -MOST, MOST
     values = constant.values if constant.fixed is None else constant.fixed.values
-    band = np.concatenate((values, constant.band[np.isfinite(constant.band)]))
+    band = _band(constant)
+    band = np.concatenate((values, band[np.isfinite(band)]))
     low, high = _type_limits(constant)
     return max(float(band.min()), low), min(float(band.max()), high)
 

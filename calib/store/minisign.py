@@ -19,9 +19,9 @@ from typing import Any, NamedTuple
 from calib.base.bounded import KEY, bytes_of
 from calib.base.errors import BrakeCalError, KeyFileError, SignatureRefused
 from calib.base.extras import need
+from calib.base.names import PUBLIC_KEY
 from calib.base.write import sync
 
-_WORD = re.compile(r"RW[A-Za-z0-9+/]{54}")
 _SIGNATURE = re.compile(
     rb"untrusted comment: [^\n]*\n([A-Za-z0-9+/]{99}=)\r?\n"
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
@@ -71,7 +71,7 @@ class SecretKey:
 def read_public_key(source: Path | str) -> PublicKey:
     """Read a public key from a file, or from its word of base64. Raises KeyFileError."""
     kind = _library().PublicKey
-    if _WORD.fullmatch(str(source)):
+    if PUBLIC_KEY.fullmatch(str(source)):
         read, content = kind.from_base64, str(source).encode()
     else:
         read, content = kind.from_bytes, _content(Path(source))
