@@ -176,12 +176,9 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
         raise misuse(f"{evidence} says that {table} failed, which releases nothing", "--evidence")
     lost = stored.table.not_sensed.get("wheel_pressures")
     if word == "released" and lost:
-        raise StoreError(
-            f"is for no ECU: it would have to know {lost}",
-            where=table,
-            expected="a table of pressures that an ECU has",
-            do="declare rear_proportioning in the vehicle file, or fit the ramp without them",
-        )
+        flaw = f"is for no ECU: it would have to know {lost}"
+        do = "declare rear_proportioning in the vehicle file, or fit the ramp without them"
+        raise StoreError(flaw, where=table, expected="a table of pressures that an ECU has", do=do)
     proofs, old = (proof,) if proof else (), stored.state
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)

@@ -133,12 +133,9 @@ class NotFiniteError(InputError):
 
 def not_finite(quantity: str, where: object) -> NotFiniteError:
     """The error for a ``quantity`` of a log or a vehicle that came out as no number."""
-    return NotFiniteError(
-        f"{quantity} comes out as no finite number, so nothing is concluded from it",
-        where=where,
-        expected="logs and a vehicle file of one car",
-        do="look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`",
-    )
+    flaw = f"{quantity} comes out as no finite number, so nothing is concluded from it"
+    do = "look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`"
+    return NotFiniteError(flaw, where=where, expected="logs and a vehicle file of one car", do=do)
 
 
 class ProgramError(InputError):

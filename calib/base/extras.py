@@ -27,8 +27,5 @@ def need(
         package = module.split(".")[0]
         if cause.name is None or cause.name.split(".")[0] != package:
             raise
-        raise error(
-            f"{package} is not installed",
-            where=where,
-            do=f"pip install '{NAME}[{extra}]', for {EXTRAS[extra]}",
-        ) from cause
+        do = f"pip install '{NAME}[{extra}]', for {EXTRAS[extra]}"
+        raise error(f"{package} is not installed", where=where, do=do) from cause

@@ -85,10 +85,8 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
         yield mapped
     except BrokenExecutor as error:
         time.sleep(_STOPPING)  # what stopped the workers may stop this process, too
-        raise BatchError(
-            "a worker process died",
-            do="repeat it; if memory ran out, with --workers 1",
-        ) from error
+        flaw = "a worker process died"
+        raise BatchError(flaw, do="repeat it; if memory ran out, with --workers 1") from error
     finally:
         end(pool)
 

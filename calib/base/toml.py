@@ -41,11 +41,8 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
             raise ValueError(f"a key of more than {_MOST_PARTS} parts")
         return tomllib.loads(text)
     except (ValueError, RecursionError) as cause:
-        raise error(
-            f"not TOML: {cause}",
-            where=path,
-            expected='a TOML file; quantities and texts stand in quotes, with a point: "1.5 kg"',
-        ) from cause
+        expected = 'a TOML file; quantities and texts stand in quotes, with a point: "1.5 kg"'
+        raise error(f"not TOML: {cause}", where=path, expected=expected) from cause
 
 
 def nearest(word: str, words: Collection[str]) -> str | None:

@@ -67,11 +67,9 @@ def parent(file: Returned, store: Store) -> Stored | None:
     if "table" not in file.facts:
         alike = [one for one in names_in(store.folder) if prefix(one) == name]
         if len(alike) > 1:
-            raise ExchangeError(
-                f"its labels begin with {name}_, as those of {' and '.join(alike)} do",
-                where=store.folder,
-                do="export the table again, and keep the head of the file",
-            )
+            flaw = f"its labels begin with {name}_, as those of {' and '.join(alike)} do"
+            do = "export the table again, and keep the head of the file"
+            raise ExchangeError(flaw, where=store.folder, do=do)
         name = alike[0] if alike else name
     try:
         return store.load(f"{name}@{version}")
@@ -96,10 +94,8 @@ def difference(file: Returned, stored: Stored | None) -> Difference:
     edited = [_EDITED] if file.unchanged is False else []
     if stored is None:
         if file.unchanged is None:
-            raise ExchangeError(
-                f"{file.table} is not in this store, and the file has no checksum to hold it to",
-                do="give the store of that table with --store",
-            )
+            flaw = f"{file.table} is not in this store, and the file has no checksum to hold it to"
+            raise ExchangeError(flaw, do="give the store of that table with --store")
         rounds = f"so does a tool that rounds them: give the store of {file.table} with --store"
         return Difference([f"{_EDITED}; {rounds}"] if edited else [])
     tried = list[Difference]()

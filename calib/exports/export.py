@@ -119,10 +119,8 @@ def require_handed_out(
         )
     beyond = stored.table.not_sensed
     if unknown := [name for name in without_effects if name not in beyond]:
-        raise ExchangeError(
-            f"{unknown[0]} is no known effect of {stored.id} that an ECU cannot sense",
-            expected=", ".join(beyond) or "none",
-        )
+        flaw = f"{unknown[0]} is no known effect of {stored.id} that an ECU cannot sense"
+        raise ExchangeError(flaw, expected=", ".join(beyond) or "none")
     not_sensed = {name: why for name, why in beyond.items() if name not in without_effects}
     if not_sensed:
         raise StoreError(

@@ -62,11 +62,8 @@ def read_back(path: Path) -> Returned:
         )
         raise _bad(path, message, "an export of one table, or that file as another tool saved it")
     if facts.get("objects", str(len(content))) != str(len(content)):
-        raise ExchangeError(
-            f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined",
-            where=path,
-            do="export the table again",
-        )
+        flaw = f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined"
+        raise ExchangeError(flaw, where=path, do="export the table again")
     (first,) = firsts
     table = facts.get("table") or f"{first}@{content.scalars[first + _VERSION]:.0f}"
     return Returned(form, facts, units, content, first, table)

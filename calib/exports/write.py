@@ -152,11 +152,9 @@ def _short(text: str) -> str:
     """A quoted text of A2L. Raises ExchangeError where the standard has no room for it."""
     plain = _commented(text).replace('"', "'")
     if len(plain) > _LONGEST_TEXT:
-        raise ExchangeError(
-            f"{plain[:24]}... has {len(plain)} characters",
-            expected=f"at most {_LONGEST_TEXT} in a text of A2L",
-            do="give the table a shorter name",
-        )
+        flaw = f"{plain[:24]}... has {len(plain)} characters"
+        expected = f"at most {_LONGEST_TEXT} in a text of A2L"
+        raise ExchangeError(flaw, expected=expected, do="give the table a shorter name")
     return f'"{plain}"'
 
 

@@ -43,11 +43,8 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
     data = _read(path)
     verdict = _station_verdict(data, path, stored) or _quality(data, path, stored).verdict
     if verdict is None:
-        raise ExchangeError(
-            "is a validation on logs that the table was fitted on, which proves nothing",
-            where=path,
-            expected="a validation on hold-out logs",
-        )
+        flaw = "is a validation on logs that the table was fitted on, which proves nothing"
+        raise ExchangeError(flaw, where=path, expected="a validation on hold-out logs")
     return Evidence(path.name, sha256(data)), verdict
 
 
@@ -62,11 +59,8 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
     try:
         summary = validated(data, SummaryFile, None, ExchangeError)
     except ExchangeError as error:
-        raise ExchangeError(
-            f"no summary of a validation: {error}",
-            where=path,
-            do="take the summary.json of `brake-cal validate --out`",
-        ) from error
+        do = "take the summary.json of `brake-cal validate --out`"
+        raise ExchangeError(f"no summary of a validation: {error}", where=path, do=do) from error
     if (summary.table, summary.digest) != (stored.id, stored.digest):
         raise _other(summary.table, summary.digest, path, stored)
     holdouts = [log for log in summary.logs if log.role == "hold-out"]
@@ -94,9 +88,6 @@ def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
 
 
 def _other(id_: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
-    return ExchangeError(
-        f"is of {id_}, digest {digest[:12]}",
-        where=path,
-        expected=f"one of {stored.id}, digest {stored.digest[:12]}",
-        do="validate this version",
-    )
+    flaw = f"is of {id_}, digest {digest[:12]}"
+    expected = f"one of {stored.id}, digest {stored.digest[:12]}"
+    return ExchangeError(flaw, where=path, expected=expected, do="validate this version")

@@ -28,10 +28,8 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
                 cars[stored.id] = table
                 used_ramps |= stored.ramps
     if not cars:
-        raise StoreError(
-            f"no released table of another car of this model, of {len(now.names)} looked at",
-            where=store.folder,
-            expected=f"the vehicle file of {vehicle.name} but its name, no --tyre or --fleet-prior",
-            do="release tables of cars of this model, or fit without --fleet-prior",
-        )
+        flaw = f"no released table of another car of this model, of {len(now.names)} looked at"
+        expected = f"the vehicle file of {vehicle.name} but its name, no --tyre or --fleet-prior"
+        do = "release tables of cars of this model, or fit without --fleet-prior"
+        raise StoreError(flaw, where=store.folder, expected=expected, do=do)
     return cars

@@ -20,11 +20,8 @@ _FOLDER = re.compile(r"v(\d{4,6})")
 def checked_name(name: str) -> str:
     """Return ``name`` if it is a valid name of a table, which is always a folder of the store."""
     if not names_a_table(name):
-        raise StoreError(
-            f"{name!r} cannot name a table",
-            expected=TABLE_NAMES,
-            do="a table has the name of its vehicle: change name in the vehicle file",
-        )
+        do = "a table has the name of its vehicle: change name in the vehicle file"
+        raise StoreError(f"{name!r} cannot name a table", expected=TABLE_NAMES, do=do)
     return name
 
 
@@ -55,12 +52,9 @@ def names_in(folder: Path) -> list[str]:
 def refuse_link(home: Path) -> None:
     """Raise StoreError where the folder of a table is a link: writing would go elsewhere."""
     if home.is_symlink():
-        raise StoreError(
-            "the folder of a table is a link",
-            where=home,
-            expected="a folder of its own",
-            do="put the folder in its place, or withdraw its versions",
-        )
+        flaw = "the folder of a table is a link"
+        do = "put the folder in its place, or withdraw its versions"
+        raise StoreError(flaw, where=home, expected="a folder of its own", do=do)
 
 
 def signature_files(home: Path, version: int) -> list[Path]:

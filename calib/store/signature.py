@@ -215,11 +215,9 @@ def _checked(
     # the wrong table is a better reason than a signature that does not hold
     statement = _parse_statement(signature.trusted_comment, path)
     if statement[:2] != (stored.name, stored.version) or statement.digest != stored.digest:
-        raise SignatureRefused(
-            f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}",
-            where=path,
-            expected=f"{stored.id}, digest {stored.digest[:12]}",
-        )
+        flaw = f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}"
+        expected = f"{stored.id}, digest {stored.digest[:12]}"
+        raise SignatureRefused(flaw, where=path, expected=expected)
     verify(public, _record(stored), signature, path)
     line = _line(now, statement, path)
     history = now.journal.versions(stored.name)[stored.version]

@@ -56,16 +56,11 @@ class Snapshot:
         Raises TableNotFound where there is no store, DamagedTable for versions without a journal.
         """
         if not self.folder.is_dir():
-            raise TableNotFound(
-                "no table store here",
-                where=self.folder,
-                do="`brake-cal fit` makes one, --store names another",
-            )
+            do = "`brake-cal fit` makes one, --store names another"
+            raise TableNotFound("no table store here", where=self.folder, do=do)
         if not self.journal.entries and names_in(self.folder):
-            raise DamagedTable(
-                "missing, and versions are there whose state it knew",
-                where=self.folder / JOURNAL,
-            )
+            flaw = "missing, and versions are there whose state it knew"
+            raise DamagedTable(flaw, where=self.folder / JOURNAL)
         return sorted(self.journal.tables)
 
     def require_table(self, name: str) -> str:
@@ -74,12 +69,9 @@ class Snapshot:
         if checked_name(name) in names or versions_in(self.folder / name):
             return name
         is_file = "a file of that name is here: give the table first, then the logs"
-        raise TableNotFound(
-            f"no table {name!r}",
-            where=self.folder,
-            expected="one of " + ", ".join(names) if names else "a table: the store is empty",
-            do=did_you_mean(name, names) or is_file * Path(name).is_file(),
-        )
+        expected = "one of " + ", ".join(names) if names else "a table: the store is empty"
+        do = did_you_mean(name, names) or is_file * Path(name).is_file()
+        raise TableNotFound(f"no table {name!r}", where=self.folder, expected=expected, do=do)
 
     def with_strays(self, name: str) -> list[int]:
         """Numbers of all versions: those of the journal, and folders that it does not know."""
@@ -131,18 +123,14 @@ class Snapshot:
             raise DamagedTable("missing: it was stored, and its folder is not there", where=id_)
         stored = read_version(path, id_)
         if version not in self.journal.versions(name):
-            raise DamagedTable(
-                "not in the journal: it was copied here, or the journal was set back",
-                where=id_,
-                do="restore the journal from a copy, or move the version out of the store",
-            )
+            flaw = "not in the journal: it was copied here, or the journal was set back"
+            do = "restore the journal from a copy, or move the version out of the store"
+            raise DamagedTable(flaw, where=id_, do=do)
         first = self.journal.versions(name)[version][0]
         if (first.digest, first.record) != (stored.digest, stored.record):
-            raise DamagedTable(
-                "replaced or edited: it is not what was stored as this version",
-                where=id_,
-                expected=f"digest {first.digest[:12]}, it has {stored.digest[:12]}",
-            )
+            flaw = "replaced or edited: it is not what was stored as this version"
+            expected = f"digest {first.digest[:12]}, it has {stored.digest[:12]}"
+            raise DamagedTable(flaw, where=id_, expected=expected)
         return replace(stored, state=self.journal.state(name, version))
 
     def entry(self, name: str, version: int) -> StoreEntry:

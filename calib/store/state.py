@@ -104,17 +104,12 @@ def is_new(version: str, now: VersionState, decision: StateDecision | None) -> b
     if now.word == new and now.evidence == decision.evidence:
         return False  # the same command again
     if new not in CHANGES[now.word]:
-        raise StoreError(
-            f"is {now.words}; it stays withdrawn",
-            where=version,
-            do="fit the car again: a new log makes a new version",
-        )
+        flaw = f"is {now.words}; it stays withdrawn"
+        raise StoreError(flaw, where=version, do="fit the car again: a new log makes a new version")
     if back and now.past_evidence >= {one.sha256 for one in decision.evidence}:
-        raise StoreError(
-            f"is {now.words}; it is released only on new evidence",
-            where=version,
-            do="validate it on another stop, and give the summary.json with --evidence",
-        )
+        flaw = f"is {now.words}; it is released only on new evidence"
+        do = "validate it on another stop, and give the summary.json with --evidence"
+        raise StoreError(flaw, where=version, do=do)
     return True
 
 

@@ -217,11 +217,9 @@ class Store:
 def _require_storable(table: Table) -> None:
     checked_name(table.name)
     if flaws := violations(table):
-        raise StoreError(
-            f"the table is not sound and was not stored: {'; '.join(flaws)}",
-            where=table.name,
-            expected="a table that `brake-cal tables verify` passes",
-        )
+        flaw = f"the table is not sound and was not stored: {'; '.join(flaws)}"
+        expected = "a table that `brake-cal tables verify` passes"
+        raise StoreError(flaw, where=table.name, expected=expected)
 
 
 def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
