@@ -28,7 +28,7 @@ from calib.fitting.posterior import Posterior, survivors, tempering_step
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 
-GROUPS = 4  # groups of blocks of a stop, whose deceleration hardly changes
+_GROUPS = 4  # groups of blocks of a stop, whose deceleration hardly changes
 _PEAKS = (-1.5, -0.5, 0.5, 1.5)  # of another road, in standard deviations of its ln
 _WITHIN = 0.3  # standard deviation of a peak around each, as evenly spread ones have it
 _STEP = 0.02  # of ln of a peak or of the pads' ratio, for a derivative
@@ -40,10 +40,9 @@ def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posteri
     """Weigh the draws by the stops, and say what each tells; the same draws where none does."""
     remarks, total = [], np.zeros(e.size)
     for run in stops:
-        try:
-            log = _log_likelihood(car, e, run)
-        except ValueError as error:
-            remarks.append(f"{run.name}: a stop that tells nothing: {error}")
+        log = log_likelihood(car, e, run)
+        if not np.any(log):
+            remarks.append(f"{run.name}: a stop without v, or that nothing explains, tells nothing")
             continue
         power = tempering_step(log, 1.0)
         total += power * log
@@ -68,26 +67,21 @@ def _moved(e: Ensemble, log: Array, power: float) -> str:
     )
 
 
-def _log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
-    """`log_likelihood` of a stop. Raises ValueError, with the reason, where it says nothing."""
-    if run.slip is None:
-        raise ValueError("without the speed v its pads and tyres cannot be told apart")
-    log = log_likelihood(Regression(car, [run], GROUPS), e)
-    if -2.0 * float(log.max()) > _MOST**2 * 2 * GROUPS:
-        raise ValueError("no draw explains it")
-    return log
-
-
-def log_likelihood(regression: Regression, e: Ensemble) -> Array:
-    """ln of the likelihood of draws (n,) by the one stop of a ``regression`` in `GROUPS`.
+def log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
+    """ln of the likelihood of draws (n,) by one stop; 0 where it has no v, or no draw explains it.
 
     Valid while the deceleration hardly changes: a peak then scales the slip of an axle.
     """
+    if run.slip is None or not (run.braked.any() and run.rolling.size):
+        return np.zeros(e.size)
+    regression = Regression(car, [run], _GROUPS)
     by_road = [
         math.log(share) + _on_road(regression, replace(e, peak=peak), stiff, sigmas)
         for share, peak, stiff, sigmas in _roads(e)
     ]
-    return np.asarray(np.logaddexp.reduce(by_road))
+    log = np.asarray(np.logaddexp.reduce(by_road))
+    explained = -2.0 * float(log.max()) < _MOST**2 * regression.places.size
+    return log if explained else np.zeros(e.size)
 
 
 def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, float]]]:
@@ -113,7 +107,7 @@ def _on_road(
     ``stiff`` and ``sigmas`` as of `_roads`.
     """
     rows = [regression.rows(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
-    slips = np.stack([np.abs(x[:2, :, :GROUPS]).mean(axis=-1) for x in rows])  # rows of eta
+    slips = np.stack([np.abs(x[:2, :, :_GROUPS]).mean(axis=-1) for x in rows])  # rows of eta
     by_peak = np.log(slips[1] / slips[0]).T / _STEP * sigmas[0]
     alike = sigmas[1] ** 2 + float(STOP.a_x_scale.sigma[0]) ** 2
     apart = float(STOP.log_tyre.sigma[0]) ** 2 * np.eye(2)

@@ -7,9 +7,8 @@ import pytest
 
 from calib.base.errors import LogError
 from calib.fitting.fit import fit
-from calib.fitting.learning import GROUPS, learn, log_likelihood
+from calib.fitting.learning import learn, log_likelihood
 from calib.fitting.posterior import posterior
-from calib.fitting.regression import Regression
 from calib.table.table import Value
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import (
@@ -41,7 +40,7 @@ def of_stop(pressure, seed, plant=PLANT):
 @pytest.mark.parametrize(("pressure", "least", "most"), [(SOFT, 0.0, 1.0), (HARD, 3.0, 100.0)])
 def test_a_hard_stop_tells_the_peak_and_a_soft_one_does_not(pressure, least, most):
     cars = one_car("magic_sharp", peak=np.array([0.9, 1.4]), log_pad_ratio=np.log(RATIO))
-    by_peak = log_likelihood(Regression(CAR, [prepared(stop(PLANT, pressure))], GROUPS), cars)
+    by_peak = log_likelihood(CAR, cars, prepared(stop(PLANT, pressure)))
     assert least < by_peak[0] - by_peak[1] < most
 
 
