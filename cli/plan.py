@@ -83,9 +83,8 @@ def plan(
     --report it writes a card for the driver. Exit code 1 if what is wanted cannot be had.
     """
     from calib.base.processes import cores
-    from calib.plan.achieved import DOCUMENT
+    from calib.plan.achieved import DOCUMENT, HalfWidths
     from calib.plan.expected import prior_of
-    from calib.plan.half_widths import HalfWidths
     from calib.plan.measure import Track
     from calib.plan.plan_file import document, pressure_files
     from calib.plan.search import Want

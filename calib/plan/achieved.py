@@ -1,4 +1,4 @@
-"""What a fit reached of the plan of a file, and why not.
+"""How well the torque is known, and what a fit reached of the plan of a file, and why not.
 
 It needs nothing of what makes a plan: a fit with or without one begins as fast.
 """
@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import InputError
+from calib.base.intervals import Z95
 from calib.car.vehicle import MassUsed
 from calib.logs.log import Log
-from calib.plan.half_widths import HalfWidths, widths_of
 from calib.run.run import Run
 from calib.table.table import Table
 
@@ -26,6 +26,22 @@ _WIDER = 1.15
 
 _SHORT = 0.9
 """End of a ramp over the planned one [1] below which it ended early."""
+
+
+class HalfWidths(NamedTuple):
+    """Relative half width of the 95 % interval [1] of the torque of front, rear and both axles."""
+
+    front: float = 0.0
+    rear: float = 0.0
+    total: float = 0.0
+
+
+def widths_of(table: Table) -> HalfWidths:
+    """Half widths of a table: what its pads, and the level of both axles, are known to."""
+    pads = table.calibration
+    axles = (pads.pad_friction_f, pads.pad_friction_r)
+    front, rear = (Z95 * pad.sigma / pad.value for pad in axles)
+    return HalfWidths(front, rear, Z95 * math.sqrt(sum(table.budget.level.values())))
 
 
 @dataclass(frozen=True)

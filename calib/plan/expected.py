@@ -25,7 +25,7 @@ from calib.fitting.hypotheses import USUAL_PADS
 from calib.logs.log import Log
 from calib.model.roller_bench import TOLERANCE, AxleOnRollers, RollerBench
 from calib.model.sensor_noise import LEVELS, NoiseLevel, add_noise
-from calib.plan.half_widths import HalfWidths, widths_of
+from calib.plan.achieved import HalfWidths, widths_of
 from calib.plan.measure import RATE, Measure, Track, drive
 from calib.run.resistance import identify
 from calib.table.budget import axle_parts

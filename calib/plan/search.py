@@ -13,10 +13,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+import numpy as np
+
 from calib.base.errors import BrakeCalError, LogError, ModelError
 from calib.base.processes import Mapped, side_by_side
+from calib.plan.achieved import HalfWidths
 from calib.plan.expected import Prior, before_any_run, cars, half_widths
-from calib.plan.half_widths import HalfWidths, median
 from calib.plan.measure import Measure, drive, measures
 
 SEED = 20
@@ -175,7 +177,7 @@ class _Search:
                 continue
             self.gains[measure] = sum(self.want.gain(now, w) for w in of_cars) / len(of_cars)
             if first or self.gains[measure] >= _WORTH:
-                widths[measure] = median(of_cars)
+                widths[measure] = _median(of_cars)
         return widths
 
     def _is_option(self, measure: Measure, chosen: _Sequel, first: bool) -> bool:
@@ -227,8 +229,13 @@ def _medians(
     for reason, widths in _outcomes(mapped, prior, sequels, count):
         if reason:
             raise LogError(reason, where=prior.vehicle.name)
-        medians.append(median(widths))
+        medians.append(_median(widths))
     return medians
+
+
+def _median(widths: Sequence[HalfWidths]) -> HalfWidths:
+    """The median of each half width over cars."""
+    return HalfWidths(*np.median(np.array(widths), axis=0).tolist())
 
 
 def _outcomes(

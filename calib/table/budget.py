@@ -56,12 +56,10 @@ _NOT_STATED = 0.99 * Vehicle.mass_tolerance
 """Standard deviation of a mass, below which it was weighed or has a tolerance in the file [1]."""
 
 
-def _read(row: dict[str, str]) -> _Advice:
-    cells = {part: cell for part, cell in row.items() if part not in ("do", "budget")}
-    return _Advice(row["do"], row["budget"], {part: float(x) for part, x in cells.items() if x})
-
-
-_ADVICE = tuple(map(_read, rows("budget.csv", "calib.table")))
+_ADVICE = tuple(
+    _Advice(row.pop("do"), row.pop("budget"), {part: float(x) for part, x in row.items() if x})
+    for row in rows("budget.csv", "calib.table")
+)
 
 
 def ramp_pads(table: Table) -> tuple[str, str]:

@@ -13,9 +13,8 @@ from calib.fitting.fit import fit
 from calib.logs.read import read_log
 from calib.model.sensor_noise import add_noise
 from calib.plan import search
-from calib.plan.achieved import DOCUMENT, compare, read_plan
+from calib.plan.achieved import DOCUMENT, HalfWidths, compare, read_plan
 from calib.plan.expected import noise_of, prior_of
-from calib.plan.half_widths import HalfWidths
 from calib.plan.measure import Track, measures, pressure_trace
 from calib.plan.plan_file import document, pressure_files
 from calib.plan.search import Want, plan

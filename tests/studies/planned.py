@@ -18,8 +18,8 @@ from calib.fitting.fit import fit
 from calib.help.samples import sample_logs
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
+from calib.plan.achieved import HalfWidths, widths_of
 from calib.plan.expected import on_rollers, prior_of
-from calib.plan.half_widths import HalfWidths, widths_of
 from calib.plan.measure import Measure, Track, pressure_trace
 from calib.plan.search import Plan, Want, plan
 from tests.support.plant import WHEELS, Plant, Tyre, as_log, brush, burckhardt, drive, dugoff
