@@ -23,30 +23,6 @@ def of_axles(front, rear):
     return np.stack([front, rear])[:, None]
 
 
-def test_loads_are_those_of_the_paper():
-    e = one_car()
-    assert (CAR.wheelbase, CAR.cg_to_front_axle, CAR.cg_height) == pytest.approx((L, L_F, H))
-    unit = unit_slips(CAR, e, Z, np.full((2, 1, 3), 0.5 * Z))
-    front, rear = loads(Z)
-    still = loads(0.0)
-    assert unit.load[0, 0] == pytest.approx(front)
-    assert unit.grown[0, 0] == pytest.approx(front / still[0] - 1.0)
-    assert unit.grown[1, 0] == pytest.approx(rear / still[1] - 1.0)
-
-
-def test_a_brush_slips_as_its_formula_says():
-    """Forward: F/N = m (1 - (1 - slip/(3 c m))^3) of the slip gives the force back."""
-    share = 0.7
-    front, rear = share * Z, (1.0 - share) * Z
-    e = one_car()
-    unit = unit_slips(CAR, e, Z, of_axles(front, rear))
-    for slips, force, load in zip(unit.slip, (front, rear), loads(Z), strict=True):
-        slip = 0.04 * slips[0]
-        carried = 0.9 * (1.0 - (1.0 - slip / (3.0 * 0.04 * 0.9)) ** 3)
-        assert carried == pytest.approx(force / load)
-    assert unit.rolls.all()
-
-
 def test_compliance_grows_and_the_peak_falls_with_the_load():
     """At the load N over half the weight: c N^q, m N^-p, and similarity in m."""
     q, p = 0.2, 0.1

@@ -24,9 +24,6 @@ def test_on_a_wet_road_the_pads_are_those_of_a_dry_one():
         assert found.ci95[0] < true < found.ci95[1]
 
 
-PEAK, SHAPE, STIFFNESS = 0.92, 1.65, 25.0
-
-
 ESTATE = replace(
     CAR,
     mass=1610.0,
@@ -40,7 +37,7 @@ ESTATE = replace(
 
 
 def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
-    plant = replace(REAL, vehicle=ESTATE, tyre=magic(18.4, PEAK, 1.57, curvature=0.33))
+    plant = replace(REAL, vehicle=ESTATE, tyre=magic(18.4, 0.92, 1.57, curvature=0.33))
     found = fit(ESTATE, [noisy(ramp(plant, 6.6e5), 1)])
     ratio = found.calibration.pad_log_ratio
     assert abs(ratio.value) < 0.1
@@ -51,18 +48,6 @@ def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
 PADS = 0.42
 
 
-def with_brake(axle: Axle, radius: float, inertia: float, area: float, disc: float) -> Axle:
-    """An axle with other wheels [m], [kg m^2] and another brake [m^2], [m]."""
-    return replace(
-        axle,
-        rolling_radius=radius,
-        wheel_inertia=inertia,
-        piston_area=area,
-        effective_radius=disc,
-        pad_friction=PADS,
-    )
-
-
 SPORTS = replace(
     CAR,
     name="sports-car",
@@ -70,8 +55,8 @@ SPORTS = replace(
     cg_to_front_axle=1.42,
     cg_to_rear_axle=1.05,
     cg_height=0.46,
-    front=with_brake(CAR.front, 0.330, 1.1, 30e-4, 0.150),
-    rear=with_brake(CAR.rear, 0.338, 1.5, 16e-4, 0.140),
+    front=Axle(0.330, 1.1, 30e-4, 0.150, 2, PADS),
+    rear=Axle(0.338, 1.5, 16e-4, 0.140, 2, PADS),
 )
 
 
