@@ -3,8 +3,7 @@
 Each function is a figure of `rules.csv` by its name.
 """
 
-from collections.abc import Iterator, Mapping
-from itertools import groupby
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -17,11 +16,10 @@ from calib.plausibility.evidence import Evidence
 from calib.run.axle_signals import held_time
 from calib.run.copies import shares_of_speed, twice
 from calib.run.driving_record import BITE_Z, DrivingRecord
-from calib.run.pressure_delay import PressureDelay
 
 _OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 _NEEDED = ("p_mc", "a_x", *_OMEGAS)
-_LATE, _EXPLAINED = bounds_of("pressure_late")[1], bounds_of("pressure_foreign")[0]
+_LATE = bounds_of("pressure_late")[1]
 _RESISTED, _ROLLS = 0.04, 0.3
 """Deceleration of a car that no brake slows at most [g], and the time that shows it [s]."""
 _CUT = bounds_of("pressure_computed")[1]  # share of zeros [1] that no sensor in order has
@@ -85,36 +83,23 @@ def pressure(e: Evidence) -> Iterator[Measured]:
         return
     if run.z > 2.5 * BITE_Z:
         yield Measured("pressure_per_g", from_si(master.high / run.z, "bar", "Pa"))
-    for channel, delay in run.pressures.items():
+    if not run.pressures:
+        return
+    delay, every = next(iter(run.pressures.values())), ", ".join(run.pressures)
+    in_time = abs(delay.surely) <= _LATE
+    if in_time:
         most = max(delay.low, delay.high, key=abs)
-        if abs(delay.surely) <= _LATE:
-            yield Measured("pressure_clock", most, words={"channel": channel})
+        yield Measured("pressure_clock", most, words={"channel": every})
     if master.saturated:
         return
-    yield from _late(run.pressures, cut=master.low == 0.0 and master.flat > _CUT)
-    motor = any(name.startswith("T_drive") for name in run.present)
-    if not motor and all(abs(x.surely) <= _LATE for x in run.pressures.values()):
-        weakest = min((x.in_time for x in run.pressures.values()), default=1.0)
-        weak = (x for x, delay in run.pressures.items() if delay.in_time < _EXPLAINED)
-        yield Measured("pressure_foreign", max(weakest, 0.0), words={"channels": ", ".join(weak)})
-
-
-def _late(delays: Mapping[str, PressureDelay], cut: bool) -> Iterator[Measured]:
-    """Delays of the pressures, those that are alike together.
-
-    On a ramp a zero that is too low, so that p_mc is ``cut`` at 0, and a delay look the same; but a
-    sensor whose zero is right has noise about it.
-    """
-
-    def alike(channel: str) -> tuple[float, str, str]:
-        return delays[channel].surely, delays[channel].words, delays[channel].entry
-
-    for (surely, words, entry), channels in groupby(delays, alike):
-        every = ", ".join(channels)
-        zero = "a zero of p_mc that is too low, so that it is cut at 0, or "
-        how = f"{every} {'are' if ',' in every else 'is'} {words}"
-        how = f"{zero * (cut and surely < 0.0)}{how}"
-        yield Measured("pressure_late", surely, words={"how": how, "entry": f"{entry} to {every}"})
+    # on a ramp a zero that is too low and a delay look the same; but a right zero has noise
+    cut = master.low == 0.0 and master.flat > _CUT and delay.surely < 0.0
+    zero = "a zero of p_mc that is too low, so that it is cut at 0, or "
+    how = f"{zero * cut}{every} {'are' if ',' in every else 'is'} {delay.words}"
+    words = {"how": how, "entry": f"{delay.entry} to {every}"}
+    yield Measured("pressure_late", delay.surely, words=words)
+    if in_time and not any(name.startswith("T_drive") for name in run.present):
+        yield Measured("pressure_foreign", max(delay.in_time, 0.0), words={"channels": every})
 
 
 def speed(e: Evidence) -> Iterator[Measured]:

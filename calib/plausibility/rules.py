@@ -57,7 +57,6 @@ _OF_SIGNALS: tuple[Figure, ...] = (
         wheels.slip,
         wheels.slip_of_v,
         wheels.v_scale,
-        wheels.lost_pulses,
     ),
     *(forces.accelerometer, forces.brakes, forces.bend, forces.levels),
 )

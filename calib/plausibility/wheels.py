@@ -11,7 +11,6 @@ from itertools import permutations
 import numpy as np
 
 from calib.base.arrays import Mask
-from calib.base.intervals import scatter
 from calib.base.names import AXLE_NAMES, WHEELS, G
 from calib.base.warning import LIMITS, Measured, bounds_of, relative
 from calib.car.balance import front_biased_up_to
@@ -37,10 +36,7 @@ _MOST_OF_IT = 0.4  # share of the difference of v and wheels that a_x must show,
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""
-_TIME = 1.0  # time of such braking, or of rolling, that is needed [s]
-_SPAN, _SIGMA = 11, 5.0
-"""Samples of the median from which a lost pulse stands out; the distance below it, in its usual
-scatter, or in 0.1 % of the speed, that noise does not have."""
+_TIME = 1.0  # time of such braking that is needed [s]
 
 
 def wheel_sign(e: Evidence) -> Iterator[Measured]:
@@ -250,25 +246,3 @@ def v_scale(e: Evidence) -> Iterator[Measured]:
     """Scale of a_x against v that no sensor has; 0 where it is likelier that of a sensor."""
     other = e.run.other_scale
     yield Measured("v_scale", other / (1.0 - other))
-
-
-def lost_pulses(e: Evidence) -> Iterator[Measured]:
-    """Share of the unbraked samples in which one wheel alone is far below its usual course [1].
-
-    A pulse that is lost lowers one reading by a tooth of 48 or so. Bumps lift and lower a wheel
-    alike, so twice the share above is taken off; a wheel that slips is below for longer than the
-    median spans.
-    """
-    s = e.run.signals
-    rolling = (s.lead_in | (np.maximum(s.p_f, s.p_r) < BITE)) & (s.speed > MOVING)
-    if np.count_nonzero(rolling) * s.sample_time < _TIME:
-        return
-    for name in (f"omega_{wheel}" for wheel in WHEELS):
-        omega = e.run.log[name][rolling]
-        around = np.lib.stride_tricks.sliding_window_view(
-            np.pad(omega, _SPAN // 2, "symmetric"), _SPAN
-        )
-        away = omega - np.median(around, axis=-1)
-        far = _SIGMA * max(scatter(away), 1e-3 * float(np.mean(omega)))
-        lost = max(float(np.mean(away < -far) - 2.0 * np.mean(away > far)), 0.0)
-        yield Measured("lost_pulses", lost, words={"wheel": name})

@@ -14,7 +14,6 @@ goes as the pressure would, at another time.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -37,9 +36,6 @@ _KEPT, _BRAKED = 0.5, 0.25  # shares of all samples and of the braked ones that 
 _SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # standard deviation of f and of g, at these, over the usual deceleration [1]
-_KNEES = (0.125, 0.25, 0.375, 0.5, 0.75)
-"""Shares of the highest pressure at which that of a wheel may bend [1]."""
-_HYSTERESIS = 0.003  # of a wheel's pressure over that of the master cylinder, of the highest [1]
 _EXACT = 1e-10  # square of what the rounding of numbers leaves of z [1]
 _GROUPS = (4, 8)  # samples of the means that tell how long residuals last: to 0.4 s
 
@@ -76,41 +72,19 @@ class PressureDelay:
         """What puts p in time in a channel map."""
         return f'delay = "{-self.value:.2f} s"'
 
-    def less(self, other: "PressureDelay") -> "PressureDelay":
-        """The delay after a pressure that comes ``other`` later than this one's."""
-        return PressureDelay(
-            self.value - other.value,
-            self.low - other.high,
-            self.high - other.low,
-            min(self.explained, other.explained),
-            self.in_time,
-        )
-
 
 def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, PressureDelay]:
     """The delay of the deceleration after each pressure until a wheel is at its ``limit`` [s].
 
-    Wheels are told by the master cylinder where they follow it, and the deceleration agrees; else
-    by the deceleration, and nothing is said of ``p_mc``: a motor, a booster or a hold is between.
+    Of the wheels' where they are logged: behind a motor, a booster or a hold ``p_mc`` says nothing.
     """
-    use = driving.moving & (log.time < limit)
     pairs = [[f"p_{axle}l", f"p_{axle}r"] for axle in AXLES]
     names = [name for pair in pairs if all(x in log for x in pair) for name in pair]
+    pressures = [axle_pressure(log, axle) for axle in AXLES] if names else [log["p_mc"]]
     drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
-    true = use & (np.abs(log["a_x"]) <= GREATEST * G)
-    of_z = partial(pressure_delay, log.time, driving.z, drives=drives, use=true)
-    master = of_z([log["p_mc"]])
-    wheels = of_z([axle_pressure(log, axle) for axle in AXLES]) if names else None
-    if master is None or wheels is None:
-        return {"p_mc": master} if master else {}
-    if not drives:
-        behind = [_delay_of_wheel(log.time, log[name], log["p_mc"], use) for name in names]
-        delays = [master.less(x) for x in behind if x and x.explained > LIMITS.explained_curve]
-        if len(delays) == len(names):
-            low, high = min(x.low for x in delays), max(x.high for x in delays)
-            if wheels.low <= high and low <= wheels.high:
-                return {"p_mc": master, **dict(zip(names, delays, strict=True))}
-    return dict.fromkeys(names, wheels)
+    use = driving.moving & (log.time < limit) & (np.abs(log["a_x"]) <= GREATEST * G)
+    delay = pressure_delay(log.time, driving.z, pressures, drives, use)
+    return dict.fromkeys(names or ["p_mc"], delay) if delay else {}
 
 
 def pressure_delay(
@@ -142,24 +116,6 @@ def pressure_delay(
     ]
     columns = np.stack([*others, *p, *drifting, *some], axis=1)
     return _by_chance(tried, columns, z[places], inside, _EXACT, _FORCE * usual)
-
-
-def _delay_of_wheel(time: Array, wheel: Array, master: Array, use: Mask) -> PressureDelay | None:
-    """The delay of a wheel's pressure after the ``master`` cylinder's [Pa]; None without braking.
-
-    A valve between them may limit or reduce: the one is a curve over the other. ``time`` [s];
-    ``use`` where the car moves and no wheel is at its limit yet; (n,) each.
-    """
-    step, (time, use, (wheel, master)) = step_of(time), _means(time, use, wheel, master)
-    wheel, master = wheel / BITE, master / BITE
-    pressed, highest = wheel > 1.0, float(np.max(master))
-    if step * np.count_nonzero(use & pressed) < LIMITS.pressure_braked or highest < 1.0:
-        return None
-    places = np.flatnonzero(use)[:: max(1, round(LIMITS.pressure_every / step))]
-    tried, inside, p = _shifted(time, [master], places, pressed[places])
-    parts = (np.minimum(p[0], share * highest) for share in _KNEES)
-    columns = np.stack([np.ones_like(p[0]), *p, *parts], axis=1)
-    return _by_chance(tried, columns, wheel[places] / highest, inside, _HYSTERESIS**2)
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:

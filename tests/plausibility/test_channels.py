@@ -10,7 +10,7 @@ from calib.plausibility.channels import at_rest, copied, held_values, late, pres
 from calib.plausibility.check import check
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import FIT, unusable
-from calib.plausibility.wheels import car_wheels, lost_pulses, slip_of_v
+from calib.plausibility.wheels import car_wheels, slip_of_v
 from calib.run.run import Run
 from tests.support.plant import WHEELS, brush, dugoff
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop
@@ -23,7 +23,7 @@ def clean():
 
 
 def found(log):
-    return [(one.code, one.causes[0]) for one in of(log, car_wheels, slip_of_v, lost_pulses)]
+    return [(one.code, one.causes[0]) for one in of(log, car_wheels, slip_of_v)]
 
 
 def of(log, *more):
@@ -119,7 +119,7 @@ def test_rounding_is_no_noise(clean):
 
 
 def of_wheels(log):
-    return broken((slip_of_v, lost_pulses), Evidence(Run(log)))
+    return broken((slip_of_v,), Evidence(Run(log)))
 
 
 @pytest.mark.parametrize(("wheels", "filtered"), [("fl fr", True), ("fl fr rl rr", False)])
@@ -137,23 +137,6 @@ def test_a_v_of_wheels_is_named_also_behind_a_filter(clean, wheels, filtered):
 def test_a_v_that_is_off_by_a_factor_is_measured(clean):
     log = noisy(clean, 2)
     assert of_wheels(changed(log, v=1.03 * log["v"])) == []
-
-
-@pytest.mark.parametrize("teeth", [48, 96])
-def test_lost_pulses_name_the_wheel(clean, teeth):
-    log, rng = noisy(clean, 4), np.random.default_rng(4)
-    lost = rng.random(log.time.size) < 0.1
-    run = changed(log, omega_rl=log["omega_rl"] * np.where(lost, 1.0 - 1.0 / teeth, 1.0))
-    (warning,) = of_wheels(run)
-    assert warning.code == "lost_pulses"
-    assert "omega_rl" in warning.causes[0]
-    assert warning.measured == pytest.approx(0.1, abs=0.05)  # of some 200 samples
-
-
-def test_bumps_up_and_down_lose_no_pulses(clean):
-    log, rng = noisy(clean, 5), np.random.default_rng(5)
-    spikes = np.where(rng.random(log.time.size) < 0.02, rng.choice([-1.0, 1.0], log.time.size), 0)
-    assert of_wheels(changed(log, omega_fr=log["omega_fr"] * (1.0 + 0.02 * spikes))) == []
 
 
 RAMP = noisy(ramp(REAL), 3)
