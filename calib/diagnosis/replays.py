@@ -25,7 +25,7 @@ from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
 from calib.model.simulate import replay
-from calib.run.filters import block_mean
+from calib.run.filters import block_mean, samples_in
 
 UNITS = {"a_x": "m/s^2", **{f"omega_{w}": "rad/s" for w in WHEELS}, "v": "m/s"}
 CHANNELS = tuple(UNITS)
@@ -144,7 +144,7 @@ def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> R
     squares = gap.squares[1]
     row, column = divmod(int(np.argmax(squares)), len(CHANNELS))
     log, channel = measured[row], CHANNELS[column]
-    size = max(1, round(_BLOCK / log.sample_time))
+    size = samples_in(_BLOCK, log.sample_time)
     error = block_mean(_errors_of(replays[row], log)[column], size)
     # the speed keeps an error of force: its growth tells where the force is wrong
     weight = np.abs(np.diff(error, prepend=0.0)) if channel == "v" else error**2

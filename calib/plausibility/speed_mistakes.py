@@ -23,7 +23,7 @@ from calib.base.intervals import SURE, posterior
 from calib.base.names import AXLES, G
 from calib.car.lag import integral
 from calib.run.driving_record import DRIVEN, GREATEST, NOMINAL_RADIUS, SMOOTH
-from calib.run.filters import block_mean
+from calib.run.filters import block_mean, samples_in
 from calib.run.run import Run
 
 OFFSET, CLOCK = "offset", "clock"
@@ -182,7 +182,7 @@ class _AxleSpeed:
     @classmethod
     def of_axle(cls, run: Run, axle: str, radius: float) -> "_AxleSpeed":
         """By the wheels of an axle."""
-        d, size = run.driving, max(1, round(SMOOTH / run.driving.step))
+        d, size = run.driving, samples_in(SMOOTH, run.driving.step)
         ends = run.slipping.first if run.slipping else math.inf
         inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST) & (d.time < ends)
         use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0

@@ -31,7 +31,7 @@ from calib.car.beliefs import SENSOR
 from calib.car.braking import BITE
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST
-from calib.run.filters import centred_mean, recursive
+from calib.run.filters import centred_mean, recursive, samples_in
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
 _THERE, _STILL = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002])
@@ -249,7 +249,7 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     """
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
-    slow = centred_mean(b.z, max(1, round(_SECOND / b.length)))
+    slow = centred_mean(b.z, samples_in(_SECOND, b.length))
     evidence, usual = (
         speed_evidence(b, density_z, density_v, slow),
         _ROLLING + _DRAG * b.speed**2,

@@ -29,7 +29,7 @@ from calib.car.forces import deceleration
 from calib.car.lag import integral
 from calib.logs.log import Log
 from calib.run.driving_record import NOMINAL_RADIUS, SETTLE, rolls
-from calib.run.filters import centred_mean, trailing_mean
+from calib.run.filters import centred_mean, samples_in, trailing_mean
 from calib.run.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 
 
@@ -197,7 +197,7 @@ def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) 
     has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile.
     Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there.
     """
-    smooth = trailing_mean(pressure, max(1, round(_SMOOTH / step)))
+    smooth = trailing_mean(pressure, samples_in(_SMOOTH, step))
     braked = np.flatnonzero(smooth > BITE)
     first = np.inf
     if braked.size:
@@ -205,7 +205,7 @@ def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) 
         level = float(np.median(unbraked))
         leaves = np.flatnonzero(unbraked <= level + 3.0 * scatter(unbraked - level))[-1]
         first = min(time[braked[0]] - SETTLE, time[leaves]) - _SMOOTH
-    rolling = rolls(trailing_mean(z, max(1, round(0.1 / step))))
+    rolling = rolls(trailing_mean(z, samples_in(0.1, step)))
     return np.asarray((time < first) & rolling & (speed > MOVING))
 
 
@@ -223,7 +223,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     """
     if np.count_nonzero(rolling) * step < _LEAST:
         return np.ones_like(rolling)
-    width = max(1, round(_SMOOTH / step))
+    width = samples_in(_SMOOTH, step)
     smooth = centred_mean(eta, width)
     lead_in = smooth[rolling]
     bite = 0 if rolling[-1] else -round(_LEAST / step)  # a coast has none: all of it counts alike

@@ -27,7 +27,7 @@ from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
-from calib.run.filters import block_mean, lasting_variance, left_of, products_of, since
+from calib.run.filters import block_mean, lasting_variance, left_of, products_of, samples_in, since
 
 _STEP = 0.02  # of the means that are compared [s]
 _TRIED = 0.06  # of the delays that are tried [s]; the slope by the delay tells the rest
@@ -112,7 +112,7 @@ class BrakeBalance:
 
 def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     """Delay and force without pressure of a run; None if it brakes too little to tell."""
-    size = max(1, round(_STEP / s.sample_time))
+    size = samples_in(_STEP, s.sample_time)
     step = size * s.sample_time
     active = forces.active.astype(float)
     time, nominal, demanded, braked, slow, use = (
@@ -222,7 +222,7 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
 
     First no delay, then shifts of the clock, then first-order lags.
     """
-    each = max(1, round(_TRIED / step))
+    each = samples_in(_TRIED, step)
     shifts = np.arange(round(_EARLIEST / step), round(_LATEST / step) + 1, each)
     shifts = np.concatenate([[0], shifts[shifts != 0]])
     places = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)

@@ -19,7 +19,7 @@ from calib.base.warning import LIMITS
 from calib.car.braking import BITE, MOVING
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
-from calib.run.filters import block_mean, centred_mean, runs
+from calib.run.filters import block_mean, centred_mean, runs, samples_in
 
 BITE_Z = 0.08  # deceleration that is braking if no pressure is logged [g]: above drag and engine
 STEADY = 0.15  # largest deceleration of a car that rolls [g]
@@ -98,7 +98,7 @@ class BrakeEvent:
 def driving_record(log: Log) -> DrivingRecord:
     """Approximate motion. The log must have ``time``, ``a_x`` and the four wheel speeds."""
     time, step = log.time, log.sample_time
-    width = max(1, round(SMOOTH / step)) | 1
+    width = samples_in(SMOOTH, step) | 1
     wheel = centred_mean(np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0), width)
     speed = centred_mean(log["v"], width) if "v" in log else NOMINAL_RADIUS * wheel
     z = centred_mean(-log["a_x"] / G, width)
@@ -151,7 +151,7 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     moving = driving.moving[part]
     drive = driving.z[part] if driving.pressure is None else driving.pressure[part]
     drive, z = drive[moving], driving.z[part][moving]
-    n = max(1, round(_STROKE / driving.step))
+    n = samples_in(_STROKE, driving.step)
     if drive.size < 2 * n:
         return 0.0, 0.0
     best = (0.0, 0.0)

@@ -8,6 +8,11 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 
 
+def samples_in(time: float, step: float) -> int:
+    """Samples of a ``step`` [s] in a ``time`` [s], at least one."""
+    return max(1, round(time / step))
+
+
 def block_mean(x: Array, size: int) -> Array:
     """Means over blocks of ``size`` samples along the last axis; a shorter rest is left out.
 

@@ -19,7 +19,7 @@ from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks
-from calib.run.filters import block_mean
+from calib.run.filters import block_mean, samples_in
 
 _NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
 """Lower bounds of the noise densities: no sensor on a car is better, but a simulation may be."""
@@ -106,7 +106,7 @@ def _long_run_density(
     not below 0. Of noise with a time constant of 0.1 s it is 10 % too low, 30 % with a ``window``
     of 2 s (tests/run/test_noise.py). Below 8 groups the noise is taken as white.
     """
-    per_group = max(1, round(group / step))
+    per_group = samples_in(group, step)
     groups = x.size // per_group
     step *= per_group
     length = min(max(8, round(window / step)), groups)

@@ -10,7 +10,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.intervals import NINETY, noise_over
-from calib.run.filters import centred_mean
+from calib.run.filters import centred_mean, samples_in
 
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
 _WIDEST = 8  # most samples between those of the further third differences
@@ -34,7 +34,7 @@ def as_pressed(p: Array, step: float) -> Array:
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter
 
-    width = max(1, round(_HOLD / step))
+    width = samples_in(_HOLD, step)
     if width < 3 or p.size < 2 * width:
         return p
     sigma = _noise_of(p)

@@ -25,7 +25,14 @@ from calib.logs.clock import step_of
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure
 from calib.run.driving_record import BITE_Z, DRIVEN, GREATEST, DrivingRecord, rolls
-from calib.run.filters import centred_mean, lasting_variance, left_of, products_of, since
+from calib.run.filters import (
+    centred_mean,
+    lasting_variance,
+    left_of,
+    products_of,
+    samples_in,
+    since,
+)
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
 _USUAL, _SPREAD = 0.02, 0.06
@@ -105,7 +112,7 @@ def pressure_delay(
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
     places = np.flatnonzero(use & (rolling | (since(time, active) < LIMITS.pressure_after)))
-    places = places[:: max(1, round(LIMITS.pressure_every / step))]
+    places = places[:: samples_in(LIMITS.pressure_every, step)]
     usual = abs(float(np.median(z[use & active])))
     tried, inside, p = _shifted(time, pressed, places, slowed[places])
     drifting = (time[places] - time[places[0]]) * p
@@ -120,7 +127,7 @@ def pressure_delay(
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
     """The times that have whole means, where all of these is of ``use``, and those of signals."""
-    width = max(1, round(LIMITS.pressure_width / step_of(time))) | 1
+    width = samples_in(LIMITS.pressure_width, step_of(time)) | 1
     inside = slice(width // 2, time.size - width // 2)
     unused, *means = (centred_mean(x, width)[inside] for x in ((~use).astype(float), *signals))
     return time[inside], unused == 0.0, means

@@ -23,7 +23,7 @@ from calib.base.intervals import second_differences, white_noise
 from calib.base.names import G
 from calib.car.lag import integral
 from calib.run.driving_record import GREATEST
-from calib.run.filters import block_mean, recursive
+from calib.run.filters import block_mean, recursive, samples_in
 
 _BLOCK = 0.05  # length of the means that are compared [s]
 
@@ -136,7 +136,7 @@ class _DelayEvidence:
         cls, time: Array, v: Array, a_x: Array, step: float
     ) -> "_DelayEvidence | None":
         """By means of `_BLOCK`, on an even road; None where it is short or brakes too little."""
-        size = max(1, round(_BLOCK / step))
+        size = samples_in(_BLOCK, step)
         means, slowing = block_mean(v, size), block_mean(a_x, size)
         if means.size < 20 or np.min(slowing) > -_BRAKES:
             return None

@@ -25,7 +25,14 @@ from calib.base.warning import LIMITS
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord
-from calib.run.filters import block_mean, centred_mean, runs, sliding_minimum, without_single
+from calib.run.filters import (
+    block_mean,
+    centred_mean,
+    runs,
+    samples_in,
+    sliding_minimum,
+    without_single,
+)
 
 
 @dataclass(frozen=True)
@@ -62,7 +69,7 @@ def _half(rolling: Array, braked: float = np.inf) -> Array:
 
 def _means(x: Array, mask: Mask, step: float) -> Array:
     """Means over `wheel_block` where ``mask`` holds; none if that is short."""
-    return block_mean(x[..., mask], max(1, round(LIMITS.wheel_block / step)))
+    return block_mean(x[..., mask], samples_in(LIMITS.wheel_block, step))
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
@@ -151,7 +158,7 @@ def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
 
     None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
     """
-    width = max(1, round(LIMITS.slope_time / driving.step)) | 1
+    width = samples_in(LIMITS.slope_time, driving.step) | 1
     use = driving.moving & rolling
     spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[use]
     a = centred_mean(driving.z * G, width)[use]
@@ -171,7 +178,7 @@ def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
     free = driving.unbraked
     zero = np.median(slip[:, free], axis=1, keepdims=True) if free.any() else 0.0
     deep = np.any(slip - zero > LIMITS.deep, axis=0)
-    width = max(1, round(2.0 * LIMITS.near_lock / driving.step)) | 1
+    width = samples_in(2.0 * LIMITS.near_lock, driving.step) | 1
     return np.asarray(centred_mean(deep.astype(float), width) == 0.0)
 
 
@@ -212,7 +219,7 @@ def _swings(slip: Array, driving: DrivingRecord, inside: Mask) -> list[float]:
 
     A pedal, a bump or a ramp near the peak of its tyres lets a wheel slip once, or for long.
     """
-    width = max(1, round(LIMITS.swing_time / driving.step)) | 1
+    width = samples_in(LIMITS.swing_time, driving.step) | 1
     above = inside & (driving.speed > MOVING)
     above &= slip - sliding_minimum(slip, width) > LIMITS.swing
     starts = [float(driving.time[start]) for start, _ in runs(above)]
@@ -225,7 +232,7 @@ def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
 
     Zero on the unbraked part if there is one.
     """
-    width = max(1, round(0.03 / driving.step)) | 1
+    width = samples_in(0.03, driving.step) | 1
     omega = {w: centred_mean(without_single(log[f"omega_{w}"]), width) for w in WHEELS}
     free = driving.unbraked
     v, scale = np.max(list(omega.values()), axis=0), dict.fromkeys(WHEELS, 1.0)

@@ -55,13 +55,11 @@ def fit_facts(fitted: Fitted) -> Facts:
         verdict=WARNING if count else PASSED,
         word=f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
         warnings=table.warnings,
+        rows=[*of_table.rows, ("unseen errors", unseen_line(_unseen(fitted)))],
         pictures=[Picture(_CURVES, curves)],
         parts=[
             *([achieved_facts(fitted.reached)] if fitted.reached else []),
-            Facts(
-                "The car",
-                rows=[("mass", str(fitted.mass)), ("seen by", unseen_line(_unseen(fitted)))],
-            ),
+            Facts("The car", rows=[("mass", str(fitted.mass))]),
             *of_table.parts,
             origin(stored, logs, date.today().isoformat(), fitted.files),
         ],

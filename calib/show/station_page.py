@@ -9,7 +9,7 @@ from typing import Any
 
 from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, WARNING
-from calib.estimation.results import SUMMARY, fill
+from calib.estimation.results import SUMMARY, fill, unseen_in
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import export
 from calib.line.station.files import (
@@ -36,6 +36,7 @@ from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
+from calib.table.unseen import unseen_line
 
 _AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
 _CURVES = "f1 and f2 of the ramp, and the map that an ECU looks up, with their 95 % bands."
@@ -73,7 +74,10 @@ def station_facts(run: StationRun) -> Facts:
         headline=f"{stored.id} is {_AS[stored.state.word]}; {outcome.headline}",
         verdict=outcome.verdict,
         word=WORDS[outcome.verdict],
-        rows=ramp_rows(outcome.table),
+        rows=[
+            *ramp_rows(outcome.table),
+            ("unseen errors", unseen_line(unseen_in(stored, outcome.results))),
+        ],
         tables=[_missed(outcome)],
         next=advice,
         warnings=outcome.warnings,

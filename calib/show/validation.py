@@ -77,6 +77,7 @@ def validation_facts(judged: Validated) -> Facts:
         rows.append(("checked against", _V_NOT_USED if v_unused else _PROOFS[proof]))
     rows += [("as exported", str(how))] if how else []
     rows += [("largest uncertainty", limiting(budget)) for budget in budgets[:1]]
+    rows.append(("unseen errors", unseen_line(unseen_in(stored, results))))
     details = Facts(
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
@@ -84,7 +85,6 @@ def validation_facts(judged: Validated) -> Facts:
             ("table", f"{stored.id}, {stored.state.why}"),
             ("mass", str(in_order[0].mass)),
             *_limiting(in_order),
-            ("seen by", unseen_line(unseen_in(stored, results))),
         ],
         notes=advice_lines((of for budget in budgets for of in budget), STOP),
     )

@@ -66,8 +66,10 @@ def unseen(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
 
 
 def unseen_line(entries: list[Unseen]) -> str:
-    """The entries in one line, each with the largest error without a warning."""
-    return f"{NOTHING}: " + ", ".join(f"{x.entry} ±{100.0 * x.up_to:.0f} %" for x in entries)
+    """Entries that move all pads alike, each with the largest error without a warning."""
+    alike = [x for x in entries if x.front == x.rear]
+    errors = ", ".join(f"{x.entry} ±{100.0 * x.up_to:.0f} %" for x in alike)
+    return f"{errors}, and {len(entries) - len(alike)} entries of an axle or its load"
 
 
 def _entries(

@@ -15,7 +15,7 @@ from calib.estimation.agreement import agreement
 from calib.estimation.validate import Validation
 from calib.line.station.golden import golden_metrics
 from calib.logs.log import Log
-from calib.run.filters import block_mean
+from calib.run.filters import block_mean, samples_in
 from calib.run.run import Run
 from calib.table.curves import MEASURED
 from calib.table.table import Table
@@ -85,7 +85,7 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
     wheel = table.vehicle.front if axle == "f" else table.vehicle.rear
     speed = np.maximum(log["v"], 1.0)
     slips = [slip(wheel, log[f"omega_{axle}{side}"], speed) for side in "lr"]
-    block = max(1, round(LIMITS.wheel_block / driving.step))
+    block = samples_in(LIMITS.wheel_block, driving.step)
     free = [block_mean(s[driving.unbraked], block) for s in slips]
     if free[0].size < 3:
         return None
