@@ -9,7 +9,8 @@ import errno
 import math
 import os
 import stat
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BufferedReader
 from pathlib import Path
@@ -110,16 +111,23 @@ POINTER = b"version https://git-lfs"
 """First bytes of what git leaves where a file of LFS was not fetched."""
 
 
+@contextmanager
+def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str) -> Iterator[None]:
+    """Raise errors of the system within the context as ``error`` of the file ``where``."""
+    try:
+        yield
+    except (FileNotFoundError, NotADirectoryError) as cause:
+        raise error("no such file", where=where, expected=expected, do="check the path") from cause
+    except OSError as cause:
+        raise error(f"cannot be read ({cause.strerror})", where=where, expected=expected) from cause
+
+
 def bytes_of(
     path: Path, kind: FileKind, error: Callable[..., BrakeCalError], expected: str
 ) -> bytes:
     """The bytes of a regular file. Raises ``error`` with what it is instead of ``expected``."""
-    try:
+    with errors_as(error, path, expected):
         data = read_bounded(path, kind)
-    except FileNotFoundError as cause:
-        raise error("no such file", where=path, expected=expected, do="check the path") from cause
-    except OSError as cause:
-        raise error(f"cannot be read ({cause.strerror})", where=path, expected=expected) from cause
     if data.startswith(POINTER):
         flaw, do = "a pointer of git LFS, not the file itself", "get the file: git lfs pull"
         raise error(flaw, where=path, expected=expected, do=do)

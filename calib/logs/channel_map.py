@@ -117,7 +117,7 @@ def assign(
             notes.append(f"{name} has {flaw} and was left out: {do}")
             continue
         si = quantity.si if quantity else _truth_si(column) if name.startswith(TRUTH) else None
-        assigned += [_assigned(name, index, column, Mapping(name), si, where)] if si else []
+        assigned += [assigned_column(name, index, column, Mapping(name), si, where)] if si else []
     by_channel: dict[str, list[int]] = {}
     for item in assigned:
         by_channel.setdefault(item.channel, []).append(item.index)
@@ -155,12 +155,13 @@ def _mapped(
             do=_by_address(indices, columns),
         )
     column = columns[indices[0]]
-    return _assigned(name, indices[0], column, entry, CHANNELS[name].si, where)
+    return assigned_column(name, indices[0], column, entry, CHANNELS[name].si, where)
 
 
-def _assigned(
+def assigned_column(
     channel: str, index: int, column: Column, entry: Mapping, si: str, where: str
 ) -> Assigned:
+    """The column of this ``index`` as a channel. Raises LogError without a unit of its quantity."""
     unit, place = entry.unit or column.unit, f"{where}: {channel}"
     if not unit:
         raise LogError(

@@ -12,6 +12,9 @@ from calib.base.errors import LogError
 from calib.base.plain import counted
 from calib.base.units import QUANTITIES, to_si
 
+REPEATED = 0.01
+"""Largest share of rows [1] that repeat the time of the row before them."""
+
 GAP = 3.5
 """A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
 

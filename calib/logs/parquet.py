@@ -4,8 +4,6 @@ import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from calib.base.arrays import Array
 from calib.base.bounded import LOG
 from calib.base.errors import LogError
@@ -97,17 +95,13 @@ def _clock_unit(kind: "pyarrow.DataType") -> float | None:
 
 def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Array:
     import pyarrow as pa
+    import pyarrow.compute as pc
 
     width = pa.int32() if column.type.bit_width == 32 else pa.int64()
     counts = column.cast(width).cast(pa.int64())
-    counts_present = counts.drop_null()
-    first = counts_present[0].as_py() if len(counts_present) else 0
-    nulls = counts.is_null().to_numpy()
-    time = (counts.fill_null(first).to_numpy() - first) * unit
-    time[nulls] = np.nan
-    if pa.types.is_time(column.type):
-        time = over_midnight(time)
-    return from_first(time, where)
+    present = counts.drop_null()
+    time = numbers(pc.subtract(counts, present[0]) if len(present) else counts) * unit
+    return from_first(over_midnight(time) if pa.types.is_time(column.type) else time, where)
 
 
 def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:

@@ -1,8 +1,7 @@
 """Read a log of any known format as a `Log` in SI."""
 
 import hashlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -10,7 +9,14 @@ from typing import Self
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.bounded import LOG, RECORDING, FileKind, open_bounded, read_bounded
+from calib.base.bounded import (
+    LOG,
+    RECORDING,
+    FileKind,
+    errors_as,
+    open_bounded,
+    read_bounded,
+)
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
@@ -76,7 +82,8 @@ def open_log(
     if data is not None:
         head, digest = data[:64], hashlib.sha256(data).hexdigest()
     else:
-        with _as_log(content, path) as kind, open_bounded(content, kind) as stream:
+        kind = _kind_of(content, path)
+        with errors_as(LogError, path, "a log"), open_bounded(content, kind) as stream:
             head = stream.read(64)
             stream.seek(0)
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
@@ -209,25 +216,19 @@ def recorded_clock(assigned: list[Assigned], channel_map: ChannelMap | None) -> 
 
 def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
     """The bytes of a log, which errors name ``where``. Raises LogError for an unknown format."""
-    with _as_log(path, path if where is None else where, any_format) as kind:
-        return read_bounded(path, kind)
+    where = path if where is None else where
+    with errors_as(LogError, where, "a log"):
+        return read_bounded(path, _kind_of(path, where, any_format))
 
 
-@contextmanager
-def _as_log(path: Path, where: object, any_format: bool = False) -> Iterator[FileKind]:
-    """The bound of a log's size; errors of the system within the context become LogError."""
+def _kind_of(path: Path, where: object, any_format: bool = False) -> FileKind:
+    """The kind of file, by its ending, that bounds the size of a log."""
     ending = ending_of(path)
-    try:
-        if ending not in FORMATS and not any_format and path.is_file():
-            raise LogError(
-                f"unknown format {ending!r}",
-                where=where,
-                expected=f"one of {', '.join(FORMATS)}",
-                do="a workbook: save its sheet as CSV" if ending in _WORKBOOKS else "",
-            )
-        yield LOG if ending in TABLES else RECORDING
-    except (FileNotFoundError, NotADirectoryError) as cause:
-        do = "check the path"
-        raise LogError("no such file", where=where, expected="a log", do=do) from cause
-    except OSError as cause:
-        raise LogError(f"not readable: {cause.strerror}", where=where, expected="a log") from cause
+    if ending not in FORMATS and not any_format and path.is_file():
+        raise LogError(
+            f"unknown format {ending!r}",
+            where=where,
+            expected=f"one of {', '.join(FORMATS)}",
+            do="a workbook: save its sheet as CSV" if ending in _WORKBOOKS else "",
+        )
+    return LOG if ending in TABLES else RECORDING

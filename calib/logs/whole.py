@@ -33,11 +33,6 @@ class WholeColumn:
     values: Array
     rate: float | None = None
 
-    @property
-    def canonical(self) -> bool:
-        """Whether it is a known channel."""
-        return self.name in CHANNELS
-
 
 @dataclass(frozen=True)
 class WholeLog:
@@ -106,7 +101,7 @@ def channels_log(log: WholeLog) -> Log:
     """The channels in SI that have a value in every row. Raises LogError without a clock."""
     channels = {}
     for column in log.columns:
-        if column.canonical and column.unit and np.isfinite(column.values).all():
+        if column.name in CHANNELS and column.unit and np.isfinite(column.values).all():
             channels[column.name] = to_si(column.values, column.unit, CHANNELS[column.name].si)
     return Log(log.name, log.source, log.digest, channels | {TIME: log.time})
 
@@ -129,13 +124,12 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
 
 def in_si(log: WholeLog) -> WholeLog:
     """The log with its channels in SI units, as the C code of an ECU takes them."""
-    units = {c.name: CHANNELS[c.name].si for c in log.columns if c.canonical and c.unit}
-    columns = (
-        replace(c, values=to_si(c.values, c.unit, units[c.name]), unit=units[c.name])
-        if c.unit and c.name in units
-        else c
-        for c in log.columns
-    )
+    columns = []
+    for c in log.columns:
+        si = CHANNELS[c.name].si if c.name in CHANNELS else ""
+        if si and c.unit:
+            c = replace(c, values=to_si(c.values, c.unit, si), unit=si)
+        columns.append(c)
     return replace(log, columns=tuple(columns))
 
 
@@ -160,19 +154,11 @@ def inventory(log: WholeLog) -> tuple[Inventory, ...]:
             continue
         present = np.isfinite(column.values)
         times, values = time[present], column.values[present]
+        low, high = (values.min(), values.max()) if values.size else (None, None)
         steps = np.diff(times)
         usual = step_of(times) if steps.size else 0.0
-        result.append(
-            Inventory(
-                column.name,
-                column.unit,
-                float(values.min()) if values.size else None,
-                float(values.max()) if values.size else None,
-                int(values.size),
-                column.rate or (1.0 / usual if steps.size else None),
-                tuple(
-                    (float(times[i]), float(steps[i])) for i in np.flatnonzero(steps > GAP * usual)
-                ),
-            )
-        )
+        gaps = [(float(times[i]), float(steps[i])) for i in np.flatnonzero(steps > GAP * usual)]
+        rate = column.rate or (1.0 / usual if steps.size else None)
+        row = Inventory(column.name, column.unit, low, high, values.size, rate, tuple(gaps))
+        result.append(row)
     return tuple(result)

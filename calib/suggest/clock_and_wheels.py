@@ -10,7 +10,7 @@ from calib.base.names import WHEELS
 from calib.base.units import from_si, to_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
-from calib.logs.clock import TIME_UNITS, check_steps, step_of
+from calib.logs.clock import REPEATED, TIME_UNITS, check_steps, step_of
 from calib.logs.gaps import ONLY
 from calib.logs.resample import rows_on_one_clock
 from calib.run.filters import runs
@@ -26,9 +26,6 @@ from calib.suggest.columns import (
     together,
 )
 from calib.suggest.words import TIME, loose_corner, words
-
-_REPEATED = 0.01
-"""Largest share of rows that repeat the time of the row before them [1]."""
 
 _SLOW = 0.15
 """Share of the highest speed [1] below which samples are not used: the car is about to stop."""
@@ -65,7 +62,7 @@ def _propose_clock(search: Search) -> None:
     running = []
     for item in timed:
         steps = np.diff(item.values)
-        few = np.count_nonzero(steps == 0.0) <= _REPEATED * item.values.size
+        few = np.count_nonzero(steps == 0.0) <= REPEATED * item.values.size
         running += [item] if steps.size and np.all(steps >= 0.0) and few else []
     named = [s for s in running if _is_time(s.name)]
     fit = [s for s in named if s.name == "time"] or named

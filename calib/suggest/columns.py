@@ -54,15 +54,12 @@ def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[
         elif np.isinf(values).any():
             unused[name] = "has infinite values"
         else:
-            si, canonical = None, CHANNELS.get(column.name)
+            si, channel = None, CHANNELS.get(column.name)
             if column.unit:
+                # of a canonical channel: `Hz` on a wheel is an angular speed
+                fits = channel is not None and is_unit(column.unit, channel.si)
                 try:
-                    # Of a canonical channel: `Hz` on a wheel is an angular speed.
-                    si = (
-                        canonical.si
-                        if canonical and is_unit(column.unit, canonical.si)
-                        else si_of(column.unit)
-                    )
+                    si = channel.si if channel and fits else si_of(column.unit)
                     values = to_si(values, column.unit, si)
                 except UnknownUnit:
                     si = "?"

@@ -11,8 +11,8 @@ from pathlib import Path
 from calib.base.errors import BrakeCalError, InputError, one_line
 from calib.base.names import CHANNELS
 from calib.base.plain import quoted
-from calib.base.units import UnknownUnit, is_unit, unit_of
-from calib.logs.channel_map import ChannelMap, Mapping
+from calib.base.units import is_unit
+from calib.logs.channel_map import ChannelMap, Mapping, assigned_column
 from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import ColumnSource, address_of, indices_of
 from calib.logs.text.cells import column_from_cell
@@ -132,20 +132,11 @@ def _proposal_of_user(
     column = columns[indices[0]]
     address = address_of(column, columns)
     unit = from_user.unit if column.name != cell and from_user.unit != column.unit else None
-    written = unit or column.unit
-    mapping = rim_mapping(channel, address, written, radii)
-    if mapping is not None:
+    if mapping := rim_mapping(channel, address, unit or column.unit, radii):
         return Proposal(channel, mapping, SURE, ("given, with the radius of its axle",))
-    if written is None:
-        do = f"give it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
-        raise InputError(f"{cell!r} has no unit", where=channel, expected=f"one of {si}", do=do)
-    try:
-        unit_of(written, si)
-    except UnknownUnit as cause:
-        rim = channel.startswith("omega_") and is_unit(written, "m/s")
-        raise InputError(
-            f"{cell!r}: {cause}", where=channel, do=GIVE_RADIUS if rim else ""
-        ) from cause
+    if channel.startswith("omega_") and is_unit(unit or column.unit or "", "m/s"):
+        raise InputError(f"{cell!r} is a speed at the rim", where=channel, do=GIVE_RADIUS)
+    assigned_column(channel, indices[0], column, Mapping(address, unit), si, where)
     return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
 

@@ -22,6 +22,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
 from calib.base.units import is_unit, spelling, to_si
+from calib.logs.clock import REPEATED
 from calib.logs.source import Column
 
 
@@ -104,8 +105,6 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
 
 DAY, HOUR = 86400.0, 3600.0
 """Periods [s]: a clock with hours restarts at midnight, one with minutes at the full hour."""
-_REPEATED = 0.01
-"""Largest share of rows [1] that repeat the time of the row before them."""
 
 _TIME = re.compile(
     r"(?:[^:]*[\sT_])?"  # weekday, date
@@ -119,14 +118,6 @@ _COUNTED = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE
 """A number with its unit behind."""
 
 
-def _counted(cell: str) -> float | None:
-    """Seconds of a number with a unit of time, or None."""
-    match = _COUNTED.fullmatch(cell)
-    if match is None or not is_unit(match[2], "s"):
-        return None
-    return to_si(float(match[1].replace(",", ".")), match[2], "s")
-
-
 def is_clock(cell: str) -> bool:
     """Whether a cell is a time of day with seconds, or a number with a unit of time.
 
@@ -137,10 +128,25 @@ def is_clock(cell: str) -> bool:
     >>> is_clock("0.12 sec"), is_clock("0.12 bar")
     (True, False)
     """
-    if _counted(cell) is not None:
-        return True
     match = _TIME.fullmatch(cell)
-    return match is not None and (match["h"] is not None or not match["s"].isdigit())
+    of_day = match is not None and (match["h"] is not None or not match["s"].isdigit())
+    return of_day or (match is None and _seconds(cell) is not None)
+
+
+def _seconds(cell: str) -> tuple[float, float] | None:
+    """Seconds of a time of day, or of a number with a unit of time, and the period of its clock."""
+    if counted := _COUNTED.fullmatch(cell):
+        number = float(counted[1].replace(",", "."))
+        return (to_si(number, counted[2], "s"), HOUR) if is_unit(counted[2], "s") else None
+    match = _TIME.fullmatch(cell)
+    if match is None:
+        return None
+    hours = int(match["h"] or 0)
+    if match["half"]:
+        hours = hours % 12 + 12 * (match["half"] in "Pp")
+    seconds = float(match["s"].replace(",", ".").replace(":", "."))
+    time = 3600.0 * hours + 60.0 * int(match["m"]) + seconds
+    return round(time, 9), DAY if match["h"] else HOUR
 
 
 def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str) -> Array:
@@ -149,29 +155,18 @@ def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str)
     >>> clock_seconds(["23:59:59.5", "0:00:00.5"], (), "run.csv")
     array([0., 1.])
     """
-    values = np.full(len(cells), np.nan)
-    period = HOUR
+    values, period = np.full(len(cells), np.nan), HOUR
     for row, cell in enumerate(cells):
         text = (cell or "").strip()
         if text in empty or not text:
             continue
-        if (counted := _counted(text)) is not None:
-            values[row] = counted
-            continue
-        match = _TIME.fullmatch(text)
-        if match is None:
+        if (read := _seconds(text)) is None:
             raise LogError(
                 f"row {row + 1}: {text[:60]!r} is not a time of day",
                 where=where,
                 expected="the form of the other rows, such as 14:03:07.120",
             )
-        period = DAY if match["h"] else period
-        whole, _, part = match["s"].replace(",", ".").replace(":", ".").partition(".")
-        hours = int(match["h"] or 0)
-        if match["half"]:
-            hours = hours % 12 + 12 * (match["half"] in "Pp")
-        seconds = 3600.0 * hours + 60.0 * int(match["m"]) + float(f"{whole}.{part or 0}")
-        values[row] = round(seconds, 9)
+        values[row], period = read[0], max(period, read[1])
     return from_first(over_midnight(values, period), where)
 
 
@@ -192,7 +187,7 @@ def from_first(time: Array, where: str) -> Array:
     """``time`` [s], (n,), counted from its first value. Raises LogError for a clock too coarse."""
     present = time[~np.isnan(time)]
     same = int(np.count_nonzero(np.diff(present) == 0.0))
-    if same > _REPEATED * time.size:
+    if same > REPEATED * time.size:
         raise LogError(
             f"the clock is too coarse: {same} of {time.size} rows have the time of the row before",
             where=where,

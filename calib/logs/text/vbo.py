@@ -125,18 +125,17 @@ def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], lis
     while filled and not lines[filled - 1]:
         filled -= 1  # a blank line ends the section, or belongs to a channel without a unit
     fits = f"[channel units] has {filled} lines for {len(channels)} channels: "
-    choices: list[tuple[list[int], list[str]]]
-    choices = [(channels, [])] if filled <= len(channels) <= len(lines) else []
-    choices += [(bare, [])] if filled == len(bare) else []
-    if 0 < filled < len(channels):
-        names = ", ".join(header[i] for i in channels[-filled:])
-        choices += [(channels[-filled:], [f"{fits}they were taken for the last, {names}"])]
-    for places, notes in choices:
+    choices = [channels] if filled <= len(channels) <= len(lines) else []
+    choices += [bare] if filled == len(bare) else []
+    choices += [channels[-filled:]] if 0 < filled < len(channels) else []
+    for places in choices:
         pairs = zip(places, lines, strict=False)
         unit_of = {i: unit for i, unit in pairs if unit.lower() not in ("", "(null)")}
         named = {i: _unit_in_name(header[i]) or unit for i, unit in unit_of.items()}
         if all(spelling(named[i]) == spelling(unit) for i, unit in unit_of.items()):
-            return unit_of, notes
+            names = ", ".join(header[i] for i in places)
+            note = f"{fits}they were taken for the last, {names}"
+            return unit_of, [] if places in (channels, bare) else [note]
     return {}, [f"{fits}no unit was used"] if filled else []
 
 
