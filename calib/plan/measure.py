@@ -17,7 +17,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.base.names import WHEELS
+from calib.base.names import AXLES, WHEELS
 from calib.base.plain import rows
 from calib.car.balance import force_per_pressure
 from calib.car.model import Model
@@ -94,17 +94,12 @@ def pressure_trace(car: Vehicle, run: Measure) -> tuple[Array, Array]:
         return time, np.zeros_like(time)
     corners = np.cumsum([0.0, LEAD_IN, run.rise, HOLD, RELEASE, RELEASE])
     time = np.arange(round(corners[-1] * RATE) + 1) / RATE
-    top = _end_pressure(car, run)
+    gains, loads = (
+        sum(x for x, axle in zip(of_axles, AXLES, strict=True) if run.axle in ("", axle))
+        for of_axles in (force_per_pressure(car), car.static_loads)
+    )
+    top = run.end * loads / gains  # (2), (5), with the pads of the file
     return time, np.interp(time, corners, [0.0, 0.0, top, top, 0.0, 0.0])
-
-
-def _end_pressure(car: Vehicle, run: Measure) -> float:
-    """Pressure [Pa] at the end of a ramp, (2) and (5), with the pads of the vehicle file."""
-    front, rear = force_per_pressure(car)
-    if not run.axle:
-        return run.end * car.weight / (front + rear)
-    gain, load = (front, car.static_loads[0]) if run.axle == "f" else (rear, car.static_loads[1])
-    return run.end * load / gain
 
 
 def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> Log:

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,14 +38,10 @@ _Sequel = tuple[Measure, ...]
 """Measures in the order in which they are done."""
 
 
-_NO_WIDTHS = HalfWidths()
-
-
-@dataclass(frozen=True)
-class Want:
+class Want(NamedTuple):
     """Half ``widths`` that are narrow enough, 0 where none is named; ``seconds`` to spend."""
 
-    widths: HalfWidths = _NO_WIDTHS
+    widths: HalfWidths = HalfWidths()
     seconds: float = math.inf
 
     def met_by(self, widths: HalfWidths) -> bool:
@@ -155,7 +152,13 @@ class _Search:
             first = not (chosen or self.prior.logs)
             widths = self._tried(chosen, now, first)
             if not widths and first:
-                raise self._no_ramp()
+                reasons = "; ".join(dict.fromkeys(self.impossible.values()))
+                raise LogError(
+                    f"no ramp can be driven here: {reasons or 'none is short enough'}",
+                    where=self.prior.vehicle.name,
+                    expected="a ramp of 7 s from 60 km/h or more",
+                    do="give a longer track, a higher speed or more time",
+                )
             if not widths:
                 break
             best = max(widths, key=lambda m: self.gains[m] / (1.0 if first else _following(m)))
@@ -167,7 +170,14 @@ class _Search:
 
         Sets the mean gain of each, or the reason why it is impossible.
         """
-        options = [m for m in measures() if self._is_option(m, chosen, first)]
+        possible = (m for m in measures() if m not in (*chosen, *self.impossible))
+        options = [
+            m
+            for m in possible
+            if (m.is_whole_ramp or not first)
+            and self.gains.get(m, _WORTH) >= _WORTH
+            and sum(_times((*chosen, m))) <= self.want.seconds
+        ]
         sequels = [(*chosen, m) for m in options]
         outcomes = _outcomes(self.mapped, self.prior, sequels, _CARS if first else 1)
         widths = {}
@@ -180,13 +190,6 @@ class _Search:
                 widths[measure] = _median(of_cars)
         return widths
 
-    def _is_option(self, measure: Measure, chosen: _Sequel, first: bool) -> bool:
-        """Whether a measure can come next: once, in the time left, if it gained before."""
-        if (first and not measure.is_whole_ramp) or measure in (*chosen, *self.impossible):
-            return False
-        in_time = sum(_times((*chosen, measure))) <= self.want.seconds
-        return in_time and self.gains.get(measure, _WORTH) >= _WORTH
-
     def _pruned(self, chosen: _Sequel, now: HalfWidths) -> _Sequel:
         """The steps without those that later ones made superfluous, the longest first."""
         fixed = 0 if self.prior.logs else 1  # the first ramp makes the table
@@ -197,15 +200,6 @@ class _Search:
             if self.want.met_by(widths) or self.want.gain(widths, now) < _WORTH:
                 return self._pruned(steps, now)
         return chosen
-
-    def _no_ramp(self) -> LogError:
-        reasons = "; ".join(dict.fromkeys(self.impossible.values()))
-        return LogError(
-            f"no ramp can be driven here: {reasons or 'none is short enough'}",
-            where=self.prior.vehicle.name,
-            expected="a ramp of 7 s from 60 km/h or more",
-            do="give a longer track, a higher speed or more time",
-        )
 
 
 def _why_not_driven(prior: Prior, measure: Measure) -> str:
@@ -225,12 +219,10 @@ def _medians(
 
     Raises LogError with the reason for one that cannot be done.
     """
-    medians = []
-    for reason, widths in _outcomes(mapped, prior, sequels, count):
-        if reason:
-            raise LogError(reason, where=prior.vehicle.name)
-        medians.append(_median(widths))
-    return medians
+    outcomes = list(_outcomes(mapped, prior, sequels, count))
+    for reason in filter(None, (reason for reason, _ in outcomes)):
+        raise LogError(reason, where=prior.vehicle.name)
+    return [_median(widths) for _, widths in outcomes]
 
 
 def _median(widths: Sequence[HalfWidths]) -> HalfWidths:

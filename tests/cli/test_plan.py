@@ -58,8 +58,9 @@ def test_a_typing_mistake_is_usage(brake_cal, quick, typed):
     assert brake_cal(*quick, *typed).code == 2
 
 
-def test_no_track_for_a_ramp_is_bad_input(brake_cal, quick):
-    assert brake_cal(*quick, "--track", "length 50 m").code == 3
+@pytest.mark.parametrize("typed", [("--track", "length 50 m"), ("--time", "2 s")])
+def test_no_track_or_time_for_a_ramp_is_bad_input(brake_cal, quick, typed):
+    assert brake_cal(*quick, *typed).code == 3
 
 
 def test_a_file_that_is_no_plan_is_bad_input(brake_cal, store):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.errors import InputError, LogError
+from calib.base.errors import InputError
 from calib.car.vehicle import WEIGHED, mass_used
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
@@ -86,11 +86,6 @@ def test_a_plan_ends_where_it_is_enough(monkeypatch, want, steps):
     found = plan(KNOWN, want)
     assert [step.measure.name for step in found.steps] == steps
     assert found.seconds <= want.seconds
-
-
-def test_no_time_for_a_ramp_is_an_error():
-    with pytest.raises(LogError):
-        plan(KNOWN, Want(seconds=2.0))
 
 
 def test_gain_counts_what_is_asked_and_not_beyond():
