@@ -51,6 +51,7 @@ _BASE = (
 _TERM = "An empirical term: what it adds, by what it depends on."
 _ALIKE = "Explanations that fit these logs alike."
 _APART = "How far these logs tell each two of them apart, and the drive that would."
+_FIT = "brake-cal fit RAMP COAST --vehicle V.toml --model DIR/model.toml"
 _INNOVATION = "mean squared innovation (1 = noise)"
 
 
@@ -58,9 +59,18 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
     """The verdict on a car, a part for each effect that is named, and what the verdict rests on."""
     word, verdict = KINDS[outcome(diagnosis)]
     named = {effect.name for effect in diagnosis.effects}
+    gap, moves = diagnosis.gap, diagnosis.verdict != "no_gap"
+    closed = f" to {gap.rms_after:.1f}" * moves + " times the noise, "
+    closed += f"{100.0 * gap.closed:.1f} % closed, " * moves
     rows = (
-        ("gap", _closed(diagnosis)),
-        *((spaced(effect.name), _sizes(effect)) for effect in diagnosis.effects),
+        ("gap", f"{gap.rms_before:.1f}{closed}on {counted(len(diagnosis.measured), 'hold-out')}"),
+        *(
+            (spaced(effect.name), "; ".join(
+                "{} {} (95 %: {})".format(spaced(name), *estimate(value))
+                for name, value in effect.parameters.items()
+            ))
+            for effect in diagnosis.effects
+        ),
         ("Left over", _something_else(diagnosis)),
         ("Not named", _withdrawn(diagnosis)),
         ("Unexplained", unexplained(diagnosis)),
@@ -68,56 +78,27 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
             ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
             for name, one in diagnosis.model_after.effects.user_defined.items()
         ),
-    )
-    term = (
-        [Picture(_TERM, lambda: diagnosis_sheet(diagnosis), ["term"])]
-        if diagnosis.unexplained
-        else []
-    )
+    )  # fmt: skip
+    term = [Picture(_TERM, lambda: diagnosis_sheet(diagnosis), ["term"])]
+    apart = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
+    following = _FIT if diagnosis.verdict == "named" else ""
     return Facts(
         diagnosis.model_before.vehicle.name,
         headline=_verdict_of(diagnosis),
         verdict=verdict,
         word=word,
         rows=[row for row in rows if row[1]],
-        next=_next(diagnosis),
+        next=apart[0] if apart and diagnosis.verdict == "ambiguous" else following,
         warnings=diagnosis.warnings,
         pictures=[Picture(_SPEED, lambda: diagnosis_sheet(diagnosis), ["speed"])],
         parts=[
             *(_effect(effect, diagnosis) for effect in diagnosis.effects),
             Facts("What these logs could not show", tables=[_unseen(diagnosis)]),
             *([_confusion(diagnosis.confusion)] if diagnosis.confusion else []),
-            Facts("What no effect explains", pictures=term),
+            Facts("What no effect explains", pictures=term if diagnosis.unexplained else ()),
             _gap(diagnosis),
             Facts("What it rests on", tables=[_base(diagnosis)]),
         ],
-    )
-
-
-def _closed(diagnosis: Diagnosis) -> str:
-    """The gap of the hold-outs before, and after what is named."""
-    gap, hold_outs = diagnosis.gap, counted(len(diagnosis.measured), "hold-out")
-    if diagnosis.verdict == "no_gap":
-        return f"{gap.rms_before:.1f} times the noise, on {hold_outs}"
-    closed = f"{100.0 * gap.closed:.1f} % closed"
-    return f"{gap.rms_before:.1f} to {gap.rms_after:.1f} times the noise, {closed}, on {hold_outs}"
-
-
-def _next(diagnosis: Diagnosis) -> str:
-    """What follows: the drive that tells causes apart, or the table with the model."""
-    separate = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
-    if diagnosis.verdict == "ambiguous" and separate:
-        return separate[0]
-    if diagnosis.verdict == "named":
-        return "brake-cal fit RAMP COAST --vehicle V.toml --model DIR/model.toml"
-    return ""
-
-
-def _sizes(effect: Named) -> str:
-    """The parameters of an effect with their 95 % intervals."""
-    return "; ".join(
-        "{} {} (95 %: {})".format(spaced(name), *estimate(value))
-        for name, value in effect.parameters.items()
     )
 
 

@@ -28,8 +28,7 @@ _HEIGHT = 300
 """Height of a panel [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
-_MARKERS = {"o": "circle", ".": "circle", "^": "triangle", "v": "inverted_triangle",
-            "D": "diamond", "s": "square", "x": "x", "+": "cross", "|": "dash"}  # fmt: skip
+_MARKERS = {"o": "circle", ".": "dot", "^": "triangle", "D": "diamond", "|": "cross"}
 _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
 """A finger on a panel scrolls the page."""
 _LEGEND = {
@@ -173,7 +172,13 @@ class _Making:
         if line.look.get("linestyle", "-"):
             glyph = fig.line(**xy, **look)
         if "marker" in line.look:
-            glyph = fig.scatter(**xy, **look | _marker(line.look))
+            glyph = fig.scatter(
+                **xy,
+                **look,
+                marker=_MARKERS[line.look["marker"]],
+                size=_PIXEL * line.look.get("ms", 6.0),
+                fill_color=line.look.get("mfc", line.look["color"]),
+            )
         return glyph, names, name, tooltip.format(*(f"@{x}{{%.4g}}" for x in names))
 
 
@@ -207,15 +212,9 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
 
     (left, right, bottom, top), (cmap, low, high) = field.ends, field.scale
     colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, 256))]
-    image = fig.image(
-        image=[field.values.astype(np.float32)],
-        x=left,
-        y=bottom,
-        dw=right - left,
-        dh=top - bottom,
-        level="image",
-        color_mapper=LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff"),
-    )
+    colour = LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff")
+    place = {"x": left, "y": bottom, "dw": right - left, "dh": top - bottom, "level": "image"}
+    image = fig.image(image=[field.values.astype(np.float32)], color_mapper=colour, **place)
     fig.add_layout(image.construct_color_bar(width=12), "right")
     names = (panel.x, "$x"), (panel.y, "$y"), ("value", "@image{0.000}")
     fig.add_tools(HoverTool(renderers=[image], tooltips=[*names]))
@@ -239,18 +238,6 @@ def _look(stroke: Stroke) -> dict[str, Any]:
         dashes = (max(1, round(_PIXEL * points * part)) for part in style[1])
         look["line_dash"] = " ".join(map(str, dashes))
     return look
-
-
-def _marker(stroke: Stroke) -> dict[str, Any]:
-    """Form, size and filling of a marker as Bokeh names them."""
-    kind = stroke["marker"]
-    return {
-        "marker": _MARKERS[kind],
-        "size": _PIXEL * stroke.get("ms", 6.0) * (0.5 if kind == "." else 1.0),
-        "fill_color": stroke.get("mfc", stroke["color"]),
-        "line_width": _PIXEL * stroke.get("mew", 1.0),
-        "angle": 0.5 * np.pi if kind == "|" else 0.0,
-    }
 
 
 def _ends(ends: tuple[float, float] | None) -> Any:

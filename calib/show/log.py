@@ -41,6 +41,7 @@ _EVENTS: dict[str, Stroke] = {
     BITES: {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))},
 }
 """Spans are pale behind lines of all colours."""
+_STROKES = {**WHEEL_STROKES, "f": FRONT, "r": REAR}
 _TIME = "time [s]"
 _SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 
@@ -109,7 +110,7 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         name = axis if kind in {panel.name for panel in panels} else kind
         places = [one.name.rpartition("_")[2] for one in columns] if len(columns) > 1 else [""]
         lines = [
-            Line(time, one.values, _look(one.name, columns), place)
+            Line(time, one.values, {**_STROKES.get(place, BODY), "linewidth": 0.8}, place)
             for one, place in zip(columns, places, strict=True)
         ]
         title = _TITLES.get(kind, as_text(kind))
@@ -178,11 +179,6 @@ def _kind(name: str) -> str:
     stem, _, last = name.rpartition("_")
     shared = last in (*WHEELS, "f", "r") and (name in CHANNELS or name.startswith("true_"))
     return stem if shared else name
-
-
-def _look(name: str, columns: tuple[WholeColumn, ...]) -> Stroke:
-    strokes = {**WHEEL_STROKES, "f": FRONT, "r": REAR} if len(columns) > 1 else {}
-    return {**strokes.get(name.rpartition("_")[2], BODY), "linewidth": 0.8}
 
 
 def written(log: WholeLog, out: Path) -> dict[str, Any]:

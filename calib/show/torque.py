@@ -106,7 +106,8 @@ def errors(r: Validation) -> _TorqueErrors:
         return _TorqueErrors(NONE)
     columns = r.estimate.columns()
     pairs = zip(torques(columns), torques(columns, ""), strict=True)
-    values = (_relative(ecu.value[valid], best.value[valid]) for ecu, best in pairs)
+    ends = ((ecu.value[valid], best.value[valid]) for ecu, best in pairs)
+    values = (float(np.sqrt(np.sum((a - b) ** 2) / np.sum(b**2))) for a, b in ends)
     return _TorqueErrors(REFERENCE, tuple(values))
 
 
@@ -117,7 +118,3 @@ def true_means(r: Validation, samples: Mask) -> list[str]:
         return []
     axles = 2.0 * truth.torque[:, samples].mean(axis=1)
     return [f"{value:.0f}" for value in (*axles, axles.sum())]
-
-
-def _relative(value: Array, reference: Array) -> float:
-    return float(np.sqrt(np.sum((value - reference) ** 2) / np.sum(reference**2)))
