@@ -29,14 +29,7 @@ class _Verdict:
 
 @dataclass(frozen=True)
 class Findings:
-    """Result of `check` for one log.
-
-    Attributes
-    ----------
-    seen : the log, and what is seen of its clock, sensors and driving [SI].
-    warnings : problems that do not make the log unusable.
-    verdicts : one for each purpose.
-    """
+    """Result of `check` for one log: ``warnings`` do not make it unusable; a verdict by purpose."""
 
     run: Run
     warnings: tuple[PlausibilityWarning, ...]

@@ -3,12 +3,12 @@
 Each function is a figure of `rules.csv` by its name.
 """
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator
 
 from calib.base.warning import LIMITS, Measured, bounds_of
 from calib.plausibility.evidence import Evidence
 from calib.run.run import Run
-from calib.run.wheels import Slipping
 
 
 def clock(e: Evidence) -> Iterator[Measured]:
@@ -27,12 +27,10 @@ def clock(e: Evidence) -> Iterator[Measured]:
 def driving(e: Evidence) -> Iterator[Measured]:
     """Speed, rolling at the start, standing, ABS and wheels that lock."""
     run = e.run
-    slips = run.slipping or Slipping((), (), 0.0)
     yield Measured("too_slow", run.speed)
     if run.events:
         yield Measured("lead_in", run.lead_in)
-    yield _cycled("abs", slips.cycles)
-    yield _locked("locked_wheels", slips)
+    yield from _limits(run, "abs", "locked_wheels")
 
 
 def use(e: Evidence) -> Iterator[Measured]:
@@ -67,24 +65,23 @@ def _ramp(run: Run) -> Iterator[Measured]:
     in_pieces = ramp.z_high - ramp.z_low > 1.2 * ramp.rise_z
     how = f"the braking reaches {ramp.z_high:.2f} g, but not in one rise" if in_pieces else ""
     yield Measured("ramp_span_alone" if alone else "ramp_span", ramp.rise_z, words={"how": how})
-    slips = run.slipping or Slipping((), (), 0.0)
-    inside = [(wheel, t) for wheel, t in slips.cycles if ramp.start <= t <= ramp.end]
-    yield _cycled("abs_in_ramp", inside)
-    yield _locked("locked_in_ramp", slips)
+    yield from _limits(run, "abs_in_ramp", "locked_in_ramp", ramp.start, ramp.end)
     for when, length in run.clock.gaps:
         if ramp.start <= when <= ramp.end:
             yield Measured("gap_in_ramp", length, words={"when": when})
 
 
-def _cycled(code: str, cycles: Sequence[tuple[str, float]]) -> Measured:
-    """Cycles of ABS, with their wheels and the time of the first."""
+def _limits(
+    run: Run, of_abs: str, of_locked: str, start: float = -math.inf, end: float = math.inf
+) -> Iterator[Measured]:
+    """Cycles of ABS from ``start`` to ``end`` [s], and wheels that lock."""
+    slips = run.slipping
+    cycles = [(wheel, t) for wheel, t in slips.cycles if start <= t <= end] if slips else []
     wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in cycles))
     when = cycles[0][1] if cycles else 0.0
-    return Measured(code, len(cycles), words={"wheels": wheels, "when": when})
-
-
-def _locked(code: str, slips: Slipping) -> Measured:
-    return Measured(code, len(slips.locked), words={"wheels": ", ".join(slips.locked)})
+    yield Measured(of_abs, len(cycles), words={"wheels": wheels, "when": when})
+    locked = slips.locked if slips else ()
+    yield Measured(of_locked, len(locked), words={"wheels": ", ".join(locked)})
 
 
 _RAMP_TIME, _RAMP_RISE, _SPAN, _SPAN_ALONE = (

@@ -49,15 +49,8 @@ _OF_MOTION: tuple[Figure, ...] = (
 )
 """Those that need a_x and the wheel speeds."""
 _OF_SIGNALS: tuple[Figure, ...] = (
-    *(channels.copied, channels.late),
-    *(channels.pressure_sides, channels.from_master),
-    *(
-        wheels.car_wheels,
-        wheels.a_x_by_wheels,
-        wheels.slip,
-        wheels.slip_of_v,
-        wheels.v_scale,
-    ),
+    *(channels.copied, channels.late, channels.pressure_sides, channels.from_master),
+    *(wheels.car_wheels, wheels.a_x_by_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale),
     *(forces.accelerometer, forces.brakes, forces.bend, forces.levels),
 )
 """Those that need all channels, and a car that moves."""
@@ -67,8 +60,8 @@ def unusable(
     run: Run, purpose: str, does: Collection[str] = (REFUSE, VOID)
 ) -> tuple[PlausibilityWarning, ...]:
     """Reasons for which a run is refused, or its result void, before any estimate."""
-    e = Evidence(run)
-    return _broken(e, _first(run), purpose, does) or _broken(e, _second(run), purpose, does)
+    e, (first, second) = Evidence(run), _figures(run)
+    return _broken(e, first, purpose, does) or _broken(e, second, purpose, does)
 
 
 def require(run: Run, purpose: str, does: Collection[str] = (REFUSE,)) -> None:
@@ -86,23 +79,21 @@ def warnings_on(
     ``does``: the consequences that are looked for. Not ``whole``: by the log alone, for one that is
     refused. A figure that no rule asks is not computed.
     """
-    groups = (*_first(e.run), *(_second(e.run) if whole else ()))
-    return _broken(e, groups, purpose, does)
+    first, second = _figures(e.run)
+    return _broken(e, (*first, *second) if whole else first, purpose, does)
 
 
-def _first(run: Run) -> tuple[tuple[Figure, ...], ...]:
-    return (_OF_LOG, _OF_MOTION) if run.moves else (_OF_LOG,)
-
-
-def _second(run: Run) -> tuple[tuple[Figure, ...], ...]:
-    return (_OF_SIGNALS,) if not run.missing and run.speed > MOVING else ()
+def _figures(run: Run) -> tuple[tuple[Figure, ...], tuple[Figure, ...]]:
+    """Figures of the log and of its motion, and those of its signals, so far as there are any."""
+    first = (*_OF_LOG, *_OF_MOTION) if run.moves else _OF_LOG
+    return first, _OF_SIGNALS if not run.missing and run.speed > MOVING else ()
 
 
 def _broken(
-    e: Evidence, groups: tuple[tuple[Figure, ...], ...], purpose: str, does: Collection[str]
+    e: Evidence, figures: tuple[Figure, ...], purpose: str, does: Collection[str]
 ) -> tuple[PlausibilityWarning, ...]:
-    figures = {figure.__name__: figure for group in groups for figure in group}
-    to_compute = [figures[name] for name in _figure_names(purpose, tuple(does)) if name in figures]
+    by_name = {figure.__name__: figure for figure in figures}
+    to_compute = [by_name[name] for name in _figure_names(purpose, tuple(does)) if name in by_name]
     name = e.run.log.name
     return unexplained(w for figure in to_compute for w in judged(name, figure(e), purpose, does))
 

@@ -41,7 +41,7 @@ steep part, and with the square of the wheel speed over 100 rad/s, by which a ty
 _SLIPPERY = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), _SLIP[-1])
 """The same on a wet road: a brush of stiffness K and peak m has (1 + z/(3 m) + 5 z^2/(27 m^2) ...)
 z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. Slip is never below zero, as v that
-runs fast makes it, so its sigmas are below its means."""
+runs fast makes it, so no sigma is above its mean."""
 _IN_TIME, _LATE, _FINEST = 0.05, (0.1, 0.2, 0.3, 0.4), 5e-3
 """Sigma of a delay, and those of a receiver or a slow filter [s]; least error of v [m/s]."""
 _ROLLS = 0.2  # sigma of the slip of an axle that does not brake, over the usual one [1]

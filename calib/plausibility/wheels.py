@@ -78,9 +78,8 @@ def _against_v(axle: str, mistakes: Sequence[SpeedMistake]) -> Measured:
     if first.kind == CLOCK:
         return Measured("v_clock", first.size, first.sigma, words=words)
     words["wheels"] = f"{AXLE_NAMES[axle]} wheel speeds" if axle else "wheel speeds"
-    words["of_v"] = (
-        "" if axle else f"an offset of v of {-3.6 * first.size * first.radius:+.1f} km/h"
-    )
+    of_v = f"an offset of v of {-3.6 * first.size * first.radius:+.1f} km/h"
+    words["of_v"] = "" if axle else of_v
     return Measured("wheel_offset", first.size, first.sigma, words=words)
 
 
@@ -90,7 +89,6 @@ def _in_words(mistake: SpeedMistake) -> str:
 
 
 def _of_v(radius: float, by_a_x: float) -> Iterator[Measured]:
-    """The unit of v."""
     low, high = bounds_of("v_unit")
     a_x_is_plausible = low <= by_a_x <= high
     words = {"unit": _read_as(radius / (by_a_x if a_x_is_plausible else NOMINAL_RADIUS))}

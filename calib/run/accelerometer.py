@@ -250,10 +250,8 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
     slow = centred_mean(b.z, samples_in(_SECOND, b.length))
-    evidence, usual = (
-        speed_evidence(b, density_z, density_v, slow),
-        _ROLLING + _DRAG * b.speed**2,
-    )
+    evidence = speed_evidence(b, density_z, density_v, slow)
+    usual = _ROLLING + _DRAG * b.speed**2
     rolling = _on_lead_in(evidence, b.z - usual, _RESISTS * usual)
     other = _mixture(evidence.grades, rolling, _CASES[::2], _OTHER_SCALE)
     sensor = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)

@@ -74,12 +74,11 @@ class DrivingRecord:
 
 @dataclass(frozen=True)
 class BrakeEvent:
-    """One application of the brakes.
+    """One application of the brakes, from ``start`` to ``end`` [s]; ``first`` sample number.
 
-    ``start``, ``end`` [s]; ``first`` sample number; ``pressure`` highest [Pa] or None;
-    ``z_low``, ``z_high`` range of the deceleration from its start to its end [1]; ``speed_start``,
-    ``speed_end`` [m/s]; ``braking`` time above 3 m/s [s]; ``rise`` length of the longest steady
-    rise of the braking [s] and ``rise_z`` its range of deceleration [1].
+    ``pressure`` highest [Pa] or None; ``z_low`` to ``z_high`` [1]; ``speed_start``, ``speed_end``
+    [m/s]; ``braking`` time above 3 m/s [s]; ``rise`` length of the longest steady rise of the
+    braking [s] and ``rise_z`` its range of deceleration [1].
     """
 
     start: float

@@ -129,7 +129,10 @@ def _history(model: Model, log: Log) -> RunHistory:
         angle_f=integral(log.time, omega["f"]),
         angle_r=integral(log.time, omega["r"]),
     )
-    a_x = felt = _followed(log, accelerometer_lag(model.effects))
+    # input of a first-order accelerometer, by a backward difference that is half a sample late; on
+    # a ramp a second order does nothing, and the second difference of a_x is noise
+    rise = np.diff(log["a_x"], prepend=log["a_x"][0]) / np.gradient(log.time)
+    a_x = felt = log["a_x"] + accelerometer_lag(model.effects) * rise
     for _ in range(_ITERATIONS):
         run = replace(run, z=deceleration(a_x))
         off = felt - as_sensed(car, model.effects, run, a_x)
@@ -141,17 +144,6 @@ def _history(model: Model, log: Log) -> RunHistory:
         where=log.source,
         do="check accelerometer_scale and pitch_coupling among the known effects",
     )
-
-
-def _followed(log: Log, time_constant: float) -> Array:
-    """Input of a first-order accelerometer [m/s^2] (n,): its reading plus T times its derivative.
-
-    The backward difference is half a sample late. A second order is left out: on a ramp it does
-    nothing, and the second difference of a_x is noise.
-    """
-    a_x = log["a_x"]
-    rise = np.diff(a_x, prepend=a_x[0]) / np.gradient(log.time)
-    return np.asarray(a_x + time_constant * rise)
 
 
 def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:

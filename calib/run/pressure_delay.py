@@ -117,12 +117,10 @@ def pressure_delay(
     tried, inside, p = _shifted(time, pressed, places, slowed[places])
     drifting = (time[places] - time[places[0]]) * p
     some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
-    others = [
-        np.broadcast_to(x, inside.shape)
-        for x in (np.ones(places.size), *(x[places] for x in torques))
-    ]
-    columns = np.stack([*others, *p, *drifting, *some], axis=1)
-    return _by_chance(tried, columns, z[places], inside, _EXACT, _FORCE * usual)
+    others = (np.ones(places.size), *(x[places] for x in torques))
+    alike = [np.broadcast_to(x, inside.shape) for x in others]
+    columns = np.stack([*alike, *p, *drifting, *some], axis=1)
+    return _by_chance(tried, columns, z[places], inside, _FORCE * usual)
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
@@ -144,26 +142,17 @@ def _shifted(
     inside = then <= time[-1]
     enough = np.count_nonzero(inside & counts, axis=1) >= _BRAKED * np.count_nonzero(counts)
     enough &= np.mean(inside, axis=1) > _KEPT
-    return (
-        _TRIED[enough],
-        inside[enough],
-        np.array([np.interp(then[enough], time, p) for p in pressures]),
-    )
+    shifted = np.array([np.interp(then[enough], time, p) for p in pressures])
+    return _TRIED[enough], inside[enough], shifted
 
 
 def _by_chance(
-    tried: Array,
-    columns: Array,
-    y: Array,
-    inside: Mask,
-    least: float,
-    force: float = np.inf,
+    tried: Array, columns: Array, y: Array, inside: Mask, force: float
 ) -> PressureDelay | None:
     """The delay by its likelihood and by what is usual; None where ``y`` has no course.
 
     ``y`` (n,) is made of the ``columns`` (m, k, n) with each of the delays ``tried`` [s] (m,),
-    where it is ``inside`` (m, n), but for ``least`` [1], the variance of what no column has;
-    ``force`` the spread of the last two [1].
+    where it is ``inside`` (m, n); ``force`` is the spread of the last two [1].
     """
     if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
         return None
@@ -171,13 +160,13 @@ def _by_chance(
     products = products_of(columns, y)
     ridge, variance = np.zeros(columns.shape[1]), float(np.var(y[np.abs(tried).argmin()]))
     for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
-        squares = left_of(products, ridge) / samples + least
+        squares = left_of(products, ridge) / samples + _EXACT
         cost = samples * np.log(squares / variance)
         best = int(np.argmin(cost))
         A = columns[best].T
         residual = (y[best] - A @ np.linalg.lstsq(A, y[best], rcond=None)[0])[: samples[best]]
         short = squares[best]
-        lasting = max(lasting_variance(residual, size) for size in _GROUPS) + least
+        lasting = max(lasting_variance(residual, size) for size in _GROUPS) + _EXACT
         ridge[-len(_BITES) :] = lasting / force**2
     log_chance = -0.5 * cost * short / lasting - np.log1p(((tried - _USUAL) / _SPREAD) ** 2)
     chance = np.exp(log_chance - np.max(log_chance))

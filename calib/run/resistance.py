@@ -25,14 +25,9 @@ from calib.run.blocks import Blocks, block_balance
 
 _MODEL_ERROR = 3e-4
 """What a coast can be off in z for reasons not modelled: wind, road crown, a warm gearbox [1]."""
-
-
-DRAG, ROLLING = (
-    (effect.card.name, effect.card.parameters[0].name)
-    for effect in (AERODYNAMIC_DRAG, ROLLING_RESISTANCE)
-)
+_CARDS = (AERODYNAMIC_DRAG.card, ROLLING_RESISTANCE.card)
+DRAG, ROLLING = ((card.name, card.parameters[0].name) for card in _CARDS)
 """Effect and parameter that are looked for."""
-
 RESISTANCE = (DRAG[0], ROLLING[0])
 """Names of the two effects."""
 
@@ -78,7 +73,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
     """
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
-    priors = [e.card.parameters[0] for e in (AERODYNAMIC_DRAG, ROLLING_RESISTANCE)]
+    priors = [card.parameters[0] for card in _CARDS]
     specified = [effects.parameters.get(name, {}).get(p) for name, p in (DRAG, ROLLING)]
     centre = [p.typical if g is None else g for p, g in zip(priors, specified, strict=True)]
     # a given value is still a measured one: 2 % of the usual spread keeps the algebra regular
@@ -104,15 +99,11 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         residual = y - A[:, ~free] @ solution[~free]
         solution[free] = _bounded(A[:, free], residual, low, high)
     covariance = np.linalg.inv(A.T @ A)
-    values = np.maximum(solution, 0.0)
-    parameters: dict[str, dict[str, float]] = {}
-    sigmas: dict[str, dict[str, float]] = {}
-    for (effect, name), value, error in zip(
-        (DRAG, ROLLING), values.tolist(), np.sqrt(np.diag(covariance)).tolist(), strict=True
-    ):
-        others_of_it = effects.parameters.get(effect, {})
-        parameters[effect] = {**others_of_it, name: value}
-        sigmas[effect] = {**dict.fromkeys(others_of_it, 0.0), name: error}
+    values, errors = np.maximum(solution, 0.0).tolist(), np.sqrt(np.diag(covariance)).tolist()
+    parameters = {effect: {**effects.parameters.get(effect, {})} for effect in RESISTANCE}
+    sigmas = {effect: dict.fromkeys(parameters[effect], 0.0) for effect in RESISTANCE}
+    for (effect, name), value, error in zip((DRAG, ROLLING), values, errors, strict=True):
+        parameters[effect][name], sigmas[effect][name] = value, error
     return Resistance(
         effects=others.with_(Effects(parameters, sigma=sigmas)),
         covariance=tuple(tuple(row) for row in covariance.tolist()),
