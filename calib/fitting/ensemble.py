@@ -154,13 +154,6 @@ def loaded_tyres(car: Vehicle, e: Ensemble, z: Array, peak: Array | float = 1.0)
     )
 
 
-def unit_slips(
-    car: Vehicle, e: Ensemble, z: Array, forces: Array, peak: Array | float = 1.0
-) -> _UnitSlips:
-    """Slips over compliance, as `loaded_tyres` and `LoadedTyres.slips` have them."""
-    return loaded_tyres(car, e, z, peak).slips(forces)
-
-
 def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
     """Slips of the tyres (2, n, k) [1], and the apparent slips by the wheel speeds.
 
@@ -205,11 +198,11 @@ def predict_slips(
 
     ``brake`` force of both axles over the weight and ``log_ratio`` of the pads, as of
     `front_share`, each (n, k) or broadcast to it; ``z`` (k,) measured deceleration, at which the
-    discrepancies are read; all [1]. ``peak`` as of `unit_slips`, ``softer`` as of `wheel_slips`.
+    discrepancies are read; all [1]. ``peak`` as of `loaded_tyres`, ``softer`` as of `wheel_slips`.
     """
     slowed = brake / (1.0 + sum(turning_shares(car)))
     tyres = np.stack(braked_tyres(car, front_share(car, log_ratio), brake, slowed))
-    unit = unit_slips(car, e, slowed, tyres, peak)
+    unit = loaded_tyres(car, e, slowed, peak).slips(tyres)
     slips, turning = wheel_slips(e, unit, softer)
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return SlipPrediction(

@@ -46,7 +46,9 @@ def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posteri
             continue
         power = tempering_step(log, 1.0)
         total += power * log
-        remarks.append(f"{run.name}: a stop; alone it {_moved(e, power * log, power)}")
+        remarks.append(
+            f"{run.name}: a stop, braked within 1 s; alone: {_moved(e, power * log, power)}"
+        )
     if not np.any(total):
         return e, remarks
     power = tempering_step(total, 1.0)
@@ -61,10 +63,7 @@ def _moved(e: Ensemble, log: Array, power: float) -> str:
     sigma = math.sqrt(np.average((ratio - mean) ** 2, weights=weight))
     width, moved = sigma / float(np.std(ratio)) - 1.0, mean - float(np.mean(ratio))
     tempered = f" (its power: {power:.2f})" if power < 1.0 else ""
-    return (
-        f"moves the pads' ratio by {100.0 * moved:+.1f} % and its half width by "
-        f"{100.0 * width:+.0f} %{tempered}"
-    )
+    return f"pads' ratio {100.0 * moved:+.1f} %, its half width {100.0 * width:+.0f} %{tempered}"
 
 
 def log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from calib.car.balance import front_share, turning_shares
 from calib.car.braking import BITE
 from calib.car.forces import paper_curves, speed_ratio
-from calib.fitting.ensemble import ensemble_of, predict_slips, unit_slips, wheel_slips
+from calib.fitting.ensemble import ensemble_of, loaded_tyres, predict_slips, wheel_slips
 from calib.logs.log import Log
 from calib.model.ramp import nominal_forces, normalised_forces, prepare
 from calib.run.resistance import identify as identify_resistance
@@ -66,7 +66,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     front = front_share(car, log_ratio)
     moments = np.stack([run.moment_f, run.moment_r])[:, None] / car.weight
     forces = np.stack([front, 1.0 - front]) * share + moments
-    _, turning = wheel_slips(e, unit_slips(car, e, run.quasi_static(car), forces))
+    _, turning = wheel_slips(e, loaded_tyres(car, e, run.quasi_static(car)).slips(forces))
     eta_model = np.median(speed_ratio(*turning), axis=0)
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance

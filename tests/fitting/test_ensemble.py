@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.fitting.ensemble import draws_of, ensemble_of, spread_evenly, unit_slips
+from calib.fitting.ensemble import draws_of, ensemble_of, loaded_tyres, spread_evenly
 from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 from tests.support.tables import VEHICLE, made_draws, made_table
@@ -27,7 +27,9 @@ def test_compliance_grows_and_the_peak_falls_with_the_load():
     """At the load N over half the weight: c N^q, m N^-p, and similarity in m."""
     q, p = 0.2, 0.1
     forces = of_axles(0.7 * Z, 0.3 * Z)
-    unit = unit_slips(CAR, one_car("exponential", load_exponent=q, peak_load_exponent=p), Z, forces)
+    unit = loaded_tyres(
+        CAR, one_car("exponential", load_exponent=q, peak_load_exponent=p), Z
+    ).slips(forces)
     for slips, force, load in zip(unit.slip, forces, loads(Z), strict=True):
         relative = 2.0 * load
         most = 0.9 * relative**-p
@@ -37,17 +39,17 @@ def test_compliance_grows_and_the_peak_falls_with_the_load():
 
 def test_a_road_of_half_the_peak_is_a_tyre_of_half_the_peak():
     forces = of_axles(0.4 * Z, 0.1 * Z)
-    road = unit_slips(CAR, one_car(), Z, forces, peak=np.array([0.5]))
-    tyre = unit_slips(CAR, one_car(peak=0.45), Z, forces)
+    road = loaded_tyres(CAR, one_car(), Z, np.array([0.5])).slips(forces)
+    tyre = loaded_tyres(CAR, one_car(peak=0.45), Z).slips(forces)
     assert road.slip == pytest.approx(tyre.slip)
 
 
 def test_beyond_the_peak_or_off_the_road_a_wheel_does_not_roll():
     front, rear = loads(Z)
-    assert not unit_slips(CAR, one_car(), Z, of_axles(0.9 * front, 0.1 * Z)).rolls.any()
-    assert not unit_slips(CAR, one_car(), Z, of_axles(0.1 * Z, 0.9 * rear)).rolls.any()
+    assert not loaded_tyres(CAR, one_car(), Z).slips(of_axles(0.9 * front, 0.1 * Z)).rolls.any()
+    assert not loaded_tyres(CAR, one_car(), Z).slips(of_axles(0.1 * Z, 0.9 * rear)).rolls.any()
     lifting = np.array([L_F / H])  # where the rear load is zero
-    assert not unit_slips(CAR, one_car(), lifting, np.zeros((2, 1, 1))).rolls.any()
+    assert not loaded_tyres(CAR, one_car(), lifting).slips(np.zeros((2, 1, 1))).rolls.any()
 
 
 @pytest.mark.parametrize("dimension", [1, 6, 11])
