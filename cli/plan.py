@@ -28,9 +28,9 @@ def _quantities(units: dict[str, str], written: str | None) -> Quantities:
 
 
 def _sensors(written: str | None) -> frozenset[str]:
-    from calib.base.names import WHEELS
+    from calib.base.names import WHEEL_PRESSURES
 
-    sensors = ("v", *(f"p_{w}" for w in WHEELS))
+    sensors = ("v", *WHEEL_PRESSURES)
     names = [name.strip() for name in written.split(",")] if written else []
     return frozenset(require_known(name, sensors, "sensor ") for name in names)
 

@@ -28,6 +28,8 @@ G = 9.80665
 AXLES = ("f", "r")
 AXLE_NAMES = {"f": "front", "r": "rear"}
 WHEELS = ("fl", "fr", "rl", "rr")
+WHEEL_SPEEDS = tuple(f"omega_{w}" for w in WHEELS)
+WHEEL_PRESSURES = tuple(f"p_{w}" for w in WHEELS)
 
 
 class _Quantity(NamedTuple):
@@ -43,9 +45,9 @@ _QUANTITIES = (
     _Quantity("time", "s", "s", required=True),  # t, increasing
     _Quantity("p_mc", "bar", "Pa", required=True),  # P_mc, of the master cylinder
     _Quantity("a_x", "m/s^2", "m/s^2", required=True),  # at the c.g., forward positive
-    *(_Quantity(f"omega_{w}", "rad/s", "rad/s", required=True) for w in WHEELS),
+    *(_Quantity(name, "rad/s", "rad/s", required=True) for name in WHEEL_SPEEDS),
     _Quantity("v", "m/s", "m/s"),  # V, over ground
-    *(_Quantity(f"p_{w}", "bar", "Pa") for w in WHEELS),  # P, at the wheel
+    *(_Quantity(name, "bar", "Pa") for name in WHEEL_PRESSURES),  # P, at the wheel
     *(_Quantity(f"T_disc_{axle}", "degC", "degC") for axle in AXLES),
     _Quantity("steering", "rad", "rad"),  # delta, of the steering wheel, left positive
     # T_d, of engine or motor at both wheels of an axle together, negative where it slows
@@ -55,6 +57,8 @@ _QUANTITIES = (
 CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 """The canonical channels, in the order in which a log is written."""
 
+TRUTH = "true_"
+"""Begin of the name of each truth channel of a simulation."""
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
 """SI unit of each truth channel of a simulation, by prefix. Fit, estimator and diagnosis never read
 them."""

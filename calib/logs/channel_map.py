@@ -9,7 +9,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ChannelMapError, LogError
-from calib.base.names import CHANNELS, TRUTH_UNITS
+from calib.base.names import CHANNELS, TRUTH, TRUTH_UNITS
 from calib.base.plain import quoted
 from calib.base.toml import nearest
 from calib.base.units import UnknownUnit, is_unit, si_of, to_si, unit_of
@@ -17,7 +17,6 @@ from calib.logs.log import Origin
 from calib.logs.source import ChannelTrace, Column, address_of, indices_of
 from calib.logs.text.dialect import LOOKED, TextFormat
 
-TRUTH = "true_"
 MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
 
 Databases = Named[str, tuple[Path, ...]]

@@ -14,7 +14,7 @@ from pydantic import (
 )
 
 from calib.base.errors import ChannelMapError
-from calib.base.names import CHANNELS
+from calib.base.names import CHANNELS, TRUTH
 from calib.base.record import (
     FileSchema,
     OneOf,
@@ -46,7 +46,7 @@ def _expected(form: str) -> WrapValidator:
 
 
 def _measured(name: str) -> str:
-    if name.startswith("true_"):
+    if name.startswith(TRUTH):
         raise wrong(f"{name!r} is a truth channel", "a measured column; truth only serves to score")
     return name
 

@@ -10,13 +10,11 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.names import WHEELS
+from calib.base.names import WHEEL_PRESSURES
 from calib.base.units import UnknownUnit, from_si, si_of, spelling
 from calib.base.warning import LIMITS
 from calib.logs.log import ComputedPressure
 from calib.logs.source import ColumnSource, Recording, each_of
-
-_PRESSURES = ("p_mc", *(f"p_{wheel}" for wheel in WHEELS))
 
 
 def computed_pressures(
@@ -26,7 +24,8 @@ def computed_pressures(
 
     None of a recording: a bus has thousands of signals, which are not searched.
     """
-    bar = {name: from_si(channels[name], "bar", "Pa") for name in _PRESSURES if name in channels}
+    names = [name for name in ("p_mc", *WHEEL_PRESSURES) if name in channels]
+    bar = {name: from_si(channels[name], "bar", "Pa") for name in names}
     if isinstance(source, Recording) or not bar:
         return
     others = [

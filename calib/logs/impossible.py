@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.intervals import white_noise
-from calib.base.names import CHANNELS, WHEELS
+from calib.base.names import CHANNELS, WHEEL_SPEEDS
 from calib.base.units import from_si
 from calib.logs.clock import is_ascending
 from calib.logs.gaps import BRIDGE, ENDS, ChannelHole, fill_rows
@@ -43,11 +43,10 @@ class _Possible(NamedTuple):
     steps: bool = False
 
 
-_WHEELS = [f"omega_{w}" for w in WHEELS]
 _POSSIBLE = {
     # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2; a wheel that locks falls to 0 by
     # steps, and from below the least speed of its sensor
-    **dict.fromkeys(_WHEELS, _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0)),
+    **dict.fromkeys(WHEEL_SPEEDS, _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0)),
     # v of a receiver is held, or found again after a bridge: only its zeros are known as wrong
     "v": _Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
     # 1000 bar/s are the fastest brakes; a pedal that is let go falls to 0 by steps
@@ -101,8 +100,8 @@ def without_impossible(
         for name, possible in _POSSIBLE.items()
         if name in values
     }
-    if set(_WHEELS) <= masks.keys():  # a row of zeros is one of all its channels
-        all_wheels = np.logical_and.reduce([masks[name] for name in _WHEELS])
+    if set(WHEEL_SPEEDS) <= masks.keys():  # a row of zeros is one of all its channels
+        all_wheels = np.logical_and.reduce([masks[name] for name in WHEEL_SPEEDS])
         for name, mask in masks.items():
             mask |= all_wheels & (values[name] == 0.0)
     marked = []

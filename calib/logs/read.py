@@ -18,9 +18,9 @@ from calib.base.bounded import (
     read_bounded,
 )
 from calib.base.errors import ChannelMapError, LogError
-from calib.base.names import CHANNELS
+from calib.base.names import CHANNELS, TRUTH
 from calib.base.plain import quoted
-from calib.logs.channel_map import MAP_IT, TRUTH, Assigned, ChannelMap, assign
+from calib.logs.channel_map import MAP_IT, Assigned, ChannelMap, assign
 from calib.logs.clock import check_clock, is_ascending
 from calib.logs.computed import computed_pressures
 from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of

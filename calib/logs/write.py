@@ -16,10 +16,9 @@ import numpy as np
 
 from calib.base.errors import LogError, one_line
 from calib.base.extras import need
-from calib.base.names import CHANNELS, TRUTH_UNITS
+from calib.base.names import CHANNELS, TRUTH, TRUTH_UNITS
 from calib.base.units import from_si
 from calib.base.write import write_whole
-from calib.logs.channel_map import TRUTH
 from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.text.cells import column_from_cell

@@ -17,7 +17,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
-from calib.base.names import AXLES, WHEELS
+from calib.base.names import AXLES, WHEEL_PRESSURES, WHEELS
 from calib.base.plain import rows
 from calib.car.balance import force_per_pressure
 from calib.car.model import Model
@@ -31,8 +31,6 @@ takes half a second."""
 
 RATE = 100.0
 """Samples per second of a planned run: a fit takes means over blocks of 50 ms or more."""
-
-_WHEEL_PRESSURES = {f"p_{w}" for w in WHEELS}
 
 _SLOWEST = 5.0
 """Speed [m/s] that a run must still have at the end of its rise: slower blocks take no part."""
@@ -109,8 +107,8 @@ def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> 
     there: it is longer than the track, the car is nearly at rest before the pressure is at its end,
     a tyre passes its peak, or one axle brakes alone without pressures of the wheels.
     """
-    if run.axle and not sensors >= _WHEEL_PRESSURES:
-        raise ModelError(f"{run.text} needs {', '.join(sorted(_WHEEL_PRESSURES))}")
+    if run.axle and not sensors >= set(WHEEL_PRESSURES):
+        raise ModelError(f"{run.text} needs {', '.join(sorted(WHEEL_PRESSURES))}")
     time, pressure = pressure_trace(model.vehicle, run)
     alone = {w: pressure * (w[0] == run.axle) for w in WHEELS} if run.axle else None
     log = simulate(model, time, pressure, track.speed, wheel_pressure=alone, name=run.name)
@@ -121,6 +119,6 @@ def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> 
         )
     if (way := float(np.trapezoid(log["v"], log.time))) > track.length:
         raise ModelError(f"{run.text} takes {way:.0f} m", expected=f"up to {track.length:.0f} m")
-    optional = {"v", *_WHEEL_PRESSURES} - sensors
+    optional = {"v", *WHEEL_PRESSURES} - sensors
     channels = {name: x for name, x in log.channels.items() if name not in optional}
     return replace(log, channels=channels)

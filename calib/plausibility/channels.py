@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from calib.base.arrays import Mask
-from calib.base.names import AXLES, WHEELS
+from calib.base.names import AXLES, WHEEL_SPEEDS
 from calib.base.units import from_si
 from calib.base.warning import Measured, bounds_of
 from calib.car.braking import MOVING
@@ -17,8 +17,7 @@ from calib.run.axle_signals import held_time
 from calib.run.copies import shares_of_speed, twice
 from calib.run.driving_record import BITE_Z, DrivingRecord
 
-_OMEGAS = tuple(f"omega_{wheel}" for wheel in WHEELS)
-_NEEDED = ("p_mc", "a_x", *_OMEGAS)
+_NEEDED = ("p_mc", "a_x", *WHEEL_SPEEDS)
 _LATE = bounds_of("pressure_late")[1]
 _RESISTED, _ROLLS = 0.04, 0.3
 """Deceleration of a car that no brake slows at most [g], and the time that shows it [s]."""
@@ -110,7 +109,7 @@ def speed(e: Evidence) -> Iterator[Measured]:
 def copied(e: Evidence) -> Iterator[Measured]:
     """One signal in two channels."""
     log = e.run.log
-    names = [name for name in (*_OMEGAS, "v", "a_x", "p_mc") if name in log]
+    names = [name for name in (*WHEEL_SPEEDS, "v", "a_x", "p_mc") if name in log]
     for one, other, same in twice(log, names):
         yield Measured("same_signal", same, words={"one": one, "other": other})
     for source, share in shares_of_speed(log):

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from calib.base.arrays import Array, Index
-from calib.base.names import WHEELS
+from calib.base.names import WHEEL_SPEEDS
 from calib.base.warning import LIMITS, bounds_of
 from calib.logs.clock import GAP
 from calib.logs.log import Log
@@ -36,7 +36,7 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
     if not _is_noise(log, "a_x"):
         return  # smooth, as of a simulation: it says nothing of where it comes from
     reach = min(max(2, round(_WIDEST / log.sample_time)), _MOST_LAGS)
-    wheels = np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0)
+    wheels = np.mean([log[name] for name in WHEEL_SPEEDS], axis=0)
     speeds = {"v": log["v"]} if "v" in log else {}
     a_x = np.diff(log["a_x"][:_ENOUGH], 2)
     for name, speed in {**speeds, "the wheel speeds": wheels}.items():
@@ -97,7 +97,7 @@ def _is_noise(log: Log, channel: str) -> bool:
     return above and float(differences[1:] @ differences[:-1]) < -0.3 * square
 
 
-_CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
+_CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)
 """Those that a diagnosis compares, or is driven by."""
 
 _FEWEST = 20  # changes of a channel from which on its period can be told

@@ -25,14 +25,13 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.intervals import scatter, white_noise
-from calib.base.names import WHEELS
+from calib.base.names import WHEEL_SPEEDS
 from calib.base.warning import LIMITS
 from calib.car.lag import integral
 from calib.logs.log import Log
 from calib.run.sensors import resolution_of
 
-_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
-_COMPARED = ("p_mc", "a_x", *_WHEELS, "v")
+_COMPARED = ("p_mc", "a_x", *WHEEL_SPEEDS, "v")
 _ROUNDS = 3  # steps of Newton's method to a lag between the samples
 VERSION = 1
 _FINE = 0.25  # unit of the whole numbers over the noise [1]: rounding adds 0.3 % to its square
@@ -72,7 +71,7 @@ class Fingerprint:
         units = (self.step, *(channel.unit for channel in self.channels))
         if (
             self.version != VERSION
-            or not set(_WHEELS) <= names <= set(_COMPARED)
+            or not set(WHEEL_SPEEDS) <= names <= set(_COMPARED)
             or not all(0.0 < unit < math.inf for unit in units)
             or len(sizes) != 1
         ):
@@ -225,7 +224,7 @@ def _view_of(log: Log, step: float = LIMITS.run_means, offset: float = 0.0) -> _
 
 
 def _with_wheels(channels: dict[str, Array]) -> _View:
-    return channels | {"wheels": np.mean([channels[name] for name in _WHEELS], axis=0)}
+    return channels | {"wheels": np.mean([channels[name] for name in WHEEL_SPEEDS], axis=0)}
 
 
 def _noise_of(x: Array) -> float:

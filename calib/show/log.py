@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.base.names import CHANNELS, WHEELS
+from calib.base.names import CHANNELS, TRUTH, WHEEL_SPEEDS, WHEELS
 from calib.base.units import from_si
 from calib.car.braking import MOVING
 from calib.logs.log import Log
@@ -43,7 +43,6 @@ _EVENTS: dict[str, Stroke] = {
 """Spans are pale behind lines of all colours."""
 _STROKES = {**WHEEL_STROKES, "f": FRONT, "r": REAR}
 _TIME = "time [s]"
-_SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 
 _PANEL = 0.72
 """Height of a panel, over that of a usual one."""
@@ -115,7 +114,7 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         ]
         title = _TITLES.get(kind, as_text(kind))
         panels.append(Panel(name, title, _TIME, as_text(axis), lines, columns=4))
-    if all(name in channels for name in _SPINS):
+    if all(name in channels for name in WHEEL_SPEEDS):
         line = Line(time, _eta(channels), {**IDENTIFIED, "linewidth": 0.8})
         title = "Wheel speed rear over front, less 1"
         panels.append(Panel("eta", title, _TIME, ETA, [line]))
@@ -177,7 +176,7 @@ def panels_of(whole: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
 def _kind(name: str) -> str:
     """``omega`` of omega_fl, ``T_disc`` of T_disc_f; a foreign name is its own kind."""
     stem, _, last = name.rpartition("_")
-    shared = last in (*WHEELS, "f", "r") and (name in CHANNELS or name.startswith("true_"))
+    shared = last in (*WHEELS, "f", "r") and (name in CHANNELS or name.startswith(TRUTH))
     return stem if shared else name
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.names import WHEELS
+from calib.base.names import WHEEL_SPEEDS, WHEELS
 from calib.base.units import from_si, to_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
@@ -29,8 +29,6 @@ from calib.suggest.words import TIME, loose_corner, words
 
 _SLOW = 0.15
 """Share of the highest speed [1] below which samples are not used: the car is about to stop."""
-
-_ALL_WHEELS = tuple(f"omega_{w}" for w in WHEELS)
 
 
 def find_clock(search: Search) -> None:
@@ -186,7 +184,7 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
             names = [" ".join(item.name for item in each) for each in fit]
             do = "choose one: --take omega_fl=NAME, and the same for the others"
             _doubt_wheels(search, names, "several sets of four", do)
-        specified = [x for w in WHEELS if (x := search.values_of_user(f"omega_{w}")) is not None]
+        specified = [x for w in WHEEL_SPEEDS if (x := search.values_of_user(w)) is not None]
         return (np.mean(specified, axis=0) if len(specified) == 4 else None), False
     (chosen,) = fit
     mean = np.mean([x.values for x in chosen], axis=0)
@@ -197,8 +195,8 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
         why, do = ("the file gives no unit", do) if si is None else (why, GIVE_RADIUS)
         _doubt_wheels(search, [item.name for item in chosen], why, do)
         return mean, False
-    if not set(_ALL_WHEELS) & set(search.user_specified):
-        for channel, wheel in zip(_ALL_WHEELS, chosen, strict=True):
+    if not set(WHEEL_SPEEDS) & set(search.user_specified):
+        for channel, wheel in zip(WHEEL_SPEEDS, chosen, strict=True):
             at_rim = rim_mapping(channel, wheel.name, unit, search.radii) or Mapping(wheel.name)
             reasons = ["name", f"unit {unit}", "the four wheels agree"]
             if wheel.name in mirrored:
@@ -209,8 +207,8 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
 
 
 def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
-    if not set(_ALL_WHEELS) & set(search.user_specified):
-        channel = f"{_ALL_WHEELS[0]} ... {_ALL_WHEELS[-1]}"
+    if not set(WHEEL_SPEEDS) & set(search.user_specified):
+        channel = f"{WHEEL_SPEEDS[0]} ... {WHEEL_SPEEDS[-1]}"
         search.doubts.append(Doubt(channel, tuple(names), why, do))
 
 

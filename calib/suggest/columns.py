@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.names import AXLES, CHANNELS
+from calib.base.names import AXLES, CHANNELS, TRUTH
 from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of
@@ -47,7 +47,7 @@ def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[
         name = address_of(column, source.columns)
         if isinstance(values, LogError):
             unused[name] = values.problem
-        elif column.name.startswith("true_"):
+        elif column.name.startswith(TRUTH):
             unused[name] = "truth of a simulation"
         elif np.isnan(values).all():
             unused[name] = "empty"

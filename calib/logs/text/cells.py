@@ -20,7 +20,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.names import CHANNELS
+from calib.base.names import CHANNELS, TRUTH
 from calib.base.units import is_unit, spelling, to_si
 from calib.logs.clock import REPEATED
 from calib.logs.source import Column
@@ -38,7 +38,7 @@ def column_from_cell(cell: str) -> Column:
         name, unit, *_ = cell.split("|", 2)
         parts = name.strip('" '), unit.strip('" ')
     if parts is None and (rounded := _split(cell, "(", ")")) and rounded[0]:
-        ours = rounded[0] in CHANNELS or rounded[0].startswith("true_")
+        ours = rounded[0] in CHANNELS or rounded[0].startswith(TRUTH)
         parts = rounded if ours or is_unit(rounded[1]) else None
     parts = parts or _ending(cell)
     if parts is None:
