@@ -204,29 +204,25 @@ def complete_channels(
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size == 0:
             complete[name] = values
-        elif np.isnan(values).all():
-            if name in require:
-                raise LogError(
-                    f"the channel is empty: no value in {values.size} rows",
-                    where=f"{where}: {name}",
-                    expected="a value in every row",
-                    do="run `brake-cal check`: it lists the remaining uses of the log",
-                )
-            notes.append(f"{name} is empty and was left out")
-        elif name in CHANNELS and CHANNELS[name].required:
-            first = int(bad[0])
-            kind = "no value" if np.isnan(values[first]) else "an infinite value"
+            continue
+        first, empty = int(bad[0]), bool(np.isnan(values).all())
+        flaw = f"no value in {bad.size} of {values.size} rows, first in row {first + 1}"
+        if empty and name in require:
             raise LogError(
-                f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1}, "
-                f"{channels['time'][first] - channels['time'][0]:.3f} s after the start",
+                f"the channel is empty: no value in {values.size} rows",
+                where=f"{where}: {name}",
+                expected="a value in every row",
+                do="run `brake-cal check`: it lists the remaining uses of the log",
+            )
+        if not empty and name in CHANNELS and CHANNELS[name].required:
+            flaw = flaw if np.isnan(values[first]) else flaw.replace("no", "an infinite", 1)
+            start = channels["time"][first] - channels["time"][0]
+            raise LogError(
+                f"{flaw}, {start:.3f} s after the start",
                 where=f"{where}: {name}",
                 expected="a finite value in every row",
                 do="export all channels on one clock, or cut the log before the gap: a gap is "
                 f"bridged {ONLY}",
             )
-        else:
-            notes.append(
-                f"{name} has no value in {bad.size} of {values.size} rows, "
-                f"first in row {bad[0] + 1}, and was left out"
-            )
+        notes.append(f"{name} {'is empty' if empty else f'has {flaw},'} and was left out")
     return complete, tuple(notes)
