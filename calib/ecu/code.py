@@ -169,7 +169,7 @@ def _write_bundle(
             write_whole(work / name, Template(text).safe_substitute(facts).encode())
         for form in _TOOLS:
             grids = code_grids(stored.table, first, how, FORMATS[form].most_axes)
-            data = replace(shown, axes=tuple(axes_of(grids)), grids=tuple(grids))
+            data = replace(shown, axes=tuple(axes_of(grids)), maps=tuple(grids))
             if FORMATS[form].addressed:
                 numbers = calibrated(
                     numbers_of(stored.table, sample_time, stored.version), first, how.floating // 8

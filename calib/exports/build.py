@@ -65,13 +65,13 @@ def build(
     table, how = stored.table, Precision(points, bits, single)
     first = prefix(stored.name if first is None else first)
     axes, curves = zip(*_curves_of(table, first, how), strict=True)
-    map_axes, grids = zip(*maps_of(table, first, how, most_axes), strict=True)
+    map_axes, table_maps = zip(*maps_of(table, first, how, most_axes), strict=True)
     return Dataset(
         stored=stored,
         prefix=first,
         axes=(*axes, *chain.from_iterable(map_axes)),
         curves=tuple(chain.from_iterable(curves)),
-        grids=tuple(chain.from_iterable(grids)),
+        maps=tuple(chain.from_iterable(table_maps)),
         scalars=tuple(_scalars(table, stored.version, first, how)),
         quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
         bits=bits,

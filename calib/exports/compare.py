@@ -129,17 +129,17 @@ def _candidates(stored: Stored, file: Returned) -> Iterator[Content]:
     most = FORMATS["cdfx" if file.format == CDF else "dcm"].most_axes
     data = build(stored, first=file.prefix)
     whole: list[Grid] = []
-    for one in data.grids:
+    for one in data.maps:
         rows = one.axis.numbers
         near = _nearest(file.content.axes.get(one.axis.label, rows), rows)
         whole += sliced(one, near) if len(one.axes) > most else [one]
-    yield replace(data, grids=tuple(whole)).content()
+    yield replace(data, maps=tuple(whole)).content()
     points = max((len(x) for x in file.content.axes.values()), default=None)
     for bits in (None, *BITS):  # the axes of code are rounded first
         how = Precision(points, bits, single=bits is None, code=True)
         axes, maps = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
-        grids, over = tuple(chain.from_iterable(maps)), tuple(chain.from_iterable(axes))
-        yield replace(data, axes=over, grids=grids).content()
+        over = tuple(chain.from_iterable(axes))
+        yield replace(data, axes=over, maps=tuple(chain.from_iterable(maps))).content()
 
 
 def _pairs(read: Content, whole: Content) -> Iterator[Pair]:

@@ -182,7 +182,7 @@ class Dataset:
     prefix: str
     axes: tuple[Axis, ...]
     curves: tuple[Grid, ...]
-    grids: tuple[Grid, ...]
+    maps: tuple[Grid, ...]
     scalars: tuple[Scalar, ...]
     quality: Quality
     bits: int | None
@@ -204,17 +204,17 @@ class Dataset:
     @property
     def objects(self) -> tuple[Object, ...]:
         """Axes, curves, maps, scalars."""
-        return (*self.axes, *self.curves, *self.grids, *self.scalars)
+        return (*self.axes, *self.curves, *self.maps, *self.scalars)
 
     @property
     def lines(self) -> tuple[Grid, ...]:
         """What has one axis: curves, and maps of one axis."""
-        return tuple(one for one in (*self.curves, *self.grids) if len(one.axes) == 1)
+        return tuple(one for one in (*self.curves, *self.maps) if len(one.axes) == 1)
 
     @property
-    def maps(self) -> tuple[Grid, ...]:
+    def surfaces(self) -> tuple[Grid, ...]:
         """Maps of more axes."""
-        return tuple(one for one in self.grids if len(one.axes) > 1)
+        return tuple(one for one in self.maps if len(one.axes) > 1)
 
     @property
     def numbers(self) -> str:
@@ -226,7 +226,7 @@ class Dataset:
 
     def content(self) -> Content:
         """The bare numbers."""
-        grids = (*self.curves, *self.grids)
+        grids = (*self.curves, *self.maps)
         return Content(
             {a.label: tuple(a.numbers) for a in self.axes if a.shared},
             {s.label: s.numbers[0] for s in self.scalars},

@@ -84,7 +84,7 @@ class Exported:
         for axis in data.axes:
             curves, maps = (
                 [one.label for one in grids if axis.label in (a.label for a in one.axes)]
-                for grids in (data.lines, data.maps)
+                for grids in (data.lines, data.surfaces)
             )
             head = {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
             over = {"curves": curves} | ({"maps": maps} if maps else {})

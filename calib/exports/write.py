@@ -73,7 +73,7 @@ def _write_json(data: Dataset) -> bytes:
             | _bounds(c) | fields_of(c, "count", "flag")
             for c in data.curves
         ],
-        **({"maps": [_map(m) for m in data.grids if not m.is_bound]} if data.grids else {}),
+        **({"maps": [_map(m) for m in data.maps if not m.is_bound]} if data.maps else {}),
         "scalars": [fields_of(s, *named) | {"value": s.numbers[0], "sigma": s.sigma}
                     for s in data.scalars],
         "record": data.stored.table.content()[0],
@@ -99,7 +99,7 @@ def _bounds(grid: Grid) -> dict[str, Array]:
 
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
     """Cells of all columns; the bounds of a map stand beside its medians."""
-    for grid in (*data.curves, *data.grids):
+    for grid in (*data.curves, *data.maps):
         if not grid.is_bound:
             yield from _cells(grid)
     more = (None,) * len(_MORE_AXES)
@@ -125,7 +125,7 @@ def _write_csv(data: Dataset) -> bytes:
     facts = ((key, printable(fact).replace(",", ";")) for key, fact in data.facts().items())
     text.writelines(f"# {key}: {fact}\n" for key, fact in facts)
     table = csv.writer(text, lineterminator="\n")
-    columns = COLUMNS + (_MORE_AXES if data.grids else ())
+    columns = COLUMNS + (_MORE_AXES if data.maps else ())
     for row in (columns, *_rows(data)):
         table.writerow(_BARE if cell == UNIT else cell for cell in row[: len(columns)])
     return text.getvalue().encode()

@@ -11,4 +11,4 @@ def built(stored: Stored, *given, **options) -> Dataset:
     """The data set as of `build`, which takes the same arguments."""
     data = build(stored, *given, **options)
     axes = {axis.label for one in data.curves for axis in one.axes}
-    return replace(data, grids=(), axes=tuple(one for one in data.axes if one.label in axes))
+    return replace(data, maps=(), axes=tuple(one for one in data.axes if one.label in axes))
