@@ -73,6 +73,9 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     return line, (note,)
 
 
+LATEST = 1e12
+"""No time is later [s]: far above seconds since 1970."""
+
 _DISORDER = 0.1
 """Longest step back [s] between frames of several buses."""
 
@@ -82,8 +85,8 @@ _DISORDERED = 0.25
 
 def check_running(time: Array, where: str) -> None:
     """Raise LogError for timestamps [s], (n,), in the order of the file, that are out of order."""
-    if not np.isfinite(time).all():
-        raise LogError("a timestamp is not a number", where=where, do="export the log again")
+    if not (np.abs(time) < LATEST).all():
+        raise LogError("a timestamp is no time", where=where, do="export the log again")
     disordered = int(np.count_nonzero(time[1:] < time[:-1]))
     if disordered > max(_DISORDERED * time.size, 1):
         raise LogError(

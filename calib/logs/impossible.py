@@ -21,7 +21,7 @@ from calib.base.errors import LogError
 from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS, WHEEL_SPEEDS
 from calib.base.units import from_si
-from calib.logs.clock import is_ascending
+from calib.logs.clock import LATEST, is_ascending
 from calib.logs.gaps import BRIDGE, ENDS, ChannelHole, fill_rows
 
 Mask = NDArray[np.bool_]
@@ -184,15 +184,13 @@ def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Arr
 
 _ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
 """By SI unit: far above every value of a car, also one in a wrong unit."""
-_ABSURD_ELSE = 1e12
-"""Above seconds since 1970, too."""
 
 
 def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
     """Raise LogError for a value so large that the file must be damaged; channels in SI by name."""
     for name, values in channels.items():
         si = CHANNELS[name].si if name in CHANNELS else ""
-        most = _ABSURD.get(si, _ABSURD_ELSE)
+        most = _ABSURD.get(si, LATEST)
         absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
         if absurd.size:
             row = int(absurd[0])

@@ -158,8 +158,13 @@ def test_frames_out_of_order_stay_as_they_are():
 
 @pytest.mark.parametrize(
     "time",
-    [np.tile(np.arange(500.0), 2), np.tile([0.01, 0.002], 50), np.asarray([0.0, np.nan, 1.0])],
-    ids=["two runs", "to and fro", "no number"],
+    [
+        np.tile(np.arange(500.0), 2),
+        np.tile([0.01, 0.002], 50),
+        np.asarray([0.0, np.nan, 1.0]),
+        np.asarray([0.0, 1.5e308, -1.5e308]),
+    ],
+    ids=["two runs", "to and fro", "no number", "bytes that are no times"],
 )
 def test_what_is_no_clock(time):
     with pytest.raises(LogError):

@@ -24,6 +24,8 @@ CELLS = {
     "omega_fl_1_min": ("omega_fl", "1/min"),
     "T_disc_f_degC": ("T_disc_f", "degC"),
     "valve_s": ("valve_s", None),
+    "GPS_speed_knots": ("GPS_speed", "kn"),
+    "T_min": ("T_min", None),  # the lowest one
     "Bremsdruck_HZ_bar": ("Bremsdruck_HZ", "bar"),
     "_bar": ("_bar", None),
     "": ("", None),

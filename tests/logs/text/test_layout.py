@@ -92,6 +92,7 @@ SAMPLES = "".join(f"{i / 200:.3f},{i / 10:.2f}\n" for i in range(60))
         ((TWO + SAMPLES.replace("0.015,0.30", "0.015,open")).encode(), "row 4: 'open'"),
         ((TWO + SAMPLES.replace("0.015,", "0.015,7,")).encode(), "row 4 has 3 cells"),
         (b"time;p_mc\ns;bar\n", ""),
+        (b"sep=;\n", "no samples"),
     ],
 )
 def test_what_is_no_table(data, says):
