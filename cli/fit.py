@@ -57,9 +57,9 @@ def fit(
     """
     from calib.base.plain import counted
     from calib.car.effects.catalogue import with_own
+    from calib.car.mass import mass_used
     from calib.car.model import with_model
     from calib.car.model_file import read_model
-    from calib.car.vehicle import mass_used
     from calib.fitting.fit import fit as fit_table
     from calib.plan.achieved import compare
     from calib.show.fit import Fitted, document

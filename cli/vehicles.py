@@ -35,7 +35,7 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     from calib.base.errors import InputError
     from calib.base.plain import counted
     from calib.base.warning import to_dict
-    from calib.car.figures import plausible, to_confirm
+    from calib.car.plausible import plausible, to_confirm
     from calib.car.vehicle_file import read_vehicle
 
     judged, failed, lines, code = [], [], [], 0
@@ -75,7 +75,8 @@ def show(
     drag.
     """
     from calib.base.warning import to_dict
-    from calib.car.figures import plausible, what_follows
+    from calib.car.characteristics import characteristics
+    from calib.car.plausible import plausible
     from calib.car.vehicle_file import read_vehicle
     from calib.show.sheet import render
     from calib.show.vehicle import vehicle_sheet
@@ -84,7 +85,7 @@ def show(
     if plot is not None:
         write_file(plot, render(vehicle_sheet(car).overview(), plot.suffix.lower()), "--plot")
     warnings = [to_dict(warning) for warning in plausible(car)]
-    return Answer({"name": car.name, "facts": what_follows(car), "warnings": warnings}, car)
+    return Answer({"name": car.name, "facts": characteristics(car), "warnings": warnings}, car)
 
 
 vehicle = group(

@@ -3,16 +3,14 @@
     W z = tyre forces + body forces          tyre forces = brakes + other moments on the wheels
 
 The other moments come from known effects, from the inertia of the wheels, and from a logged torque
-of engine or motor. Valid for quasi-static loads in a straight line. The simulation adds the same
-effects by the same functions.
+of engine or motor. Valid for quasi-static loads in a straight line.
 
     friction used |      front ___.--   an axle locks where it uses what the road offers;
                   | __.--'  .--'        the axle that uses more locks first
                   |   rear-'
                   +---------------- z
 
-This picture is for one pressure on both axles, without drag and without slip control. It neglects
-the inertia of the wheels, as (9) does.
+The picture is for one pressure on both axles, without drag, slip control and wheel inertia, as (9).
 """
 
 import math
@@ -36,26 +34,25 @@ T = TypeVar("T", float, Array)
 class ForceBalance:
     """Forces of a run [N], shapes (n,).
 
-    ``load_f``, ``load_r`` axle loads (6), (7) with known effects; ``moment_f``, ``moment_r``
-    moments on the wheels besides the brake, as a force at the road, positive where they slow the
-    wheels: drag, less drive, less what the inertia of slowing wheels gives back; ``other_f``,
-    ``other_r`` the same without inertia; ``body`` forces that slow the body directly;
-    ``tyre_sum`` sum of all tyre forces (5), (17).
+    ``load_f``, ``load_r`` axle loads (6), (7) with known effects; ``drag_f``, ``drag_r`` moments
+    that slow the wheels besides the brakes, over the rolling radius: drag less drive, where the
+    inertia of slowing wheels counts as drive; ``drag_no_inertia_f``, ``..._r`` without it; ``body``
+    forces that slow the body directly; ``tyre_sum`` sum of all tyre forces (5), (17).
     """
 
     load_f: Array
     load_r: Array
-    moment_f: Array
-    moment_r: Array
-    other_f: Array
-    other_r: Array
+    drag_f: Array
+    drag_r: Array
+    drag_no_inertia_f: Array
+    drag_no_inertia_r: Array
     body: Array
     tyre_sum: Array
 
     @property
     def demanded(self) -> Array:
         """Brake force of both axles by the deceleration [N]."""
-        return self.tyre_sum - self.moment_f - self.moment_r
+        return self.tyre_sum - self.drag_f - self.drag_r
 
 
 def force_balance(
@@ -83,41 +80,41 @@ def force_balance(
         spin = (-G * z / vehicle.front.rolling_radius, -G * z / vehicle.rear.rolling_radius)
     if drive is None:
         drive = (np.zeros_like(z), np.zeros_like(z))
-    other_f, other_r = (moment - torque for moment, torque in zip(moments, drive, strict=True))
-    moment_f, moment_r = (
+    net = tuple(moment - torque for moment, torque in zip(moments, drive, strict=True))
+    drag_f, drag_r = (
         np.asarray((moment + 2.0 * axle.wheel_inertia * rate) / axle.rolling_radius)  # (1)
-        for axle, moment, rate in zip(axles, (other_f, other_r), spin, strict=True)
+        for axle, moment, rate in zip(axles, net, spin, strict=True)
     )
     body = total_body_force(vehicle, effects, motion)
-    shifted = vehicle.weight * total_load_shift(vehicle, effects, history)
+    shift = vehicle.weight * total_load_shift(vehicle, effects, history)
     return ForceBalance(
-        load_f=load_f - shifted,
-        load_r=load_r + shifted,
-        moment_f=moment_f,
-        moment_r=moment_r,
-        other_f=other_f / vehicle.front.rolling_radius,
-        other_r=other_r / vehicle.rear.rolling_radius,
+        load_f=load_f - shift,
+        load_r=load_r + shift,
+        drag_f=drag_f,
+        drag_r=drag_r,
+        drag_no_inertia_f=net[0] / vehicle.front.rolling_radius,
+        drag_no_inertia_r=net[1] / vehicle.rear.rolling_radius,
         body=body,
         tyre_sum=vehicle.weight * z - body,  # (5), (17)
     )
 
 
-def turning_shares(vehicle: Vehicle) -> tuple[float, float]:
-    """Equivalent mass of the turning wheels of front and rear axle over that of the car [1]."""
+def rotating_shares(vehicle: Vehicle) -> tuple[float, float]:
+    """Equivalent mass of the front and the rear wheels over the mass of the car [1]."""
     front, rear = (2.0 * axle.wheel_mass / vehicle.mass for axle in (vehicle.front, vehicle.rear))
     return front, rear
 
 
-def braked_tyres(
-    vehicle: Vehicle, share: Array | float, brake: Array, slowed: Array
+def tyre_forces(
+    vehicle: Vehicle, share: Array | float, brake: Array, inertia: Array
 ) -> tuple[Array, Array]:
     """Tyre forces of the axles where the brakes alone slow the car, (13), (14).
 
-    ``brake`` force of both axles, with the ``share`` of the front one [1]; ``slowed`` M dv/dt, of
-    which the inertia of the wheels takes a part. All in N, or all over the weight.
+    ``brake`` force of both axles; ``share`` of the front one in it [1]; ``inertia`` -M dv/dt. The
+    inertia of the wheels takes its part of the brake force. All in N, or all over the weight.
     """
-    front, rear = turning_shares(vehicle)
-    return share * brake - front * slowed, (1.0 - share) * brake - rear * slowed
+    front, rear = rotating_shares(vehicle)
+    return share * brake - front * inertia, (1.0 - share) * brake - rear * inertia
 
 
 def brake_forces(
@@ -146,8 +143,8 @@ def pressure_per_g(vehicle: Vehicle) -> float:
 def front_share(vehicle: Vehicle, log_ratio: T) -> T:
     """Share of the front axle in the brake force [1], the same at every pressure.
 
-    ``log_ratio`` ln of front over rear pads, less that of the vehicle file [1]. Where the pressures
-    of the axles differ, ln of front over rear pressure is added to it.
+    ``log_ratio`` ln of front over rear pads, less that of the vehicle file [1], plus ln of front
+    over rear pressure where these differ.
     """
     front, rear = force_per_pressure(vehicle)
     share: T = front / (front + rear * math.e**-log_ratio)
@@ -181,10 +178,7 @@ def friction_used(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
 
 
 def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
-    """Deceleration at the first lock over the ``friction`` that the road offers [1], 1 at best.
-
-    An axle locks where it uses the friction of the road.
-    """
+    """z at which the first axle locks over the ``friction`` of the road [1]; at most 1."""
     share, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height
     lever = share * L - friction * h  # phi z L = mu (l_r + z h), from (6)
     front = vehicle.cg_to_rear_axle / lever if lever > 0.0 else math.inf

@@ -1,8 +1,7 @@
-"""Priors of everything that is not measured: `beliefs.csv`, each quantity once in its group.
+"""Priors of what is not measured, from `beliefs.csv`: each field here is a row there, or several.
 
-The groups: a `CAR`, a `SENSOR`, how one `LOG` differs from others, and how a `STOP` may differ from
-the ramp. A quantity with two values stands in two groups, and the sources say why they differ. A
-row without a field here is an error, and so is a field without a row.
+Four groups: a `CAR`, a `SENSOR`, how one `LOG` differs from others, how a `STOP` differs from the
+ramp. A quantity with two priors stands in two groups; the sources say why.
 """
 
 from typing import Any, NamedTuple, TypeVar, get_type_hints
@@ -16,11 +15,10 @@ Row = dict[str, str]
 
 
 class Belief(NamedTuple):
-    """A normal distribution, or a number where sigma is 0, in the unit of its row.
+    """A normal prior, or a number where sigma is 0, in the unit of its row.
 
-    For cars: ``model`` variance among cars of one model over that among all cars, 1 by
-    default; ``tyre_file`` standard deviation of the value in a tyre file, that of all cars by
-    default.
+    ``model`` variance among cars of one model over that among all cars; ``tyre_file`` standard
+    deviation of the value in a tyre file, by default ``sigma``.
     """
 
     mean: float
@@ -30,10 +28,7 @@ class Belief(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """A mixture of normal distributions.
-
-    Names of the ``cases``; (k,) ``share`` of each relative to the others, mean and sigma.
-    """
+    """A mixture of normal priors: each of its k ``cases`` has a relative share, mean and sigma."""
 
     cases: tuple[str, ...]
     share: Array
@@ -41,12 +36,12 @@ class Mixture(NamedTuple):
     sigma: Array
 
     def case(self, u: Array) -> Index:
-        """Index of the case drawn, (n,), by uniform numbers ``u`` (n,)."""
+        """Index of the case (n,) that uniform numbers ``u`` (n,) draw."""
         ends = np.cumsum(self.share)
         return np.asarray(np.minimum(np.searchsorted(ends, u * ends[-1]), ends.size - 1))
 
     def is_case(self, name: str, u: Array) -> Mask:
-        """Whether a case is drawn, (n,). Raises ValueError for an unknown name."""
+        """Whether ``u`` (n,) draws the case ``name``. Raises ValueError for an unknown one."""
         return np.asarray(self.case(u) == self.cases.index(name))
 
     def drawn(self, u: Array, x: Array) -> Array:
@@ -111,13 +106,13 @@ def beliefs_of(group: type[Group], table: list[Row]) -> Group:
     """The priors of a group, from the rows of `beliefs.csv`.
 
     Raises ValueError for a row without a field, a field without a row, a row that occurs twice, a
-    quantity with two units in the table, and a cell that is not a number.
+    quantity with two units, and a cell that is not a number.
     """
     kinds, lines = get_type_hints(group), [r for r in table if r["group"] == group.__name__.lower()]
     units = {(row["quantity"], row["unit"]) for row in table}
     for row in lines:
         if row["quantity"] not in kinds:
-            raise ValueError(f"nobody reads {row}; known are {', '.join(kinds)}")
+            raise ValueError(f"unknown quantity in {row}; known are {', '.join(kinds)}")
         if len([unit for name, unit in units if name == row["quantity"]]) > 1:
             raise ValueError(f"two units of {row['quantity']}")
     read: dict[str, Any] = {}
@@ -146,7 +141,7 @@ def _mixture(name: str, cases: list[Row]) -> Mixture:
 
 
 _TABLE = rows("beliefs.csv", "calib.car")
-if strange := {row["group"] for row in _TABLE} - {"car", "sensor", "log", "stop"}:
-    raise ValueError(f"groups that nobody reads: {', '.join(strange)}")
+if unknown := {row["group"] for row in _TABLE} - {"car", "sensor", "log", "stop"}:
+    raise ValueError(f"unknown groups: {', '.join(unknown)}")
 CAR, SENSOR = beliefs_of(Car, _TABLE), beliefs_of(Sensor, _TABLE)
 LOG, STOP = beliefs_of(Log, _TABLE), beliefs_of(Stop, _TABLE)

@@ -1,10 +1,9 @@
-"""From the pedal to the brake torque of each wheel, with all effects in between.
+"""From the pedal to the brake torque of each wheel.
 
     p_mc --line--> wheel pressure --caliper--> clamp --pads--> torque --left/right--> T_b (2) (3)
                    (or as logged)
 
-Left and right are equal unless wheel pressures or an effect make them differ; only then is the
-right wheel of that axle computed.
+The right wheel of an axle is computed only where wheel pressures or an effect make it differ.
 """
 
 from collections.abc import Mapping
@@ -29,15 +28,15 @@ class Brakes:
 
     @property
     def wheels(self) -> tuple[str, ...]:
-        """The wheels that are computed: the right one of an axle only where it differs."""
+        """The wheels that are computed."""
         return tuple(self.clamp)
 
     def twin(self, w: str) -> str:
-        """The wheel that has the values of ``w``: itself, or the left one of its axle."""
+        """The computed wheel for ``w``: itself, or the left one of its axle."""
         return w if w in self.clamp else f"{w[0]}l"
 
     def axle(self, w: str) -> Axle:
-        """The axle of a wheel."""
+        """Return the axle of a wheel."""
         return self.model.vehicle.front if w[0] == "f" else self.model.vehicle.rear
 
     def pads(self, history: RunHistory, side: str = "l") -> Pair:
@@ -48,12 +47,12 @@ class Brakes:
 
     def torques(self, history: RunHistory) -> dict[str, Array]:
         """Brake torque [N m] (n,) by wheel."""
-        uneven = wheel_factors(self.model.effects, history)
+        factors = wheel_factors(self.model.effects, history)
         pads = {side: self.pads(history, side) for side in {w[1] for w in self.clamp}}
         torques = {}
         for w, p in self.clamp.items():
             T_b = forces.brake_torque(self.axle(w), pads[w[1]]["fr".index(w[0])], p)  # (2), (3)
-            torques[w] = T_b * uneven[w] if w in uneven else T_b
+            torques[w] = T_b * factors[w] if w in factors else T_b
         return torques
 
 
@@ -64,12 +63,12 @@ def brakes_of(model: Model, history: RunHistory, logged: Mapping[str, Array]) ->
     """
     effects = model.effects
     p_f, p_r = line_pressure(effects, history)
-    arrives = {w: logged.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
+    wheel_pressure = {w: logged.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
     uneven = {w[0] for w in wheel_factors(effects, history)}
     clamp: dict[str, Array] = {}
     for side in "lr" if logged or uneven else "l":
-        pair = (arrives[f"f{side}"], arrives[f"r{side}"])
+        pair = (wheel_pressure[f"f{side}"], wheel_pressure[f"r{side}"])
         front, rear = caliper_pressure(effects, history, *pair)
         clamp |= {f"f{side}": front, f"r{side}": rear}
-    differ = [w for w in WHEELS if w[1] == "l" or logged or w[0] in uneven]
-    return Brakes(model, {w: clamp[w] for w in differ})
+    computed = [w for w in WHEELS if w[1] == "l" or logged or w[0] in uneven]
+    return Brakes(model, {w: clamp[w] for w in computed})

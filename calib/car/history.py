@@ -1,4 +1,4 @@
-"""A run as input of the effects: its history, its present state, and the heat of its discs."""
+"""A run as input of the effects: its history, its state, and the temperature of its discs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,15 +18,15 @@ class Disc:
 
 
 DISCS = {"f": Disc(3700.0, 300.0), "r": Disc(2300.0, 300.0)}
-"""Discs of a medium sedan, assumed: 8 kg vented in front, 5 kg solid behind, of grey cast iron of
-460 J/(kg K). The cooling time is assumed, too: 0.13 m^2 under 60 to 100 W/(m^2 K) make 280 to 470 s
-in front. In a stop of 10 s it takes 2 % of the rise."""
+"""Discs assumed, of a medium sedan: 8 kg vented in front, 5 kg solid behind, of grey cast iron with
+460 J/(kg K). The cooling time follows from 0.13 m^2 and 60 to 100 W/(m^2 K), 280 to 470 s in front;
+in a stop of 10 s it takes 2 % of the rise."""
 
-START = 100.0
-"""Temperature at the first sample [degC] if it is not logged: the upper end of what UN R13-H, annex
-3 calls cold brakes (65 to 100 degC)."""
+START_TEMP = 100.0
+"""Temperature of a disc at the first sample [degC] if not logged: the upper end of cold brakes in
+UN R13-H, annex 3 (65 to 100 degC)."""
 
-ALIKE = (START, START)
+COLD = (START_TEMP, START_TEMP)
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class RunHistory:
     ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
     ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
     one brake of the axle since the first sample [J]; ``source`` the log or the simulation, for
-    messages; ``start_heat`` [degC] of the front and the rear discs at the first sample, where it
-    is not logged; ``averaged`` the number of even samples of which each one here is the mean.
+    messages; ``start_heat`` temperature of the front and the rear discs at the first sample
+    [degC], where it is not logged; ``averaged`` number of samples of which each one is the mean.
     """
 
     time: Array
@@ -52,22 +52,21 @@ class RunHistory:
     energy_f: Array
     energy_r: Array
     source: str = ""
-    start_heat: tuple[float, float] = ALIKE
+    start_heat: tuple[float, float] = COLD
     averaged: int = 1
 
     def ripple(self, phase: float) -> Array:
         """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.
 
-        The mean of m even samples that together span the angle a is smaller than the middle one,
-        by sin(a/2)/(m sin(a/(2 m))).
+        The mean of m even samples over the angle a is sin(a/2)/(m sin(a/(2 m))) of the middle one.
         """
-        turned = np.sin(self.angle_f + phase)
-        if self.averaged == 1 or turned.size < 2:
-            return turned
+        wave = np.sin(self.angle_f + phase)
+        if self.averaged == 1 or wave.size < 2:
+            return wave
         half = 0.5 * np.gradient(self.angle_f)
-        whole = self.averaged * np.sin(half / self.averaged)
-        standing = np.abs(whole) < 1e-12
-        return turned * np.where(standing, 1.0, np.sin(half) / np.where(standing, 1.0, whole))
+        divisor = self.averaged * np.sin(half / self.averaged)
+        standing = np.abs(divisor) < 1e-12
+        return wave * np.where(standing, 1.0, np.sin(half) / np.where(standing, 1.0, divisor))
 
 
 @dataclass(frozen=True)
@@ -89,20 +88,20 @@ def constant_speed(
     v0: float,
     temperature: Mapping[str, Array] | None = None,
     source: str = "",
-    start_heat: tuple[float, float] = ALIKE,
+    start_heat: tuple[float, float] = COLD,
 ) -> RunHistory:
     """A run at the constant speed ``v0`` [m/s]: only pressure and temperatures are known.
 
-    ``time`` [s], ``p_mc`` [Pa] and ``temperature`` [degC] by axle (n,); wheel angle and heat zero.
+    ``time`` [s], ``p_mc`` [Pa], ``temperature`` [degC] by axle (n,); angles and energies are zero.
     """
-    heat, zero = temperature or {}, np.zeros_like(time)
+    by_axle, zero = temperature or {}, np.zeros_like(time)
     return RunHistory(
         time=time,
         v=np.full_like(time, v0),
         z=zero,
         p_mc=p_mc,
-        temperature_f=heat.get("f"),
-        temperature_r=heat.get("r"),
+        temperature_f=by_axle.get("f"),
+        temperature_r=by_axle.get("r"),
         angle_f=zero,
         angle_r=zero,
         energy_f=zero,
@@ -116,15 +115,14 @@ _AIR = 20.0
 """Temperature of the air [degC]."""
 
 
-def heated(time: Array, energy: Array, disc: Disc, start: float = START) -> Array:
-    """Temperature of one disc [degC], (n,), that is at ``start`` [degC] at the first sample.
+def disc_temperature(time: Array, energy: Array, disc: Disc, start: float = START_TEMP) -> Array:
+    """Temperature of one disc [degC] (n,), ``start`` [degC] at the first sample.
 
     C dT/dt = P - (C/tau) (T - T_air): heated by the whole braking power, cooled by the air
-    (Limpert, Brake Design and Safety, ch. 3, lumped disc). ``time`` [s]; ``energy`` dissipated in
-    this brake since the first sample [J], (n,), linear between samples. The heat that the disc
-    still holds is E less its first-order lag. Pads take no heat, the disc has one temperature, and
-    cooling does not depend on speed: not valid for the surface of the disc in a hard stop, nor over
-    minutes of changing speed.
+    (Limpert, Brake Design and Safety, ch. 3, lumped disc). ``time`` [s] (n,); ``energy`` E [J] (n,)
+    dissipated in this brake since the first sample, linear between samples. The stored heat is E
+    less its first-order lag. Not valid for the surface of the disc in a hard stop, nor over minutes
+    of changing speed: pads take no heat, and cooling does not depend on speed.
     """
     stored = energy - first_order(time, energy, disc.cooling_time)
     initial = np.exp(-(time - time[0]) / disc.cooling_time)

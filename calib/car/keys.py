@@ -1,4 +1,4 @@
-"""Every key of a vehicle file, those of `keys.csv`, and the file with a comment on each.
+"""The keys of a vehicle file, from `keys.csv`, and a file with a comment on each.
 
     # mass M_v of the car as driven ...
     # measure: weigh it ready to drive ...
@@ -6,8 +6,8 @@
     mass = "1744 kg"
 
 The examples are the reference car, `sedan-2up`, of Tables I and II of the paper. Usual ranges are
-for passenger cars and vans. Bounds detect a wrong unit or decimal point: they reach from a microcar
-to a heavy coach.
+for passenger cars and vans. The bounds, from a microcar to a heavy coach, detect a wrong unit or
+decimal point.
 """
 
 import json
@@ -30,8 +30,8 @@ CHASSIS, FRONT, REAR = "chassis", "front", "rear"
 class VehicleKey:
     """One key: ``section`` "" for the top of the file, ``unit`` "" for text, "1" for a number.
 
-    ``low`` and ``high`` are the usual range in ``unit``, ``too_low`` and ``too_high`` the likely
-    causes outside of it; ``least`` and ``most`` the bounds [SI]; ``example`` as in the file.
+    ``low`` to ``high`` usual range in ``unit``, ``too_low`` and ``too_high`` likely causes outside
+    it; ``least`` and ``most`` bounds [SI]; ``example`` as in the file.
     """
 
     section: str
@@ -59,11 +59,11 @@ class VehicleKey:
         return f"{self.low:g} to {self.high:g}{behind(self.unit)}" if self.unit else ""
 
     @property
-    def left_out(self) -> float | None:
-        """Default of an optional key; None where it has none."""
+    def default(self) -> float | None:
+        """Value of an optional key that is not given; None where it has none."""
         part = Axle if self.section in (FRONT, REAR) else Vehicle
-        default: float | None = getattr(part, self.name)
-        return default
+        value: float | None = getattr(part, self.name)
+        return value
 
     def value_of(self, vehicle: Vehicle) -> float:
         """The value in a vehicle, in ``unit``; not for text."""
@@ -80,7 +80,7 @@ def _read(row: dict[str, str]) -> VehicleKey:
 KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
 """The keys in the order of the file."""
 
-REFERENCE = {key.path: key.example for key in KEYS if not (key.optional and key.left_out is None)}
+REFERENCE = {key.path: key.example for key in KEYS if not (key.optional and key.default is None)}
 """Values in the file of the reference car, by path of the key."""
 
 _HEAD = """\
@@ -101,7 +101,7 @@ _TAIL = """
 def vehicle_text(values: Mapping[str, str]) -> str:
     """The file with ``values`` by path of the key, as written: "1744 kg" or "2".
 
-    A key without a value is a comment if it is optional. Raises KeyError for another one.
+    An optional key without a value is a comment. Raises KeyError for another one.
     """
     text = _HEAD
     for section, keys in groupby(KEYS, lambda key: key.section):
@@ -122,7 +122,7 @@ def _commented(key: VehicleKey, values: Mapping[str, str]) -> str:
 
 
 def _written(key: VehicleKey, value: str) -> str:
-    """A number without quotes where the key is one, as a person writes it."""
+    """The value in TOML: without quotes if it is a number without unit."""
     if key.unit != "1" or re.fullmatch(NUMBER, value) is None:
         return json.dumps(value, ensure_ascii=False)  # a text of JSON is one of TOML
     number = float(value)

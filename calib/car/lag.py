@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 
-_EVEN = 1e-3
-"""Least distance of two time constants, over their sum, so that they are told apart."""
+_LEAST_DIFFERENCE = 1e-3
+"""Least difference of two time constants over their sum: equal ones would divide by zero."""
 
 
 def integral(time: Array, x: Array) -> Array:
@@ -51,20 +51,20 @@ def second_order(time: Array, x: Array, frequency: float, damping: float) -> Arr
 def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Array:
     """Return y of S y'' + T y' + y = x at ``time`` [s] (n,); ``x`` (n,).
 
-    ``time_constant`` T [s], above zero, by which a slow x comes late; ``second`` S [s^2], not
-    negative: 0 first order, T^2/4 two alike in a row, T^2/2 as Butterworth.
+    ``time_constant`` T [s], above zero, is the delay of a slow x; ``second`` S [s^2], not negative:
+    0 first order, T^2/4 two equal lags in a row, T^2/2 Butterworth.
     """
-    bend = second / time_constant**2
-    root = np.sqrt(abs(1.0 - 4.0 * bend))
-    if bend > 0.25 and root > _EVEN:
-        frequency = 1.0 / (np.sqrt(bend) * time_constant)
-        return second_order(time, x, frequency, 0.5 / np.sqrt(bend))
-    root = max(root, _EVEN)
+    q = second / time_constant**2
+    root = np.sqrt(abs(1.0 - 4.0 * q))
+    if q > 0.25 and root > _LEAST_DIFFERENCE:
+        frequency = 1.0 / (np.sqrt(q) * time_constant)
+        return second_order(time, x, frequency, 0.5 / np.sqrt(q))
+    root = max(root, _LEAST_DIFFERENCE)
     slow, fast = 0.5 * time_constant * (1.0 + root), 0.5 * time_constant * (1.0 - root)
     if fast <= 0.0:
         return first_order(time, x, time_constant)
-    apart = slow * first_order(time, x, slow) - fast * first_order(time, x, fast)
-    return np.asarray(apart / (slow - fast))
+    weighted = slow * first_order(time, x, slow) - fast * first_order(time, x, fast)
+    return np.asarray(weighted / (slow - fast))
 
 
 def _follow(time: Array, x: Array, pole: complex) -> NDArray[Any]:
@@ -76,7 +76,7 @@ def _follow(time: Array, x: Array, pole: complex) -> NDArray[Any]:
     growth = np.expm1(a)
     bands = np.ones((2, x.size), a.dtype)
     bands[1, :-1] = -1.0 - growth
-    pushed = np.concatenate([[0.0], -np.diff(x) * growth / a])
+    right_side = np.concatenate([[0.0], -np.diff(x) * growth / a])
     solve = ztbtrs if np.iscomplexobj(a) else dtbtrs
-    behind, _ = solve(bands, pushed[:, None], uplo="L")
-    return np.asarray(x + behind[:, 0])
+    error, _ = solve(bands, right_side[:, None], uplo="L")
+    return np.asarray(x + error[:, 0])

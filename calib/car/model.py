@@ -22,10 +22,10 @@ WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 
 @dataclass(frozen=True)
 class Surface:
-    """A change of road: factors on stiffness and peak of the tyre from ``start`` on.
+    """A change of road: factors on stiffness and peak of the model's tyre from ``start`` on.
 
     ``start`` is a distance of the front axle [m] or a time [s], as ``unit`` says; the rear axle
-    meets the change one wheelbase later. Factors are relative to the model's tyre.
+    meets the change one wheelbase later.
     """
 
     start: float
@@ -40,7 +40,7 @@ class Model:
 
     Attributes
     ----------
-    vehicle : masses, lengths, brakes. Its own list of effects is not read here.
+    vehicle : masses, lengths, brakes; its list of effects does not count.
     pad_friction_f, pad_friction_r : mu_p of the axles [1].
     tyre : common to both axles.
     effects : all effects that act in it.
@@ -68,7 +68,7 @@ def default_model(vehicle: Vehicle) -> Model:
     """
     where = f"vehicle {vehicle.name}: effects"
     named = {
-        name: _believable(definition(vehicle.effects, name).card, values, f"{where}.{name}")
+        name: _checked(definition(vehicle.effects, name).card, values, f"{where}.{name}")
         for name, values in vehicle.effects.parameters.items()
     }
     return Model(
@@ -90,14 +90,13 @@ def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
     return with_effects(vehicle.with_pads(model.pad_friction_f, model.pad_friction_r), model)
 
 
-def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:
-    """Check parameters [SI] of one effect against its card."""
+def _checked(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:
+    """Parameters [SI] of one effect. Raises ModelError where its card does not allow them."""
     cards = {p.name: p for p in card.parameters}
     for key in values:
         if key not in cards:
-            every = f"one of {', '.join(cards)}"
-            do = did_you_mean(key, cards)
-            raise ModelError(f"unknown key {key!r}", where=where, expected=every, do=do)
+            expected, do = f"one of {', '.join(cards)}", did_you_mean(key, cards)
+            raise ModelError(f"unknown key {key!r}", where=where, expected=expected, do=do)
     for key, parameter in cards.items():
         if key in values and not parameter.low <= values[key] <= parameter.high:
             raise ModelError(
@@ -119,21 +118,19 @@ def tyres_along(model: Model, time: Array, v: Array) -> tuple[MagicFormula, Magi
     """Tyres of the front and the rear axle on their surface, at every sample."""
     if not model.surfaces:
         return model.tyre, model.tyre
-    travelled = integral(time, v)
-    front, rear = (
-        _tyre_at(model, time, travelled, behind) for behind in (0.0, model.vehicle.wheelbase)
-    )
-    return front, rear
+    distance = integral(time, v)
+    front = _tyre_at(model, time, distance, 0.0)
+    return front, _tyre_at(model, time, distance, model.vehicle.wheelbase)
 
 
-def _tyre_at(model: Model, time: Array, travelled: Array, behind: float) -> MagicFormula:
-    """The tyre of an axle ``behind`` [m] the front one, on the road travelled."""
+def _tyre_at(model: Model, time: Array, distance: Array, offset: float) -> MagicFormula:
+    """The tyre of an axle ``offset`` [m] behind the front one, which is at ``distance`` [m]."""
     starts, factors = [], [(1.0, 1.0)]
     for surface in model.surfaces:
         on_road = surface.unit == "m"
-        starts.append(surface.start if on_road else np.interp(surface.start, time, travelled))
+        starts.append(surface.start if on_road else np.interp(surface.start, time, distance))
         factors.append((surface.stiffness, surface.peak))
     points = np.ravel([[start, start + _RELAXATION_LENGTH] for start in starts])
     logs = np.repeat(np.log(factors), 2, axis=0)[1:-1]
-    stiffness, peak = (np.exp(np.interp(travelled - behind, points, c)) for c in logs.T)
+    stiffness, peak = (np.exp(np.interp(distance - offset, points, c)) for c in logs.T)
     return model.tyre.on_surface(stiffness, peak)

@@ -1,7 +1,7 @@
 """A model as a TOML file: pads, tyre, effects, roads; `brake-cal manual diagnosis` shows one.
 
-Pads and effects default to those of the vehicle, the tyre to wet asphalt. ``[effects]`` is the
-whole list of effects. ``[own_effects.NAME]`` has file and SHA-256 of an effect of the user.
+Pads and effects default to those of the vehicle, the tyre to wet asphalt. ``[effects]`` replaces
+the effects of the vehicle. ``[own_effects.NAME]`` has file and SHA-256 of an effect of the user.
 """
 
 from collections.abc import Mapping
@@ -124,14 +124,14 @@ def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
 
 
 class _DefinedInSection(Section):
-    """The file in which an effect is defined that is not in the catalogue, as in `DefinedIn`."""
+    """The file of an effect of the user, as in `DefinedIn`."""
 
     file: str
     sha256: str = ""
 
 
 class _OwnEffects(Section, extra="ignore"):
-    """Of a model file only where its effects are defined, if not in the catalogue."""
+    """The part of a model file that is read first: the files of the user's effects."""
 
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
 
@@ -150,7 +150,7 @@ class ModelFile(FileSchema):
 def read_model(path: Path, vehicle: Vehicle) -> Model:
     """Read a model file; missing parts are as in `default_model`.
 
-    Its own effects are those of the vehicle, see `calib.car.effects.catalogue.with_own`.
+    Effects of the user must be given with the vehicle, see `calib.car.effects.catalogue.with_own`.
 
     Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
     effect or unit; for a missing parameter; for a value out of its range; for an own effect whose
@@ -184,7 +184,7 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
 def _user_defined(
     document: Mapping[str, Any], effects: Effects, path: Path
 ) -> dict[str, DefinedIn]:
-    """The own effects, all with their files. Raises ModelError where one was not given."""
+    """The effects of the user with their files. Raises ModelError where one was not given."""
     written = validated(document, _OwnEffects, path, ModelError).own_effects
     named = {name: DefinedIn(one.file, one.sha256) for name, one in written.items()}
     files = {n: one for n, one in effects.user_defined.items() if isinstance(one, OwnEffect)}
@@ -223,6 +223,6 @@ def write_model(model: Model, path: Path) -> None:
             {**asdict(t), "knots": list(t.knots), "values": list(t.values)} for t in effects.terms
         ],
     }
-    may_be_left_out = ("own_effects", "surfaces", "empirical")
-    document = {key: part for key, part in document.items() if part or key not in may_be_left_out}
+    optional = ("own_effects", "surfaces", "empirical")
+    document = {key: part for key, part in document.items() if part or key not in optional}
     write_whole(Path(path), tomlkit.dumps(document).encode())

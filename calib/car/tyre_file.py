@@ -38,7 +38,7 @@ _KEYS = {
 
 _UNITS = {"FORCE": ("newton", "newtons", "n"), "LENGTH": ("meter", "meters", "metre", "m")}
 _FAR = 3.0  # load over the nominal one, or the inverse, beyond which the polynomials fail
-_WHAT = "a tyre property file (.tir) of the Magic Formula 5.2, 6.1 or 6.2 (PAC2002, MF-Tyre)"
+_KIND = "a tyre property file (.tir) of the Magic Formula 5.2, 6.1 or 6.2 (PAC2002, MF-Tyre)"
 _LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)
 
 
@@ -51,13 +51,13 @@ class TyreFile:
     digest: str
     keys: dict[str, float]
 
-    def over(self, load: float) -> float:
-        """A wheel load [N] over the nominal one [1]."""
+    def relative(self, load: float) -> float:
+        """Wheel load [N] over the nominal one [1]."""
         return load / (self.keys["FNOMIN"] * self.keys["LFZO"])
 
     def at_load(self, load: float) -> tuple[float, float]:
-        """Slip stiffness over load and peak [1] at a wheel load [N]. Raises TyreError."""
-        k, d = self.keys, self.over(load) - 1.0
+        """Slip stiffness over load [1], and peak [1], at a wheel load [N]. Raises TyreError."""
+        k, d = self.keys, self.relative(load) - 1.0
         stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
         peak = (k["PDX1"] + k["PDX2"] * d) * k["LMUX"]
         if not (1.0 / _FAR < d + 1.0 < _FAR and 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0):
@@ -71,8 +71,8 @@ class TyreFile:
         return stiffness, peak
 
     def curve(self, load: float) -> tuple[Array, Array]:
-        """Share of the peak (n,), rising, and slip times stiffness over the peak (n,), all [1]."""
-        k, d = self.keys, self.over(load) - 1.0
+        """Force over the peak, rising, and slip times stiffness over the peak, all [1] (n,)."""
+        k, d = self.keys, self.relative(load) - 1.0
         C = k["PCX1"] * k["LCX"]
         E = (k["PEX1"] + k["PEX2"] * d + k["PEX3"] * d * d) * (1.0 + k["PEX4"]) * k["LEX"]
         x = np.linspace(0.0, 20.0, 4001)
@@ -81,11 +81,11 @@ class TyreFile:
         return use[:top], C * x[:top]
 
     def radius_load(self, load: float) -> float | None:
-        """Share by which the rolling radius falls when the load doubles [1]; None if not in it."""
-        k, use = self.keys, self.over(load)
+        """Fall of the rolling radius per 100 % of load [1]; None if the file does not say."""
+        k, relative = self.keys, self.relative(load)
         if not all(k[n] > 0.0 for n in ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")):
             return None
-        slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * use) ** 2) + k["FREFF"]
+        slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * relative) ** 2) + k["FREFF"]
         return load / k["VERTICAL_STIFFNESS"] * slope / k["UNLOADED_RADIUS"]
 
 
@@ -102,7 +102,7 @@ def _read(path: Path | str) -> TyreFile:
         }
         | {key: (Annotated[str, OneOf(names)], names[0]) for key, names in _UNITS.items()},
     )
-    text = bytes_of(Path(path), TOML, TyreError, _WHAT).decode("latin-1")
+    text = bytes_of(Path(path), TOML, TyreError, _KIND).decode("latin-1")
     entries = {key.upper(): value.lower() for key, value in _LINE.findall(text)}
     values = {key: entries[key] for key in schema.model_fields if key in entries}
     keys = validated(values, schema, path, TyreError).model_dump(exclude={*_UNITS})

@@ -1,14 +1,9 @@
-"""Tables I and II of the paper as a frozen record, and the mass of the car in a log.
-
-Wheel values are per wheel. ``friction_faces`` counts the pad faces of one caliper (two for a disc
-brake): (2) of the paper is for one face.
-"""
+"""A vehicle: Tables I and II of the paper. (2) is for one pad face, a disc brake has two."""
 
 from dataclasses import asdict, dataclass, field, replace
 from typing import Self
 
 from calib.base.errors import VehicleError
-from calib.base.intervals import Z95
 from calib.base.names import G
 from calib.car.effects.effects import Effects
 
@@ -23,9 +18,9 @@ class Axle:
     wheel_inertia : J_w [kg m^2], about the wheel axis. Not in the paper.
     piston_area : A [m^2], all pistons that press one pad.
     effective_radius : r [m], of the disc.
-    friction_faces : pad faces of one brake [1].
+    friction_faces : pad faces of one brake [1], 2 for a disc brake.
     pad_friction : mu_p,n [1], nominal.
-    pad_friction_tolerance : standard deviation of its relative error [1], None by default.
+    pad_friction_tolerance : standard deviation of its relative error [1], None if not known.
     """
 
     rolling_radius: float
@@ -51,11 +46,11 @@ class Axle:
         return replace(self, rolling_radius=self.rolling_radius * factor)
 
 
-NOT_OF_THE_CAR = (
+UNCERTAINTIES = (
     *("mass_tolerance", "motor_odds"),
     *("front.pad_friction_tolerance", "rear.pad_friction_tolerance"),
 )
-"""Fields of a `Vehicle` that are uncertainties: the same car may have other values."""
+"""Fields of a `Vehicle` in which two files of the same car may differ."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +106,7 @@ class Vehicle:
         return replace(self, front=front_axle, rear=replace(self.rear, pad_friction=rear))
 
     def radius_mismatch(self, eta_zero: float) -> float:
-        """Mismatch of the axles' radii over that of the file [1], from eta - 1 without brakes."""
+        """Front over rear radius, relative to the file, less one; ``eta_zero`` without brakes."""
         return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0
 
     @property
@@ -126,9 +121,9 @@ def require_same_car(
 ) -> None:
     """Raise VehicleError if ``other`` differs from a table's ``car`` in more than pads and effects.
 
-    ``where`` names its file. The mass may differ where it was ``weighed``.
+    ``where`` names the file of ``other``. The mass may differ if it was ``weighed``.
     """
-    free = {*NOT_OF_THE_CAR, "front.pad_friction", "rear.pad_friction", *["mass"] * weighed}
+    free = {*UNCERTAINTIES, "front.pad_friction", "rear.pad_friction", *["mass"] * weighed}
     theirs = _numbers(other)
     differ = [
         f"{key} {theirs[key]:.6g} for {x:.6g}"
@@ -148,68 +143,3 @@ def _numbers(car: Vehicle) -> dict[str, float]:
     parts = asdict(car)
     axles = {f"{end}.{k}": x for end in ("front", "rear") for k, x in parts[end].items()}
     return {**{k: x for k, x in parts.items() if isinstance(x, float)}, **axles}
-
-
-_SHARES = (0.5, 2.0)
-"""Bounds of a stated mass over that of the file [1]: an empty van against a laden one. Beyond them
-it is another car, or in pounds, or the load moves the centre of gravity."""
-
-WEIGHED = 0.005
-"""Standard deviation of a stated mass, relative [1]: a scale for cars and fuel burnt since."""
-
-
-@dataclass(frozen=True)
-class MassUsed:
-    """The mass in a result.
-
-    ``value`` [kg]; ``tolerance`` its relative standard deviation [1]; ``stated`` for these logs,
-    instead of taken from the vehicle file; ``share`` it is of that one [1].
-    """
-
-    value: float
-    tolerance: float
-    stated: bool
-    share: float = 1.0
-
-    def __str__(self) -> str:
-        mass = f"{self.value:.6g} kg ±{100.0 * Z95 * self.tolerance:.2g} % (95 %)"
-        if self.stated:
-            more = self.share - 1.0
-            side = "above" if more > 0.0 else "below"
-            beside = f": {100.0 * abs(more):.2g} % {side} the vehicle file"
-            return f"{mass}, as stated for these logs{beside * (abs(more) > WEIGHED)}"
-        if self.tolerance < Vehicle.mass_tolerance:
-            return f"{mass} by the vehicle file"
-        return f"{mass}: the load was not stated; give --mass, or mass_tolerance in the file"
-
-
-def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
-    """Return the vehicle with a stated ``mass`` [kg]; as it is where none was stated.
-
-    All loads grow with it and the centre of gravity stays, which is wrong for a load high up or far
-    behind. The effect ``mass_error`` is dropped. The tolerance is `WEIGHED`, or that of the file
-    where it is smaller. Raises VehicleError for a mass outside of `_SHARES`.
-    """
-    if mass is None:
-        return vehicle
-    share = mass / vehicle.mass
-    if not _SHARES[0] <= share <= _SHARES[1]:
-        raise VehicleError(
-            f"a stated mass of {mass:.5g} kg is {share:.2f} times the {vehicle.mass:.5g} kg of the "
-            "vehicle file",
-            where=vehicle.name,
-            expected=f"{_SHARES[0]:g} to {_SHARES[1]:g} times",
-            do="check number and unit of the mass; a car with such a load has its own vehicle file",
-        )
-    return replace(
-        vehicle,
-        mass=mass,
-        mass_tolerance=min(vehicle.mass_tolerance, WEIGHED),
-        effects=vehicle.effects.without("mass_error"),
-    )
-
-
-def mass_used(vehicle: Vehicle, mass: float | None) -> MassUsed:
-    """The mass that `weighed` gives, for a report."""
-    car = weighed(vehicle, mass)
-    return MassUsed(car.mass, car.mass_tolerance, mass is not None, car.mass / vehicle.mass)

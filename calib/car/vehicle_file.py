@@ -38,7 +38,7 @@ def _rows(part: str) -> dict[str, tuple[Any, Any]]:
             kind: Any = Annotated[float, QuantityMark(si_of(key.unit), key.least, key.most)]
             if key.name == "friction_faces":
                 kind = Annotated[kind, AfterValidator(_whole)]
-            rows[key.name] = (kind, key.left_out if key.optional else ...)
+            rows[key.name] = (kind, key.default if key.optional else ...)
     return rows
 
 

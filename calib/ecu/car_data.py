@@ -15,7 +15,7 @@ import numpy as np
 
 from calib.base.errors import ExchangeError
 from calib.base.names import AXLES, G
-from calib.car.balance import force_per_pressure, front_share, turning_shares
+from calib.car.balance import force_per_pressure, front_share, rotating_shares
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
 from calib.ecu.car_source import Member, code, comments, header, initial
@@ -151,7 +151,7 @@ def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
     lever = car.cg_height / car.wheelbase
     lift = (1.0 - drag.get("load_share", 1.0)) * lever
     load = [float(x[0]) / car.weight for x in axle_loads(car, np.zeros(1))]
-    turning, radii = turning_shares(car), [axle.rolling_radius for axle in axles]
+    turning, radii = rotating_shares(car), [axle.rolling_radius for axle in axles]
     lateral, slows = 1.0 - math.exp(-sample_time / LATERAL_TIME), Constants.slows * sample_time
     recent = Constants.recover + 0.5 * sample_time  # else a rounding could decide it
     yield Number("low", low, "least reading of a sensor that works", sensors)

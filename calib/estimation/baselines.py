@@ -94,7 +94,7 @@ def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
     """
     c, z = table.paper, b.tyre_sum / table.vehicle.weight
     F_f, F_r = (z + np.interp(eta, c.eta, f) for f in (c.f1, c.f2))
-    return F_f * b.load_f - b.moment_f, F_r * b.load_r - b.moment_r
+    return F_f * b.load_f - b.drag_f, F_r * b.load_r - b.drag_r
 
 
 def gain(axle: Axle) -> float:

@@ -20,7 +20,8 @@ from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.vehicle import Vehicle, weighed
+from calib.car.mass import weighed
+from calib.car.vehicle import Vehicle
 from calib.estimation.known import as_driven, known_effects, nominal_car
 from calib.estimation.online import online, rows_of
 from calib.estimation.readout import UNITS, Readout, read_out
@@ -148,8 +149,8 @@ class Estimate(Shown):
         brake_f = 2.0 * self.best.torque_f.value / self.car.front.rolling_radius
         brake_r = 2.0 * self.best.torque_r.value / self.car.rear.rolling_radius
         return (
-            (brake_f + road.moment_f) / low_pass(road.load_f, step, _SMOOTH),
-            (brake_r + road.moment_r) / low_pass(road.load_r, step, _SMOOTH),
+            (brake_f + road.drag_f) / low_pass(road.load_f, step, _SMOOTH),
+            (brake_r + road.drag_r) / low_pass(road.load_r, step, _SMOOTH),
         )
 
     def columns(self) -> dict[str, Array | Mask | Index]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import StoreError
-from calib.car.balance import ForceBalance, braked_tyres, front_share, turning_shares
+from calib.car.balance import ForceBalance, front_share, rotating_shares, tyre_forces
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
@@ -66,16 +66,16 @@ def known_slips(table: Table, road: ForceBalance) -> Pair:
     move. Wrong by this slip times what the road's stiffness differs from that of the ramp.
     """
     car = table.vehicle
-    alone = road.demanded / (1.0 + sum(turning_shares(car)))
+    alone = road.demanded / (1.0 + sum(rotating_shares(car)))
     share = front_share(car, table.calibration.pad_log_ratio.value)
 
     def slip(force: Array, load: Array) -> Array:
         F = force / np.maximum(load, 0.1 * car.weight)
         return np.asarray(np.sign(F) * np.interp(np.abs(F), table.tyre.force, table.tyre.slip))
 
-    front, rear = braked_tyres(car, share, road.demanded, alone)
+    front, rear = tyre_forces(car, share, road.demanded, alone)
     load_f, load_r = axle_loads(car, alone / car.weight)
     return (
-        slip(front + road.other_f, road.load_f) - slip(front, load_f),
-        slip(rear + road.other_r, road.load_r) - slip(rear, load_r),
+        slip(front + road.drag_no_inertia_f, road.load_f) - slip(front, load_f),
+        slip(rear + road.drag_no_inertia_r, road.load_r) - slip(rear, load_r),
     )

@@ -12,7 +12,8 @@ from functools import cached_property
 
 from calib.base.shown import Shown
 from calib.base.warning import PlausibilityWarning
-from calib.car.vehicle import MassUsed, Vehicle, mass_used, require_same_car
+from calib.car.mass import MassUsed, mass_used
+from calib.car.vehicle import Vehicle, require_same_car
 from calib.estimation.estimator import Estimate, estimate_run, run_of
 from calib.estimation.limits import DEFAULTS, FAILED, PASSED, WARNING, Judgement, Limit, judge
 from calib.estimation.metrics import Figures, baseline_errors, budget, counted_samples, score, share

@@ -17,9 +17,9 @@ drag, with one master-cylinder pressure for both axles.
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.balance import turning_shares
+from calib.car.balance import rotating_shares
 from calib.car.forces import paper_curves
-from calib.car.tyre import NEAR_PEAK, inverse_forms
+from calib.car.tyre_forms import NEAR_PEAK, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, SlipPrediction, predict_slips
 from calib.fitting.posterior import Posterior, parts_of
@@ -40,7 +40,7 @@ _SURE = 0.00135  # a peak is sure if at most this share of the draws goes on ris
 
 def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
     """Eta and slips of the draws along a ramp, at decelerations ``z`` (k,) [1]."""
-    return predict_slips(car, e, e.log_pad_ratio[:, None], z * (1.0 + sum(turning_shares(car))), z)
+    return predict_slips(car, e, e.log_pad_ratio[:, None], z * (1.0 + sum(rotating_shares(car))), z)
 
 
 def find_peak(path: SlipPrediction) -> tuple[float, float, bool]:
@@ -72,7 +72,7 @@ def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
     """Eta [1] of the braked blocks (m,); with a torque of motors, that which brakes alone give."""
     b, braked = run.blocks, run.braked
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
-        z = run.braking[braked] / car.weight / (1.0 + sum(turning_shares(car)))
+        z = run.braking[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
         return np.interp(z, path.z, path.eta)
     return np.asarray(1.0 + run.since_rolling(b.eta)[braked])
 

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.car.balance import braked_tyres, front_share, turning_shares
+from calib.car.balance import front_share, rotating_shares, tyre_forces
 from calib.car.forces import axle_loads, speed_ratio
-from calib.car.tyre import NEAR_PEAK, mean_inverse
+from calib.car.tyre_forms import NEAR_PEAK, mean_inverse
 from calib.car.vehicle import Vehicle
 from calib.table.maps import Draws
 from calib.table.table import Calibration
@@ -200,8 +200,8 @@ def predict_slips(
     `front_share`, each (n, k) or broadcast to it; ``z`` (k,) measured deceleration, at which the
     discrepancies are read; all [1]. ``peak`` as of `loaded_tyres`, ``softer`` as of `wheel_slips`.
     """
-    slowed = brake / (1.0 + sum(turning_shares(car)))
-    tyres = np.stack(braked_tyres(car, front_share(car, log_ratio), brake, slowed))
+    slowed = brake / (1.0 + sum(rotating_shares(car)))
+    tyres = np.stack(tyre_forces(car, front_share(car, log_ratio), brake, slowed))
     unit = loaded_tyres(car, e, slowed, peak).slips(tyres)
     slips, turning = wheel_slips(e, unit, softer)
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])

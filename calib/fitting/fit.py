@@ -17,8 +17,9 @@ from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged
 from calib.car.balance import front_biased_up_to
 from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE
+from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
-from calib.car.vehicle import Vehicle, mass_used, weighed
+from calib.car.vehicle import Vehicle
 from calib.fitting.curves import difference_curves, ramp_path, readable_up_to, tyre_curve
 from calib.fitting.ensemble import SlipPrediction, draws_of
 from calib.fitting.evidence import Cause

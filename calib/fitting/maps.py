@@ -17,7 +17,8 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import AXLES
 from calib.car.beliefs import STOP, Mixture
-from calib.car.vehicle import WEIGHED, Vehicle
+from calib.car.mass import WEIGHED
+from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, SlipPrediction, predict_slips, spread_evenly
 from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap

@@ -20,8 +20,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Index
 from calib.car.beliefs import CAR, Belief
-from calib.car.tyre import FORMS, inverse_forms
 from calib.car.tyre_file import TyreFile
+from calib.car.tyre_forms import FORMS, inverse_forms
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import DEPART_AT, Ensemble, ensemble_of, spread_evenly
 from calib.table.table import Table, Value

@@ -13,8 +13,9 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.warning import Measured, PlausibilityWarning, judged
 from calib.car.balance import front_biased_up_to
-from calib.car.figures import plausible
-from calib.car.vehicle import MassUsed, Vehicle
+from calib.car.mass import MassUsed
+from calib.car.plausible import plausible
+from calib.car.vehicle import Vehicle
 from calib.fitting.curves import find_peak
 from calib.fitting.ensemble import Ensemble, SlipPrediction
 from calib.fitting.hypotheses import LATE

@@ -96,7 +96,7 @@ class _Ramp:
         pressures = (self._mean(np.maximum(p, 1.0)) for p in (run.blocks.p_f, run.blocks.p_r))
         brake = self._mean(run.brake_sum)
         self.brake = (brake - brake[0]) / car.weight
-        moments = [self._mean(x / car.weight) for x in (run.moment_f, run.moment_r)]
+        moments = [self._mean(x / car.weight) for x in (run.drag_f, run.drag_r)]
         self.moments = np.stack(moments)
         self.log_odds, self.only = run.log_odds(*pressures), run.only
 

@@ -74,7 +74,7 @@ _ZEROED = 3.0
 class RampRun:
     """One ramp, ready to fit: blocks, what they say, and what is known beforehand. SI, shapes (k,).
 
-    ``load_f``, ``load_r`` axle loads [N]; ``moment_f``, ``moment_r`` what slows the wheels besides
+    ``load_f``, ``load_r`` axle loads [N]; ``drag_f``, ``drag_r`` what slows the wheels besides
     the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
@@ -87,8 +87,8 @@ class RampRun:
     noise: SensorNoise
     load_f: Array
     load_r: Array
-    moment_f: Array
-    moment_r: Array
+    drag_f: Array
+    drag_r: Array
     brake_sum: Array
     slip: Array | None
     use: NDArray[np.bool_]
@@ -195,8 +195,8 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         noise=noise,
         load_f=load_f,
         load_r=np.where(stands, forces.load_r, np.nan),
-        moment_f=forces.moment_f,
-        moment_r=forces.moment_r,
+        drag_f=forces.drag_f,
+        drag_r=forces.drag_r,
         brake_sum=forces.demanded,
         slip=None if b.v is None else mean_slip(vehicle, load_f, b.omega_f, b.omega_r, b.v),
         use=np.asarray(use),
@@ -237,6 +237,6 @@ def normalised_forces(
     """F_f, F_r [1] of the blocks from pressure, and the pad scale, at a pad ratio."""
     B_f, B_r = nominal_forces(vehicle, run, log_ratio)
     scale = pad_scale(run, B_f, B_r)
-    F_f = (scale * B_f + run.moment_f) / run.load_f
-    F_r = (scale * B_r + run.moment_r) / run.load_r
+    F_f = (scale * B_f + run.drag_f) / run.load_f
+    F_r = (scale * B_r + run.drag_r) / run.load_r
     return F_f, F_r, scale

@@ -23,7 +23,7 @@ from calib.car.effects.combined import (
     reading_delay,
     wheel_speed_factors,
 )
-from calib.car.history import ALIKE, Motion, RunHistory, constant_speed
+from calib.car.history import COLD, Motion, RunHistory, constant_speed
 from calib.car.lag import delayed
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
@@ -52,7 +52,7 @@ def simulate(
     *,
     wheel_pressure: Mapping[str, Array] | None = None,
     temperature: Mapping[str, Array] | None = None,
-    start_heat: tuple[float, float] = ALIKE,
+    start_heat: tuple[float, float] = COLD,
     drive_torque: Mapping[str, Array] | None = None,
     wheel_angle: Mapping[str, Array] | None = None,
     stop_speed: float = 1.0,
@@ -141,7 +141,7 @@ def replay(
     log: Log,
     stop_speed: float = 1.0,
     wheel_angle: Mapping[str, Array] | None = None,
-    start_heat: tuple[float, float] = ALIKE,
+    start_heat: tuple[float, float] = COLD,
 ) -> Log:
     """Simulate the model with the pressures of a log from its first speed, open loop.
 
@@ -225,7 +225,7 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
         model.vehicle, model.effects, Motion(run.moving(state.v), *state.loads, history)
     )
     for w in WHEELS:
-        slip = model.tyre.leading(state.slip[brakes.twin(w)], run.moving(state.v), run.time)
+        slip = model.tyre.wheel_slip(state.slip[brakes.twin(w)], run.moving(state.v), run.time)
         omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
         omega = delayed(run.time, omega, reading_delay(model.effects, "wheel_speed_delay"))
         channels[f"omega_{w}"] = omega * read[w] if w in read else omega

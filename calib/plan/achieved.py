@@ -13,7 +13,7 @@ from typing import NamedTuple
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import InputError
 from calib.base.intervals import Z95
-from calib.car.vehicle import MassUsed
+from calib.car.mass import MassUsed
 from calib.logs.log import Log
 from calib.run.run import Run
 from calib.table.table import Table

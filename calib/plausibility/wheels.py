@@ -16,7 +16,7 @@ from calib.base.warning import LIMITS, Measured, bounds_of, relative
 from calib.car.balance import front_biased_up_to
 from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE, MOVING
-from calib.car.figures import LEAST_FRONT_BIASED
+from calib.car.plausible import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.speed_mistakes import CLOCK, SpeedMistake, speed_mistakes
 from calib.run.blocks import Blocks

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from calib.base.plain import counted
 from calib.base.warning import to_dict
-from calib.car.vehicle import MassUsed
+from calib.car.mass import MassUsed
 from calib.logs.log import Log
 from calib.plan.achieved import Achieved
 from calib.plan.achieved import document as achieved_document

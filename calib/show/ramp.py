@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.car.balance import front_share, turning_shares
+from calib.car.balance import front_share, rotating_shares
 from calib.car.braking import BITE
 from calib.car.forces import paper_curves, speed_ratio
 from calib.fitting.ensemble import ensemble_of, loaded_tyres, predict_slips, wheel_slips
@@ -64,7 +64,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     e = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
     log_ratio, share = e.log_pad_ratio[:, None] + run.log_odds(b.p_f, b.p_r), brake / car.weight
     front = front_share(car, log_ratio)
-    moments = np.stack([run.moment_f, run.moment_r])[:, None] / car.weight
+    moments = np.stack([run.drag_f, run.drag_r])[:, None] / car.weight
     forces = np.stack([front, 1.0 - front]) * share + moments
     _, turning = wheel_slips(e, loaded_tyres(car, e, run.quasi_static(car)).slips(forces))
     eta_model = np.median(speed_ratio(*turning), axis=0)
@@ -72,7 +72,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     # the same brake forces on the car of the table, which has no resistance
-    z_free = np.where(brake > 0.0, share / (1.0 + sum(turning_shares(car))), np.nan)
+    z_free = np.where(brake > 0.0, share / (1.0 + sum(rotating_shares(car))), np.nan)
     curves = predict_slips(car, e, log_ratio, share, z_free)
     D = np.where(brake > 0.0, np.median(np.subtract(*curves.forces), axis=0), np.nan)
     f1, f2 = paper_curves(car, z_free, D)

@@ -12,9 +12,10 @@ import numpy as np
 
 from calib.base.units import BAR, behind
 from calib.car.balance import front_biased_up_to, front_share, pressure_per_g
+from calib.car.characteristics import characteristics
 from calib.car.effects.effect import Card
-from calib.car.figures import plausible, what_follows
 from calib.car.forces import axle_loads
+from calib.car.plausible import plausible
 from calib.car.vehicle import Vehicle
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
@@ -30,7 +31,7 @@ _KNM = 1e3
 
 def vehicle_facts(vehicle: Vehicle) -> Facts:
     """Loads, torques and distribution of a vehicle with its nominal pads."""
-    consequences = what_follows(vehicle)
+    consequences = characteristics(vehicle)
     biased = consequences.front_biased_up_to
     always = {None: "front always", 0.0: "rear always"}
     axles = [

@@ -18,7 +18,7 @@ from calib.base.names import PROGRAM
 from calib.base.plain import counted
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
-from calib.car.vehicle import NOT_OF_THE_CAR, Vehicle
+from calib.car.vehicle import UNCERTAINTIES, Vehicle
 from calib.store.mean import inflated, mean_curves, mean_maps, mean_pads
 from calib.store.version import Stored
 from calib.table.compare import changes
@@ -198,4 +198,4 @@ def differ(table: Table, vehicle: Vehicle) -> list[str]:
     """Differences between two vehicles, without names and keys that are open about a car."""
     changed = changes(table, replace(table, vehicle=vehicle))
     of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in changed.get(part, ())]
-    return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *NOT_OF_THE_CAR)]
+    return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *UNCERTAINTIES)]

@@ -48,9 +48,9 @@ def test_a_motor_takes_its_part_from_the_brakes_of_its_axle():
     free = force_balance(CAR, Effects(), *motion)
     driven = force_balance(CAR, Effects(), *motion, drive=(-300.0 * one, 80.0 * one))
     # 300 N m slow at the front, 80 N m drive at the rear, both at 0.322 m
-    assert driven.other_f == pytest.approx(300.0 / 0.322 * one)
-    assert driven.moment_f - free.moment_f == pytest.approx(300.0 / 0.322 * one)
-    assert driven.moment_r - free.moment_r == pytest.approx(-80.0 / 0.322 * one)
+    assert driven.drag_no_inertia_f == pytest.approx(300.0 / 0.322 * one)
+    assert driven.drag_f - free.drag_f == pytest.approx(300.0 / 0.322 * one)
+    assert driven.drag_r - free.drag_r == pytest.approx(-80.0 / 0.322 * one)
     assert free.demanded - driven.demanded == pytest.approx(220.0 / 0.322 * one)
     assert driven.tyre_sum == pytest.approx(free.tyre_sum)
 

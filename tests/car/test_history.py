@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.car.history import Disc, constant_speed, heated
+from calib.car.history import Disc, constant_speed, disc_temperature
 
 
 @given(st.integers(1, 5), st.floats(0.0, 2.5), st.floats(-3.0, 3.0))
@@ -32,5 +32,5 @@ def test_constant_power_gives_the_exponential(start, power):
     """T = T_e + (T_0 - T_e) exp(-t/tau), T_e = T_air + P tau/C."""
     end = 20.0 + power * 60.0 / 4000.0
     expected = end + (start - end) * np.exp(-SINCE / 60.0)
-    found = heated(TIME, power * SINCE, DISC, start)
+    found = disc_temperature(TIME, power * SINCE, DISC, start)
     assert found == pytest.approx(expected, rel=1e-10)

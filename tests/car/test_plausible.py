@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from calib.base.warning import UNITS
-from calib.car.figures import plausible
+from calib.car.plausible import plausible
 from calib.car.vehicle import Axle, Vehicle
 from calib.car.vehicle_file import read_vehicle
 

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.car.tyre import FORMS, NEAR_PEAK, MagicFormula, inverse_forms
+from calib.car.tyre import MagicFormula
+from calib.car.tyre_forms import FORMS, NEAR_PEAK, inverse_forms
 
 tyres = st.builds(
     MagicFormula,
@@ -67,9 +68,9 @@ def test_a_slip_leads_by_the_way_that_the_force_needs():
     """The linear tyre of ch. 7: sigma ds'/dt + v s' = v s."""
     time, v = np.linspace(0.0, 2.0, 401), np.full(401, 15.0)
     carried = 0.01 * time**2
-    slip = MagicFormula(25.0, 0.9, relaxation=0.3).leading(carried, v, time)
+    slip = MagicFormula(25.0, 0.9, relaxation=0.3).wheel_slip(carried, v, time)
     assert slip[1:-1] == pytest.approx((carried + 0.3 / 15.0 * 0.02 * time)[1:-1], abs=1e-9)
-    assert MagicFormula(25.0, 0.9).leading(carried, v, time) is carried
+    assert MagicFormula(25.0, 0.9).wheel_slip(carried, v, time) is carried
 
 
 def magic(shape):

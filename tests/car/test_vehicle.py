@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 
 from calib.base.errors import VehicleError
 from calib.base.names import names_a_table
+from calib.car.characteristics import characteristics
 from calib.car.effects.effects import Effects
-from calib.car.figures import what_follows
 from calib.car.forces import axle_loads
 from calib.car.keys import KEYS, REFERENCE, vehicle_text
-from calib.car.vehicle import Axle, Vehicle, mass_used, require_same_car, weighed
+from calib.car.mass import mass_used, weighed
+from calib.car.vehicle import Axle, Vehicle, require_same_car
 from calib.car.vehicle_file import read_vehicle
 from tests.support.reference_car import CAR
 from tests.support.refusals import refusal
@@ -164,7 +165,7 @@ def test_the_examples_are_the_reference_car(tmp_path):
 
 
 def test_the_facts_of_the_reference_car():
-    facts = what_follows(VEHICLE)
+    facts = characteristics(VEHICLE)
     assert facts.front.torque_per_bar_wheel == pytest.approx(2 * 0.38 * 28.84e-4 * 0.1309 * 1e5)
     assert facts.rear.torque_per_bar_axle == pytest.approx(4 * 0.38 * 11.34e-4 * 0.124 * 1e5)
     assert facts.front.static_load == pytest.approx(1744 * 1.6494 / 2.805)

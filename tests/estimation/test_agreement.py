@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.car.vehicle import MassUsed
+from calib.car.mass import MassUsed
 from calib.estimation.agreement import agreement
 from calib.estimation.metrics import METRICS
 from calib.estimation.validate import HOLDOUT, Validation

@@ -86,7 +86,7 @@ def test_lyapunov_rate_is_the_slope_of_the_function():
 
 def forces(brakes, b):
     """F_x/F_z of the axles that brake so, by the balance of their moments."""
-    return (brakes[0] + b.moment_f) / b.load_f, (brakes[1] + b.moment_r) / b.load_r
+    return (brakes[0] + b.drag_f) / b.load_f, (brakes[1] + b.drag_r) / b.load_r
 
 
 def balance(z, tyres=None):

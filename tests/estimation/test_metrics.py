@@ -89,7 +89,7 @@ def made_estimate(
         ),
         "forces": SimpleNamespace(
             active=flat > 0.0,
-            balance=SimpleNamespace(moment_f=0.0, moment_r=0.0, load_f=load, load_r=load),
+            balance=SimpleNamespace(drag_f=0.0, drag_r=0.0, load_f=load, load_r=load),
         ),
         "best": best,
         "ecu": readout(mu_f, mu_r, pressure=pressure),

@@ -9,7 +9,7 @@ import pytest
 
 from calib.base.errors import LogError, VehicleError
 from calib.base.intervals import Z95
-from calib.car.vehicle import MassUsed
+from calib.car.mass import MassUsed
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import METRICS
 from calib.estimation.results import to_dict

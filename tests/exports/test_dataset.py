@@ -39,7 +39,7 @@ def test_ends_are_clamped_as_the_look_up_does(stored):
     curves = {c.label: c.values for c in build(stored).curves}
     b = force_balance(car, Effects(), z, z, z, z)
     brake_f, brake_r = _by_curves(stored.table, eta, b)
-    F_f, F_r = (brake_f + b.moment_f) / b.load_f, (brake_r + b.moment_r) / b.load_r
+    F_f, F_r = (brake_f + b.drag_f) / b.load_f, (brake_r + b.drag_r) / b.load_r
     assert (F_f - z).tolist() == pytest.approx(curves["sedan_f1"][[0, -1]].tolist())
     assert (F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())
 

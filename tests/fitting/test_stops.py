@@ -8,7 +8,7 @@ import pytest
 
 from calib.base.plain import rows
 from calib.car.beliefs import STOP, Stop, beliefs_of
-from calib.car.vehicle import WEIGHED
+from calib.car.mass import WEIGHED
 from calib.fitting import maps as stops
 from calib.fitting.ensemble import DEPART_AT
 from calib.fitting.maps import predict_stops, scenarios

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import InputError
-from calib.car.vehicle import WEIGHED, mass_used
+from calib.car.mass import WEIGHED, mass_used
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
 from calib.model.sensor_noise import add_noise

@@ -34,7 +34,8 @@ from calib.base.arrays import Array
 from calib.base.errors import BrakeCalError
 from calib.base.intervals import Z95
 from calib.car.beliefs import CAR, LOG, STOP, Belief
-from calib.car.vehicle import WEIGHED, Vehicle
+from calib.car.mass import WEIGHED
+from calib.car.vehicle import Vehicle
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.logs.log import Log

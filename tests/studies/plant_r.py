@@ -15,7 +15,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.digest import content_digest
-from calib.car.vehicle import WEIGHED, Axle, Vehicle
+from calib.car.mass import WEIGHED
+from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from tests.studies.brakings import STEP, STOPS, WITHIN, BeyondPeakError, Braking, Demand, brakings
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.tyre import FORMS
+from calib.car.tyre_forms import FORMS
 from calib.fitting.ensemble import DEPART_AT, Ensemble
 
 

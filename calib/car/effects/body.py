@@ -1,9 +1,8 @@
-"""Effects of the body: forces on it, its mass, the pitch of its springs; and of the sensors.
+"""Effects of the body (drag, grade, mass, pitch) and of the sensors.
 
 Drag:   F at the height of the road               load_share = 1: (6) and (7) as in the paper
         F at that of the centre of gravity        load_share = 0: only tyre forces move load
-A share below 0 or above 1 adds a pitching moment: lift at one axle,
-as much downforce at the other; net lift is not modelled.
+A share outside 0 to 1 adds a pitching moment; net lift is not modelled.
 
 Pitch:  z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
         load transfer: (1 - e) z at once through the links, e z_b through the springs
@@ -28,11 +27,11 @@ def _drag(parameters: Parameters, v: Array) -> Array:
     return np.asarray(0.5 * AIR_DENSITY * parameters["drag_area"] * v**2)
 
 
-def _above_the_road(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """(1 - s) F h/(W L) [1]: load that (6) adds in front for an F at the road."""
-    less = 1.0 - parameters.get("load_share", 1.0)
+def _drag_height(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
+    """(1 - s) F h/(W L) [1]: load transfer that (6) has too much for a drag F at the height h."""
+    share = parameters.get("load_share", 1.0)
     lever = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)
-    return less * lever * _drag(parameters, history.v)
+    return (1.0 - share) * lever * _drag(parameters, history.v)
 
 
 def _grade(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
@@ -40,20 +39,20 @@ def _grade(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
     return np.full_like(motion.v, vehicle.weight * parameters["grade"])
 
 
-def _felt(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
+def _on_grade(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
     """Reading on a grade: specific force for ``felt`` = 1, dv/dt for 0."""
     return a_x + parameters["felt"] * G * parameters["grade"]
 
 
 def _lagging_load(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """Lag e (z - z_b) h/L of the load transfer through the springs, over W [1] (n,).
+    """e (z - z_b) h/L [1] (n,): load transfer over W that the springs still lack.
 
     A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5); the elastic share e is 0 on a
-    stiff car, nearly 1 without anti-dive (ch. 7). Both axles are one mode, in steady state at the
-    first sample. Not valid where a wheel lifts or the suspension reaches its stops.
+    stiff car, nearly 1 without anti-dive (ch. 7). From steady state at the first sample. Not valid
+    where a wheel lifts or the suspension reaches its stops.
     """
-    late = history.z - _body_mode(parameters, history)
-    return np.asarray(parameters["elastic_share"] * late * vehicle.cg_height / vehicle.wheelbase)
+    lag = history.z - _body_mode(parameters, history)
+    return np.asarray(parameters["elastic_share"] * lag * vehicle.cg_height / vehicle.wheelbase)
 
 
 def _body_mode(parameters: Parameters, history: RunHistory) -> Array:
@@ -63,43 +62,40 @@ def _body_mode(parameters: Parameters, history: RunHistory) -> Array:
 
 
 def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Reading of a sensor that pitches nose down with the body, and feels gravity; small angles."""
+    """Reading of a sensor that pitches with the body and so feels gravity; small angles."""
     share = parameters["elastic_share"] * parameters["pitch_gradient"]
     return a_x - G * (share * _body_mode(parameters, history))
 
 
 def _filtered(parameters: Parameters) -> tuple[float, float]:
-    """T [s] and q T^2 [s^2]; without ``filter_bend`` q is 0, first order.
-
-    A filter of higher order is close to one of second order with the same delay.
-    """
+    """T [s] and q T^2 [s^2]; q is ``filter_bend``, by default 0: first order."""
     T = parameters["filter_time"]
     return T, parameters.get("filter_bend", 0.0) * T**2
 
 
-def _off_centre(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
-    """Factors on the front wheel speeds of tone rings that run out, once a turn.
+def _runout(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
+    """Factors on the front wheel speeds from the runout of tone rings, once a turn.
 
     ``runout_side`` is 1 for the left ring only, -1 for the right one, 0 for both in step. The angle
     counts from the first sample, or from the origin that the ripple of the run sets. Not valid for
     a damaged tooth, which gives a spike.
     """
     a, side = parameters["runout"], parameters["runout_side"]
-    turned = a * motion.history.ripple(parameters["runout_phase"])
+    wave = a * motion.history.ripple(parameters["runout_phase"])
     left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
-    return {"fl": 1.0 - left * turned, "fr": 1.0 - right * turned}
+    return {"fl": 1.0 - left * wave, "fr": 1.0 - right * wave}
 
 
 AERODYNAMIC_DRAG = effect(
     "aerodynamic_drag",
-    load_shift=_above_the_road,
+    load_shift=_drag_height,
     body_force=lambda vehicle, parameters, motion: _drag(parameters, motion.v),
 )
 EFFECTS = (
     AERODYNAMIC_DRAG,
     # The centre of gravity stays where it is.
     effect("mass_error", mass=lambda parameters: 1.0 + parameters["mass_error"]),
-    effect("road_grade", body_force=_grade, accelerometer=_felt),
+    effect("road_grade", body_force=_grade, accelerometer=_on_grade),
     effect("pitch_coupling", load_shift=_lagging_load, accelerometer=_nose_down),
     # Sensors: the car moves as without them.
     effect(
@@ -113,5 +109,5 @@ EFFECTS = (
     effect("accelerometer_lag", accelerometer_lag=_filtered),
     effect("speed_delay", speed_delay=lambda parameters: parameters["v_delay"]),
     effect("wheel_speed_delay", wheel_speed_delay=lambda parameters: parameters["omega_delay"]),
-    effect("tone_ring_runout", wheel_speed=_off_centre),
+    effect("tone_ring_runout", wheel_speed=_runout),
 )

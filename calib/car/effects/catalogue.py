@@ -28,13 +28,13 @@ SENSOR = tuple(name for name, effect in _CHAIN.items() if effect.accelerometer i
 
 @dataclass(frozen=True, kw_only=True)
 class OwnEffect(DefinedIn):
-    """An effect of the user with its file. Its hooks raise ModelError where they fail."""
+    """An effect of the user, read from its file; its hooks raise ModelError where they fail."""
 
     effect: Effect
 
     @property
     def name(self) -> str:
-        """Name of the effect, by its card."""
+        """Return the name of the effect."""
         return self.effect.card.name
 
 
@@ -73,7 +73,7 @@ def with_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffect:
 
 
 def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
-    """The vehicle with these effects at its disposal; none of them acts yet.
+    """The vehicle that knows these effects of the user; none of them acts yet.
 
     Raises ModelError for a file that differs from the one with which its parameters were fitted,
     and for two effects of one name.
@@ -94,10 +94,7 @@ def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
 def completed(
     defined: Mapping[str, DefinedIn], files: Mapping[str, DefinedIn], where: object
 ) -> dict[str, DefinedIn]:
-    """``defined`` effects with these ``files``. Raises ModelError where a file has changed.
-
-    ``where`` names the definitions in the message.
-    """
+    """The ``defined`` effects, with these ``files``. Raises ModelError where a file has changed."""
     for name, new in files.items():
         earlier = defined.get(name, new)
         if earlier.sha256 and earlier.sha256 != new.sha256:

@@ -1,8 +1,7 @@
 """Several effects together, at each link of the chain from the pedal to the accelerometer.
 
-Each function uses only the effects that act on its link. Factors are multiplied, forces and moments
-are added. Pressures and readings pass through the effects in their physical order, and last through
-those of the user.
+Factors are multiplied, forces and moments are added. Pressures and readings pass through the
+effects in their physical order, and last through those of the user.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -21,7 +20,7 @@ from calib.car.lag import low_pass
 from calib.car.vehicle import Vehicle
 
 _SHORTEST = 1e-6
-"""Time constant [s] up to which an accelerometer follows at once: far less than a sample."""
+"""Time constant [s] up to which an accelerometer has no lag: far less than a sample."""
 
 
 def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
@@ -37,8 +36,8 @@ def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
 def not_sensed(effects: Effects) -> dict[str, str]:
     """The effects that an ECU cannot take out, with the signal that it lacks.
 
-    A term is named by its place and driver. An effect of the user without its file counts as one
-    that the ECU can take out.
+    A term is named by its place and driver. An effect of the user without its file counts as
+    sensed.
     """
     every = every_effect(effects)
     reasons = {name: every[name].card.not_sensed for name in effects.names if name in every}
@@ -48,9 +47,9 @@ def not_sensed(effects: Effects) -> dict[str, str]:
 
 def sensed(effects: Effects) -> Effects:
     """The effects that an ECU can take out."""
-    left_out = not_sensed(effects)
-    terms = tuple(term for term in effects.terms if _term(term) not in left_out)
-    return replace(effects.without(*left_out), terms=terms)
+    missing = not_sensed(effects)
+    terms = tuple(term for term in effects.terms if _term(term) not in missing)
+    return replace(effects.without(*missing), terms=terms)
 
 
 _DRIVERS = {
@@ -58,7 +57,7 @@ _DRIVERS = {
     "elapsed": "when the run began",
     "distance": "where the run began",
 }
-"""Drivers of terms that an ECU has no signal of."""
+"""Signals that an ECU lacks, by the driver of a term."""
 
 
 def _term(term: EmpiricalTerm) -> str:
@@ -83,10 +82,7 @@ def _hooks(
 
 
 def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
-    """Return the vehicle with mass, rolling radii and wheel inertias as the effects change them.
-
-    Its list of effects is not changed.
-    """
+    """Return the vehicle with mass, rolling radii and wheel inertias as the effects change them."""
     front, rear, mass = vehicle.front, vehicle.rear, vehicle.mass
     for radius, parameters in _hooks(effects, "radius"):
         R_f, R_r = radius(parameters)
@@ -102,10 +98,7 @@ def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
 
 
 def line_pressure(effects: Effects, history: RunHistory) -> Pair:
-    """Pressure [Pa] (n,) that reaches the front and the rear wheels from ``history.p_mc``.
-
-    Reads ``time`` and ``p_mc`` of the history only: the pressure does not depend on the motion.
-    """
+    """Pressure [Pa] (n,) at the front and the rear wheels; reads only time and p_mc."""
     p_f = p_r = history.p_mc
     for hook, parameters in _hooks(effects, "pressure", LINE):
         p_f, p_r = hook(parameters, history, p_f, p_r)
@@ -113,7 +106,7 @@ def line_pressure(effects: Effects, history: RunHistory) -> Pair:
 
 
 def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure [Pa] (n,) that clamps the pads of one side, from its wheel pressures [Pa] (n,)."""
+    """Pressure [Pa] (n,) that clamps the pads of one side, from its wheel pressures."""
     for hook, parameters in _hooks(effects, "pressure", (*CALIPER, *effects.user_defined)):
         p_f, p_r = hook(parameters, history, p_f, p_r)
     return p_f, p_r
@@ -122,7 +115,7 @@ def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Arr
 def pad_factors(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factors [1] (n,) on the pad friction of one side at its caliper pressures [Pa] (n,).
 
-    Raises ModelError where an empirical term needs a temperature that is not known.
+    Raises ModelError for an empirical term without its temperature.
     """
     front, rear = np.ones_like(p_f), np.ones_like(p_r)
     for hook, parameters in _hooks(effects, "friction"):

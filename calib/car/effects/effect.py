@@ -4,8 +4,7 @@
             caliper     pads        L/R       inertia     radius  load_shift         a_x as read
                                                                                v, wheels as read
 
-An effect only adds to a link, and has no hook where it does not act. The values of its parameters
-are in `Effects`, so one object serves simulation, analysis and diagnosis.
+The values of its parameters are in `Effects`: one object serves simulation, analysis and diagnosis.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,9 +25,9 @@ Pair = tuple[Array, Array]
 class Parameter:
     """A parameter of an effect: SI unit, plausible range, and default prior.
 
-    ``typical`` and ``spread`` mean and standard deviation over passenger cars, from which a
-    diagnosis starts. ``default`` value where a file gives none; None where it must be given.
-    ``share`` whether it divides something between the axles, from 0 to 1.
+    ``typical`` and ``spread`` mean and standard deviation over passenger cars; ``default`` value
+    where a file gives none, None where it must; ``share`` whether it divides something between the
+    axles, from 0 to 1.
     """
 
     name: str
@@ -46,8 +45,7 @@ class Card:
     """Description of an effect for the user.
 
     The first of ``parameters`` is its strength: at ``neutral`` there is no effect, for any value
-    of the others. ``not_sensed`` signal that an ECU would need, beside pressure, deceleration and
-    wheel speeds, to take the effect out; empty where it needs none.
+    of the others. ``not_sensed`` signal that an ECU lacks to take the effect out, else "".
     """
 
     name: str
@@ -152,11 +150,11 @@ READINGS = (
 )
 """Links that change what a sensor reads; the car moves as without them."""
 AT_WHEELS = (*BRAKES, "axle_moment", "inertia", "radius", "wheel_speed", "wheel_speed_delay")
-"""Links that change brakes, wheels or their sensors, not only the body and its own."""
+"""Links that change brakes, wheels or wheel speed sensors."""
 SLOWING = ("axle_moment", "body_force")
 """Links that slow body or wheels besides the brakes."""
 BALANCE = (*SLOWING, "load_shift")
-"""Links of the force balance: what slows, or moves load between the axles."""
+"""Links of the force balance."""
 
 
 def acts_on(effect: Effect, links: tuple[str, ...]) -> bool:

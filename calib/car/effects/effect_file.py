@@ -1,8 +1,7 @@
 """Read an effect of the user's own: a Python file with ``EFFECT``, as the catalogue has them.
 
 The file is executed with all rights of this process, see `brake-cal manual own_effects`. A hook
-that raises, or returns another form or a number that is not finite, raises one ModelError with file
-and line: when it is loaded, on a trial run, and later.
+that fails, in a trial when it is loaded or later, raises one ModelError with file and line.
 """
 
 import sys
@@ -106,7 +105,7 @@ def _read(path: Path) -> OwnEffect:
 
 
 def _executed(source: bytes, path: str) -> dict[str, Any]:
-    """The names of a file. What it prints goes to stderr: stdout is that of the command."""
+    """The names that a file defines. What it prints goes to stderr."""
     names: dict[str, Any] = {"__name__": "own_effect", "__file__": path}
     try:
         code = compile(source, path, "exec", dont_inherit=True)
@@ -132,7 +131,7 @@ def _raised(cause: BaseException, path: str, prefix: str = "") -> ModelError:
 
 
 def checked(effect: Effect, path: str) -> Effect:
-    """The effect with hooks that raise ModelError where they fail; ``path`` of its file.
+    """The effect of the file ``path`` with hooks that raise ModelError where they fail.
 
     Each is tried in a `trial`, at the typical and at the neutral strength.
     """

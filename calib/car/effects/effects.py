@@ -32,10 +32,7 @@ class EmpiricalTerm:
 
 @dataclass(frozen=True)
 class DefinedIn:
-    """Where an effect is defined that is not in the catalogue: a Python file of the user.
-
-    ``file`` its name without the folder; ``sha256`` of its bytes [hex], empty where not known.
-    """
+    """The Python file of an effect of the user: its name without folder, and SHA-256 or ""."""
 
     file: str
     sha256: str = ""
@@ -73,7 +70,7 @@ class Effects:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the named effects, in their order; an empirical term has none."""
+        """Names of the effects in their order; an empirical term has none."""
         return tuple(self.parameters)
 
     @property
@@ -84,7 +81,7 @@ class Effects:
 
     @property
     def described(self) -> tuple[str, ...]:
-        """Every effect in words: names first, then place and driver of each empirical term."""
+        """Every effect in words, the empirical terms last."""
         terms = (f"an empirical term on {t.place} over {t.driver}" for t in self.terms)
         return (*self.parameters, *terms)
 
@@ -93,16 +90,16 @@ class Effects:
 
         Terms of ``other`` replace those here, since a term was fitted without another one.
         """
-        remaining = self.without(*other.names)
+        own_sigma = self.without(*other.names).sigma
         return type(self)(
             {**self.parameters, **other.parameters},
             other.terms or self.terms,
-            {**remaining.sigma, **other.sigma},
+            {**own_sigma, **other.sigma},
             {**self.user_defined, **other.user_defined},
         )
 
     def only(self, *names: str) -> Self:
-        """The named effects of these names, without the terms."""
+        """The effects of these names, without the empirical terms."""
         parameters, sigma = (
             {name: own for name, own in values.items() if name in names}
             for values in (self.parameters, self.sigma)
@@ -110,6 +107,6 @@ class Effects:
         return type(self)(parameters, (), sigma, self.user_defined)
 
     def without(self, *names: str) -> Self:
-        """All but the named effects of these names; the terms stay."""
+        """All but the effects of these names; the empirical terms stay."""
         named = self.only(*(name for name in self.parameters if name not in names))
         return replace(named, terms=self.terms)

@@ -1,7 +1,4 @@
-"""An empirical term adds to the same links as a named effect.
-
-So a model with a term can be simulated, and a term can be removed from a log. See `EmpiricalTerm`.
-"""
+"""Empirical terms as effects: simulated and removed from a log as those of the catalogue."""
 
 from collections.abc import Callable
 
@@ -37,12 +34,11 @@ DRIVERS = {
     "distance": "m",
     "constant": "1",
 }
-"""Drivers of a term, with their units. `time` counts from the last bite of the pads, `elapsed` and
-`distance` from the start of the run; `constant` has one knot at zero; the temperature is that of
-the discs of the axle."""
+"""Drivers of a term, with their units. `time` counts from the last brake application, `elapsed` and
+`distance` from the start of the run; the temperature is that of the axle's discs."""
 
 DISCS = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
-"""Axles whose disc temperatures a term uses; for the body the front discs, which take most heat."""
+"""Axles whose disc temperatures a term uses; the front discs take most heat."""
 
 
 def effect_of(term: EmpiricalTerm) -> Effect:
@@ -52,7 +48,7 @@ def effect_of(term: EmpiricalTerm) -> Effect:
         cause="not known",
         equation="piecewise linear over its driver",
         source="the runs it was fitted to",
-        looks_like="what was left of them",
+        looks_like="the residual of these runs",
         parameters=(),
     )
 
@@ -85,7 +81,7 @@ def effect_of(term: EmpiricalTerm) -> Effect:
 
 
 def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
-    """Values of the driver of a term on ``place`` [SI], arrays (n,): one, or one for each axle.
+    """Driver of a term on ``place`` [SI], arrays (n,): one, or of each axle its temperature.
 
     Raises ModelError where a temperature is not known.
     """
@@ -94,10 +90,7 @@ def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
 
 
 def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
-    """A driver along a run [SI] (n,); the temperature is that of the axle ``f`` or ``r``.
-
-    Raises ModelError where that temperature is not known.
-    """
+    """A driver along a run [SI] (n,). Raises ModelError for a temperature that is not known."""
     if driver != "temperature":
         return _ALONG[driver](history)
     temperature = history.temperature_f if axle == "f" else history.temperature_r
@@ -112,7 +105,7 @@ def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
 
 
 def _since_free(history: RunHistory) -> Array:
-    """Time since the pads were free last [s], or since the start."""
+    """Time since the brake was free last [s], or since the start."""
     braked = history.p_mc > BITE
     free = np.maximum.accumulate(np.where(braked, history.time[0], history.time))
     return np.asarray(history.time - free)

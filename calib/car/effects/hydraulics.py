@@ -2,8 +2,8 @@
 
 A wheel pressure sensor sits between the two.
 
-Hysteresis: friction of seals and pins holds the pads, with a fixed and a relative width. A play
-operator between two lines, which does not depend on the rate of the pressure.
+Hysteresis by the friction of seals and pins: a play operator between two lines, at any rate of the
+pressure.
 
     clamp ^            .-------.        loading    c = p - r, not below zero
           |          .'      .'         release    c = p/(1 - u) + r
@@ -13,8 +13,8 @@ operator between two lines, which does not depend on the rate of the pressure.
           |    |     .'                 u = (1 - s) w     the rest grows with the pressure
           +----'-----'--------> p
 
-The fixed part is that of dry friction: the pads bite late by r and keep r when the pedal is free.
-With L = p - r and U = p/(1 - u) + r at each sample: c[k] = max(L[k], min(U[k], c[k-1])).
+By the fixed part the pads bite late by r, and keep r when the pedal is free. With L = p - r and
+U = p/(1 - u) + r at each sample: c[k] = max(L[k], min(U[k], c[k-1])).
 
 Residual torque: pads that do not come back after the first release.
 
@@ -33,22 +33,19 @@ from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order
 
-_BOTH = 0.5
-"""Share at which both axles have the same threshold [1]."""
+_EQUAL = 0.5
+"""Rear share at which both axles have the same threshold [1]."""
 
 _REFERENCE = 20e5
-"""Pressure p_0 at which the width of the loop is given [Pa]: that of a usual stop."""
+"""Pressure p_0 of a usual stop [Pa], at which the width of the loop is given."""
 
-_WOBBLE = 0.25e5
-"""Largest assumed error of a constant pressure [Pa]: three standard deviations of a noisy sensor
+_MOST_NOISE = 0.25e5
+"""Largest assumed noise of a constant pressure [Pa]: three standard deviations of a noisy sensor
 (0.4 bar at 200 Hz), averaged over 0.1 s."""
 
 
 def _delayed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressures of ``delay`` earlier, linear between samples and constant beyond the log.
-
-    A negative delay stands for a pressure that is logged late against all other channels.
-    """
+    """Pressures of ``delay`` earlier; negative for a pressure that is logged late."""
     then = history.time - parameters["delay"]
     return np.interp(then, history.time, p_f), np.interp(then, history.time, p_r)
 
@@ -56,7 +53,7 @@ def _delayed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
 def _lagging(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures after a lag without overshoot, from steady state at the first sample.
 
-    ``lag_bend`` q is 0 by default, first order; 1/4 is two lags of T/2 in a row, and more would
+    ``lag_bend`` q is by default 0, first order; 1/4, two lags of T/2 in a row, is the most without
     overshoot. Not valid for a line that fills faster than it empties.
     """
     T = parameters["time_constant"]
@@ -70,8 +67,7 @@ def _lagging(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
 def _oscillating(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures after a second-order lag that overshoots, with T = 1/w of the undamped mode.
 
-    From steady state at the first sample, and not below zero. Not valid for a strongly damped line:
-    that is a lag.
+    From steady state at the first sample, and not below zero. A strongly damped line is a lag.
     """
     T, damping = parameters["response_time"], parameters["line_damping"]
     if T <= 0.0:
@@ -95,14 +91,14 @@ def limited(p: Array, knee: float, slope: float) -> Array:
 
 
 def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure less the threshold; a negative pressure, as of a noisy sensor, keeps its sign.
+    """Pressure less the threshold; negative pressures of a noisy sensor keep their sign.
 
-    A negative threshold -p_0 stands for a sensor that reads p_0 too little. It adds to pressures
-    above p_0, and less below, so that a released brake stays released.
+    A negative threshold -p_0 is that of a sensor that reads p_0 too little; below p_0 it adds less,
+    so that a released brake stays released.
     """
-    share = parameters.get("threshold_rear_share", _BOTH)
-    most = parameters["threshold"]
-    front, rear = most * min(1.0, 2.0 - 2.0 * share), most * min(1.0, 2.0 * share)
+    share = parameters.get("threshold_rear_share", _EQUAL)
+    larger = parameters["threshold"]
+    front, rear = larger * min(1.0, 2.0 - 2.0 * share), larger * min(1.0, 2.0 * share)
     return _less(p_f, front), _less(p_r, rear)
 
 
@@ -112,44 +108,43 @@ def _less(p: Array, threshold: float) -> Array:
     return np.asarray(p - np.clip(p, -threshold, threshold))
 
 
-def _in_the_loop(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressures that would clamp alike without hysteresis, from the loading line on.
+def _hysteresis(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Clamping pressures of the loop, from the loading line on; the same width on both axles.
 
-    Both calipers have the same width, all of it relative without ``fixed_share``. A negative
-    pressure (sensor noise) has no play. Not valid for a caliper whose seals pull the pads back.
+    ``fixed_share`` of the width is by default 0. A negative pressure (sensor noise) has no play.
+    Not valid for a caliper whose seals pull the pads back.
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
-    play = ((1.0 - share) * width, 0.5 * share * width * _REFERENCE)
-    front = _without_noise(p_f, *play)
-    return front, front if p_r is p_f else _without_noise(p_r, *play)
+    loop = ((1.0 - share) * width, 0.5 * share * width * _REFERENCE)
+    front = _denoised_loop(p_f, *loop)
+    return front, front if p_r is p_f else _denoised_loop(p_r, *loop)
 
 
-def _without_noise(p: Array, relative: float, half: float) -> Array:
-    """Clamping pressure of the loop, computed from ``p`` less a band of its noise.
+def _denoised_loop(p: Array, relative: float, half: float) -> Array:
+    """Clamping pressure, where changes of ``p`` within the band of its noise do not count.
 
     Otherwise noise would raise the clamp step by step at a constant pressure. Exact without noise;
-    with it, low by at most twice the band between the lines of the loop.
+    with it, between the lines of the loop, low by at most twice the band.
     """
-    rough = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
-    wobble = min(3.0 * float(rough), _WOBBLE)
-    foot = _between(p - wobble, p + wobble, p[0])
-    return np.asarray(p + (clamp(foot, relative, half) - foot))
+    sigma = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
+    band = min(3.0 * float(sigma), _MOST_NOISE)
+    steady = _play(p - band, p + band, p[0])
+    return np.asarray(p + (hysteresis_loop(steady, relative, half) - steady))
 
 
-def clamp(p: Array, relative: float, half: float = 0.0) -> Array:
+def hysteresis_loop(p: Array, relative: float, half: float = 0.0) -> Array:
     """Clamping pressure [Pa] (n,) at line pressure ``p`` [Pa] (n,).
 
     ``relative`` u [1] below 1; ``half`` r of the fixed width [Pa].
     """
     loading = p - np.clip(p, 0.0, half)
-    return _between(loading, p / (1.0 - relative) + half, loading[0])
+    return _play(loading, p / (1.0 - relative) + half, loading[0])
 
 
-def _between(lowest: Array, highest: Array, first: float) -> Array:
+def _play(lowest: Array, highest: Array, first: float) -> Array:
     """c[k] = max(lowest[k], min(highest[k], c[k-1])) (n,), from ``first`` on.
 
-    Two limits [L, U] in a row are one limit, so all samples are computed in log2(n) passes, each of
-    which joins runs of twice the length.
+    Two limits [L, U] in a row are one limit: log2(n) passes join runs of twice the length each.
     """
     low, high = lowest.copy(), highest.copy()
     low[0] = high[0] = first
@@ -162,25 +157,25 @@ def _between(lowest: Array, highest: Array, first: float) -> Array:
     return low
 
 
-def _never_free(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """At least the residual pressure of the last application, of a pressure above `BITE`.
+def _residual(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """At least the residual pressure of the last application above `BITE`.
 
-    ``rear_bias`` is 0 when both axles keep it, 1 when only the rear one does, -1 the front one. Not
-    valid for pads that are knocked back by the disc.
+    ``rear_bias`` is 0 if both axles keep it, 1 only the rear one, -1 only the front one. Not valid
+    for pads that are knocked back by the disc.
     """
     most, bias = parameters["residual_pressure"], parameters["rear_bias"]
     if most <= 0.0:
         return p_f, p_r
     drain = parameters["drain_time"]
-    front = clamped(history.time, p_f, most * min(1.0, 1.0 - bias), drain)
-    return front, clamped(history.time, p_r, most * min(1.0, 1.0 + bias), drain)
+    front = residual_clamp(history.time, p_f, most * min(1.0, 1.0 - bias), drain)
+    return front, residual_clamp(history.time, p_r, most * min(1.0, 1.0 + bias), drain)
 
 
-def clamped(time: Array, p: Array, most: float, drain: float) -> Array:
+def residual_clamp(time: Array, p: Array, most: float, drain: float) -> Array:
     """Clamping pressure max(p, r) [Pa] (n,), where r' = -r/drain and r >= min(p, most).
 
     ``time`` [s], ``p`` [Pa] (n,); ``most`` [Pa], ``drain`` [s]. r exp(t/drain) is a running
-    maximum, taken of logarithms so that it does not overflow.
+    maximum; its logarithm does not overflow.
     """
     applied = np.where(p > BITE, np.minimum(p, most), 0.0)
     grown = np.log(np.maximum(applied, 1e-30)) + (time - time[0]) / drain
@@ -198,7 +193,7 @@ LINE = (
 
 CALIPER = (
     effect("brake_threshold_pressure", pressure=_above_threshold),
-    effect("caliper_hysteresis", pressure=_in_the_loop),
-    effect("residual_torque", pressure=_never_free),
+    effect("caliper_hysteresis", pressure=_hysteresis),
+    effect("residual_torque", pressure=_residual),
 )
 EFFECTS = (*LINE, *CALIPER)

@@ -14,13 +14,13 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.effects.effect import Pair, Parameters, effect
-from calib.car.history import DISCS, RunHistory, heated
+from calib.car.history import DISCS, RunHistory, disc_temperature
 
 _REFERENCE_PRESSURE = 20e5
 """Pressure [Pa] at which the pad friction is that of the model: the middle of usual braking."""
 
 _REFERENCE_SPEED = 20.0
-"""Speed [m/s] at which the pad friction is that of the model: in the middle of a stop, slope and
+"""Speed [m/s] at which the pad friction is that of the model: the middle of a stop, where slope and
 level are least correlated."""
 
 _STRAIGHT = 1e-10
@@ -30,17 +30,16 @@ _STRAIGHT = 1e-10
 def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factors 1 - k max(T - T_0, 0) [1] on both axles.
 
-    T of the disc [degC] is logged, or that of an assumed disc which the brake heats from
-    ``history.start_heat`` on (`calib.car.history`); k and T_0 are then those of that disc. A
-    straight line: not valid where little friction is left.
+    T of the disc [degC] is logged, or else by `disc_temperature`; k and T_0 are then those of the
+    assumed disc. A straight line: not valid where little friction is left.
     """
     slope, onset = parameters["fade_slope"], parameters["fade_onset"]
     start_f, start_r = history.start_heat
     T_f, T_r = history.temperature_f, history.temperature_r
     if T_f is None:
-        T_f = heated(history.time, history.energy_f, DISCS["f"], start_f)
+        T_f = disc_temperature(history.time, history.energy_f, DISCS["f"], start_f)
     if T_r is None:
-        T_r = heated(history.time, history.energy_r, DISCS["r"], start_r)
+        T_r = disc_temperature(history.time, history.energy_r, DISCS["r"], start_r)
     front, rear = (1.0 - slope * np.maximum(T - onset, 0.0) for T in (T_f, T_r))
     return front, rear
 
@@ -52,17 +51,17 @@ def _by_speed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Arra
 
 
 def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors 1 + k (p - 20 bar) [1] with p of the caliper, or bent by the ``pressure_bend`` b.
+    """Factors 1 + k (p - 20 bar) [1] with p of the caliper.
 
-    With b, 40 bar (exp(-20 bar b) - exp(-p b))/(1 - exp(-40 bar b)) is in the place of p - 20 bar:
-    k is then the mean slope from 0 to 40 bar. A bend of 0 to 0.2/bar covers the powers of p in
-    which linings are described: p^-0.1 within 3.5 % from 3 to 60 bar.
+    A ``pressure_bend`` b replaces p - 20 bar by 40 bar (exp(-20 bar b) - exp(-p b))/(1 - exp(-40
+    bar b)), so that k is the mean slope from 0 to 40 bar. Bends of 0 to 0.2/bar cover linings that
+    are described by powers of p: p^-0.1 within 3.5 % from 3 to 60 bar.
     """
     slope, bend = parameters["pressure_slope"], parameters.get("pressure_bend", 0.0)
-    return 1.0 + slope * _beyond(p_f, bend), 1.0 + slope * _beyond(p_r, bend)
+    return 1.0 + slope * _with_bend(p_f, bend), 1.0 + slope * _with_bend(p_r, bend)
 
 
-def _beyond(p: Array, bend: float) -> Array:
+def _with_bend(p: Array, bend: float) -> Array:
     middle = _REFERENCE_PRESSURE
     if bend < _STRAIGHT:
         return p - middle
@@ -73,8 +72,7 @@ def _beyond(p: Array, bend: float) -> Array:
 def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factors 1 - k exp(-E/E_d) [1] with the energy E of each axle's brake since the first sample.
 
-    ``dry_rear_share`` of E_d dries the rear brake, by default all of it. Not valid if water comes
-    later.
+    E_d of the rear is ``dry_rear_share`` of it, by default 1. Not valid if water comes later.
     """
     loss, dry = parameters["wet_loss"], parameters["dry_energy"]
     dry_rear = dry * parameters.get("dry_rear_share", 1.0)
@@ -98,10 +96,10 @@ def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     ``side`` is 0 for both discs in step, 1 for the left one only, -1 for the right one. The angle
     counts from the first sample, or from the origin that the ripple of the run sets.
     """
-    turned = history.ripple(parameters["phase"])
+    wave = history.ripple(parameters["phase"])
     a, side = parameters["amplitude"], parameters["side"]
     left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
-    return {"fl": 1.0 + a * left * turned, "fr": 1.0 + a * right * turned}
+    return {"fl": 1.0 + a * left * wave, "fr": 1.0 + a * right * wave}
 
 
 FADE = effect("pad_thermal_fade", friction=_faded)

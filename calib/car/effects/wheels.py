@@ -5,7 +5,7 @@ Motor:  M ^  M_0 ________
           |    /
           +---'-----------------> v
 
-A logged ``T_drive_f`` or ``T_drive_r`` adds to it: an effect is what the log does not have.
+Effects add to a logged ``T_drive_f`` or ``T_drive_r``.
 """
 
 import numpy as np
@@ -31,8 +31,8 @@ FADE_OUT = 3.0
 
 def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """c_rr F_z R [N m per axle], growing with v^2 by ``rolling_growth``, by default 0."""
-    grown = 1.0 + parameters.get("rolling_growth", 0.0) * ((motion.v / _SPEED) ** 2 - 1.0)
-    c_rr = parameters["coefficient"] * grown
+    growth = 1.0 + parameters.get("rolling_growth", 0.0) * ((motion.v / _SPEED) ** 2 - 1.0)
+    c_rr = parameters["coefficient"] * growth
     return (
         c_rr * motion.load_f * vehicle.front.rolling_radius,
         c_rr * motion.load_r * vehicle.rear.rolling_radius,
@@ -45,18 +45,17 @@ def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     ``drag_growth`` and ``drag_rear_share`` are 0 by default: driven front wheels. Negative while
     the engine or a torque converter still drives the car. Valid for one gear.
     """
-    grown = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _SPEED)
-    moment, share = parameters["drag_torque"] * grown, parameters.get("drag_rear_share", 0.0)
+    growth = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _SPEED)
+    moment, share = parameters["drag_torque"] * growth, parameters.get("drag_rear_share", 0.0)
     return (1.0 - share) * moment, share * moment
 
 
 def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """M = min(M_0, P/omega) [N m per axle] from a pressure on, shared by the axles.
 
-    It begins at ``regen_onset`` and grows with the pressure over ``regen_span``. It follows the
-    pedal with the time constant ``regen_lag``, and its limits at once. omega is that of free
-    rolling, so P comes out too high by the slip, 1 to 3 %. Not valid for a motor that slows the car
-    without the brake (`engine_drag`).
+    It grows from the pressure ``regen_onset`` on over ``regen_span``, and follows the pedal with
+    the time constant ``regen_lag``, its limits at once. omega is that of free rolling: P is too
+    high by the slip, 1 to 3 %. Not valid for a motor that slows without the brake (`engine_drag`).
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
@@ -72,11 +71,10 @@ def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     return (1.0 - share) * moment, share * moment
 
 
-def _flattened(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
+def _radius_by_load(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
     """Factors on the wheel speeds: a radius falls with the load over that at rest.
 
-    The change of torque by the smaller radius, 0.1 to 0.5 %, is neglected. Valid at the inflation
-    at which the radius was measured.
+    The change of torque, 0.1 to 0.5 %, is neglected. Valid at the inflation of the vehicle file.
     """
     q = parameters["radius_load"]
     static = axle_loads(vehicle, np.zeros(1))
@@ -100,5 +98,5 @@ EFFECTS = (
         "rolling_radius_mismatch",
         radius=lambda parameters: (1.0, 1.0 + parameters["radius_mismatch"]),
     ),
-    effect("rolling_radius_load", wheel_speed=_flattened),
+    effect("rolling_radius_load", wheel_speed=_radius_by_load),
 )

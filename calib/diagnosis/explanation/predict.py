@@ -19,7 +19,7 @@ from calib.base.names import AXLES, WHEELS, G
 from calib.car.effects import combined
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, brake_torque, deceleration, tyre_force
-from calib.car.history import START, Motion, RunHistory
+from calib.car.history import START_TEMP, Motion, RunHistory
 from calib.car.lag import delayed, integral
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
@@ -62,7 +62,7 @@ class ObservedRun(RunHistory):
 
     def with_random_effects(self, random_effects: Array) -> Self:
         """Return the same with other ``random_effects`` (8,), and with their start heats."""
-        front = START + float(random_effects[FRONT_HEAT])
+        front = START_TEMP + float(random_effects[FRONT_HEAT])
         return replace(
             self,
             random_effects=random_effects,

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from calib.car.effects.hydraulics import clamp, clamped
+from calib.car.effects.hydraulics import hysteresis_loop, residual_clamp
 from tests.support.effect_runs import made_history, pressures
 
 PRESSURES = arrays(float, st.integers(1, 300), elements=st.floats(-1e5, 100e5))
@@ -50,7 +50,7 @@ def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half)
     c = [loading[0]]
     for low, now in zip(loading[1:], p[1:], strict=True):
         c.append(max(low, min(now / (1.0 - relative) + half, c[-1])))
-    assert np.array_equal(clamp(p, relative, half), c)
+    assert np.array_equal(hysteresis_loop(p, relative, half), c)
     assert np.array_equal(p, before)
 
 
@@ -75,7 +75,9 @@ def test_what_stays_of_an_application_sample_by_sample(p, most, drain):
     for now in p:
         left = max(left * np.exp(-0.3 / drain), min(now, most) if now > 1.5e5 else 0.0)
         expected.append(max(now, left) if left > 0.0 else now)
-    assert clamped(time, p, most, drain) == pytest.approx(np.array(expected), rel=1e-6, abs=1e-6)
+    assert residual_clamp(time, p, most, drain) == pytest.approx(
+        np.array(expected), rel=1e-6, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,111 @@
+"""Warnings of a vehicle file with values, or with consequences of them, that no usual car has.
+
+The ranges of `figures.csv` and `keys.csv` hold cars from a microcar to a laden van, with some
+margin (tests/studies/results/vehicle_mistakes.md), so a mass that is 10 % wrong goes unseen.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from calib.base.plain import bound, finite, listed, rows
+from calib.base.units import from_si
+from calib.base.warning import PlausibilityWarning
+from calib.car.balance import front_biased_up_to, front_share, lock_efficiency, pressure_per_g
+from calib.car.keys import CHASSIS, KEYS, VehicleKey
+from calib.car.vehicle import Vehicle
+
+_GOOD_ROAD = 0.8
+"""Friction [1] that dry asphalt surely offers: `lock_efficiency` is judged there."""
+
+LEAST_FRONT_BIASED = bound("front_biased_up_to", "low")
+"""Deceleration [g] up to which the front axle must lock first.
+
+Cars that control the rear pressure (EBD) have 0.4 or more by design. Pads that scatter by 3 %
+between the axles take up to 0.1 of it in one car of a thousand."""
+
+_WITHOUT_EBD = bound("front_biased_up_to", "warn_low")
+"""Least value of cars without EBD [g]."""
+
+_FRONT_ENGINE = 0.46
+"""Front share of the load at rest [1], below which the engine or a load is at the rear."""
+
+_VALUES: dict[str, Callable[[Vehicle], float]] = {
+    "wheelbase": lambda car: car.wheelbase,
+    "static_load_f": lambda car: car.static_loads[0] / car.weight,
+    "cg_height_ratio": lambda car: car.cg_height / car.wheelbase,
+    "track_ratio": lambda car: car.track_width / car.wheelbase,
+    "wheel_mass_f": lambda car: car.front.wheel_mass,
+    "wheel_mass_r": lambda car: car.rear.wheel_mass,
+    "rotating_share": lambda car: 2.0 * (car.front.wheel_mass + car.rear.wheel_mass) / car.mass,
+    "radius_ratio": lambda car: car.front.rolling_radius / car.rear.rolling_radius,
+    "disc_ratio_f": lambda car: car.front.effective_radius / car.front.rolling_radius,
+    "disc_ratio_r": lambda car: car.rear.effective_radius / car.rear.rolling_radius,
+    "pressure_per_g": lambda car: from_si(pressure_per_g(car), "bar", "Pa"),
+    "brake_share_f": lambda car: front_share(car, 0.0),
+    "front_biased_up_to": front_biased_up_to,
+    "lock_efficiency": lambda car: lock_efficiency(car, _GOOD_ROAD),
+}
+"""The figures of `figures.csv`, each in the unit of its code."""
+
+
+class _Figure(NamedTuple):
+    """A figure: its usual range in the unit of ``code``, likely causes outside, and what to do."""
+
+    code: str
+    value_of: Callable[[Vehicle], float]
+    low: float
+    high: float
+    too_low: tuple[str, ...]
+    too_high: tuple[str, ...]
+    do: str
+
+
+def _of_key(key: VehicleKey) -> _Figure:
+    code = key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}"
+    causes = key.too_low, key.too_high
+    return _Figure(code, key.value_of, key.low, key.high, *causes, f"look at {key.path}")
+
+
+def _of_row(row: dict[str, str]) -> _Figure:
+    """Without a lowest value the station's limit counts, without a highest one none."""
+    code, causes = row["code"], (listed(row["too_low"]), listed(row["too_high"]))
+    low, high = float(row["low"] or bound(code, "low")), float(row["high"] or math.inf)
+    return _Figure(code, _VALUES[code], low, high, *causes, row["do"])
+
+
+_FIGURES = (
+    *(_of_key(key) for key in KEYS if key.too_low),
+    *map(_of_row, rows("figures.csv", "calib.car")),
+)
+
+
+def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
+    """Warnings of figures outside their usual range; the values of the file first."""
+    warnings = []
+    for figure in _FIGURES:
+        value, ends = figure.value_of(vehicle), (figure.low, finite(figure.high))
+        if not figure.low <= value <= figure.high:
+            causes = figure.too_low if value < figure.low else figure.too_high
+            warnings.append(
+                PlausibilityWarning(figure.code, vehicle.name, value, ends, causes, figure.do)
+            )
+    return tuple(warnings)
+
+
+def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
+    """Sentences on values that are right for some cars only, for the user to confirm."""
+    share, rear_locks_at = vehicle.static_loads[0] / vehicle.weight, front_biased_up_to(vehicle)
+    sentences = []
+    if share < _FRONT_ENGINE:
+        sentences.append(
+            f"{100 * share:.0f} % of the load is on the front axle, as with the engine at the rear "
+            "or in a laden van; in any other car cg_to_front_axle and cg_to_rear_axle are swapped"
+        )
+    if LEAST_FRONT_BIASED <= rear_locks_at < _WITHOUT_EBD:
+        sentences.append(
+            f"the rear axle locks first beyond {rear_locks_at:.2f} g, as in cars that control the "
+            "rear pressure (EBD); in any other car the brakes or the load are not those of the "
+            f"file. `brake-cal station` fails a car below {LEAST_FRONT_BIASED:g} g"
+        )
+    return tuple(sentences)
