@@ -100,7 +100,7 @@ def _with_force(
     axle: str, force: Callable[[RampRun, Size], Array], run: RampRun, size: Size
 ) -> RampRun:
     """The run with a known ``force`` [N] at the road (k,) on the wheels of an axle."""
-    extra, name = force(run, size), f"moment_{axle}"
+    extra, name = force(run, size), f"drag_{axle}"
     more = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
     return replace(run, **more)
 
