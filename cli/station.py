@@ -205,11 +205,11 @@ def repeatability(
 
     check_folder(out, (GAUGE, "repeatability.png"))
     gauge_limits = read_gauge_limits(limits)
-    places = read_plan(plan, vehicle)
-    if any(place.vehicle is None for place in places):
+    ramps = read_plan(plan, vehicle)
+    if any(ramp.vehicle is None for ramp in ramps):
         raise misuse("needed: not every log has one in the plan", "--vehicle")
-    with progress(f"fitting {counted(len(places), 'ramp')} one by one", len(places)) as step:
-        result = study(readings(places, channel_map, metric or METRICS, step), gauge_limits)
+    with progress(f"fitting {counted(len(ramps), 'ramp')} one by one", len(ramps)) as step:
+        result = study(readings(ramps, channel_map, metric or METRICS, step), gauge_limits)
     document = to_dict(result)
     if out is not None:
         written = json_text({"schema": 1, **document}).encode()

@@ -44,8 +44,8 @@ _TAIL, _FEWEST = 6.0, 10
 
 def fleet_facts(summary: Summary) -> Facts:
     """Facts of a fleet; the logs that stand apart come first."""
-    looks = [look for look in summary.looks if look.values.size]
-    drawn = [x for x in summary.looks if x.values.size and (x.drifts or x.outlying.any())]
+    looks = [look for look in summary.metrics if look.values.size]
+    drawn = [x for x in summary.metrics if x.values.size and (x.drifts or x.outlying.any())]
     drawn.sort(key=lambda look: not look.drifts)
     apart = [
         (car.log, "; ".join(_reason(summary, o) for o in car.reasons)) for car in summary.apart
@@ -102,9 +102,9 @@ def _metric(summary: Summary, look: MetricSummary) -> Facts:
 
 def _reason(summary: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
-    look = next(look for look in summary.looks if look.column.name == o.figure)
+    look = next(look for look in summary.metrics if look.column.name == o.figure)
     shown = _shown(look)
-    low, high = map(shown, look.others)
+    low, high = map(shown, look.inlier_range)
     side = "above" if o.value > look.median else "below"
     value = f"{plain(o.figure).name} {shown(o.value)}"
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
@@ -122,8 +122,8 @@ def _shown(look: MetricSummary) -> Callable[[float], str]:
 
 def _verdict(summary: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
-    calm = not (any(look.drifts for look in summary.looks) or summary.apart or summary.failures)
-    judged = any(look.judged for look in summary.looks)
+    calm = not (any(look.drifts for look in summary.metrics) or summary.apart or summary.failures)
+    judged = any(look.judged for look in summary.metrics)
     if not judged or (calm and not summary.drift_tested):
         return UNJUDGED
     return PASSED if calm else WARNING
@@ -132,7 +132,7 @@ def _verdict(summary: Summary) -> str:
 def _row(summary: Summary, look: MetricSummary) -> tuple[str, ...]:
     """One metric: its scatter, the logs that stand apart, and where its level changes."""
     shown, c = _shown(look), look.change
-    low, high = map(shown, look.others)
+    low, high = map(shown, look.inlier_range)
     drift = "not tested" if c is None else "no"
     if look.drifts and c is not None:
         place = f"{summary.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1}"
@@ -154,7 +154,7 @@ def metric_sheet(summary: Summary, look: MetricSummary) -> Sheet:
     y: Array = k * np.clip(look.values, *ends)
     few, whole = len(summary.logs) <= _NAMED, (0.0, len(summary.logs) + 1.0)
     share = "90 % of the others" if look.outlying.any() else "90 % of the logs"
-    low, high = (np.full(2, k * end) for end in look.others)
+    low, high = (np.full(2, k * end) for end in look.inlier_range)
     lines = [
         Line(x, y, dots(NOMINAL, 4.5, ".", alpha=1.0 if few else 0.5)),
         Line(whole, [k * look.median] * 2, _THIN, f"median, {share}", (low, high)),

@@ -19,7 +19,7 @@ def found(tmp_path_factory):
 
 
 def test_every_log_is_a_point_and_the_far_one_a_mark_at_the_edge(found):
-    pads, calm = found.looks[:2]
+    pads, calm = found.metrics[:2]
     order = panel(metric_sheet(found, pads), "order")
     low, high = window(pads)
     assert np.array_equal(order.lines[0].x, pads.rows + 1)
@@ -36,11 +36,11 @@ def test_every_log_is_a_point_and_the_far_one_a_mark_at_the_edge(found):
 def test_small_fleets_are_drawn_and_names_as_they_are(tmp_path, n):
     odd = {"a$b/c$": ([float(i) for i in range(n)], pa.float64(), "1")}
     few = summarise(open_fleet(results(tmp_path / "r.parquet", n, extra=odd)))
-    for look in few.looks:
+    for look in few.metrics:
         low, high = window(look)
         assert n >= 10 or (low <= look.values.min() and look.values.max() <= high)
         assert render(metric_sheet(few, look).overview(), ".png").startswith(b"\x89PNG")
-    assert "a$b/c$" in [metric_sheet(few, look).panels[0].title for look in few.looks]
+    assert "a$b/c$" in [metric_sheet(few, look).panels[0].title for look in few.metrics]
 
 
 def test_the_document_is_json(found):

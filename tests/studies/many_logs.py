@@ -19,7 +19,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
-from calib.line.fleet.batch import Sweep, run_batch
+from calib.line.fleet.batch import BatchRun, run_batch
 from calib.line.fleet.rows import Command, Row, Status, columns_of
 from calib.line.fleet.work import Job, WorkItem
 from calib.line.fleet.workers import Rows
@@ -50,14 +50,14 @@ def row_of(item: WorkItem) -> Row | None:
 def run(folder: Path, ends_at: int) -> None:
     """One run; it prints its rows, seconds of CPU and memory, or kills itself."""
 
-    def report(sweep: Sweep) -> None:
+    def report(sweep: BatchRun) -> None:
         if sweep.finished >= ends_at > 0:
             os.kill(os.getpid(), signal.SIGKILL)
 
     job = Job(Command.VALIDATE)
     sweep = run_batch(job, [str(folder / "logs")], folder / "out", Simulated(), report)
     used = resource.getrusage(resource.RUSAGE_SELF)
-    print(sweep.fresh, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+    print(sweep.computed, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
 
 
 def study(count: int) -> str:

@@ -26,8 +26,8 @@ from calib.logs.read import FORMATS
 _CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
 
-_AHEAD = 3
-"""Submitted chunks for each worker: one in progress and the others waiting."""
+_CHUNKS_PER_WORKER = 3
+"""Submitted chunks for each worker: one in progress, the others waiting."""
 
 
 def run_batch(
@@ -35,28 +35,28 @@ def run_batch(
     arguments: Sequence[str],
     out: Path,
     executor: Executor,
-    report: Callable[["Sweep"], None] = lambda sweep: None,
-) -> "Sweep":
+    report: Callable[["BatchRun"], None] = lambda run: None,
+) -> "BatchRun":
     """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
 
-    Continues an earlier run with the same settings. A log that fails gets a row. Raises LogError
-    when an argument names no log, BatchError when ``out`` holds another batch or the workers are
-    not of this version, OSError when ``out`` cannot be written.
+    Continues an earlier run with the same settings. Raises LogError when an argument names no log,
+    BatchError when ``out`` holds another batch or the workers are not of this version, OSError when
+    ``out`` cannot be written.
     """
     logs = {printable(path): path for path in find_logs(arguments, job.command, out)}
     settings = job.settings()
     with closing(BatchJournal(out, settings)) as journal:
-        sweep = Sweep(job, journal, executor, len(logs), report)
-        sweep.work(logs.items())
+        run = BatchRun(job, journal, executor, len(logs), report)
+        run.work(logs.items())
         write_results(journal.rows(sorted(logs)), settings, out)
-        return sweep
+        return run
 
 
-class Sweep:
+class BatchRun:
     """Submits ``total`` logs to the workers, and writes their rows into the journal.
 
-    ``counts`` of rows by status so far; ``fresh`` of them are of this run, the others older.
-    ``report`` is called with the sweep after each chunk, ``tell`` with each new row.
+    ``counts`` of rows by status so far, ``computed`` of them now and the others earlier; ``report``
+    is called with the run after each chunk, ``on_row`` with each new row.
     """
 
     def __init__(
@@ -65,19 +65,19 @@ class Sweep:
         journal: BatchJournal,
         executor: Executor,
         total: int,
-        report: Callable[["Sweep"], None] = lambda sweep: None,
-        tell: Callable[[Row], None] = lambda row: None,
+        report: Callable[["BatchRun"], None] = lambda run: None,
+        on_row: Callable[[Row], None] = lambda row: None,
     ):
         self.packed, self.journal, self.executor = pickle.dumps(job), journal, executor
-        self.most, self.total, self.report, self.tell = _CHUNK[job.command], total, report, tell
+        self.most, self.total, self.report, self.on_row = _CHUNK[job.command], total, report, on_row
         self.pending: dict[Future[Rows], tuple[WorkItem, ...]] = {}
         self.results, self.counts = journal.folder / NAME, Counter[Status]()
-        self.fresh = 0
+        self.computed = 0
         self.start = time.monotonic()
 
     @property
     def finished(self) -> int:
-        """Number of logs with a row."""
+        """Return the number of logs with a row."""
         return self.counts.total()
 
     def document(self) -> dict[str, object]:
@@ -87,9 +87,9 @@ class Sweep:
             "results": self.results,
             "logs": self.finished,
             "counts": {status: self.counts[status] for status in Status},
-            "done_now": self.fresh,
+            "done_now": self.computed,
             "seconds": elapsed,
-            "logs_per_second": self.fresh / elapsed if elapsed > 0.0 else 0.0,
+            "logs_per_second": self.computed / elapsed if elapsed > 0.0 else 0.0,
         }
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
@@ -100,7 +100,7 @@ class Sweep:
             WorkItem(name, os.path.abspath(path), self.journal.digest(name)) for name, path in logs
         )
         while chunk := tuple(islice(items, size)):
-            self._drain(_AHEAD * self.executor.workers - 1)
+            self._drain(_CHUNKS_PER_WORKER * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
 
@@ -122,45 +122,45 @@ class Sweep:
                 suspects += self._gather(ALL_COMPLETED)
                 self.executor.renew()
                 for item in suspects:
-                    self._keep((item,), self._alone(item))
+                    self._store((item,), self._retry(item))
 
     def _gather(self, until: str) -> list[WorkItem]:
         """Store the rows of finished chunks; return the logs whose worker died."""
         suspects: list[WorkItem] = []
         for future in wait(self.pending, return_when=until).done:
             items = self.pending.pop(future)
-            if _death(future):
+            if _worker_error(future):
                 suspects += items
             else:
-                self._keep(items, future.result())
+                self._store(items, future.result())
         return suspects
 
-    def _alone(self, item: WorkItem) -> Rows:
-        """Repeat the log of a dead worker; an error for one that kills again."""
+    def _retry(self, item: WorkItem) -> Rows:
+        """Repeat the log of a dead worker, alone; an error if the worker dies again."""
         future = self._submit((item,))
-        death = _death(future)
-        if death is None:
+        error = _worker_error(future)
+        if error is None:
             return future.result()
         self.executor.renew()
-        text = f"{item.name}: the worker died on it twice ({type(death).__name__}); is there "
+        text = f"{item.name}: the worker died on it twice ({type(error).__name__}); is there "
         text += "enough memory? the next run tries it again"
         return [Row(item.name, None, Status.ERROR, text, lost=True)]
 
-    def _keep(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
+    def _store(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
         """Store the rows of a chunk; an unchanged log already has its row in the journal."""
         computed = [row for row in rows if row is not None]
         # a log that cannot be read has no digest: it is tried each time
         new = [r for r in computed if r.digest is not None or self.journal.row(r.log) != r]
         self.journal.add(new)
-        self.fresh += len(computed)
+        self.computed += len(computed)
         stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
         self.counts.update(row.status for row in (*computed, *self.journal.rows(stored)))
         self.report(self)
         for row in new:
-            self.tell(row)
+            self.on_row(row)
 
 
-def _death(future: Future[Rows]) -> BaseException | None:
+def _worker_error(future: Future[Rows]) -> BaseException | None:
     """Why the worker died, None if it did not. Raises what a user can correct."""
     error = future.exception()
     if isinstance(error, BrakeCalError):
@@ -172,9 +172,9 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
     """Paths of the logs, relative where the argument is; one may come twice.
 
     A folder means all logs in it and below. For DIAGNOSE a log is a folder with calibration/,
-    holdout/ and vehicle.toml. Hidden files and the results in ``out`` are left out; if ``out`` is a
-    folder within an argument, so is all its content. Raises LogError for what names no log; a
-    missing file with the ending of a log is returned, and gets a row with an error.
+    holdout/ and vehicle.toml. Hidden files, the results in ``out``, and all of an ``out`` within a
+    folder are left out. Raises LogError for an argument without a log; a missing file with the
+    ending of a log is returned, and gets a row with an error.
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:
@@ -199,24 +199,24 @@ def _refuse(error: OSError) -> None:
 
 
 def logs_below(
-    folder: str, command: Command, out: Path, trouble: Callable[[OSError], None] = _refuse
+    folder: str, command: Command, out: Path, on_error: Callable[[OSError], None] = _refuse
 ) -> Iterator[str]:
     """Paths of the logs in a folder and below, possibly none. Else like `find_logs`.
 
-    ``trouble`` is called with the error if a folder cannot be read; the folder is then skipped.
+    ``on_error`` is called if a folder cannot be read; the folder is then skipped.
     """
-    for home, folders, files in os.walk(folder, onerror=trouble):
+    for place, folders, files in os.walk(folder, onerror=on_error):
         folders[:] = sorted(f for f in folders if not f.startswith("."))
-        has_results = os.path.realpath(home) == os.path.realpath(out)
-        if has_results and home != folder:
+        has_results = os.path.realpath(place) == os.path.realpath(out)
+        if has_results and place != folder:
             folders.clear()
         elif command == Command.DIAGNOSE:
             if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
                 folders.clear()
-                yield home
+                yield place
         else:
             logs = (f for f in sorted(files) if _is_log(f) and not (has_results and f == NAME))
-            yield from (os.path.join(home, f) for f in logs)
+            yield from (os.path.join(place, f) for f in logs)
 
 
 def _is_log(path: str) -> bool:

@@ -5,10 +5,10 @@ distribution:
 
     K = max_k |S_k|,   S_k = sum of (rank - mean rank) up to car k
 
-Neighbours may be alike without a drift: logs of one car. K is divided by sqrt((1 + r)/(1 - r))
-(Bayley and Hammersley, Supplement to the J. of the Royal Statistical Society 8, 1946), r the
-correlation of neighbours without the drift itself (Serinaldi and Kilsby, Stochastic Environmental
-Research and Risk Assessment 30, 2016): good for up to about four logs a car and ten cars.
+Logs of one car are alike without a drift. So K is divided by sqrt((1 + r)/(1 - r)) (Bayley and
+Hammersley, Supplement to the J. of the Royal Statistical Society 8, 1946), where r is the lag-1
+autocorrelation without the drift (Serinaldi and Kilsby, Stochastic Environmental Research and Risk
+Assessment 30, 2016). Valid for up to about four logs a car, and from ten cars on.
 """
 
 from dataclasses import dataclass
@@ -20,8 +20,8 @@ from calib.base.arrays import Array
 FEWEST = 22
 """Fewest logs that are tested: of a plain step p is then 0.0007, enough among ten metrics."""
 
-_ALIKE = 0.95
-"""Largest correlation of neighbours that is counted: 39 logs then say as much as one."""
+_MOST_CORRELATION = 0.95
+"""Largest lag-1 autocorrelation that is used: 39 logs then count as one."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +34,11 @@ class LevelChange:
     p: float
 
 
-def change(values: Array) -> LevelChange | None:
+def find_change(values: Array) -> LevelChange | None:
     """Test ``values`` (n,) in order for one change of level; None below `FEWEST` or all equal.
 
-    ``p`` is the tail of Kolmogorov's distribution, exact for many cars and too large for few. Of a
-    slow drift ``first`` is near its middle.
+    ``p`` is by Kolmogorov's distribution, exact for many cars and too large for few; ``first`` is
+    near the middle of a slow drift.
     """
     n = values.size
     if n < FEWEST or np.ptp(values) == 0.0:
@@ -46,28 +46,28 @@ def change(values: Array) -> LevelChange | None:
     from scipy.special import kolmogorov
     from scipy.stats import rankdata
 
-    about = rankdata(values) - 0.5 * (n + 1)
-    S = np.abs(np.cumsum(about)[:-1])
+    ranks = rankdata(values) - 0.5 * (n + 1)
+    S = np.abs(np.cumsum(ranks)[:-1])
     k = int(np.argmax(S))
-    r = likeness(about, k + 1)
-    scale = np.sqrt(np.sum(about**2) * n / (n - 1) * (1.0 + r) / (1.0 - r))
+    r = autocorrelation(ranks, k + 1)
+    scale = np.sqrt(np.sum(ranks**2) * n / (n - 1) * (1.0 + r) / (1.0 - r))
     old_level, new_level = (float(np.median(part)) for part in np.split(values, [k + 1]))
     return LevelChange(k + 1, old_level, new_level, float(kolmogorov(S[k] / scale)))
 
 
-def likeness(ranks: Array, first: int) -> float:
-    """Correlation of neighbours in ``ranks`` (n,) about their mean, from 0 to `_ALIKE`.
+def autocorrelation(ranks: Array, first: int) -> float:
+    """Lag-1 autocorrelation of ``ranks`` (n,) about their mean, 0 to `_MOST_CORRELATION`.
 
-    What is left of a step at ``first``, or of a straight line if that explains more. The estimate
-    is too small by (2 + 4 r)/n (van Giersbergen, Economics Letters 86, 2005), which is taken out.
+    That of the residual of a step at ``first``, or of a straight line if this fits better; without
+    its bias -(2 + 4 r)/n (van Giersbergen, Economics Letters 86, 2005).
     """
     n = ranks.size
     step = np.concatenate([part - part.mean() for part in np.split(ranks, [first])])
-    along = np.arange(n) - 0.5 * (n - 1)
-    line = ranks - along * float(along @ ranks) / float(along @ along)
+    index = np.arange(n) - 0.5 * (n - 1)
+    line = ranks - index * float(index @ ranks) / float(index @ index)
     residual = min(step, line, key=lambda x: float(x @ x))
     size = float(residual @ residual)
     if size <= 1e-12 * float(ranks @ ranks):
         return 0.0
     r = float(residual[1:] @ residual[:-1]) / size
-    return min(max((n * r + 2.0) / (n - 4.0), 0.0), _ALIKE)
+    return min(max((n * r + 2.0) / (n - 4.0), 0.0), _MOST_CORRELATION)

@@ -1,11 +1,11 @@
 """Journal of a batch: an SQLite database with a row for each finished log.
 
-    settings   name, value          on which the rows depend besides the logs
+    settings   name, value          what the rows depend on besides the logs
     rows       log, digest, status, error, cells (JSON), lost
 
 Rows that finish together are one transaction in a write-ahead log, on the disk when `add` returns:
-after kill -9 or a power failure it has every such row, and never a part of a transaction. SQLite's
-exclusive lock, held while the journal is open, excludes a second run; it ends with the process.
+a kill -9 or a power failure loses none of them. SQLite's exclusive lock on the journal excludes a
+second run; it ends with the process.
 """
 
 import errno
@@ -35,20 +35,20 @@ CREATE TABLE rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL,
 class BatchJournal:
     """The journal of ``folder``, open for one run at a time; made if there is none.
 
-    Raises BatchError when it was written with other settings, is no journal of this version, is
-    damaged or in use, OSError when the disk is full or fails; so do its methods.
+    It and its methods raise BatchError for other settings or another version, damage, or use by
+    another run, and OSError when the disk is full or fails.
     """
 
     def __init__(self, folder: Path, settings: dict[str, str]):
         folder.mkdir(parents=True, exist_ok=True)
         self.folder, self._path = folder, folder / NAME
-        ours = {"schema": _SCHEMA, **settings}
+        wanted = {"schema": _SCHEMA, **settings}
         self._db, stored = _locked(self._path)
         if not stored:
             with _explained(self._path), self._db:
                 self._db.executescript(_TABLES)
-                self._db.executemany("INSERT INTO settings VALUES (?, ?)", ours.items())
-        elif differ := {key for key, _ in stored.items() ^ ours.items()}:
+                self._db.executemany("INSERT INTO settings VALUES (?, ?)", wanted.items())
+        elif differ := {key for key, _ in stored.items() ^ wanted.items()}:
             self.close()
             problem = f"holds results of other settings: {', '.join(sorted(differ))}"
             raise BatchError(problem, where=folder, do=_ANEW)

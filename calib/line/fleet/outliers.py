@@ -1,15 +1,15 @@
-"""Cars that stand apart in a fleet, with a limited share of false ones over the whole fleet.
+"""Outliers of a fleet, with a limited share of false ones over the whole fleet.
 
     distance       |x - median| over the upper quartile of these on its side of the median
-    p of a metric  two-sided, of a normal or a Student distribution: tails by what the bulk says
+    p of a metric  two-sided, of a mixture of normal and Student distributions
     p of a car     the least p of its metrics, times the number of metrics (Bonferroni)
-    named cars     by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
+    outliers       by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
 
-Each side has its own spread and its own tails, so that a skewed metric names no more good cars than
-another. Few cars say little of their tails: how frequent each kind of tail is, is learnt from all
-sides of the fleet (empirical Bayes; Efron, Large-Scale Inference, 2010). The outermost tenth of a
-side counts only as "beyond", so outliers do not lengthen the tails by which they are judged. Where
-half of the cars or more have one value, such as a prior's, the others are judged about it.
+Each side of the median has its own spread and tails, so that a skewed metric has no more false
+outliers than another. Few cars say little of their tails, so the weights of the distributions are
+learnt from all sides of all metrics (empirical Bayes; Efron, Large-Scale Inference, 2010). The
+outermost tenth of a side is censored: outliers do not lengthen the tails by which they are judged.
+Where at least half of the cars have one value, such as that of a prior, only the others are judged.
 """
 
 from collections.abc import Sequence
@@ -20,44 +20,44 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 
 SHARE = 0.03
-"""Expected share of false ones among the named cars, and of normal fleets that name a good one."""
+"""Expected share of false ones among the outliers, and of normal fleets that have one."""
 
 _REASON = 0.01
-"""p over its metrics at which a further metric of a named car is told as a reason, too."""
+"""p, times the number of metrics, at which a further metric of an outlier is a reason, too."""
 
 FEWEST = 8
 """Fewest cars for a scale that can name outliers."""
 
 _OUTSIDE = 0.1
-"""Share of the cars of a side, the outermost, that say nothing of the tails but their number."""
+"""Share of the cars of a side that is censored: the outermost."""
 
 _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
 """Degrees of freedom of Student's distribution; the first is the normal one."""
 _QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
 """Upper quartile of one side of each of them: its quantile 87.5 %."""
 _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
-"""Share of each of them among the sides of all metrics, before any car is seen."""
-_BEFORE = 0.5
-"""Sides as which that counts: with more, cars 9 sigma off hide in small normal fleets."""
-_STEPS = 30
-"""Steps of expectation and maximisation in which the shares settle."""
+"""Prior share of each of them among the sides of all metrics."""
+_PRIOR_WEIGHT = 0.5
+"""Sides as which the prior counts: with more, cars 9 sigma off hide in small normal fleets."""
+_EM_STEPS = 30
+"""Steps of expectation and maximisation, after which the shares are constant."""
 
 
 @dataclass(frozen=True)
-class Judged:
-    """All metrics of a fleet, NaN where a metric is not known or not judged.
+class OutlierTest:
+    """Test of m metrics of n cars; NaN where a metric is not known or not judged.
 
-    ``p`` (m, n) two-sided; ``named`` (m, n) the reasons for which a car is named; ``p_of_car`` (n,)
-    over its metrics.
+    ``p`` (m, n) two-sided; ``reasons`` (m, n) metrics for which a car is an outlier; ``p_of_car``
+    (n,) over its metrics.
     """
 
     p: Array
-    named: Mask
+    reasons: Mask
     p_of_car: Array
 
 
-def judge(values: Array, least: Sequence[float]) -> Judged:
-    """Judge ``values`` (m, n) of m metrics of n cars, NaN if a car does not have one.
+def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
+    """Test ``values`` (m, n) of m metrics of n cars, NaN if a car does not have one.
 
     ``least`` (m,): differences that matter, in the unit of each metric, 0 for any.
     """
@@ -68,20 +68,20 @@ def judge(values: Array, least: Sequence[float]) -> Judged:
     ]
     p, metrics = np.full(values.shape, np.nan), len({i for i, _, _ in sides})
     weights = _tails([distance for _, _, distance in sides])
-    for (i, rows, distance), of_side in zip(sides, weights, strict=True):
-        p[i, rows] = 2.0 * stdtr(_FREEDOM, -distance[:, None] * _QUARTILE) @ of_side
-    over_all = np.where(np.isfinite(p), metrics * p, np.inf)
-    least_p = over_all.min(axis=0, initial=np.inf)
+    for (i, rows, distance), weight in zip(sides, weights, strict=True):
+        p[i, rows] = 2.0 * stdtr(_FREEDOM, -distance[:, None] * _QUARTILE) @ weight
+    bonferroni = np.where(np.isfinite(p), metrics * p, np.inf)
+    least_p = bonferroni.min(axis=0, initial=np.inf)
     p_of_car = np.where(np.isfinite(least_p), np.minimum(least_p, 1.0), np.nan)
-    cars = named(p_of_car, SHARE)
+    cars = discoveries(p_of_car, SHARE)
     limit = max(_REASON, float(p_of_car[cars].max(initial=0.0)))
-    return Judged(p, cars & (over_all <= limit), p_of_car)
+    return OutlierTest(p, cars & (bonferroni <= limit), p_of_car)
 
 
-def named(p: Array, share: float) -> Mask:
+def discoveries(p: Array, share: float) -> Mask:
     """Which of ``p`` (any shape) are discoveries by Benjamini and Hochberg; NaN never is.
 
-    >>> named(np.array([0.001, 0.02, 0.9, 0.04]), 0.05)
+    >>> discoveries(np.array([0.001, 0.02, 0.9, 0.04]), 0.05)
     array([ True,  True, False, False])
     """
     from scipy.stats import false_discovery_control
@@ -93,10 +93,10 @@ def named(p: Array, share: float) -> Mask:
 
 
 def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
-    """The cars on each side of a metric's median, and their distances in the spread of the side.
+    """Cars on each side of a metric's median, and their distances over the spread of the side.
 
-    None for too few cars, or without scatter. A spread is at least ``least``, and that of all cars
-    where a side has too few.
+    Empty for too few cars or without scatter. A spread is at least ``least``, and that of both
+    sides where one has too few cars.
     """
     rows = np.flatnonzero(np.isfinite(values))
     if rows.size < FEWEST:
@@ -118,7 +118,7 @@ def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
 
 
 def _tails(distances: list[Array]) -> Array:
-    """Weight (s, 4) of each of `_FREEDOM` at each side, by its bulk and by those of all sides."""
+    """Weight (s, 4) of each of `_FREEDOM` on each side, from its cars and those of all sides."""
     from scipy.special import softmax
     from scipy.stats import t
 
@@ -130,7 +130,8 @@ def _tails(distances: list[Array]) -> Array:
             fit += np.sum(t.logpdf(inside, _FREEDOM) + np.log(_QUARTILE), axis=0)
             fit += outside * t.logsf(end, _FREEDOM)
     weights = fits
-    for _ in range(_STEPS):
+    for _ in range(_EM_STEPS):
         weights = softmax(np.log(share) + fits, axis=1)
-        share = (_BEFORE * _PRIOR + weights.sum(axis=0)) / (_BEFORE + len(distances))
+        total = _PRIOR_WEIGHT + len(distances)
+        share = (_PRIOR_WEIGHT * _PRIOR + weights.sum(axis=0)) / total
     return weights

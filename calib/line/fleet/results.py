@@ -48,7 +48,7 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
 
 @dataclass(frozen=True)
 class FleetFile:
-    """Results in the order of the column ``order``, for people ``ordered_by``.
+    """Results in the order of the column ``order``, ``ordered_by`` in words.
 
     ``logs`` (n,) names; ``metrics`` the columns after the first ones.
     """
@@ -66,8 +66,8 @@ class FleetFile:
 
     def values(self, name: str) -> tuple[str | bool | None, ...]:
         """A column of text or of yes and no; () if there is none."""
-        is_there = name in self.table.column_names
-        return tuple(self.table.column(name).to_pylist()) if is_there else ()
+        exists = name in self.table.column_names
+        return tuple(self.table.column(name).to_pylist()) if exists else ()
 
 
 def open_fleet(path: Path, order: str | None = None) -> FleetFile:
@@ -84,13 +84,13 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
                 expected=_EXPECTED if name != order else f"one of {', '.join(table.column_names)}",
                 do=did_you_mean(name, table.column_names),
             )
-    odd = sorted(set(map(str, table.column("status").to_pylist())) - {*Status})
-    if odd or not table.num_rows:
-        problem = f"status {odd[0]!r}" if odd else "no rows"
+    unknown = sorted(set(map(str, table.column("status").to_pylist())) - {*Status})
+    if unknown or not table.num_rows:
+        problem = f"status {unknown[0]!r}" if unknown else "no rows"
         raise InputError(problem, where=path, expected=f"rows with {', '.join(Status)}")
     positions = list(map(_position, table.column(order).to_pylist()))
-    unknown = sum(is_unknown for is_unknown, _ in positions)
-    note = f" ({unknown} rows without it at the end)" if unknown else ""
+    count = sum(is_unknown for is_unknown, _ in positions)
+    note = f" ({count} rows without it at the end)" if count else ""
     table = table.take(sorted(range(len(positions)), key=positions.__getitem__))
     head = {column.name for column in HEAD}
     return FleetFile(

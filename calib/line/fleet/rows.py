@@ -1,4 +1,4 @@
-"""Rows and columns of `results.parquet`: what a batch says of each log."""
+"""Rows and columns of `results.parquet`."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -17,7 +17,7 @@ class Command(StrEnum):
 
 
 class Status(StrEnum):
-    """Outcome for a log; DONE if the command does not judge, ERROR if there is no result."""
+    """Outcome for a log; DONE if the command has no limits, ERROR if there is no result."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -25,7 +25,7 @@ class Status(StrEnum):
     ERROR = "error"
 
     def in_words(self, command: Command) -> str:
-        """The outcome of a command in words: a check says for what a log is usable."""
+        """The outcome in words; a check calls a log usable or not."""
         usable = {Status.PASSED: "usable", Status.FAILED: "not usable"}
         return usable.get(self, self.value) if command is Command.CHECK else self.value
 
@@ -41,9 +41,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """Result of a command for one log; ``cells`` follow `columns_of`, none for an error.
+    """Result of a command for one log; ``cells`` by `columns_of`, none for an error.
 
-    ``lost``: an error that the log may not cause, as of a worker that died. It is tried again.
+    ``lost`` whether the log is tried again: its error may have another cause, as a dead worker.
     """
 
     log: str
@@ -63,16 +63,16 @@ class Row:
         return dict(zip(names, self.cells, strict=False))
 
     def line(self, command: Command) -> str:
-        """The row of a command in one line: its status or error, and the pads where it has them."""
+        """The row in one line: its status or error, and the pads where it has them."""
         if self.error is not None:
             return f"{self.log}: error: {self.error.removeprefix(f'{self.log}: ')}"
         metrics = self.metrics(command)
-        broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
+        limits = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
         pads = [metrics.get(f"pad_friction_{axle}") for axle in "fr"]
         details = "" if None in pads else f", pads {pads[0]:.3f} / {pads[1]:.3f}"
         purposes = [name[7:] for name, x in metrics.items() if name.startswith("usable_") and x]
         details += f" for {', '.join(purposes)}" if purposes else ""
-        return f"{self.log}: {self.status.in_words(command)}{broken}{details}"
+        return f"{self.log}: {self.status.in_words(command)}{limits}{details}"
 
 
 def _columns(*names: str, unit: str = "1", kind: type = float) -> tuple[Column, ...]:

@@ -1,4 +1,4 @@
-"""Summary of a fleet's results: spread, outliers, drift of the line, errors by kind."""
+"""Summary of a fleet: scatter, outliers, drift of the line, errors by kind."""
 
 import re
 from collections import Counter
@@ -11,8 +11,8 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import counted, plain
-from calib.line.fleet.drift import LevelChange, change
-from calib.line.fleet.outliers import SHARE, Judged, judge, named
+from calib.line.fleet.drift import LevelChange, find_change
+from calib.line.fleet.outliers import SHARE, OutlierTest, discoveries, find_outliers
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
@@ -34,7 +34,7 @@ _EXAMPLES = 3
 
 @dataclass(frozen=True)
 class Outlier:
-    """A reason why a log stands apart: a metric, its value, two-sided p and the z as rare."""
+    """A metric for which a log is an outlier: ``p`` two-sided, ``z`` normal deviate of that p."""
 
     log: str
     figure: str
@@ -44,8 +44,8 @@ class Outlier:
 
 
 @dataclass(frozen=True)
-class _Apart:
-    """A log that stands apart: ``p`` over all its metrics, and its reasons, the strongest first."""
+class _OutlyingLog:
+    """An outlier: ``p`` over all metrics of a log, and its reasons, the strongest first."""
 
     log: str
     p: float
@@ -54,11 +54,10 @@ class _Apart:
 
 @dataclass(frozen=True)
 class MetricSummary:
-    """One metric, a number, over the fleet.
+    """One metric, a number, over the k logs of the fleet that have it.
 
-    ``rows`` (k,) with a value, in order; ``values``, their two-sided ``p``, NaN if not judged, and
-    ``outlying`` (k,); ``change`` None if they are too few; ``drifts`` whether the change is
-    significant among all metrics.
+    ``rows`` of these logs, ``values``, two-sided ``p``, NaN if not judged, and ``outlying``, all
+    (k,); ``change`` None for too few; ``drifts`` whether it is significant among all metrics.
     """
 
     column: Column
@@ -76,12 +75,12 @@ class MetricSummary:
 
     @property
     def judged(self) -> bool:
-        """Whether there are enough values to tell outliers."""
+        """Whether there are enough values for outliers."""
         return bool(np.isfinite(self.p).any())
 
     @property
     def median(self) -> float:
-        """In the metric's unit; NaN without a value, and so are scale and quantiles."""
+        """Median in the metric's unit; NaN without a value, and so are scale and quantiles."""
         return float(np.median(self._values))
 
     @property
@@ -91,7 +90,7 @@ class MetricSummary:
 
     @property
     def quantiles(self) -> dict[str, float]:
-        """The values below which 5, 25, 75 and 95 % are, by percent."""
+        """Quantiles 5, 25, 75 and 95 %."""
         shares = ("5", "25", "75", "95")
         quantiles = np.quantile(self._values, [0.05, 0.25, 0.75, 0.95]).tolist()
         return dict(zip(shares, quantiles, strict=True))
@@ -101,8 +100,8 @@ class MetricSummary:
         return self.values if self.values.size else np.full(1, np.nan)
 
     @property
-    def others(self) -> tuple[float, float]:
-        """5 and 95 % of the values that stand not apart; of all if none or each does."""
+    def inlier_range(self) -> tuple[float, float]:
+        """Quantiles 5 and 95 % of the values without outliers; of all if each is one."""
         inliers = self.values[~self.outlying]
         low, high = np.quantile(inliers if inliers.size else self.values, [0.05, 0.95])
         return float(low), float(high)
@@ -124,37 +123,37 @@ class _Failure:
 class Summary:
     """The whole fleet.
 
-    ``status``: number of logs for each; ``failed``: logs that fail, each with the limits that it
-    does not hold, "" where that is not known; ``classes``: of each metric of text or yes/no the
-    number of each value, the most frequent first; ``apart``: the farthest log first; ``copies``:
-    names of logs that are one and the same recording, by recording.
+    ``status`` number of logs for each; ``failed`` logs that fail, each with the limits that it does
+    not hold, "" where that is not known; ``classes`` of each metric of text or yes/no the number of
+    each value, the most frequent first; ``apart`` outliers, the farthest first; ``copies`` names of
+    logs that are the same recording, by recording.
     """
 
     logs: tuple[str, ...]
     ordered_by: str
     status: dict[Status, int]
     failed: dict[str, str]
-    looks: tuple[MetricSummary, ...]
+    metrics: tuple[MetricSummary, ...]
     classes: dict[str, dict[str, int]]
-    apart: tuple[_Apart, ...]
+    apart: tuple[_OutlyingLog, ...]
     failures: tuple[_Failure, ...]
     copies: list[list[str]]
 
     @property
     def drift_tested(self) -> bool:
-        """Whether any metric has enough logs to tell a drift."""
-        return any(look.change is not None for look in self.looks)
+        """Whether any metric has enough logs to test for drift."""
+        return any(metric.change is not None for metric in self.metrics)
 
     @property
     def headline(self) -> str:
         """The fleet in one sentence."""
         errors = sum(failure.count for failure in self.failures)
         failed = f"; {counted(errors, 'log')} with an error" if errors else ""
-        if not any(look.judged for look in self.looks):
-            some = any(look.values.size for look in self.looks)
+        if not any(metric.judged for metric in self.metrics):
+            some = any(metric.values.size for metric in self.metrics)
             why = "too few to judge outliers or drift" if some else "none has a metric"
             return f"{counted(len(self.logs), 'log')}: {why}{failed}."
-        names, logs = [look.name for look in self.looks if look.drifts], len(self.apart)
+        names, logs = [m.name for m in self.metrics if m.drifts], len(self.apart)
         drift = "No drift" if self.drift_tested else "Drift not tested"
         if names:
             drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
@@ -166,13 +165,13 @@ def summarise(fleet: FleetFile) -> Summary:
     """Summarise all metrics that are numbers."""
     numbers = [m for m in fleet.metrics if m.kind is float]
     every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
-    judged = judge(every, [plain(m.name).step for m in numbers])
+    test = find_outliers(every, [plain(m.name).step for m in numbers])
     rows = [np.flatnonzero(np.isfinite(x)) for x in every]
-    # the column that orders the line always increases along it: nothing of it is tested
+    # the column that orders the line increases along it by itself: it is not tested
     lines = [x[:0] if m.name == fleet.order else x for m, x in zip(numbers, every, strict=True)]
-    changes = drifting([x[np.isfinite(x)] for x in lines])
-    looks = [
-        MetricSummary(m, k, every[i, k], judged.p[i, k], judged.named[i, k], *changes[i])
+    changes = drift_tests([x[np.isfinite(x)] for x in lines])
+    metrics = [
+        MetricSummary(m, k, every[i, k], test.p[i, k], test.reasons[i, k], *changes[i])
         for i, (m, k) in enumerate(zip(numbers, rows, strict=True))
     ]
     words = fleet.values("status")
@@ -186,19 +185,19 @@ def summarise(fleet: FleetFile) -> Summary:
         fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
         {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
-        tuple(looks),
+        tuple(metrics),
         dict(_classes(fleet)),
-        _apart(fleet.logs, numbers, every, judged),
+        _outlying_logs(fleet.logs, numbers, every, test),
         failures(fleet.logs, fleet.values("error")),
         [copies for copies in recordings.values() if len(copies) > 1],
     )
 
 
-def drifting(lines: Sequence[Array]) -> list[tuple[LevelChange | None, bool]]:
+def drift_tests(lines: Sequence[Array]) -> list[tuple[LevelChange | None, bool]]:
     """Change of each metric in the order of the line, and whether it is significant among all."""
-    changes = [change(x) for x in lines]
+    changes = [find_change(x) for x in lines]
     p = np.array([np.nan if c is None else c.p for c in changes])
-    return list(zip(changes, named(p, _DRIFT).tolist(), strict=True))
+    return list(zip(changes, discoveries(p, _DRIFT).tolist(), strict=True))
 
 
 def _classes(fleet: FleetFile) -> Iterator[tuple[str, dict[str, int]]]:
@@ -209,22 +208,24 @@ def _classes(fleet: FleetFile) -> Iterator[tuple[str, dict[str, int]]]:
             yield metric.name, dict(counts.most_common())
 
 
-def _apart(
-    logs: tuple[str, ...], metrics: Sequence[Column], values: Array, judged: Judged
-) -> tuple[_Apart, ...]:
-    """The logs that stand apart, each with its metrics; ``values`` (m, n)."""
+def _outlying_logs(
+    logs: tuple[str, ...], metrics: Sequence[Column], values: Array, test: OutlierTest
+) -> tuple[_OutlyingLog, ...]:
+    """The outliers, each with its reasons; ``values`` (m, n)."""
     from scipy.special import ndtri
 
-    away = values - np.nanmedian(values, axis=1, keepdims=True) if judged.named.any() else values
-    z = -np.sign(away) * ndtri(np.maximum(0.5 * judged.p, 1e-19))
-    numbers, cars = np.stack([values, z, judged.p]), []
-    for row in np.flatnonzero(judged.named.any(axis=0)):
+    if not test.reasons.any():
+        return ()
+    deviation = values - np.nanmedian(values, axis=1, keepdims=True)
+    z = -np.sign(deviation) * ndtri(np.maximum(0.5 * test.p, 1e-19))
+    numbers, cars = np.stack([values, z, test.p]), []
+    for row in np.flatnonzero(test.reasons.any(axis=0)):
         reasons = [
             Outlier(logs[row], metrics[i].name, *numbers[:, i, row].tolist())
-            for i in np.flatnonzero(judged.named[:, row]).tolist()
+            for i in np.flatnonzero(test.reasons[:, row]).tolist()
         ]
         reasons.sort(key=lambda o: (o.p, -abs(o.z)))
-        cars.append(_Apart(logs[row], float(judged.p_of_car[row]), tuple(reasons)))
+        cars.append(_OutlyingLog(logs[row], float(test.p_of_car[row]), tuple(reasons)))
     return tuple(sorted(cars, key=lambda car: (car.p, car.log)))
 
 
@@ -270,27 +271,27 @@ def document(summary: Summary) -> dict[str, Any]:
             {"log": car.log, "p": car.p, "figures": [o.figure for o in car.reasons]}
             for car in summary.apart
         ],
-        "figures": {look.column.name: _entry(summary, look) for look in summary.looks},
+        "figures": {m.column.name: _entry(summary, m) for m in summary.metrics},
         "classes": summary.classes,
     }
 
 
-def _entry(summary: Summary, look: MetricSummary) -> dict[str, Any]:
-    c = look.change
+def _entry(summary: Summary, metric: MetricSummary) -> dict[str, Any]:
+    c = metric.change
     return {
-        "unit": look.column.unit,
-        "count": look.values.size,
-        "median": look.median,
-        "scale": look.scale,
-        "quantiles": look.quantiles,
-        "beyond_3": int(np.sum(look.p < _P_OF_3)),
-        "outliers": int(look.outlying.sum()),
+        "unit": metric.column.unit,
+        "count": metric.values.size,
+        "median": metric.median,
+        "scale": metric.scale,
+        "quantiles": metric.quantiles,
+        "beyond_3": int(np.sum(metric.p < _P_OF_3)),
+        "outliers": int(metric.outlying.sum()),
         "change": c
         and {
-            "drifts": look.drifts,
+            "drifts": metric.drifts,
             "p": c.p,
-            "first_log": summary.logs[look.rows[c.first]],
-            "number": int(look.rows[c.first]) + 1,
+            "first_log": summary.logs[metric.rows[c.first]],
+            "number": int(metric.rows[c.first]) + 1,
             "before": c.old_level,
             "after": c.new_level,
         },

@@ -1,7 +1,7 @@
 """Watch a folder for new logs: each is processed once, when it is complete.
 
-look ──> settled ──> workers ──> journal, on the disk ──> told
-  └── every second when all are done; writes results.parquet then, and regularly before
+scan ──> complete files ──> workers ──> journal, on the disk ──> printed row
+  └── every second when all are done; then, and every 30 s, results.parquet is written
 """
 
 import math
@@ -15,7 +15,7 @@ from pathlib import Path
 from threading import Event
 
 from calib.base.errors import printable
-from calib.line.fleet.batch import Sweep, logs_below
+from calib.line.fleet.batch import BatchRun, logs_below
 from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import write_results
 from calib.line.fleet.rows import Row, Status
@@ -28,26 +28,26 @@ _LATE = 30.0
 """Longest delay of the results file behind the journal while logs arrive [s]."""
 
 
-class _Settled:
-    """Files that are complete: size and times of change are constant for ``settle`` [s]."""
+class _CompleteFiles:
+    """Files whose size and times of change are constant for ``settle`` [s]."""
 
     def __init__(self, settle: float):
         self.settle = settle
         self._files: dict[str, tuple[tuple[int, ...], float]] = {}
         """Size and times of each file, and when it is ready [s]."""
 
-    def look(self, paths: Iterable[str], now: float) -> list[str]:
+    def ready(self, paths: Iterable[str], now: float) -> list[str]:
         """Those of ``paths`` that are complete and new or changed; ``now`` [s]."""
         earlier, self._files = self._files, {}
         for path in paths:
             if stamp := _stamp(path):
                 old = earlier.get(path)
                 self._files[path] = old if old and old[0] == stamp else (stamp, now + self.settle)
-        return [path for path, (_, ready) in self._files.items() if now >= ready]
+        return [path for path, (_, ready_at) in self._files.items() if now >= ready_at]
 
-    def give(self, path: str, again: float = math.inf) -> None:
-        """Mark a file as given to a worker; it is ready again at ``again`` [s]."""
-        self._files[path] = self._files[path][0], again
+    def submitted(self, path: str, retry_at: float = math.inf) -> None:
+        """Mark a file as submitted to a worker; it is ready again at ``retry_at`` [s]."""
+        self._files[path] = self._files[path][0], retry_at
 
 
 def _stamp(path: str) -> tuple[int, ...] | None:
@@ -66,8 +66,8 @@ def watch(
     out: Path,
     executor: Executor,
     stop: Event,
-    tell: Callable[[Row], None] = lambda row: None,
-    trouble: Callable[[str], None] = lambda text: None,
+    on_row: Callable[[Row], None] = lambda row: None,
+    on_error: Callable[[str], None] = lambda text: None,
     *,
     every: float = 1.0,
     settle: float = 2.0,
@@ -75,47 +75,47 @@ def watch(
 ) -> Counter[Status]:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
-    ``folder`` is scanned each ``every`` [s], a log is complete after ``settle`` [s] without change;
-    ``out`` keeps journal and results.parquet as in `run_batch`, rows named by their path within
-    ``folder``. ``tell`` is called with each row after it is on the disk, ``trouble`` once when a
-    folder cannot be read; ``clock`` [s]. Returns the number of rows by status.
+    ``folder`` is scanned each ``every`` [s]; a log is complete after ``settle`` [s] without change.
+    ``out`` has journal and results.parquet as in `run_batch`, with paths within ``folder``.
+    ``on_row`` is called with each row after it is on the disk, ``on_error`` once when a folder
+    cannot be read; ``clock`` [s]. Returns the number of rows by status.
 
-    A log is repeated only if its digest has changed; one that was deleted keeps its row. The job is
-    not "diagnose": its logs are folders without a sign of completion. Raises like `run_batch`.
+    A log is repeated only if its digest has changed; one that was deleted keeps its row. Not for
+    "diagnose": a folder does not show when it is complete. Raises like `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
-    files, troubled, written, behind = _Settled(settle), set[str](), -math.inf, True
+    files, reported, written, outdated = _CompleteFiles(settle), set[str](), -math.inf, True
 
     def until_stopped(logs: dict[str, str]) -> Iterator[tuple[str, str]]:
         for name, path in logs.items():
             if stop.is_set():
                 return
-            files.give(path)
+            files.submitted(path)
             yield name, path
 
     with closing(BatchJournal(out, settings)) as journal:
         while not stop.is_set():
             errors: list[OSError] = []
             paths = logs_below(str(folder), job.command, out, errors.append)
-            ready = files.look(paths, clock())
+            ready = files.ready(paths, clock())
             unreadable = {
                 f"{printable(str(e.filename))}: cannot be read ({e.strerror})" for e in errors
             }
-            for text in sorted(unreadable - troubled):
-                trouble(text)
-            troubled = unreadable
+            for text in sorted(unreadable - reported):
+                on_error(text)
+            reported = unreadable
             logs = {printable(os.path.relpath(path, folder)): path for path in ready}
-            sweep = Sweep(job, journal, executor, len(logs), tell=tell)
-            sweep.work(until_stopped(logs))
+            run = BatchRun(job, journal, executor, len(logs), on_row=on_row)
+            run.work(until_stopped(logs))
             for row in journal.rows(logs):
                 if row.digest is None or row.lost:
-                    files.give(logs[row.log], clock() + _RETRY)
-            behind = behind or bool(ready)
-            if behind and (not ready or stop.is_set() or clock() - written > _LATE):
+                    files.submitted(logs[row.log], clock() + _RETRY)
+            outdated = outdated or bool(ready)
+            if outdated and (not ready or stop.is_set() or clock() - written > _LATE):
                 names = journal.logs()
                 if names:
                     write_results(journal.rows(names), settings, out)
-                behind, written = False, clock()
+                outdated, written = False, clock()
             if not ready:
                 stop.wait(every)
         return journal.counts()

@@ -25,15 +25,12 @@ VEHICLE = "vehicle.toml"
 CALIBRATION, HOLDOUT = "calibration", "holdout"
 
 Files = dict[str, bytes]
-Answer = tuple[Status, tuple[Cell, ...]]
+Outcome = tuple[Status, tuple[Cell, ...]]
 
 
 @dataclass(frozen=True)
 class Job:
-    """A command with its table, vehicle, limits and channel map.
-
-    `validate` needs a table and limits, `fit` a vehicle. Logs are read with ``channel_map``.
-    """
+    """A command and its inputs: `validate` needs a table and limits, `fit` a vehicle."""
 
     command: Command
     table: Table | None = None
@@ -43,18 +40,18 @@ class Job:
     version: str = VERSION
 
     def settings(self) -> dict[str, str]:
-        """Settings on which the rows depend besides the logs, each as a word or a digest."""
+        """What the rows depend on besides the logs, each as a word or a digest."""
         return {
             "command": self.command,
             "table": self.table.digest if self.table else "none",
             "vehicle": _digest(asdict(self.vehicle)) if self.vehicle else "none",
             "limits": _digest([asdict(limit) for limit in self.limits]),
-            "map": _of_map(self.channel_map) if self.channel_map else "none",
+            "map": _map_digest(self.channel_map) if self.channel_map else "none",
             "program": self.version,
         }
 
 
-def _of_map(mapped: ChannelMap) -> str:
+def _map_digest(mapped: ChannelMap) -> str:
     """Digest of a map and of the content of the files that describe frames, not of their paths."""
     content = asdict(mapped)
     del content["where"]
@@ -75,10 +72,7 @@ def _sha256(data: bytes) -> str:
 
 @dataclass(frozen=True)
 class WorkItem:
-    """A log to process: its name in the results, its path, and the digest in its row, if any.
-
-    A log whose digest is still ``digest`` is not processed again.
-    """
+    """A log to process: its name in the results, its path, and the digest in its row, if any."""
 
     name: str
     path: str
@@ -86,10 +80,9 @@ class WorkItem:
 
 
 def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
-    """Rows of some logs in their order; None for an unchanged log.
+    """Rows of some logs in their order; None for a log whose digest has not changed.
 
-    ``packed``: a pickled `Job`, which a worker unpacks once. Raises BatchError if it comes from
-    another version of the program.
+    ``packed`` a pickled `Job`. Raises BatchError if it comes from another version of the program.
     """
     job: Job = _unpacked(packed)
     if job.version != VERSION:
@@ -154,20 +147,20 @@ def _logs(job: Job, item: WorkItem, files: Files, part: str = "") -> list[Log]:
     ]  # fmt: skip
 
 
-def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
+def _validate(job: Job, item: WorkItem, files: Files) -> Outcome:
     from calib.estimation.metrics import METRICS
     from calib.estimation.validate import validate_one
 
     assert job.table is not None
     (log,) = _logs(job, item, files)
     result = validate_one(job.table, log, job.vehicle, job.limits)
-    broken = ", ".join(j.figure for j in result.judgements if j.verdict == FAILED)
+    not_held = ", ".join(j.figure for j in result.judgements if j.verdict == FAILED)
     metrics = (finite(result.figures[name]) for name in METRICS)
-    cells = (*metrics, broken or None, _codes(result.warnings))
+    cells = (*metrics, not_held or None, _codes(result.warnings))
     return Status.PASSED if result.passed else Status.FAILED, cells
 
 
-def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
+def _fit(job: Job, item: WorkItem, files: Files) -> Outcome:
     from calib.fitting.fit import fit
 
     assert job.vehicle is not None
@@ -182,7 +175,7 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
     return ", ".join(dict.fromkeys(one.code for one in warnings)) or None
 
 
-def _check(job: Job, item: WorkItem, files: Files) -> Answer:
+def _check(job: Job, item: WorkItem, files: Files) -> Outcome:
     from calib.plausibility.check import check
     from calib.run.run import figures
 
@@ -194,7 +187,7 @@ def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     return Status.PASSED if findings.usable else Status.FAILED, cells
 
 
-def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
+def _diagnose(job: Job, item: WorkItem, files: Files) -> Outcome:
     from calib.car.vehicle_file import read_vehicle
     from calib.diagnosis.diagnose import diagnose
 
@@ -206,7 +199,7 @@ def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
     return Status.DONE, (diagnosis.verdict, names, *map(finite, gap))
 
 
-_RUNS: dict[Command, Callable[[Job, WorkItem, Files], Answer]] = {
+_RUNS: dict[Command, Callable[[Job, WorkItem, Files], Outcome]] = {
     Command.FIT: _fit,
     Command.VALIDATE: _validate,
     Command.CHECK: _check,

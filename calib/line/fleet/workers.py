@@ -1,4 +1,4 @@
-"""Who computes the rows: processes of this machine, or the workers of a Dask cluster."""
+"""Executors of a batch: processes of this machine, or the workers of a Dask cluster."""
 
 from concurrent.futures import Future
 from functools import partial
@@ -17,7 +17,7 @@ _PRELOADED = (
     *("scipy.special", "calib.plausibility.check", "calib.fitting.fit"),
     *("calib.estimation.validate", "calib.diagnosis.diagnose", "calib.line.fleet.work"),
 )
-"""What the library imports late; the server from which workers are forked imports it once."""
+"""Late imports of the library, done once in the server from which workers are forked."""
 
 _PATIENCE = "10s"
 """Longest wait for an answer of the scheduler [s]."""
@@ -90,7 +90,7 @@ class Cluster:
         return rows
 
     def renew(self) -> None:
-        """Keep the workers, which Dask renews itself, as long as there is a scheduler."""
+        """Do nothing, since Dask renews workers itself. Raises BatchError without a scheduler."""
         if self._client.status != "running":
             raise self._gone()
 

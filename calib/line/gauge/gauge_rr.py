@@ -1,9 +1,9 @@
-r"""How much of a metric's scatter comes from the gauge: variance components, %GRR and ndc.
+r"""Gauge repeatability and reproducibility of a metric: variance components, %GRR and ndc.
 
     y = mean + car_i + station_j + (car x station)_ij + repeat      all but the mean random
 
-The sum of squares is split into one part for each cause, in this order, each adjusted for the ones
-before it (type I, Henderson's third method). The expected mean squares are linear in the variances:
+The sum of squares is split by cause, in this order, each adjusted for the ones before it (type I,
+Henderson's third method). The expected mean squares are linear in the variances:
 
     E[MS] = C sigma^2      C from the design only, so  sigma^2 = C^-1 MS
 
@@ -16,7 +16,7 @@ unbiased; the intervals are approximate, with the degrees of freedom of Satterth
     %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG)
     %GRR of the tolerance = 6 GRR/(USL - LSL)                    (the same, ch. III, section B)
 
-Where the cars do not differ, %GRR is near 100 % for any gauge; that of the tolerance has a meaning.
+Where the cars do not differ, %GRR is near 100 % for any gauge; only that of the tolerance helps.
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
 Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): the 2.5 and 97.5 % points
 of draws of nu MS/chi2(nu) for each expected mean square. How often they contain the truth:
@@ -39,7 +39,7 @@ CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
 
 _RANK = 1e-9
-"""Share of the largest singular value below which a direction is ignored."""
+"""Singular value over the largest one below which a direction is ignored."""
 
 _SIGMAS = 6.0
 """Standard deviations across a process, which AIAG compares with the tolerance."""
@@ -79,16 +79,16 @@ class Anova:
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
     """Causes that the design can separate, in order; ``car``, ``station`` codes (n,).
 
-    Not the interaction without a repeat in a cell, nor stations that share no car.
+    The interaction needs a repeat in a cell, the station a car that was on two of them.
     """
-    names, every = [CAR], _columns(car)
+    names, columns = [CAR], _columns(car)
     for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
-        more = np.hstack([every, _columns(codes)])
-        rank = np.linalg.matrix_rank(more)
-        if rank == np.linalg.matrix_rank(every) or (name == INTERACTION and rank == car.size):
+        extended = np.hstack([columns, _columns(codes)])
+        rank = np.linalg.matrix_rank(extended)
+        if rank == np.linalg.matrix_rank(columns) or (name == INTERACTION and rank == car.size):
             break
         names.append(name)
-        every = more
+        columns = extended
     return (*names, REPEATABILITY)
 
 
@@ -102,8 +102,8 @@ def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = 
     Z = {n: _columns(codes[n]) if n in codes else np.eye(y.size) for n in names}
     parts = _partition(Z)
     df = {n: U.shape[1] for n, U in parts.items()}
-    about = y - np.mean(y)
-    ss = {n: float(np.sum((U.T @ about) ** 2)) for n, U in parts.items()}
+    centred = y - np.mean(y)
+    ss = {n: float(np.sum((U.T @ centred) ** 2)) for n, U in parts.items()}
     ms = {n: ss[n] / df[n] for n in names}
     # E[MS] has tr(U U' Z Z')/df of each variance
     C = np.array(
@@ -173,8 +173,8 @@ class GaugeRR:
     """Components of a metric's scatter, as the document has them.
 
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
-    ``gauge`` and ``total``; ``negative`` those whose estimated variance is negative, and counts as
-    zero; ``grr`` share of the gauge in the total standard deviation; ``ndc`` rounded down;
+    ``gauge`` and ``total``; ``negative`` those with a negative variance, which counts as zero;
+    ``grr`` standard deviation of the gauge over the total; ``ndc`` rounded down;
     ``grr_of_tolerance`` six standard deviations of the gauge over the tolerance, None without one;
     ``cars_differ`` whether the interval of the cars' standard deviation is above zero.
     """
@@ -204,8 +204,8 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     ends = {name: np.sqrt(_ends(draws[name])).tolist() for name in point}
     components = {n: _Component(math.sqrt(x), (*ends[n],)) for n, x in point.items()}
     (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(draws)
-    per = _SIGMAS / tolerance if tolerance else math.nan
-    of_tolerance = _Ratio(per * components[GAUGE].sd, (*(per * end for end in ends[GAUGE]),))
+    factor = _SIGMAS / tolerance if tolerance else math.nan
+    of_tolerance = _Ratio(factor * components[GAUGE].sd, (*(factor * x for x in ends[GAUGE]),))
     return GaugeRR(
         analysis.sources,
         components,

@@ -1,4 +1,4 @@
-"""The ramps of a gauge study: car and station of each from a plan file, and their metrics.
+"""The plan of a gauge study, car and station of each ramp, and the metrics of these ramps.
 
 log,car,station,road,vehicle                station, road and vehicle are optional
 a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the plan's folder
@@ -23,8 +23,8 @@ _FILE = f"a CSV file with columns {', '.join(_COLUMNS)}; the last three may be l
 
 
 @dataclass(frozen=True)
-class Place:
-    """A log of a study: ``station`` and ``road`` are "" if they are not given."""
+class PlannedRamp:
+    """A ramp of a study; ``station`` and ``road`` are "" if they are not given."""
 
     log: Path
     car: str
@@ -33,37 +33,33 @@ class Place:
     road: str = ""
 
 
-def read_plan(path: Path, vehicle: Path | None = None) -> tuple[Place, ...]:
-    """Read a plan, one log a row, with commas or semicolons.
+def read_plan(path: Path, vehicle: Path | None = None) -> tuple[PlannedRamp, ...]:
+    """Read a plan with commas or semicolons; ``vehicle`` is the file where it names none.
 
-    ``vehicle`` is the file of the logs for which the plan names none.
-
-    The stiffness of the tyres depends on the road, so ramps of different roads are no repeats of
-    each other and are refused. Raises InputError if the file is not readable, and if a log or
-    column occurs twice.
+    Raises InputError if the file is not readable, if a log or column occurs twice, and for ramps of
+    several roads: the stiffness of the tyres depends on the road, so they are no repeats.
     """
-    places = tuple(_places(path, vehicle))
-    if not places:
+    ramps = tuple(_rows(path, vehicle))
+    if not ramps:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
-    files = [os.path.realpath(place.log) for place in places]
+    files = [os.path.realpath(ramp.log) for ramp in ramps]
     if twice := [file for file in files if files.count(file) > 1]:
         raise InputError(f"{twice[0]} occurs twice", where=path)
-    if len({bool(place.station) for place in places}) > 1:
+    if len({bool(ramp.station) for ramp in ramps}) > 1:
         raise InputError("some logs have a station and some have none", where=path)
-    if len({place.road for place in places}) > 1:
+    if len({ramp.road for ramp in ramps}) > 1:
         do = "write a plan for each road"
         raise InputError("ramps of several roads are no repeats", where=path, do=do)
-    return places
+    return ramps
 
 
-def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
-    """Every row of a plan."""
+def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
         text = data.decode("utf-8-sig").replace("\0", "\N{REPLACEMENT CHARACTER}")
-        mark = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
+        delimiter = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
         lines = [line for line in text.splitlines() if line.strip()]
-        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=mark)]
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
     heads = rows[0] if rows else []
@@ -76,33 +72,33 @@ def _places(path: Path, vehicle: Path | None) -> Iterator[Place]:
             raise InputError(problem, where=path, expected=_FILE)
         named = cells.pop("vehicle", "")
         file = path.parent / named if named else vehicle
-        yield Place(path.parent / cells.pop("log"), vehicle=file, **cells)
+        yield PlannedRamp(path.parent / cells.pop("log"), vehicle=file, **cells)
 
 
 def readings(
-    places: Sequence[Place],
+    ramps: Sequence[PlannedRamp],
     channel_map: ChannelMap | None,
     names: Sequence[str],
     report: Callable[[], None] = lambda: None,
 ) -> tuple[GaugeReading, ...]:
-    """Metrics of these ``names`` of each ramp, fitted alone; each place must have a vehicle.
+    """Metrics ``names`` of each ramp, fitted alone; each ramp must have a vehicle.
 
-    ``report`` is called after each ramp. Raises LogError for a ramp that cannot be fitted, and one
-    that was given twice.
+    ``report`` is called after each ramp. Raises LogError for a ramp that cannot be fitted,
+    InputError for one that was given twice.
     """
     from calib.car.vehicle_file import read_vehicle
 
-    cars = {file: read_vehicle(file) for file in {place.vehicle for place in places} if file}
+    cars = {file: read_vehicle(file) for file in {ramp.vehicle for ramp in ramps} if file}
     each: list[GaugeReading] = []
     parents: list[LogReference] = []
-    for place in places:
-        assert place.vehicle is not None
-        log = read_log(place.log, channel_map)
+    for ramp in ramps:
+        assert ramp.vehicle is not None
+        log = read_log(ramp.log, channel_map)
         refuse_repeated(log, parents)
-        table = fit(cars[place.vehicle], [log])
+        table = fit(cars[ramp.vehicle], [log])
         parents += table.provenance.logs
         metrics = metrics_of(table, log)
         chosen = {name: metrics[name] for name in names}
-        each.append(GaugeReading(str(place.log), place.car, place.station, chosen, log.digest))
+        each.append(GaugeReading(str(ramp.log), ramp.car, ramp.station, chosen, log.digest))
         report()
     return tuple(each)

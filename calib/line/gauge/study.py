@@ -2,8 +2,8 @@
 
 ramps --fit, one table a ramp--> metrics --anova--> components --limits--> verdict
 
-A metric is compared with the differences of the cars (%GRR, ndc) and, where its tolerance is known,
-with that. Where the cars do not differ only the tolerance can judge the gauge. Both in a file:
+The scatter of the gauge is compared with the differences of the cars (%GRR, ndc), and with the
+tolerance of a metric where it is known. Limits and tolerances stand in one file:
 
     [limits]
     grr = { max = 0.3 }                           %GRR of every metric, as a share
@@ -39,13 +39,13 @@ _GOOD_GRR = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
 
 METRICS = ("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_stiffness")
-"""Metrics of every ramp, see `metrics_of`; all dimensionless."""
+"""Metrics of every ramp [1], see `metrics_of`."""
 
 _FIGURES = ("grr", "ndc", "grr_of_tolerance")
 """What is judged of each metric."""
 
 KNOWN_LIMITS = (*_FIGURES, *METRICS)
-"""What a file of limits may hold: of a metric it is the tolerance."""
+"""Names in a file of limits; that of a metric is its tolerance."""
 
 _DEFAULTS = (
     Limit("grr", None, 0.30),
@@ -58,7 +58,7 @@ _DEFAULTS = (
 class GaugeVerdict(StrEnum):
     """Verdict on a metric as a gauge, by AIAG; NOT_JUDGED if repeats do not scatter.
 
-    ALIKE: the cars do not differ and no tolerance is known, so nothing shows that it is good.
+    ALIKE: the cars do not differ and no tolerance is known, so nothing can be judged.
     """
 
     GOOD = "good"
@@ -107,7 +107,7 @@ class GaugeStudy:
 
     @property
     def passed(self) -> bool:
-        """Whether each judged metric is shown to hold its limits."""
+        """Whether no metric is refused."""
         return all(result.verdict not in REFUSED for result in self.results)
 
     @property
@@ -137,7 +137,7 @@ def metrics_of(table: Table, log: Log) -> dict[str, float]:
 
 
 def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
-    """Raise InputError for a run that was read before: a copy would look like a perfect repeat."""
+    """Raise InputError for a run that was read before: a copy is no repeat."""
     first = next((one for one in read if one.is_run_of(log)), None)
     if first is not None:
         raise InputError(f"the same run as {first.name}", where=log.source, do="give it once")
@@ -175,8 +175,8 @@ def study(
     """Analyse the readings, each metric by itself. Raises InputError for an insufficient design.
 
     At least two cars and one repeated ramp are needed; stations are optional. A limit of a metric
-    itself is its tolerance and must have both ends, else LimitsError is raised; where there are
-    only such limits the `_DEFAULTS` judge.
+    itself is its tolerance; where there are no others, the `_DEFAULTS` judge. Raises LimitsError
+    for a tolerance with one end.
     """
     tolerances = _tolerances(limits)
     of_gauge = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS

@@ -1,10 +1,10 @@
 """The files of a run at the station: all of them, or none.
 
 DIR/station.json  junit.xml  report.html  summary.json  <stop>.parquet  exports
-DIR/refused.json  instead, where the car could not be judged: who it was and why
+DIR/refused.json  instead, where the car could not be judged: its identity and the reason
 
-The verdict is moved into place last: without a station.json the run is not complete. `station.json`
-holds no time and no path: the same logs, limits and identifiers give the same bytes.
+`station.json` is moved into place last: without it the run is not complete. It holds no time and no
+path: the same logs, limits and identifiers give the same bytes.
 """
 
 import json
@@ -53,8 +53,8 @@ def why_not_exported(stored: Stored) -> str:
 def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
-    What an earlier run made, or may have made, is removed if this run did not make it again: an
-    export must not stay when the car fails now. Raises OSError, see `calib.base.write.publish`.
+    Files of an earlier run that this one did not make are removed: no export may stay when the car
+    fails now. Raises OSError, see `calib.base.write.publish`.
     """
     return publish(work, out, DOCUMENT, _stale)
 
@@ -73,8 +73,7 @@ def write_refusal(
 ) -> None:
     """Write `REFUSED` into the folder ``out``, whole or not at all. Raises OSError.
 
-    It holds no verdict and no number, so nobody takes it for a result. The files of an earlier run
-    stay; the next run that ends with a verdict removes it.
+    The files of an earlier run stay; the next run that ends with a verdict removes it.
     """
     document = {
         "schema": 1,

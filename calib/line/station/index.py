@@ -1,7 +1,7 @@
 """The runs below a folder, as the operator's screen shows them.
 
-A run is a folder with a station.json, or with a refused.json, which is the newer of the two where
-it is there; a run inside a run is not looked for.
+A run is a folder with a station.json or a refused.json; with both, the refusal is the newer one.
+Folders inside a run are not searched.
 """
 
 import json
@@ -16,7 +16,7 @@ from calib.base.errors import printable
 from calib.line.station.files import DOCUMENT, REFUSED
 
 INDEX, LIVE = "index.html", "live.html"
-"""The page, and the same one that loads itself again every few seconds."""
+"""The page, and the same one that reloads itself every few seconds."""
 UNREADABLE = "not readable"
 """Verdict of a run whose station.json or refused.json is damaged."""
 NO_VERDICT = "refused"
@@ -27,10 +27,10 @@ NO_VERDICT = "refused"
 class IndexedRun:
     """One run as the index shows it.
 
-    ``place``: its folder below that of the index; ``written_at``: when its verdict was written [s
-    since 1970]; ``bad``: number of metrics and warnings that speak against the car; ``why``: what
-    failed or warned first, as (metric, stop, value, next step); ``trend``: metrics over the line by
-    name, and ``limits`` of them as (low, high); ``refusal``: why the car could not be judged.
+    ``place`` its folder below that of the index; ``written_at`` time of its verdict [s since 1970];
+    ``bad`` number of metrics and warnings that speak against the car; ``why`` the first of them as
+    (metric, stop, value, next step); ``trend`` metrics over the line by name, with ``limits`` (low,
+    high); ``refusal`` why the car could not be judged.
     """
 
     place: str
@@ -60,7 +60,7 @@ def runs_below(folder: Path) -> list[IndexedRun]:
 
 
 def _documents(folder: Path) -> Iterator[Path]:
-    """What every run below ``folder`` wrote, hidden folders left out."""
+    """The document of every run below ``folder``, hidden folders left out."""
 
     def fail(error: OSError) -> None:
         if Path(error.filename) == folder:
@@ -75,7 +75,7 @@ def _documents(folder: Path) -> Iterator[Path]:
 
 
 def _run(path: Path, place: str, written_at: float) -> IndexedRun:
-    """One run from what it wrote; if that is damaged, its verdict is `UNREADABLE`."""
+    """One run from its document; if that is damaged, its verdict is `UNREADABLE`."""
     try:
         document = json.loads(read_bounded(path, VALIDATION))
         identity = document["identity"]

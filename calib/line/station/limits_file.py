@@ -1,7 +1,4 @@
-"""The limits of a car when the user gives none, and the file of them that can be edited.
-
-Every limit has its reason and a next step, so that the operator knows what to do with the car.
-"""
+"""The default limits of a car, and a file of them to edit, each with its reason and next step."""
 
 from math import inf
 from pathlib import Path
@@ -24,7 +21,7 @@ def _limit(key: str) -> Limit:
 
 _JUDGED = (key for key, one in METRICS.items() if one.judged)
 LIMITS = tuple(map(_limit, sorted(_JUDGED, key=lambda key: METRICS[key].judged)))
-"""Of each metric that is judged by default: first of the car, then of each stop."""
+"""The default limits: first of the car, then of each stop."""
 
 
 def limits_of_car(path: Path | None) -> tuple[Limit, ...]:

@@ -24,9 +24,9 @@ METRICS: dict[str, str] = meanings("car")
 """Every metric of the car, with its meaning."""
 
 _LOW, _HIGH = 0.10, 0.40
-"""Range of deceleration [1] for the sides: noise is too large below, the tyre bends above."""
+"""Range of deceleration [1] for left and right: too much noise below, a nonlinear tyre above."""
 _WIDEST = 0.05
-"""Half width of the 95 % interval [1] above which a difference of the sides is not known."""
+"""Half width of the 95 % interval [1] above which a side difference is not known."""
 _FEWEST = 8
 """Least number of blocks of 0.2 s for an estimate of the scatter."""
 
@@ -74,10 +74,9 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
     slip of each wheel, zeroed on the unbraked part, (20) --> the tyre curve g of the table
     d = (g(s_l) - g(s_r)) / mean: left and right carry the same load on a straight, level road
 
-    Where the log has both pressures of the axle, their difference is subtracted: the rest is that
-    of the pads. Samples beyond the end of the tyre curve are left out. None without a reference
-    speed, with too little braking between 0.1 and 0.4 g, or an interval wider than +-`_WIDEST`.
-    A bend or a crowned road looks the same as a difference of the brakes.
+    Where the log has both pressures of the axle, their difference is subtracted, so that d is that
+    of the pads. None without a reference speed, with too little braking between 0.1 and 0.4 g, or
+    an interval wider than +-`_WIDEST`. A bend or a crowned road looks like a difference.
     """
     log, driving = run.log, run.driving
     if "v" not in log:

@@ -92,12 +92,12 @@ class StationCheck:
 
 @dataclass(frozen=True)
 class StationOutcome:
-    """A car after its run at the station, and the verdict; words are "" where there is nothing.
+    """A car after its run at the station, and the verdict.
 
-    ``table`` is fitted on ``ramps`` and ``coasts``; ``results`` of the hold-outs ``stops`` in their
-    order; ``golden`` the table of its model; ``accepted`` why warnings are accepted; ``by`` the
-    person who answers for it, else the user of the computer; ``limits_file`` the file of ``limits``
-    with its digest, else those of the program.
+    ``table`` fitted on ``ramps`` and ``coasts``; ``results`` of the hold-outs ``stops`` in their
+    order; ``golden`` table of its model; ``accepted`` why warnings are accepted; ``by`` who answers
+    for it, "" for the user of the computer; ``limits_file`` file of ``limits`` with its digest, ""
+    for the default ones.
     """
 
     table: Table
@@ -131,14 +131,11 @@ class StationOutcome:
 
     @cached_property
     def caveats(self) -> list[PlausibilityWarning]:
-        """Warnings of `brake-cal check` on a log that fit and estimate do not have.
-
-        They are no verdict on the car.
-        """
-        places = {(warning.code, warning.log) for warning in self.warnings}
+        """Further warnings of `brake-cal check` on a log; they do not change the verdict."""
+        earlier = {(warning.code, warning.log) for warning in self.warnings}
         logs = (*self.ramps, *self.coasts, *self.stops)
         every = (w for log in logs for w in check(log, vehicle=self.table.vehicle).warnings)
-        return [w for w in every if (w.code, w.log) not in places]
+        return [w for w in every if (w.code, w.log) not in earlier]
 
     @property
     def golden_cars(self) -> int:
@@ -155,7 +152,7 @@ class StationOutcome:
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
-        """What speaks against the fit, the stops, and both together."""
+        """Warnings of the fit, of the stops, and of both together."""
         of_stops = (w for result in self.results for w in result.warnings)
         return (*self.table.warnings, *car_warnings(self.table, self.results), *of_stops)
 
@@ -176,20 +173,20 @@ class StationOutcome:
         """The verdict in a sentence with its counts."""
         n, count = self.counts, len(self.warnings)
         parts = {"failed": n[FAILED], "with a warning": n[WARNING], "not known": n[NOT_KNOWN]}
-        named = [f"{number} {word}" for word, number in parts.items() if number]
-        more = f"; {counted(count, 'warning')} of its logs" if count else ""
-        passed = ", ".join([f"{counted(n[PASSED], 'check')} passed", *named])
-        return f"{passed}{more}{self._unproved}"
+        others = [f"{number} {word}" for word, number in parts.items() if number]
+        of_logs = f"; {counted(count, 'warning')} of its logs" if count else ""
+        passed = ", ".join([f"{counted(n[PASSED], 'check')} passed", *others])
+        return f"{passed}{of_logs}{self._unproved}"
 
     @property
     def _unproved(self) -> str:
-        """What is added where the stops hold nothing that could prove the table."""
+        """Remark where the stops have nothing that could prove the table."""
         return f", {CONSISTENT}" if self.passed and proof_of(self.results) == NONE else ""
 
     def decision(self, digest: str) -> StateDecision:
-        """The state that the verdict gives the table; ``digest`` of `station.json`, its evidence.
+        """The state of the table by the verdict; ``digest`` of `station.json`, its evidence.
 
-        A warning alone releases nothing: the table is a draft, unless the warnings are accepted.
+        With warnings that nobody accepts it stays a draft.
         """
         state = {PASSED: RELEASED, FAILED: REJECTED}.get(self.verdict, DRAFT)
         reason = f"{self.verdict} at the station{self._unproved}"
@@ -259,7 +256,7 @@ def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) ->
 
 
 def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[PlausibilityWarning, ...]:
-    """A level of the brakes that the ramp and the stops do not share, by the mean of the stops."""
+    """Warnings of a brake level that changed from the ramp to the mean of the stops."""
     changes = [change for r in results if (change := level_change(table, r)) is not None]
     mean = float(np.mean(np.log(changes))) if changes else 0.0
     measured = Measured("level_changed", mean, shown=math.expm1)
@@ -267,7 +264,7 @@ def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[Plausibil
 
 
 def level_change(table: Table, result: Validation) -> float | None:
-    """Brake force of a stop over what the ramp's pads would give [1]; None without an answer."""
+    """Brake force of a stop over that with the pads of the ramp [1]; None if not known."""
     mu_f, mu_r = (result.figures[f"pad_friction_{axle}"] for axle in "fr")
     if mu_f is None or mu_r is None:
         return None

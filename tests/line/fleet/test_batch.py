@@ -66,7 +66,7 @@ def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, 
     files = (first.results, Path("out", NAME))
     before = [file.read_bytes() for file in files]
     again = run(six, "logs/missing.csv")
-    assert (again.fresh, again.counts) == (1, first.counts)
+    assert (again.computed, again.counts) == (1, first.counts)
     assert [file.read_bytes() for file in files] == before
 
     Path("logs/car_00002.csv").write_bytes(Path("logs/car_00000.csv").read_bytes())
@@ -75,7 +75,7 @@ def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, 
     os.mkfifo("logs/missing.csv")
     done = run(six, "logs/missing.csv")
     rows = {row["log"]: row for row in rows_of(done)}
-    assert done.fresh == 3
+    assert done.computed == 3
     assert rows["logs/car_00002.csv"]["status"] == rows["logs/new.csv"]["status"] == "passed"
     assert "logs/car_00005.csv" not in rows
     assert rows["logs/missing.csv"]["digest"] is None
@@ -97,7 +97,7 @@ def test_a_log_that_kills_its_worker_is_a_row_and_is_tried_again(run, six):
     bad = rows.pop(3)
     assert (bad["status"], bad["digest"]) == ("error", None)
     again = run(six)
-    assert again.fresh == 1
+    assert again.computed == 1
     assert again.counts == {"error": 2, "passed": 4}
     whole = rows_of(again)
     del whole[3]
@@ -168,5 +168,5 @@ def test_kill_9_in_the_middle_and_again(fitted, fleet, undisturbed, tmp_path):
     assert psutil.wait_procs(workers, timeout=20)[1] == [], "workers outlive their parent"
 
     again = run_batch(validating(fitted), [str(fleet)], out, Here())
-    assert again.fresh < 24
+    assert again.computed < 24
     assert again.results.read_bytes() == undisturbed

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from calib.line.fleet.drift import change, likeness
+from calib.line.fleet.drift import autocorrelation, find_change
 
 
 def test_no_change_without_scatter_or_with_few():
-    assert change(np.full(50, 0.38)) is None
-    assert change(np.arange(21.0)) is None
-    assert change(np.repeat([0.0, 1.0], 11)).p < 0.001  # a plain step in as few as are tested
+    assert find_change(np.full(50, 0.38)) is None
+    assert find_change(np.arange(21.0)) is None
+    assert find_change(np.repeat([0.0, 1.0], 11)).p < 0.001  # a plain step in as few as are tested
 
 
 @pytest.mark.parametrize("size", [1.0, 1.5])
@@ -19,7 +19,7 @@ def test_a_change_is_found_where_it_is(size):
     for _ in range(100):
         y = rng.normal(size=300)
         y[180:] += size
-        found = change(y)
+        found = find_change(y)
         assert found.p < 0.001
         assert found.new_level - found.old_level == pytest.approx(size, abs=0.6)
         first.append(found.first)
@@ -30,7 +30,7 @@ def test_a_change_is_found_where_it_is(size):
 def test_a_steady_line_changes_as_rarely_as_said_whatever_its_law():
     rng = np.random.default_rng(5)
     for draw in (rng.normal, rng.standard_cauchy, rng.exponential):
-        p = np.array([change(draw(size=200)).p for _ in range(500)])
+        p = np.array([find_change(draw(size=200)).p for _ in range(500)])
         assert 0.02 < np.mean(p < 0.05) < 0.08
 
 
@@ -46,5 +46,5 @@ def test_the_likeness_of_neighbours_is_that_of_the_cars_and_not_of_the_drift(dri
         for i in range(1, n):  # AR(1) with variance 1
             x[i] = r * x[i - 1] + np.sqrt(1.0 - r * r) * noise[i]
         x += 3.0 * moved
-        found.append(likeness(x - x.mean(), 150))
+        found.append(autocorrelation(x - x.mean(), 150))
     assert np.mean(found) == pytest.approx(r, abs=0.03)

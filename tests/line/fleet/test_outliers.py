@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from scipy.stats import binom, t
 
-from calib.line.fleet.outliers import judge
-from calib.line.fleet.summary import drifting
+from calib.line.fleet.outliers import find_outliers
+from calib.line.fleet.summary import drift_tests
 
 
 def judged(values, least=0.0):
     """Any metrics, of which differences of ``least`` matter."""
     values = np.atleast_2d(values)
-    return judge(values, [least] * len(values))
+    return find_outliers(values, [least] * len(values))
 
 
 def cars_named(values):
-    return np.flatnonzero(judged(values).named.any(axis=0)).tolist()
+    return np.flatnonzero(judged(values).reasons.any(axis=0)).tolist()
 
 
 FLEETS = 25
@@ -49,7 +49,7 @@ def repeated(rng, m, n):
 
 def alarms(values):
     """Whether the page of a fleet, (m, n), calls any car apart or any drift."""
-    return bool(judged(values).named.any() or any(drifts for _, drifts in drifting(values)))
+    return bool(judged(values).reasons.any() or any(drifts for _, drifts in drift_tests(values)))
 
 
 def wrong(draw, metrics, cars):
@@ -83,17 +83,17 @@ def test_a_car_that_is_six_sigma_off_is_named_once_with_all_its_reasons():
     x[1] = x[0] + 0.1 * x[1]  # follows the first
     x[:2, 17] += 8.0
     found = judged(x)
-    assert np.flatnonzero(found.named.any(axis=0)).tolist() == [17]
-    assert np.flatnonzero(found.named[:, 17]).tolist() == [0, 1]
+    assert np.flatnonzero(found.reasons.any(axis=0)).tolist() == [17]
+    assert np.flatnonzero(found.reasons[:, 17]).tolist() == [0, 1]
 
 
 def test_a_difference_that_does_not_matter_names_no_car():
     x = 0.38 + 1e-6 * np.random.default_rng(6).normal(size=60)
     x[5] += 1e-4
-    assert judged(x).named[0, 5]
-    assert not judged(x, 0.001).named.any()
+    assert judged(x).reasons[0, 5]
+    assert not judged(x, 0.001).reasons.any()
     x[5] += 0.05
-    assert judged(x, 0.001).named[0, 5]
+    assert judged(x, 0.001).reasons[0, 5]
 
 
 def test_outliers_are_named_and_do_not_hide_each_other():

@@ -13,7 +13,7 @@ def found(tmp_path_factory):
 
 
 def look(found, name):
-    return next(one for one in found.looks if one.column.name == name)
+    return next(one for one in found.metrics if one.column.name == name)
 
 
 def test_the_drift_is_found_where_it_is_and_only_there(found):

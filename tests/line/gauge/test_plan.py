@@ -1,7 +1,7 @@
 import pytest
 
 from calib.base.errors import InputError
-from calib.line.gauge.plan import Place, read_plan
+from calib.line.gauge.plan import PlannedRamp, read_plan
 
 
 def plan(folder, text):
@@ -13,11 +13,11 @@ def plan(folder, text):
 def test_a_plan_is_read_from_its_own_folder(tmp_path):
     path = plan(tmp_path, "log, car,station,vehicle\na.csv,VIN 7,n,cars/7.toml\nb.csv,8,s,\n")
     assert read_plan(path) == (
-        Place(tmp_path / "a.csv", "VIN 7", "n", tmp_path / "cars/7.toml", ""),
-        Place(tmp_path / "b.csv", "8", "s", None),
+        PlannedRamp(tmp_path / "a.csv", "VIN 7", "n", tmp_path / "cars/7.toml", ""),
+        PlannedRamp(tmp_path / "b.csv", "8", "s", None),
     )
     path = plan(tmp_path, "log;car;station\na, 1.csv;A;S1\n")
-    assert read_plan(path) == (Place(tmp_path / "a, 1.csv", "A", "S1"),)
+    assert read_plan(path) == (PlannedRamp(tmp_path / "a, 1.csv", "A", "S1"),)
 
 
 @pytest.mark.parametrize(
