@@ -35,7 +35,7 @@ def simulate(
     model: Path | None = option("Pads, tyre, effects; without it the vehicle's own.", "M.toml"),
     effect: OwnEffects,
     manoeuvre: str | None = option(
-        "ramp, stop, coast, step, wave or staircase.", "NAME", names="calib.model.manoeuvre:NAMES"
+        "ramp, stop, coast, step or wave.", "NAME", names="calib.model.manoeuvre:NAMES"
     ),
     speed: float | None = _quantity(
         "m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'
@@ -58,7 +58,7 @@ def simulate(
     from calib.car.model import default_model
     from calib.car.model_file import read_model
     from calib.logs.write import write_csv, write_parquet
-    from calib.model.manoeuvre import manoeuvre as make_plan
+    from calib.model.manoeuvre import manoeuvre as make_trace
     from calib.model.sensor_noise import add_noise
     from calib.model.simulate import replay
     from calib.model.simulate import simulate as drive
@@ -74,9 +74,9 @@ def simulate(
     elif manoeuvre is not None and log is None:
         speed = speed or SPEED
         with at_option("--manoeuvre", ModelError):
-            plan = make_plan(manoeuvre, speed, pressure, rate or RATE, duration)
+            time, trace = make_trace(manoeuvre, speed, pressure, rate or RATE, duration)
         say(f"driving a {manoeuvre} with {car.name} from {speed:.1f} m/s")
-        driven_log = drive(driven, plan.time, plan.pressure, speed, name=manoeuvre)
+        driven_log = drive(driven, time, trace, speed, name=manoeuvre)
     else:
         raise misuse("give either a LOG or --manoeuvre", "LOG")
     result = driven_log if noise is None else add_noise(driven_log, noise)

@@ -1,11 +1,9 @@
 """Manoeuvres for the simulation: brake pressure over time from a first speed.
 
-    ramp ____/    step ___|----    stop ___/---    wave ___~~~~    staircase ___.-'-'
+    ramp ____/    step ___|----    stop ___/---    wave ___~~~~
 
 Every manoeuvre begins with an unbraked lead-in, where eta can be zeroed; `coast` is nothing else.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +19,6 @@ emergency reaches 60 bar in 0.15 s."""
 _FOOT = 80e5  # rise of the pressure in a usual stop [Pa/s]: a foot reaches 30 bar in about 0.4 s
 _SLOPE = 5e5  # rise of a ramp [Pa/s]: from 33 m/s the sedan of the paper stops before 50 bar
 _HOLD = 1.0  # time for which a ramp keeps its last pressure [s]
-_STEPS = 5  # equal steps of a staircase
 _SWING, _FREQUENCY = 0.4, 0.7  # amplitude over the mean pressure [1] and frequency [Hz] of a wave
 _RATES = (40.0, 1000.0)  # lowest and highest sample rate of the program [Hz]
 _LONGEST = 600.0  # longest time of a manoeuvre [s]
@@ -32,22 +29,11 @@ _USUAL = {
     "step": (30e5, 20.0),
     "stop": (30e5, 60.0),
     "wave": (25e5, 20.0),
-    "staircase": (40e5, 7.5),
     "coast": (0.0, 20.0),
 }
 """Pressure [Pa] and time [s] where none is given."""
 
 NAMES = tuple(_USUAL)
-
-
-@dataclass(frozen=True)
-class _Manoeuvre:
-    """Pressure [Pa] at time [s], both (n,), to be driven from ``v0`` [m/s]."""
-
-    name: str
-    time: Array
-    pressure: Array
-    v0: float
 
 
 def manoeuvre(
@@ -56,10 +42,10 @@ def manoeuvre(
     pressure: float | None = None,
     rate: float = 200.0,
     duration: float | None = None,
-) -> _Manoeuvre:
-    """Return the manoeuvre of that name from ``v0`` [m/s], sampled at ``rate`` [Hz].
+) -> tuple[Array, Array]:
+    """Return time [s] and pressure [Pa] (n,) of the manoeuvre of that name, from ``v0`` [m/s].
 
-    ``duration`` [s] is the time of the rise of a ramp, that of all steps of a staircase, the length
+    It has ``rate`` samples a second. ``duration`` [s] is the time of the rise of a ramp, the length
     of a coast, and the time at ``pressure`` [Pa] of the others. Raises ModelError for an unknown
     name, a pressure for `coast`, and numbers that cannot be driven.
     """
@@ -88,20 +74,15 @@ def manoeuvre(
     if name == "wave":
         phase = 2.0 * np.pi * _FREQUENCY * np.maximum(clock - LEAD_IN - level / _RISE, 0.0)
         trace *= 1.0 + _SWING * np.sin(phase)
-    return _Manoeuvre(name, clock, trace, v0)
+    return clock, trace
 
 
 def _corners(name: str, pressure: float, duration: float) -> list[tuple[float, float]]:
     """Time [s] and pressure [Pa] at the ends of straight lines."""
     if name == "coast":
         return [(0.0, 0.0), (duration, 0.0)]
-    rise, hold, steps = pressure / (_FOOT if name == "stop" else _RISE), duration, 1
+    rise, hold = pressure / (_FOOT if name == "stop" else _RISE), duration
     if name == "ramp":
         rise, hold = duration, _HOLD
-    if name == "staircase":
-        rise, hold, steps = rise / _STEPS, duration / _STEPS, _STEPS
-    corners = [(LEAD_IN, 0.0)]
-    for step in range(1, steps + 1):
-        top, level = corners[-1][0] + rise, pressure * step / steps
-        corners += [(top, level), (top + hold, level)]
-    return corners
+    top = LEAD_IN + rise
+    return [(LEAD_IN, 0.0), (top, pressure), (top + hold, pressure)]

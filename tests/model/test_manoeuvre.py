@@ -11,15 +11,14 @@ from calib.model.manoeuvre import LEAD_IN, NAMES, manoeuvre
 
 @given(st.sampled_from(NAMES), st.floats(40.0, 1000.0), st.floats(5e5, 120e5))
 def test_every_trace_is_an_even_clock_and_a_pressure_that_can_be_built(name, rate, pressure):
-    m = manoeuvre(name, 25.0, None if name == "coast" else pressure, rate)
-    assert m.name == name
-    assert m.time[0] == 0.0
-    assert np.diff(m.time) == pytest.approx(1.0 / rate, rel=1e-6)
-    assert m.time.shape == m.pressure.shape
-    assert np.all(m.pressure >= 0.0)
-    assert np.all(np.abs(np.diff(m.pressure)) <= 400e5 / rate * (1.0 + 1e-6))
+    time, trace = manoeuvre(name, 25.0, None if name == "coast" else pressure, rate)
+    assert time[0] == 0.0
+    assert np.diff(time) == pytest.approx(1.0 / rate, rel=1e-6)
+    assert time.shape == trace.shape
+    assert np.all(trace >= 0.0)
+    assert np.all(np.abs(np.diff(trace)) <= 400e5 / rate * (1.0 + 1e-6))
     if name != "coast":
-        assert np.all(m.pressure[m.time <= LEAD_IN - 1.0 / rate] == 0.0)
+        assert np.all(trace[time <= LEAD_IN - 1.0 / rate] == 0.0)
 
 
 # bar by second: 5 bar/s in a ramp, 80 in a stop, 400 in a step
@@ -27,15 +26,14 @@ CORNERS = {
     "ramp": {1.5: 0.0, 2.5: 5.0, 7.5: 30.0, 13.5: 60.0, 14.5: 60.0},
     "step": {1.5: 0.0, 1.575: 30.0, 21.575: 30.0},
     "stop": {1.5: 0.0, 1.75: 20.0, 1.875: 30.0, 30.0: 30.0},
-    "staircase": {1.5: 0.0, 1.52: 8.0, 3.02: 8.0, 3.04: 16.0, 4.56: 24.0, 9.1: 40.0},
     "coast": {0.0: 0.0, 20.0: 0.0},
 }
 
 
 @pytest.mark.parametrize("name", CORNERS)
 def test_a_trace_goes_through_its_corners(name):
-    m = manoeuvre(name, 33.0)
-    found = np.interp(list(CORNERS[name]), m.time, m.pressure) / 1e5
+    time, trace = manoeuvre(name, 33.0)
+    found = np.interp(list(CORNERS[name]), time, trace) / 1e5
     assert found == pytest.approx(list(CORNERS[name].values()), abs=1e-6)
 
 

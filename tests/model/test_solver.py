@@ -1,11 +1,9 @@
-"""The solver: sums over twins, what the history holds, where a run ends, and that it converges."""
+"""The solver: what the history holds, where a run ends, and that it converges."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from calib.base.errors import ModelError
 from calib.car.brakes import brakes_of
@@ -13,17 +11,7 @@ from calib.car.effects.effects import Effects
 from calib.car.history import constant_speed
 from calib.car.model import default_model
 from calib.car.tyre import MagicFormula
-from calib.car.vehicle import Axle
-from calib.model.solver import (
-    Drive,
-    RisingTyre,
-    Travel,
-    WheelDemand,
-    end_of,
-    history_of,
-    next_slip,
-    solve,
-)
+from calib.model.solver import Drive, RisingTyre, end_of, history_of, solve
 from tests.support.effect_runs import SEDAN
 
 TIME = np.arange(801) / 200.0
@@ -35,13 +23,6 @@ def run_with(effects, pressure=25e5, **own):
     model = replace(default_model(SEDAN), effects=Effects(effects))
     rest = constant_speed(TIME, np.full(TIME.size, pressure), 30.0)
     return Drive(brakes_of(model, rest, own), rest, 30.0, 1.0, NO_DRIVE)
-
-
-def test_equal_twins_sum_to_the_last_bit_as_one_for_both():
-    front, rear = np.random.default_rng(0).normal(3000.0, 1000.0, (2, 1000))
-    run = run_with({})
-    four = run.total({"fl": front, "fr": front, "rl": rear, "rr": rear})
-    assert np.array_equal(four, run.total({"fl": front, "rl": rear}))
 
 
 def test_what_the_brakes_and_the_road_took_is_what_the_car_lost():
@@ -86,47 +67,6 @@ def test_refuses_what_has_not_converged(monkeypatch):
 
 
 TYRE = MagicFormula(25.0, 0.9, load_exponent=0.1)
-SECOND = np.arange(200) / 200.0
-
-
-def axle(inertia):
-    return Axle(0.322, inertia, 28.84e-4, 0.1309, 2, 0.38)
-
-
-def settled(wheel, tyre, demand, travel):
-    slip = np.zeros(SECOND.size)
-    for _ in range(40):
-        slip = next_slip(wheel, tyre, demand, travel, slip)
-    return slip
-
-
-@given(st.floats(0.05, 0.98), st.floats(0.6, 1.4))
-def test_without_inertia_the_slip_is_the_closed_inverse(share, load):
-    force = share * TYRE.peak * np.linspace(0.0, 1.0, SECOND.size)
-    tyre = RisingTyre(TYRE, np.full(SECOND.size, load))
-    carried = np.full(SECOND.size, 4000.0)
-    demand = WheelDemand(0.322 * force * 4000.0, 0.0 * SECOND, carried)
-    travel = Travel(SECOND, np.full(SECOND.size, 20.0), 0.0 * SECOND)
-    slip = settled(axle(0.0), tyre, demand, travel)
-    assert slip == pytest.approx(TYRE.rising(force, load)[0], rel=1e-9, abs=1e-12)
-
-
-def test_a_step_reaches_the_tyre_with_the_time_constant_of_wheel_and_tyre():
-    """Linear tyre: tau = J v/(R^2 F_z K); after one time constant 63 % of the force is there."""
-    wheel, load, v = axle(1.2), 4000.0, 20.0
-    stiff = MagicFormula(25.0, 1e4)
-    tau = 1.2 * v / (0.322**2 * load * 25.0)
-    time = np.arange(4000) / 4000 * 20 * tau
-    n = time.size
-    torque = np.where(time > 0.0, 100.0, 0.0)
-    demand = WheelDemand(torque, np.zeros(n), np.full(n, load))
-    travel = Travel(time, np.full(n, v), np.zeros(n))
-    tyre = RisingTyre(stiff, np.ones(n))
-    slip = np.zeros(n)
-    for _ in range(5):
-        slip = next_slip(wheel, tyre, demand, travel, slip)
-    expected = 100.0 / 0.322 * (1.0 - np.exp(-time / tau))
-    assert load * tyre.force(slip) == pytest.approx(expected, abs=0.005 * 100.0 / 0.322)
 
 
 def test_beyond_the_edge_the_force_goes_on_rising_without_a_step():
