@@ -13,10 +13,9 @@ from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.base import OWN
 from calib.diagnosis.explanation.fit import runs_of
-from calib.diagnosis.explanation.gauss_newton import CONVERGED
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Tell, problem_of, silent
-from calib.diagnosis.named import base_estimates, confusion_of, drives, named
+from calib.diagnosis.named import base_estimates, drives, named
 from calib.diagnosis.replays import Replayed, gap_of, model_of, remainder_of
 from calib.diagnosis.runs import (
     LARGEST,
@@ -93,13 +92,12 @@ def diagnose(
     best, last = verdict.best, _with_term(verdict) if verdict.terms else verdict.after
     unexplained = unexplained_of(best, verdict.terms) if verdict.terms else None
     tell("asking what these logs could not show", 0, 1)
-    confusion = confusion_of(best, verdict.rivals)
     accepted = [set(step.names) for step in search.steps]
     withdrawn = (names for names in search.withdrawn.values() if set(names) not in accepted)
     every_run = (*best.runs, *runs_of(search.holdouts.problem, verdict.after.random_effects))
     return Diagnosis(
         verdict=verdict.word,
-        effects=named(verdict, confusion),
+        effects=named(verdict),
         unexplained=unexplained,
         base=base_estimates(best),
         gap=gap_of(last.base_logs, last.logs, search.holdouts.logs),
@@ -119,7 +117,6 @@ def diagnose(
             for run in every_run
         },
         drives=drives(best),
-        confusion=confusion,
         sides=sides,
         warnings=unexplained_warnings(
             warnings, unexplained=unexplained is not None, grouped=bool(best.hypothesis.kinds)
@@ -130,7 +127,7 @@ def diagnose(
 def _with_term(verdict: Verdict) -> Replayed:
     """The replays with the best empirical term; without it where it does not help."""
     try:
-        last = verdict.search.replayed(verdict.terms[0], CONVERGED)
+        last = verdict.search.replayed(verdict.terms[0])
     except ModelError:  # such a term need not have an equilibrium
         return verdict.after
     helped = gap_of(verdict.after.logs, last.logs, verdict.search.holdouts.logs).closed > 0.0

@@ -84,37 +84,6 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Alike:
-    """Effects, the mean squared innovation that they leave [1], and how far behind the best's."""
-
-    effects: tuple[str, ...]
-    innovation: float
-    behind: float
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Two explanations by their places, and how far they are apart, in sigma of all innovations.
-
-    In the calibration logs, and in ``drive``, the manoeuvre that tells them apart best.
-    """
-
-    between: tuple[int, int]
-    apart_in_logs: float
-    drive: str
-    apart_in_drive: float
-    unit: str = "sigma"
-
-
-@dataclass(frozen=True)
-class Confusion:
-    """Explanations that the logs cannot tell apart, the best first, with every pair of them."""
-
-    explanations: tuple[Alike, ...]
-    pairs: tuple[Pair, ...]
-
-
-@dataclass(frozen=True)
 class Size:
     """A size of a parameter in ``unit``."""
 
@@ -142,12 +111,11 @@ class Diagnosis(Shown):
     """The whole answer.
 
     ``replays_before`` and ``replays_after`` are the hold-outs replayed open loop; ``unexplained``
-    is None where nothing significant is left, ``confusion`` where one explanation stands alone;
-    ``sides`` by how much the right wheel of an axle rolled faster than the left one before that was
-    taken out [1], by axle; ``random_effects`` by log, by the names and in the units of
-    `calib.diagnosis.explanation.base`; ``withdrawn`` names of effects that fit the calibration logs
-    and not the hold-outs; ``drives`` of effects that these logs could not have shown; ``warnings``
-    what speaks against the logs and is not explained.
+    is None where nothing significant is left; ``sides`` by how much the right wheel of an axle
+    rolled faster than the left one before that was taken out [1], by axle; ``random_effects`` by
+    log, by the names and in the units of `calib.diagnosis.explanation.base`; ``withdrawn`` names of
+    effects that fit the calibration logs and not the hold-outs; ``drives`` of effects that these
+    logs could not have shown; ``warnings`` what speaks against the logs and is not explained.
     """
 
     verdict: str
@@ -168,7 +136,6 @@ class Diagnosis(Shown):
     noise: ChannelNoise
     random_effects: Mapping[str, Mapping[str, float]]
     drives: tuple[ShowingDrive, ...]
-    confusion: Confusion | None
     sides: Mapping[str, float]
     warnings: tuple[PlausibilityWarning, ...]
 
@@ -213,7 +180,6 @@ def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "own_states": diagnosis.random_effects,
         "sides": diagnosis.sides,
-        "confusion": diagnosis.confusion,
         "not_resolved": [drive.effect for drive in diagnosis.drives],
         "would_show": diagnosis.drives,
         "base": diagnosis.base,

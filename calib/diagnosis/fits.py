@@ -42,23 +42,25 @@ class Fits:
         return fit is not None and fit.log_evidence > promised - 3.0
 
     def add(self, e: Fit) -> None:
-        """Store a fit. An earlier one stays if it is as fine and more probable."""
-        earlier = self.fitted.get(e.hypothesis.key, e)
-        if e.tolerance < earlier.tolerance or e.log_evidence >= earlier.log_evidence:
+        """Store a fit. An earlier one stays if it is more probable."""
+        if e.log_evidence >= self.fitted.get(e.hypothesis.key, e).log_evidence:
             self.fitted[e.hypothesis.key] = e
             self.densities.pop(e.hypothesis.key, None)
 
-    def best_of(self, tops: Sequence[Promise], near: Fit) -> list[Fit]:
-        """Fit what is promised beside ``near``; best first, pruned where that may be best."""
+    def best_of(self, tops: Sequence[Promise], near: Fit, least: float = -np.inf) -> list[Fit]:
+        """Fit what is promised beside ``near``; best first, pruned where that may be best.
+
+        ``least`` is the ln of the evidence below which none is of use.
+        """
         new = [p for p in tops if not self.is_known(p.hypothesis, p.log_evidence)]
         if new:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in new).replace("_", " ")
             self.problem.tell(f"fitting {names}", 0, 1)
-        job = partial(_fitted, self.problem.alone, near.columns, near.has_unusual_base)
+        job = partial(_fitted, self.problem.alone, near.columns, near.has_unusual_base, least)
         for one in self.problem.mapped(job, new):
             self.add(replace(one, problem=self.problem))
         news = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda e: -e.log_evidence)
-        least = news[0].log_evidence - _PRUNED if news else 0.0
+        least = max((e.log_evidence for e in news), default=0.0) - _PRUNED
         return [self.pruned(e) if e.log_evidence > least else e for e in news]
 
     def pruned(self, fit: Fit) -> Fit:
@@ -89,13 +91,10 @@ class Fits:
             keep = np.isin(fit.prior.effect_names, ["", *part.names])
             x, same = fit.state.x[keep[: fit.state.x.size]], part.sizes == fit.hypothesis.sizes
             state = State(x, fit.state.form, np.where(same, fit.state.random_effects, 0.0))
-            self.add(fit_logs(self.problem, part, state, [J[keep] for J in fit.columns], ROUGH))
+            self.add(
+                fit_logs(self.problem, part, state, [J[keep] for J in fit.columns], tolerance=ROUGH)
+            )
         return self.fitted[part.key]
-
-    def others(self, best: Fit) -> tuple[Fit, ...]:
-        """Return all fits but the ``best``, by evidence."""
-        fits = [e for key, e in self.fitted.items() if key != best.hypothesis.key]
-        return tuple(sorted(fits, key=lambda e: -e.log_evidence))
 
     def value(self, fit: Fit) -> float:
         """ln of the evidence of all logs, searched and held out."""
@@ -128,10 +127,12 @@ class Fits:
         return self.densities[key]
 
 
-def _fitted(problem: Problem, near: Sequence[Array], unusual: bool, promise: Promise) -> Fit:
+def _fitted(
+    problem: Problem, near: Sequence[Array], unusual: bool, least: float, promise: Promise
+) -> Fit:
     """Fit what is promised from its state; pads and tyres from usual ones if they were not."""
     state = promise.state
     if unusual:
         usual = start_of(problem)
         state = replace(usual, x=np.concatenate([usual.x, state.x[problem.base_size :]]))
-    return fit_logs(problem, promise.hypothesis, state, near, ROUGH)
+    return fit_logs(problem, promise.hypothesis, state, near, least, ROUGH)

@@ -8,7 +8,7 @@ right for small effects, and the order of magnitude for large ones:
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from itertools import combinations, compress
+from itertools import compress
 
 import numpy as np
 
@@ -19,11 +19,8 @@ from calib.car.effects.catalogue import definition, every_effect
 from calib.car.effects.effect import AT_WHEELS, acts_on
 from calib.car.effects.effects import Effects
 from calib.diagnosis.diagnosis import (
-    Alike,
-    Confusion,
     Evidence,
     Named,
-    Pair,
     ParameterEstimate,
     RunnerUp,
     ShowingDrive,
@@ -78,16 +75,16 @@ def base_estimates(fit: Fit) -> dict[str, ParameterEstimate]:
     return {name: _estimate(of, "1") for name, *of in zip(names, *ends, strict=True)}
 
 
-def named(verdict: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
-    """Every effect of the best fit, with evidence; ``confusion`` with those like it."""
+def named(verdict: Verdict) -> tuple[Named, ...]:
+    """Every effect of the best fit, with evidence, and what is as likely."""
     best, search, whole = verdict.best, verdict.search, verdict.best.effects
     car_effects = best.problem.vehicle.effects
-    tried = [e for e in search.fits.others(search.best) if e.reduced < search.base.reduced]
+    tried = sorted(search.fits.fitted.values(), key=lambda e: -e.log_evidence)
     ends = [effects for _, effects in _intervals(best)]
     logs = (best.runs, runs_of(search.holdouts.problem, verdict.after.random_effects))
     others = sorted({n for e in verdict.rivals for n in e.names} - set(best.names))
-    nearest = confusion.pairs[0] if confusion else None
-    separate = f"{nearest.drive} ({nearest.apart_in_drive:.0f} sigma apart)" if nearest else ""
+    apart = best_drives(best, [(e.base, e.effects) for e in verdict.rivals[:1]])
+    separate = "".join(f"{drive} ({sigma:.0f} sigma apart)" for drive, sigma in apart)
     out = []
     for name in best.names:
         without = whole.without(name).with_(car_effects.only(name))
@@ -95,7 +92,7 @@ def named(verdict: Verdict, confusion: Confusion | None) -> tuple[Named, ...]:
         runners_up = (
             RunnerUp(" + ".join(e.names), search.base.reduced - e.reduced)
             for e in tried
-            if e.names and name not in e.names
+            if e.names and name not in e.names and e.reduced < search.base.reduced
         )
         out.append(
             Named(
@@ -155,19 +152,6 @@ def _where(fit: Fit, name: str, without: Effects) -> Where:
         axle = "front" if front > rear else "rear"
     channel = CHANNELS[int(np.argmax(np.sum(power, axis=1)))]
     return Where(channel, axle, pressure, speed, temperature if warm else None)
-
-
-def confusion_of(best: Fit, like: Sequence[Fit]) -> Confusion | None:
-    """The best fit with those that are ``like`` it; None if there are none."""
-    if not like:
-        return None
-    members, pairs = (best, *like), []
-    for (i, one), (j, other) in combinations(enumerate(members), 2):
-        apart = np.concatenate(one.innovations) - np.concatenate(other.innovations)
-        ((drive, sigma),) = best_drives(one, [(other.base, other.effects)])
-        pairs.append(Pair((i, j), float(np.linalg.norm(apart)), drive, sigma))
-    alike = (Alike(e.names, e.reduced, e.reduced - best.reduced) for e in members)
-    return Confusion(tuple(alike), tuple(pairs))
 
 
 def drives(fit: Fit) -> tuple[ShowingDrive, ...]:

@@ -19,7 +19,7 @@ from calib.car.model import Model
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import OWN, SLOPE, ZERO, Base
 from calib.diagnosis.explanation.fit import Fit, random_columns_of, runs_of
-from calib.diagnosis.explanation.gauss_newton import CONVERGED, fit_logs
+from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.problem import Problem
@@ -210,24 +210,25 @@ class Replayed:
     logs: tuple[Log, ...]
 
 
-def replayed(holdouts: HoldOuts, fit: Fit, base: Fit, tolerance: float = CONVERGED) -> Replayed:
-    """Fit a hypothesis as a model can have it, as ``base`` is, and replay the hold-outs.
+def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:
+    """Fit a hypothesis as a model can have it, and replay the hold-outs.
 
-    Raises ModelError.
+    With those of ``base``, as a model has it, or without where the fit is the base itself. Raises
+    ModelError.
     """
-    plain = without_form(fit, tolerance)
+    plain = without_form(fit)
     random_effects = placed(holdouts.problem, plain)
     logs = holdouts.replays(plain, random_effects)
-    if not fit.names and fit.hypothesis.walk is None:
+    if base is None:
         return Replayed(fit, plain, plain, random_effects, logs, logs)
     return Replayed(fit, plain, base, random_effects, holdouts.replays(base, random_effects), logs)
 
 
-def without_form(fit: Fit, tolerance: float = CONVERGED) -> Fit:
+def without_form(fit: Fit) -> Fit:
     """Fit the same hypothesis with tyres that do not depart from their form."""
     state = replace(fit.state, form=np.zeros_like(fit.state.form))
     hypothesis = replace(fit.hypothesis, has_discrepancy=False)
-    return fit_logs(fit.problem, hypothesis, state, fit.columns, tolerance)
+    return fit_logs(fit.problem, hypothesis, state, fit.columns)
 
 
 def placed(holdouts: Problem, fit: Fit) -> Array:

@@ -16,12 +16,12 @@ from calib.base.errors import ModelError
 from calib.diagnosis.explanation.base import SCATTERED
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.explanation.fit import Fit
-from calib.diagnosis.explanation.gauss_newton import FINAL, ROUGH, fit_logs
+from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, turned, unbraked_noise
 from calib.diagnosis.fits import Fits
 from calib.diagnosis.rank import Trial, promises, trials
-from calib.diagnosis.replays import Gap, HoldOuts, Replayed, gap_of, replayed, without_form
+from calib.diagnosis.replays import Gap, HoldOuts, Replayed, gap_of, replayed
 from calib.diagnosis.terms import Ranked, ranked_terms
 from calib.logs.log import Log
 
@@ -30,7 +30,7 @@ SURE = 10.0  # ln of the odds, of all logs together, from which more is believed
 _SHARE = 0.05  # share of all that is left which a cause of it takes at least
 _WIDER = 0.25  # share by which a fit may widen the gap on the way to a better one
 _WITHIN = 0.5  # what it may widen it by at least, in units of the noise
-_FRESH = 8  # further effects tried anew beside every fit; others are as without effects
+_FRESH = 8  # further effects tried anew beside a fit
 _MOST = 12  # moves at most
 _QUIETER = 0.9  # share of a channel's noise below which a fit leaves it quieter
 _WRONG = 0.5  # share of a gain by which a linear model is wrong at most, of a motor's parameters
@@ -41,7 +41,7 @@ class SearchStep:
     """One step: the effects present, the mean squared innovation [1], ln of the odds it gained.
 
     ``calibration`` by the logs that are searched, ``holdout`` by those held out. And what it
-    ``added`` and ``removed``, and by how much that innovation fell.
+    ``added`` and ``removed``.
     """
 
     names: tuple[str, ...]
@@ -50,7 +50,6 @@ class SearchStep:
     holdout: float
     added: tuple[str, ...] = ()
     removed: tuple[str, ...] = ()
-    innovation_gain: float = 0.0
 
 
 def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
@@ -113,14 +112,10 @@ class Search:
         noise = unbraked_noise(problem.vehicle, fit.base, fit.effects, problem.runs)
         return noise if np.any(noise.sigma <= _QUIETER * problem.noise.sigma) else None
 
-    @cached_property
-    def _plain(self) -> Fit:
-        """The base as a model has it."""
-        return without_form(self.base, ROUGH)
-
-    def replayed(self, fit: Fit, tolerance: float = ROUGH) -> Replayed:
+    def replayed(self, fit: Fit) -> Replayed:
         """Replay the hold-outs with a fit. Raises ModelError."""
-        return replayed(self.holdouts, fit, self._plain, tolerance)
+        is_base = not fit.names and fit.hypothesis.walk is None
+        return replayed(self.holdouts, fit, None if is_base else self.base_replayed.simulated)
 
     @cached_property
     def base_replayed(self) -> Replayed:
@@ -140,9 +135,7 @@ class Search:
         return gap.rms_after > gap.rms_before + max(_WIDER * gap.rms_before, _WITHIN)
 
     def accept(self, new: Fit, least: float = SURE) -> bool:
-        """Go on from what is better by ``least`` when it is fitted on, and widens no gap far."""
-        new = fit_logs(self.problem, new.hypothesis, new.state, new.columns)
-        self.fits.add(new)
+        """Go on from what is better by ``least``, and widens no gap far."""
         more, holdout_gain = self._gained(new)
         same = new.hypothesis.key == self.best.hypothesis.key
         if more + holdout_gain <= (0.0 if same else least):
@@ -160,15 +153,17 @@ class Search:
             last = self.steps[-1]
             added = tuple(name for name in new.names if name not in last.names)
             removed = tuple(name for name in last.names if name not in new.names)
-            gain = last.innovation - new.reduced
             self.steps.append(
-                SearchStep(new.names, new.reduced, more, holdout_gain, added, removed, gain)
+                SearchStep(new.names, new.reduced, more, holdout_gain, added, removed)
             )
-            mostly = (p.hypothesis.names[-1] for p in promises(new, self.first, 1))
-            tops = [*dict.fromkeys(mostly)][:_FRESH]
-            others = (trial for trial in self.first if trial.name not in tops)
-            self.further = [*trials(new, tops), *others]
+            self.further = self._trials(new)
         return True
+
+    def _trials(self, fit: Fit) -> list[Trial]:
+        """Further effects beside a fit: what promises most is tried anew, others as at the base."""
+        mostly = (p.hypothesis.names[-1] for p in promises(fit, self.first, 1))
+        tops = [*dict.fromkeys(mostly)][: _FRESH if fit.names else 0]
+        return [*trials(fit, tops), *(one for one in self.first if one.name not in tops)]
 
     def beside(self, *, other: bool = False) -> list[Fit]:
         """One effect more; with ``other`` logs may differ in further kinds besides.
@@ -182,7 +177,7 @@ class Search:
             most = max((p.log_evidence - best.log_evidence for p in those), default=0.0)
             least = best.log_evidence + max(5.0, (1.0 - _WRONG) * most - 5.0)
             tops += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
-        return self.fits.best_of(tops, best)
+        return self.fits.best_of(tops, best, best.log_evidence - 2.0 * SURE)
 
     def more_probable(self, news: Iterable[Fit]) -> Iterator[Fit]:
         """Those that are surely more probable than the best, by evidence."""
@@ -216,14 +211,13 @@ class Search:
         best, news = self.best, []
         parts, other = len(best.names), bool(best.hypothesis.kinds)
         for e in self.fits.fewer(best, best.names) or [best]:
-            further = trials(e) if e.names else self.first
-            promised = promises(e, further, 1 if other else 2, other)
+            promised = promises(e, self._trials(e), 1 if other else 2, other)
             single = [p for p in promised if len(p.hypothesis.names) <= parts]
             wider = (p for p in promised if len(p.hypothesis.names) > parts)
             out = best.hypothesis.parts - e.hypothesis.parts
             others = (p for p in wider if not out or not out <= p.hypothesis.parts)
             two = [p for p in others if p.log_evidence > best.log_evidence + SURE]
-            news += self.fits.best_of([*single[:2], *two[:1]], e)
+            news += self.fits.best_of([*single[:2], *two[:1]], e, best.log_evidence - 2.0 * SURE)
         return news
 
     @cached_property
@@ -262,11 +256,8 @@ class Search:
             more = e.state.x.size > best.state.x.size
             if set(e.names) <= set(best.names) or more or e.log_evidence < least:
                 continue
-            if value(e) >= most - 2.0 * SURE:
-                rival = fit_logs(self.problem, e.hypothesis, e.state, e.columns, FINAL)
-                self.fits.add(rival)
-                if value(rival) > most - SURE:
-                    out.append(rival)
+            if value(e) > most - SURE:
+                out.append(e)
         return tuple(sorted(out, key=lambda e: -value(e)))
 
     def _with_alike(self) -> Fit:
@@ -275,4 +266,4 @@ class Search:
         some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
         options = [replace(fit.hypothesis, alike=alike - fit.hypothesis.kinds) for alike in some]
         likeliest = max(options, key=lambda one: fit.marginal(sizes=one.sizes).evidence())
-        return fit_logs(fit.problem, likeliest, fit.state, fit.columns, FINAL)
+        return fit_logs(fit.problem, likeliest, fit.state, fit.columns)

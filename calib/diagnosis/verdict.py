@@ -24,7 +24,6 @@ from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.channels import A_X, CHANNELS, DRIFT, STEP, by_channel, thinned
 from calib.diagnosis.explanation.fit import Fit
-from calib.diagnosis.explanation.gauss_newton import CONVERGED
 from calib.diagnosis.replays import Replayed
 from calib.diagnosis.search import SURE, Search
 from calib.diagnosis.terms import PLAIN, Ranked, ranked_terms, with_terms
@@ -105,7 +104,7 @@ def _standing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
     """
     accepted = [*search.accepted]
     with suppress(ModelError):  # else the last one stands as it was accepted
-        accepted[-1:] = [search.replayed(search.best, CONVERGED)]
+        accepted[-1:] = [search.replayed(search.best)]
     for replayed in reversed(accepted):
         best = replayed.fit
         if best.names and search.widens(replayed):

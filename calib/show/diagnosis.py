@@ -3,11 +3,9 @@
 What is not told here, `diagnosis.json` has.
 """
 
-from string import ascii_uppercase
-
 from calib.base.plain import counted
 from calib.car.effects.catalogue import definition
-from calib.diagnosis.diagnosis import Confusion, Diagnosis, Named
+from calib.diagnosis.diagnosis import Diagnosis, Named
 from calib.diagnosis.replays import CHANNELS, UNITS
 from calib.diagnosis.verdict import FREQUENCY, SLIP, WHEEL_ANGLE
 from calib.show.diagnosis_figure import diagnosis_sheet, moved, worst
@@ -49,8 +47,6 @@ _BASE = (
     "ramps alone, and counts axle loads and unlike tyres too."
 )
 _TERM = "An empirical term: what it adds, by what it depends on."
-_ALIKE = "Explanations that fit these logs alike."
-_APART = "How far these logs tell each two of them apart, and the drive that would."
 _FIT = "brake-cal fit RAMP COAST --vehicle V.toml --model DIR/model.toml"
 _INNOVATION = "mean squared innovation (1 = noise)"
 
@@ -94,7 +90,6 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         parts=[
             *(_effect(effect, diagnosis) for effect in diagnosis.effects),
             Facts("What these logs could not show", tables=[_unseen(diagnosis)]),
-            *([_confusion(diagnosis.confusion)] if diagnosis.confusion else []),
             Facts("What no effect explains", pictures=term if diagnosis.unexplained else ()),
             _gap(diagnosis),
             Facts("What it rests on", tables=[_base(diagnosis)]),
@@ -228,28 +223,6 @@ def _unseen(diagnosis: Diagnosis) -> Table:
             (spaced(drive.effect), f"{spaced(name)} {usual}", manoeuvre, f"{drive.sigma:.0f} sigma")
         )
     return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
-
-
-def _confusion(confusion: Confusion) -> Facts:
-    """The set, and the drive for each pair; explanations are called A, B ..."""
-    letters = ascii_uppercase
-    rows = [
-        (f"{letters[i]}: {listed(one.effects)}", f"{one.innovation:.3f}",
-         f"{one.behind:+.4f}" if i else "")
-        for i, one in enumerate(confusion.explanations)
-    ]  # fmt: skip
-    drives = [
-        (" or ".join(letters[i] for i in pair.between), f"{pair.apart_in_logs:.0f} sigma",
-         pair.drive, f"{pair.apart_in_drive:.0f} sigma")
-        for pair in confusion.pairs
-    ]  # fmt: skip
-    return Facts(
-        "What these logs cannot tell apart",
-        tables=[
-            Table(("explanation", _INNOVATION, "behind A"), rows, _ALIKE),
-            Table(("which", "here", "drive", "there"), drives, _APART),
-        ],
-    )
 
 
 def _gap(diagnosis: Diagnosis) -> Facts:

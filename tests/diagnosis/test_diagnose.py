@@ -12,9 +12,7 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis, to_dict
-from calib.diagnosis.search import Search
-from calib.logs.log import Log
-from tests.support.explained import diagnosed, searched
+from tests.support.explained import diagnosed
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.measuring_chain import Message, chained
 from tests.support.rounding import moved
@@ -61,13 +59,6 @@ def test_a_single_effect_is_named_with_an_interval_that_holds_it(drag, told):
     assert found.gap.rms_after < 1.5  # in units of the noise
     assert all(0 <= done < total for _, done, total in steps)
     assert len({stage for stage, _, _ in steps}) > 4
-
-
-def test_nothing_hidden_is_no_gap_and_leaves_the_model_alone():
-    found = diagnosed(draw("none", 14, only=THREE))
-    assert found.verdict == "no_gap"
-    assert found.effects == ()
-    assert found.model_after == found.model_before
 
 
 @pytest.mark.slow
@@ -132,16 +123,6 @@ def test_a_diagnosis_does_not_hang_on_the_last_digits(drag, told):
 def test_the_order_of_the_logs_does_not_matter(drag, told):
     other = diagnose(drag.vehicle, list(drag.calibration)[::-1], list(drag.holdout))
     assert to_dict(told[0]) == to_dict(other)
-
-
-def test_half_the_sample_rate_finds_the_same_effects(drag):
-    def thinned(parts: tuple[Log, ...]) -> list[Log]:
-        return [
-            replace(log, channels={k: v[::2] for k, v in log.channels.items()}) for log in parts
-        ]
-
-    search: Search = searched(drag.vehicle, thinned(drag.calibration), thinned(drag.holdout))
-    assert search.best.names == ("aerodynamic_drag",)
 
 
 @pytest.mark.slow

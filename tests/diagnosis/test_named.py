@@ -13,7 +13,7 @@ from calib.diagnosis.explanation.base import OWN
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
-from calib.diagnosis.named import best_drives, confusion_of, drives, manoeuvres
+from calib.diagnosis.named import best_drives, drives, manoeuvres
 from calib.diagnosis.replays import model_of, without_form
 from calib.model.simulate import simulate
 from tests.support.explained import asked_of, based, fitted
@@ -60,20 +60,6 @@ def test_the_test_that_is_proposed_separates_most(rivals):
     assert sigma > 10.0
     assert shown[name] > 0.8 * max(shown.values())
     assert shown[name] > 1.5 * shown["light stop at 8 bar from 60 km/h"]
-
-
-def test_the_confusion_set_has_each_pair_with_its_drive(rivals):
-    drag, rolling = rivals
-    assert confusion_of(drag, []) is None
-    found = confusion_of(drag, [rolling])
-    assert [e.effects for e in found.explanations] == [(name,) for name in NAMES]
-    assert found.explanations[0].innovation == drag.reduced
-    (pair,) = found.pairs
-    assert pair.between == (0, 1)
-    assert "coast" in pair.drive
-    assert 0.0 < pair.apart_in_logs < pair.apart_in_drive
-    # and no farther than their misfits: a triangle with the measurement
-    assert pair.apart_in_logs <= sum(np.sqrt(at.reduced * at.count) for at in (drag, rolling))
 
 
 def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():

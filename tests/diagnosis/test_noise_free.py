@@ -41,7 +41,8 @@ def ideal() -> Diagnosis:
 
 
 def test_a_car_that_lacks_nothing_has_no_gap(ideal):
-    assert ideal.verdict == "no_gap"
+    assert (ideal.verdict, ideal.effects) == ("no_gap", ())
+    assert ideal.model_after == ideal.model_before
 
 
 def test_the_noise_that_was_assumed_is_told(ideal):

@@ -9,7 +9,7 @@ from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.fit import Fit
-from calib.diagnosis.explanation.gauss_newton import FINAL, fit_logs
+from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.hypothesis import Hypothesis, elements_of, start_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
@@ -36,7 +36,7 @@ def fitted(problem: Problem, names: tuple[str, ...] = (), kinds: Sequence[str] =
     known = problem.vehicle.effects
     more = [np.eye(len(elements_of(known, name)))[0] for name in names]
     state = replace(start, x=np.concatenate([start.x, *more]))
-    return fit_logs(problem, hypothesis, state, tolerance=FINAL)
+    return fit_logs(problem, hypothesis, state)
 
 
 def based(case: HiddenCase) -> Fit:

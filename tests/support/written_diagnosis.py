@@ -55,12 +55,11 @@ def named_drag():
         withdrawn=(),
         steps=(
             SearchStep((), 3.5, 0.0, 0.0),
-            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25, ("aerodynamic_drag",), (), 2.5),
+            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25, ("aerodynamic_drag",), ()),
         ),
         noise=ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900),
         random_effects={},
         drives=(),
-        confusion=None,
         sides={},
         warnings=(),
     )

@@ -34,6 +34,9 @@ _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row
 
 FORM_AT = np.linspace(0.05, 1.0, 8)  # normalised forces at which tyres depart from their form [1]
 _FORM = 0.06  # standard deviation of that departure [1]
+FORM_LIMIT = 5.0 * _FORM
+"""Largest departure [1], as far as tyres of any make go: without it, soft tyres whose slip departs
+by all of it imitate a late brake by the lag of their wheels."""
 _REACH = 0.25  # range of force over which it is alike [1]
 _ALIKE = 0.7  # correlation of front and rear tyres
 _NEAR = np.exp(-0.5 * ((FORM_AT[:, None] - FORM_AT) / _REACH) ** 2) + 0.01 * np.eye(FORM_AT.size)

@@ -46,8 +46,7 @@ class Fit:
 
     Of each log its ``predictions``, its ``innovations`` (n,), and their derivatives: ``columns``
     (m + 2 k, n) by x and the form of tyres, ``further_columns`` (4, n) by its slope, zero of a_x,
-    and first heats of its discs. ``tolerance`` is the fall of the sum of squares below which the
-    fit stopped.
+    and first heats of its discs.
     """
 
     problem: Problem
@@ -58,7 +57,6 @@ class Fit:
     columns: list[Array]
     further_columns: list[Array]
     log_evidence: float = -np.inf
-    tolerance: float = np.inf
 
     @property
     def names(self) -> tuple[str, ...]:

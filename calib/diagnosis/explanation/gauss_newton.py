@@ -15,14 +15,14 @@ from calib.diagnosis.explanation.fit import Fit, linearised, with_columns
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, prior_of
 from calib.diagnosis.explanation.problem import Problem
 
-FINAL, CONVERGED, ROUGH = 0.1, 2.0, 20.0
-"""Tolerances of a fit: of the last one, of one that is compared, and of one that only says what to
-try next."""
-
-_ROUNDS, _ROUNDS_ROUGHLY = 20, 10
+_ROUNDS = 20
 _DAMPING, _MOST_DAMPED = 1e-3, 1e4
-_EXCESS = 5e-4  # share of the squares beyond noise with which these falls grow [1]
+ROUGH, FINE = (2.0, 1e-2), (0.1, 1e-4)
+"""Falls of the sum of squares, and shares of the squares beyond noise, below which a fit is ended:
+one that is compared, since an effect must take 20 and a twentieth of them, and that is answered."""
+
 _BENT = 0.5  # fall over the promised one below which the linear model is bent along a step [1]
+_ACTIVE_SETS = 5  # for each element that are tried at most; one or two are usual
 _RIDGE = 1e-12  # added to a scaled information matrix, far above rounding [1]
 _FAR, _FAR_EFFECT = 0.3, 1.5  # longest step that a linear model holds: of base and form, effect [1]
 
@@ -32,35 +32,40 @@ def fit_logs(
     hypothesis: Hypothesis,
     state: State,
     near: Sequence[Array] = (),
-    tolerance: float = CONVERGED,
+    least: float = -np.inf,
+    tolerance: tuple[float, float] = FINE,
 ) -> Fit:
     """Fit a hypothesis from a state; ``near`` are columns nearby, as for `with_columns`.
 
-    It converged where the sum of squares promises to fall by less than the ``tolerance``. The
-    evidence is that of the linear model, with a fall of at most that.
+    It ends where a step promises to fall by less than the ``tolerance``, and where all steps that
+    are left, each as good as the next one, would leave the ln of the evidence below ``least``. That
+    is of the linear model, with a fall of at most the tolerance.
     """
     prior, m = prior_of(problem, hypothesis), state.x.size
     state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))
     fit, damping = linearised(problem, hypothesis, state, near), 0.0
-    for k in range(_ROUNDS if tolerance <= CONVERGED else _ROUNDS_ROUGHLY):
-        fit, falls, damping = _fallen(fit, tolerance, damping)
-        if not falls and (k or not near):
+    price, (fall, share) = hypothesis.price(len(problem.runs)), tolerance
+    for k in range(_ROUNDS):
+        # a damped step that ends at its bounds may promise nothing, and a smaller one still falls
+        ahead, promised = _step(fit, 0.0)
+        worth = max(fall, share * (fit.squares - fit.count))
+        reach = fit.marginal().evidence(0.0) - price + 0.5 * promised * (_ROUNDS - k)
+        if (promised < worth and (k or not near)) or reach < least:
             break
+        if promised >= worth:
+            last = fit.squares
+            fit, damping = _fallen(fit, ahead, promised, damping)
+            if last - fit.squares < 0.5 * worth:
+                break
         fit = with_columns(fit)
-    evidence = fit.marginal().evidence(tolerance) - hypothesis.price(len(problem.runs))
-    return replace(fit, log_evidence=evidence, tolerance=tolerance)
+    return replace(fit, log_evidence=fit.marginal().evidence(fall) - price)
 
 
-def _fallen(fit: Fit, least: float, damping: float) -> tuple[Fit, bool, float]:
-    """Take a step that falls; return whether the next one may fall, too, and its damping.
+def _fallen(fit: Fit, state: State, promised: float, damping: float) -> tuple[Fit, float]:
+    """Take a step that falls, to the ``state`` if nothing is damped; with the next damping.
 
-    Nothing falls where less than ``least``, times a share of the squares beyond noise, is promised
-    by the step without damping: a damped one that ends at its bounds may promise nothing, and a
-    smaller one still falls (Levenberg 1944).
+    Every smaller step falls (Levenberg 1944); where none does, rounding decides.
     """
-    state, promised = _step(fit, 0.0)
-    if promised < least * max(1.0, _EXCESS * (fit.squares - fit.count)):
-        return fit, False, 0.0
     while damping < _MOST_DAMPED:
         if damping:
             state, promised = _step(fit, damping)
@@ -68,11 +73,10 @@ def _fallen(fit: Fit, least: float, damping: float) -> tuple[Fit, bool, float]:
         if fit.squares - moved.squares < _BENT * promised:
             again = fit.moved(_corrected_step(fit, moved, damping))
             moved = min(moved, again, key=lambda one: one.squares)
-        fall = fit.squares - moved.squares
-        if fall > 0.0:
-            return moved, fall > 0.5 * least, 0.1 * damping
+        if moved.squares < fit.squares:
+            return moved, 0.1 * damping
         damping = max(10.0 * damping, _DAMPING)
-    return fit, False, 0.0
+    return fit, 0.0
 
 
 def _corrected_step(fit: Fit, moved: Fit, damping: float) -> State:
@@ -111,11 +115,28 @@ def _step(fit: Fit, damping: float) -> tuple[State, float]:
 
 
 def _least(H: Array, g: Array, low: Array, high: Array) -> Array:
-    """Return the s (k,) between ``low`` and ``high`` with the least s' H s + 2 g' s."""
-    from scipy.optimize import lsq_linear
+    """Return the s (k,) between ``low`` and ``high``, which hold 0, with the least s' H s + 2 g' s.
 
+    By active sets: what meets its bound is held there until it would leave it inwards (Nocedal and
+    Wright, ch. 16.5).
+    """
     scale = 1.0 / np.sqrt(np.diag(H))
-    root = np.linalg.cholesky(H * scale * scale[:, None] + _RIDGE * np.eye(g.size))
-    bounds = low / scale, high / scale
-    solved = lsq_linear(root.T, -np.linalg.solve(root, g * scale), bounds, method="bvls")
-    return np.asarray(np.clip(solved.x * scale, low, high))
+    H, g = H * scale * scale[:, None] + _RIDGE * np.eye(g.size), g * scale
+    low, high, s, is_held = low / scale, high / scale, np.zeros(g.size), np.zeros(g.size, bool)
+    for _ in range(_ACTIVE_SETS * g.size):
+        slope, (free,), way = H @ s + g, np.nonzero(~is_held), np.zeros(g.size)
+        way[free] = np.linalg.solve(H[np.ix_(free, free)], -slope[free])
+        bound = np.where(way > 0.0, high, low)
+        share = np.divide(bound - s, way, out=np.full(g.size, np.inf), where=way != 0.0)
+        first = int(np.argmin(share))
+        if share[first] < 1.0:
+            s, is_held[first] = s + share[first] * way, True
+            s[first] = bound[first]
+            continue
+        s = s + way
+        inwards = np.where(s >= high, 1.0, -1.0) * (H @ s + g) * is_held
+        last = int(np.argmax(inwards))
+        if inwards[last] <= _RIDGE:
+            break
+        is_held[last] = False
+    return np.clip(s, low, high) * scale

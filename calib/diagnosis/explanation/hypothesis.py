@@ -11,6 +11,7 @@ from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.diagnosis.explanation.base import (
     BASE,
+    FORM_LIMIT,
     FORM_PRIOR,
     HIGH,
     LOW,
@@ -191,7 +192,7 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
 
     of_effects = elements(problem, hypothesis.names)
     walks = [] if hypothesis.walk is None else [hypothesis.walk]
-    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRIOR) * [np.inf]]
+    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRIOR) * [FORM_LIMIT]]
     slowest = max(run.step / run.averaged for run in problem.runs)
     sigma = np.append(base_sigma(slowest), [one.sigma for one in of_effects])
     effects = [one.effect for one in of_effects][problem.base_size - LOW.size :]

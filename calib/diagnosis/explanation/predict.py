@@ -140,7 +140,7 @@ def run_of(log: Log) -> ObservedRun:
 
 def _lag_of(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> RunLag:
     """How the wheels of a run follow, as if both axles used the road as the whole car does."""
-    load = np.stack(axle_loads(car, run.z))
+    load = np.array(axle_loads(car, run.z))
     _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
     axles = (car.front, car.rear)
     heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
@@ -166,7 +166,7 @@ def predict(
     lag = of_run.lag
     pressed = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
     lines = combined.line_pressure(effects, pressed)
-    clamps = np.stack(combined.caliper_pressure(effects, pressed, *lines))
+    clamps = np.array(combined.caliper_pressure(effects, pressed, *lines))
     history, torque = run, np.zeros(0)
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(_PASSES_OF_TERM if leans else _PASSES):
@@ -177,7 +177,7 @@ def predict(
         history = replace(run, z=z, energy_f=energy[0], energy_r=energy[1])
         if turn == 1 and not leans and np.array_equal(previous, torque):
             break
-    load = np.maximum(0.5 * np.stack([motion.load_f, motion.load_r]), 1.0)
+    load = np.maximum(0.5 * np.array([motion.load_f, motion.load_r]), 1.0)
     plain = _slip(car, base.tyre, (force, rate), load, lag)
     use = np.abs(force / load)
     discrepancy = [np.interp(use[:, i], FORM_AT, form) for i, form in enumerate(base.form)]
@@ -227,7 +227,7 @@ def _balance(
     late = car.weight * combined.total_load_shift(car, effects, history)
     load_f, load_r = axle_loads(car, history.z)
     motion = Motion(history.v, load_f - late, load_r + late, history)
-    moments = 0.5 * (np.stack(combined.total_axle_moment(car, effects, motion)) - history.drive)
+    moments = 0.5 * (np.array(combined.total_axle_moment(car, effects, motion)) - history.drive)
     steady = [
         tyre_force(axle, torque[:, i], -G * history.z / axle.rolling_radius, moments[i])
         for i, axle in enumerate((car.front, car.rear))
