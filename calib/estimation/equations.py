@@ -48,6 +48,7 @@ class BlockState(NamedTuple, Generic[Number]):
     scale_variance: Number
     demand_variance: Number  # of the zeros
     eta_variance: Number
+    eta_by_drive: Number  # its mean, as in `Sample`
     effective_pressure_share: Number  # share of the pressure that acts [1]
     innovation: Number  # of the wheels where they count, in standard deviations
     braked: Number  # time of this stop [s]
@@ -98,6 +99,7 @@ def reset_stop(c: Constants, s: State) -> None:
     f.level, f.rate, f.var_level, f.var_rate = 1.0, 0.0, c.var_level, c.var_rate
     f.cov_level_lag, f.cov_level_rate, f.cov_lag_rate = 0.0, 0.0, 0.0
     s.means.blocks, s.means.z, s.means.shift, s.means.z_squared = 0.0, 0.0, 0.0, 0.0
+    s.means.eta_by_drive = 0.0
     s.braked, s.mean_z = 0.0, 0.0
     e: Check = s.check
     off = s.speed.scale - c.scale
@@ -178,6 +180,7 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     m.z += share * (y - m.z)
     m.shift += share * (shift(s, x) - m.shift)
     m.z_squared += share * (y * y - m.z_squared)
+    m.eta_by_drive += share * (x.eta_by_drive - m.eta_by_drive)
     s.mean_z = max(m.z, c.least_mean_z)
 
 
@@ -379,8 +382,8 @@ def block_state(s: State, *, counts: bool) -> BlockState[float]:
         s.level.level, s.level.var_level, s.means.blocks, s.mean_z, s.means.shift,
         s.means.z_squared, s.rim + s.speed.v, s.speed.slip, s.speed.scale, s.speed.var_slip,
         s.speed.cov_slip_scale, s.speed.var_scale, s.demand.variance, s.eta_less_1.variance,
-        s.share, s.innovation, s.braked, 1.0 + s.eta_less_1.value, s.zero_slip.value,
-        1.0 if counts else 0.0, s.checks,
+        s.means.eta_by_drive, s.share, s.innovation, s.braked, 1.0 + s.eta_less_1.value,
+        s.zero_slip.value, 1.0 if counts else 0.0, s.checks,
     )  # fmt: skip
 
 
@@ -410,9 +413,15 @@ def slip_evidence(
     """Slip and level (k,); ``by_map`` is its ln(slip/z), with its ``sigma``.
 
     What the scale of a_x departs by from what its prior trusts may be another error, as of the
-    wheels: the level is in doubt by as much.
+    wheels: the level is in doubt by as much, and the slip by what the scale moves it by. So is the
+    slip by what it departs by from that of the map.
     """
-    variance, residual = s.slip_variance, by_map - s.log_slip
+    residual = by_map - s.log_slip
+    doubt = np.maximum(np.abs(s.scale - c.scale) - c.trusted_scale, 0.0)
+    doubt = doubt * s.slip_scale / s.scale_variance
+    variance = s.slip_variance + doubt * doubt
+    doubt = np.maximum(np.abs(residual) - c.trusted * np.sqrt(variance + sigma**2), 0.0)
+    variance = variance + doubt * doubt
     gain = 1.0 / (variance + sigma**2)
     scale = s.scale + gain * s.slip_scale * residual
     doubt = np.maximum(np.abs(scale - c.scale) - c.trusted_scale, 0.0)
@@ -429,12 +438,15 @@ def slip_evidence(
 
 
 def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
-    """Standard deviation of the mean of eta - 1 (k,) by wheels, zero and a changing z."""
+    """Standard deviation of the mean of eta - 1 (k,) by wheels, zero, a changing z and the road."""
     speed = np.maximum(s.speed, 1.0)
     wheels = c.var_rim / (np.maximum(s.blocks, 1.0) * speed * speed)
     # a mean over decelerations that differ is not the curve at their mean
     nonlinearity = s.shift * np.maximum(s.z_squared / z**2 - 1.0, 0.0)
-    return np.sqrt(wheels + s.eta_variance + nonlinearity**2)
+    of_road = (
+        c.other_road * s.eta_by_drive
+    )  # slips that are known are those of the road of the ramp
+    return np.sqrt(wheels + s.eta_variance + nonlinearity**2 + of_road * of_road)
 
 
 def reason_of(

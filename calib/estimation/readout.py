@@ -189,12 +189,13 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
     road = block_balance(car, known_effects(table), b)
     slips = known_slips(table, road)
+    eta_less_1 = b.eta / speed_ratio(*slips) - 1.0
     return Sample(
         demand=road.demanded / car.weight,
         nominal=(brake_f + brake_r) / car.weight,
         pressure=np.maximum(b.p_f, b.p_r),
         z=b.z,
-        eta_less_1=b.eta / speed_ratio(*slips) - 1.0,
+        eta_less_1=eta_less_1,
         rim=np.maximum(car.front.rolling_radius * b.omega_f / (1.0 - slips[0]), Constants.slowest),
         rear_share=road.load_r / car.weight,
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,
@@ -203,6 +204,7 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
         driven=driven.astype(np.float64),
         drive=(b.drive_f / car.front.rolling_radius + b.drive_r / car.rear.rolling_radius)
         / car.weight,
+        eta_by_drive=eta_less_1 - (b.eta - 1.0),
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.car.beliefs import CAR, LOG, SENSOR
+from calib.car.beliefs import CAR, LOG, SENSOR, STOP
 from calib.car.braking import BITE, MOVING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
 from calib.run.noise import WALK, SensorNoise
@@ -23,6 +23,8 @@ PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "ch
 SLIP = ("log_slip", "log_slip_sigma")
 """Columns of the maps that the step reads, in the shape in which it has them."""
 
+_ROADS = STOP.log_stiffness
+_ROAD_SIGMA = math.sqrt(np.average(np.hypot(_ROADS.mean, _ROADS.sigma) ** 2, weights=_ROADS.share))
 _WALKS = "level", "rate", "slip", "grade", "bias", "radius"
 
 
@@ -83,6 +85,7 @@ class Constants:
     log_slip_sigma: float = CAR.log_slip.sigma
     q_slip: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
     q_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
+    other_road: float = _ROAD_SIGMA  # of ln of the tyres' stiffness, over that of the ramp [1]
     slowest: float = 0.3  # speed of the rims that counts, at least [m/s]
     steering: float = math.radians(5.0)  # of the driver's wheel [rad]; as large as the signal
     lateral: float = 3.0  # acceleration by the speeds of the wheels past which eta is another
@@ -223,6 +226,9 @@ class Sample(NamedTuple, Generic[Number]):
     log_odds: Number  # ln of the front pressure over the rear one
     driven: Number  # 1 while the accelerator is pressed: thrust and slip are no zeros
     drive: Number  # force of motors in the demand [1]
+    eta_by_drive: (
+        Number  # part of eta by drive and rolling resistance, which is taken out of it [1]
+    )
 
 
 @dataclass(slots=True)
@@ -277,6 +283,7 @@ class Means:
     z: float = 0.0  # brake force that z demands, from its zero [1]
     shift: float = 0.0  # eta over its zero, less 1
     z_squared: float = 0.0
+    eta_by_drive: float = 0.0  # as in `Sample`
 
 
 @dataclass(slots=True)

@@ -308,7 +308,7 @@ def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logge
     (result,) = validate(fitted, [noisy(as_log(run, "held"), 1)])
     # the ECU has the pressure of the master cylinder alone, and is wrong
     failed = {judged.figure for judged in result.judgements if judged.verdict == "failed"}
-    assert "ecu_reference_r" in failed
+    assert "ecu_reference_f" in failed
     assert all(figure.startswith("ecu_") for figure in failed)
     assert result.figures["valid_share"] > 0.9
     e = result.estimate

@@ -70,7 +70,7 @@ def stop(level=0.8, *, lag=1e-3, zero=0.012, wheels=0.998, rolling=1.5, apart=0.
         rim = v * (1.0 - slip) / (1.0 + 0.4 * (eta / turned - 1.0))
         out.append(
             Sample(z + zero, nominal, 4e7 / 4.0 * nominal, z + zero, eta - 1.0, rim, 0.4,
-                   v if with_v else math.nan, 0.0, 0.0, 0.0, 0.0)
+                   v if with_v else math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
         )  # fmt: skip
     return out
 
@@ -234,7 +234,7 @@ def test_whatever_is_read_the_answer_is_finite(seed):
         v = math.nan if rng.random() < 0.5 else 20.0 * x[6]
         blocks.append(
             Sample(x[0], pressure / 1e7, pressure, x[3], math.exp(0.1 * x[4]),
-                   max(20.0 * x[5], 0.3), 0.4, v, 4.0 * (rng.random() < 0.1), x[7], 0.0, x[8])
+                   max(20.0 * x[5], 0.3), 0.4, v, 4.0 * (rng.random() < 0.1), x[7], 0.0, x[8], 0.0)
         )  # fmt: skip
     answers, _ = run(blocks)
     for answer in answers:

@@ -424,6 +424,7 @@ static void block_ends(bte_state *s) {
     block.pressure = mean.p_mc;
     block.z = z;
     block.eta_less_1 = eta / (R(1.0) - driven[BTE_REAR]);
+    block.eta_by_drive = block.eta_less_1 - eta_less_1;
     block.rim = largest(rim, c->slowest);
     block.rear_share = load[BTE_REAR];
     block.disturbed = (bte_real)s->worst;
