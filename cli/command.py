@@ -1,12 +1,11 @@
-"""A command is a declaration: what it reads, what it writes, what it returns.
+"""Declare a command by a function: what it reads, what it writes, what it returns.
 
     @command("brake-cal fit ramp.csv --vehicle car.toml")
     def fit(logs: list[Path] = logs("Ramps."), *, vehicle: Car, store: Tables) -> Answer:
 
-A shared option is a type of `cli.options`, one of its own is a default.
-The rest stands here. Each command has -q, -v and --json; what is typed becomes a car, a store, a
-mass in kg as its option says (`cli.options`); a place that cannot be written is refused before any
-file is read; warnings, the result and the page of --report are printed and written in one way.
+A shared option is a type of `cli.options`, one of its own is a default. Each command has -q, -v and
+--json. What is typed becomes a car, a store or a mass in kg, as its option says. An output that
+cannot be written is refused before any file is read.
 """
 
 from collections.abc import Callable
@@ -38,8 +37,7 @@ class Answer:
     Attributes
     ----------
     document : of --json, without its "schema".
-    result : a text, facts, or a result that `calib.show.facts` knows. Its warnings go to stderr,
-        with --json too.
+    result : a text, facts, or a result that `calib.show.facts` knows; its warnings go to stderr.
     exit_code : 0 if it passed.
     out : the folder that was written, which the next step names.
     live : whether the pictures on the page of --report may be live.
@@ -61,7 +59,7 @@ class Answer:
         return facts_of(self.result).written(self.out)
 
 
-def _ask(context: typer.Context, option: typer.CallbackParam, is_set: bool) -> None:
+def _set_flag(context: typer.Context, option: typer.CallbackParam, is_set: bool) -> None:
     run = this_run()
     if is_set and not context.resilient_parsing:
         setattr(run, str(option.name), True)
@@ -70,7 +68,7 @@ def _ask(context: typer.Context, option: typer.CallbackParam, is_set: bool) -> N
 
 
 def _flag(text: str, *flags: str) -> Any:
-    return option(text, None, *flags, callback=_ask, expose_value=False)
+    return option(text, None, *flags, callback=_set_flag, expose_value=False)
 
 
 Quiet = Annotated[bool, _flag("Print the verdict alone, warnings and errors.", "--quiet", "-q")]
@@ -85,9 +83,8 @@ def command(
 ) -> Callable[[Callable[..., Any]], Any]:
     """Declare a command by its function, see above.
 
-    Its parameters are arguments, keyword-only ones are options, of a dataclass each of its fields:
-    a switch, a list or what may be None need not be given. With ``json`` among them it prints its
-    results itself.
+    Its parameters are arguments, keyword-only ones are options, those of a dataclass its fields. A
+    switch, a list or what may be None is optional. With a parameter ``json`` it prints by itself.
     """
 
     def declare(body: Callable[..., Answer]) -> Callable[..., None]:
@@ -109,8 +106,8 @@ def command(
             for name, info in infos.items():
                 if info.setting and not values[name]:
                     setting = from_settings(info.setting) if info.when(values) else None
-                    usual = info.built_in if values[name] is None else values[name]
-                    values[name] = usual if setting is None else setting
+                    default = info.built_in if values[name] is None else values[name]
+                    values[name] = default if setting is None else setting
             for name in values.keys() - writes:
                 value = values[name] if isinstance(values[name], list) else [values[name]]
                 if files := [one for one in value if isinstance(one, Path)]:
@@ -123,7 +120,7 @@ def command(
                 arguments[name] = kind(**{f.name: arguments.pop(f.name) for f in fields(kind)})
             answer = body(**arguments)
             if "json" not in parameters:
-                _tell(answer, values["json"], values.get("report"))
+                _print_answer(answer, values["json"], values.get("report"))
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 
@@ -216,7 +213,7 @@ def example(*lines: str) -> str:
 
 
 def _parts(parameter: Parameter) -> list[Parameter]:
-    """A parameter, or the fields of a dataclass in its place: options that commands share."""
+    """A parameter, or the fields of a dataclass: options that commands share."""
     kind, keyword = parameter.annotation, Parameter.KEYWORD_ONLY
     if not is_dataclass(kind):
         return [parameter]
@@ -224,12 +221,12 @@ def _parts(parameter: Parameter) -> list[Parameter]:
 
 
 def _parameter(parameter: Parameter) -> Parameter:
-    """A parameter as typer reads it, of the type that is typed."""
+    """A parameter as typer reads it."""
     kind, info = parameter.annotation, parameter.default
     if get_origin(kind) is Annotated:
         kind, info = get_args(kind)
-    is_made = isinstance(kind, str | ForwardRef)
-    hint: Any = Annotated[info.typed or (Path | None if is_made else kind), info]
+    by_name = isinstance(kind, str | ForwardRef)  # what a file becomes
+    hint: Any = Annotated[info.typed or (Path | None if by_name else kind), info]
     default = _default(hint, parameter.kind == Parameter.KEYWORD_ONLY)
     return parameter.replace(annotation=hint, default=default)
 
@@ -246,7 +243,7 @@ def _default(hint: Any, optional: bool = True) -> Any:
 
 
 def _converted(name: str, info: Any, value: Any) -> Any:
-    """The value of an option, converted; an error that names no option is of this one."""
+    """The value of an option, converted; an error names the option."""
     if info.make is None or (value is None and not info.always):
         return value
     try:
@@ -264,7 +261,7 @@ def _flag_of(name: str, info: Any) -> str:
     return str(info.flags[0]) if info.flags else f"--{name.replace('_', '-')}"
 
 
-def _tell(answer: Answer, as_json: bool, page: Path | None) -> None:
+def _print_answer(answer: Answer, as_json: bool, page: Path | None) -> None:
     facts = answer.facts
     if not isinstance(facts, str):
         warn(facts.warnings)

@@ -1,7 +1,6 @@
-"""Output of the commands: results on stdout, everything else on stderr.
+"""Output of the commands: results on stdout, everything else on stderr, safe for a terminal.
 
-rich is imported only where something is drawn, so that `--help` does not wait for it. Whatever is
-printed for people is made safe for a terminal on its way.
+rich is imported only where something is drawn, so that `--help` does not wait for it.
 """
 
 import json
@@ -28,18 +27,18 @@ if TYPE_CHECKING:
 STOPS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)
 )
-"""Signals that ask a run to stop; Windows has SIGBREAK, of Ctrl-Break, too."""
+"""Signals that ask a run to stop; SIGBREAK is that of Ctrl-Break on Windows."""
 
 _PIPED_WIDTH = 120
-"""Columns of a table that does not go to a terminal, if COLUMNS is not set; lines stay whole."""
+"""Width of tables in characters without a terminal, if COLUMNS is not set."""
 
 
 @dataclass
 class _CommandRun:
     """Options and state of one run of the program.
 
-    ``inputs`` are the files that were given, by the name of their parameter; ``documents`` counts
-    those of --json that were printed; ``project`` has the settings, once they were asked for.
+    ``inputs`` files that were given, by parameter; ``documents`` number of JSON documents that were
+    printed; ``project`` the settings, once they were read.
     """
 
     quiet: bool = False
@@ -60,7 +59,7 @@ _RUN: ContextVar[_CommandRun] = ContextVar("run")
 
 
 def begin() -> None:
-    """Begin a run: nothing is asked for, nothing is printed."""
+    """Begin a run, with default options."""
     _RUN.set(_CommandRun())
 
 
@@ -70,7 +69,7 @@ def this_run() -> _CommandRun:
 
 
 def say(message: str) -> None:
-    """Print on stderr what is being done, but not with -q."""
+    """Print a message on stderr, but not with -q."""
     if not this_run().quiet:
         _console(sys.stderr).print(message, soft_wrap=True)
 
@@ -89,7 +88,7 @@ def warn(warnings: Iterable[object]) -> None:
 
 
 def misuse(message: str, option: str | None = None) -> typer.BadParameter:
-    """A mistake in what was typed, at an option or an argument."""
+    """Return the error for a mistake in what was typed, at an option or an argument."""
     return typer.BadParameter(message, param_hint=option)
 
 
@@ -98,8 +97,8 @@ def at_option(option: str | None, error: type[Exception]) -> Iterator[None]:
     """Turn an error of the library into a mistake of an option."""
     try:
         yield
-    except error as found:
-        raise misuse(str(found), option) from None
+    except error as cause:
+        raise misuse(str(cause), option) from None
 
 
 def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
@@ -168,7 +167,7 @@ def _unwrapped(value: Any) -> Any:
 
 
 Step = Callable[..., None]
-"""Called after each step; with a stage, the steps that are done and their number it sets them."""
+"""Called after each step; or with a stage, the number of steps done and of all steps."""
 
 
 @contextmanager

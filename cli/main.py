@@ -1,4 +1,4 @@
-"""The command line: one app, the commands by subject, one place where errors become exit codes."""
+"""The command line: its commands by subject, and the exit codes of their errors."""
 
 import io
 import os
@@ -58,7 +58,7 @@ _SUBJECTS = {
         "machine:qualify": "Say whether the program works on this machine",
     },
 }
-"""Place and summary of every command by subject: the first sentence of its help."""
+"""Commands by subject, "MODULE:FUNCTION" with the first sentence of its help."""
 
 _PLACES = {
     Row(subject, place.partition(":")[2].rstrip("_"), summary): place
@@ -68,25 +68,25 @@ _PLACES = {
 
 
 class Commands(Group):
-    """The commands of the program, each imported when it is typed: the help imports none."""
+    """The commands of the program; each is imported when it is typed."""
 
     def rows(self) -> list[Row]:
         """Every command in the order of the help."""
         return [*_PLACES]
 
     def get_command(self, ctx: Any, name: str) -> Any:
-        """The command of a name, None for another name."""
+        """The command of a name, None for an unknown one."""
         place = next((place for row, place in _PLACES.items() if row.name == name), None)
         if name not in self.commands and place is not None:
             self.commands[name] = _load(name, place)
         return super().get_command(ctx, name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """The command that was typed; the error for one of a subgroup names that group."""
+        """The command that was typed; the error for one of a group names the group."""
         typed = args[0]
         if typed not in self.list_commands(ctx):
             every = [self.get_command(ctx, row.name) for row in self.rows()]
-            groups = [one.name for one in every if typed in getattr(one, "commands", ())]
+            groups = [group.name for group in every if typed in getattr(group, "commands", ())]
             if groups:
                 within = " or ".join(f"'{name} {typed}'" for name in groups)
                 ctx.fail(f"No such command {typed!r}. Did you mean {within}?")
@@ -153,11 +153,11 @@ def main() -> None:
     for number in STOPS:
         if signal.getsignal(number) != signal.SIG_IGN:  # as for a job of a shell's background
             signal.signal(number, _interrupt)
-    sys.unraisablehook = _ignored
+    sys.unraisablehook = _interrupt_again
     code = _delivered(_run)
     if code == _INTERRUPTED:
-        # CPython ends by the signal, and not with the exit code, where an interrupt met code made
-        # from text, as that of a dataclass is; to run other such code takes that back
+        # CPython ends by the signal, not with the exit code, if an interrupt met code made from
+        # text, such as that of a dataclass; running other such code takes that back
         exec("")
     sys.exit(code)
 
@@ -167,8 +167,8 @@ def _interrupt(number: int, frame: object) -> None:
     raise KeyboardInterrupt
 
 
-def _ignored(raised: Any) -> None:
-    """Interrupt once more where that met code from which Python raises nothing, as a `__del__`."""
+def _interrupt_again(raised: Any) -> None:
+    """Interrupt again after an interrupt in code from which nothing is raised, as a `__del__`."""
     if isinstance(raised.exc_value, KeyboardInterrupt):
         threading.Timer(0.01, signal.raise_signal, [signal.SIGTERM]).start()
     else:
@@ -205,7 +205,7 @@ def _code() -> int:
 
 
 def _failure(error: Any) -> BrakeCalError:
-    """An error as one of the library's; of one that nobody caught -v tells where it was."""
+    """An error as one of the library; for a fault of the program -v prints the traceback."""
     if isinstance(error, BrakeCalError):
         return error
     if isinstance(error, _UsageError):
@@ -223,7 +223,7 @@ def _failure(error: Any) -> BrakeCalError:
 
 
 def _print_json(failure: BrakeCalError) -> None:
-    """Print an error as JSON where it was asked for and no document is there yet."""
+    """Print an error as JSON if --json was given and no document was printed."""
     options = takewhile(lambda word: word != "--", sys.argv[1:])
     if "--json" in options and not this_run().documents:
         emit_json({"schema": 1, "error": failure.to_dict()})
@@ -240,16 +240,16 @@ def _usage(error: Any) -> UsageError:
     return UsageError(message, where=where or None, do=f"see `{command} --help`")
 
 
-# What is printed arrives, or the run says that it did not: a full disk, a reader that went away.
-# The layers above a stream treat an OSError each in its own way: rich, the parser of the command
-# line, the interpreter at its exit. So the lowest layer raises what none of them knows.
+# What is printed arrives, or the run says that it did not, for a full disk or a closed pipe. Rich,
+# the parser of the command line and the interpreter each treat an OSError in their own way. So the
+# lowest layer of a stream raises an error that none of them knows.
 
 OUT, ERR = 1, 2
 """File descriptors of stdout and stderr."""
 
 
 class _NotWritten(Exception):
-    """A stream took nothing more; its cause is the OSError."""
+    """A stream cannot be written; the cause is the OSError."""
 
 
 class _Descriptor(io.FileIO):
@@ -265,8 +265,8 @@ class _Descriptor(io.FileIO):
 def _delivered(work: Callable[[], int]) -> int:
     """Exit code of ``work`` once all that it printed is written.
 
-    It is 0, without a word, where a reader went away, as after `head`. Where something else is in
-    the way it is that of `AnswerError`, with a line on stderr if that takes one.
+    It is 0 after a closed pipe, as of `head`, and else that of `AnswerError`, with a line on stderr
+    if possible.
     """
     sys.stdout, sys.stderr = _guarded(sys.stdout, OUT), _guarded(sys.stderr, ERR)
     try:
@@ -279,7 +279,7 @@ def _delivered(work: Callable[[], int]) -> int:
 
 
 def _undelivered(lost: _NotWritten) -> int:
-    """What is still in the streams is discarded: the interpreter flushes them at its exit."""
+    """Exit code; the streams are discarded, since the interpreter flushes them at its exit."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, OUT)
     if isinstance(lost.__cause__, BrokenPipeError):
@@ -294,9 +294,9 @@ def _undelivered(lost: _NotWritten) -> int:
 
 
 def _guarded(stream: Any, number: int) -> Any:
-    """``stream`` on a `_Descriptor`; as it is where it is not the one that the shell has given.
+    """``stream`` on a `_Descriptor`; unchanged if it is not that of the shell.
 
-    The shell may have closed it: then nothing can be written to stdout, and messages go nowhere.
+    If the shell has closed it, nothing can be written to stdout, and messages are discarded.
     """
     if stream is None:
         nowhere = os.open(os.devnull, os.O_RDONLY if number == OUT else os.O_WRONLY)
@@ -307,8 +307,8 @@ def _guarded(stream: Any, number: int) -> Any:
         return stream
     stream.flush()
     guard = io.BufferedWriter(_Descriptor(number, "w", closefd=False))
-    how = {"errors": "backslashreplace", "line_buffering": stream.line_buffering}
-    return io.TextIOWrapper(guard, stream.encoding, **how)
+    settings = {"errors": "backslashreplace", "line_buffering": stream.line_buffering}
+    return io.TextIOWrapper(guard, stream.encoding, **settings)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""`brake-cal batch`, `watch` and `fleet`: many logs, and what they have in common."""
+"""`brake-cal batch`, `watch` and `fleet`: one command on many logs, and a summary of them."""
 
 import json as json_module
 import signal
@@ -56,21 +56,21 @@ class Inputs:
     channel_map: options.Map
 
     def job(self, command: Command) -> "Job":
-        """The job for each log. Refuses missing inputs and those that are not used."""
+        """The job for each log. Refuses missing inputs, and unused ones."""
         from calib.car.vehicle import require_same_car
         from calib.estimation.limits import DEFAULTS
         from calib.line.fleet.results import NAME
         from calib.line.fleet.work import Job
 
         validates, fits = command is Command.VALIDATE, command is Command.FIT
-        for name, value, is_taken, needed in (
+        for name, value, is_used, needed in (
             ("--table", self.table, validates, "validate needs a table" * validates),
             ("--limits", self.limits, validates, ""),
             ("--vehicle", self.vehicle, fits or validates, options.NO_VEHICLE * fits),
         ):
             if value is None and needed:
                 raise misuse(needed, name)
-            if value is not None and not is_taken:
+            if value is not None and not is_used:
                 raise misuse(f"{command.value} takes none", name)
         check_folder(self.out, (NAME,))
         stored = self.store.load(self.table) if self.table else None
@@ -156,13 +156,13 @@ def watch(
         raise misuse("diagnose takes folders: use `brake-cal batch`")
     job, out = inputs.job(command), inputs.out
 
-    def tell(row: "Row") -> None:
+    def on_row(row: "Row") -> None:
         document = {**row.head(), "figures": row.metrics(command)}
         emit_line(json_module.dumps(document, allow_nan=False) if json else row.line(command))
 
     with closing(Pool(inputs.workers or cores())) as pool, writing(out), _stopped() as stop:
         say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-        result = watch_folder(job, folder, out, pool, stop, tell, complain, settle=settle)
+        result = watch_folder(job, folder, out, pool, stop, on_row, complain, settle=settle)
     counts = ", ".join(f"{n} {status}" for status, n in sorted(result.items()))
     say(f"{counts}; {out / NAME}" if result else "no log came")
     return Answer({})
@@ -170,7 +170,7 @@ def watch(
 
 @contextmanager
 def _stopped() -> Iterator[Event]:
-    """An event that Ctrl-C and SIGTERM set; logs in work are finished. A second signal kills."""
+    """An event that Ctrl-C and SIGTERM set; a second signal kills."""
     stop = Event()
     handlers = {number: signal.getsignal(number) for number in STOPS}
 

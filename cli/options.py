@@ -1,8 +1,7 @@
-"""Options and arguments: how each is typed, and its conversion.
+"""Options and arguments: how each is typed, and what it becomes before a command gets it.
 
-`option` and `argument` are typer's, with `make`: what the value becomes before a command gets it.
-Those that several commands share stand here once. To the type checker each is what the command
-gets, to typer what is typed.
+`option` and `argument` are typer's, with a conversion ``make``. To the type checker the type of an
+option is what the command gets, to typer what is typed.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -29,9 +28,9 @@ NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.
 """What to do where a vehicle is needed and none was named."""
 
 _LISTED = 60
-"""Names that are listed where another one was typed; of more the near ones alone are."""
+"""Most names that are listed after an unknown one; of more, only the nearest are."""
 Make = Callable[[Any], Any] | str
-"""What a value becomes: a function, or "module:NAME" of one that is imported when it is used."""
+"""A conversion: a function, or "module:NAME" of one that is imported when it is used."""
 
 
 def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> Any:
@@ -40,15 +39,15 @@ def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> A
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    more : for typer, and: ``typed``, what is typed, if that is not what the command gets (a file
-        where that is quoted); ``make``, what its value becomes, ``always`` of None, too; ``names``,
-        "module:NAME" of a collection whose names are completed and others refused; ``writes``, the
-        kind of the file that is written there, see `cli.outputs`, or "folder"; ``setting``, the key
-        of the settings file whose value it has where it is not given, and where ``when`` allows it
-        of all that was given, by name; ``built_in``, its value where nothing else gives one.
+    more : for typer, and these: ``typed`` type of what is typed, if it is another one (a file by
+        default where the type is quoted); ``make`` conversion, ``always`` of None, too; ``names``
+        "module:NAME" of a collection: its names are completed, others refused; ``writes`` kind of
+        the file that it names as output, see `cli.outputs`, or "folder"; ``setting`` key in the
+        settings file of its value if not given, used where ``when`` is true of all that was given,
+        by name; ``built_in`` its value if nothing else gives one.
     """
-    as_typer_has_it: Any = typer.Option  # to its types the first flag is a default
-    return _declared(partial(as_typer_has_it, *flags), text, metavar, flags=flags, **more)
+    typer_option: Any = typer.Option  # its types take the first flag for a default
+    return _declared(partial(typer_option, *flags), text, metavar, flags=flags, **more)
 
 
 _OURS: dict[str, Any] = {
@@ -60,7 +59,7 @@ _OURS: dict[str, Any] = {
     "setting": "",
     "when": lambda given: True,
 }
-"""What an option has besides what typer gives it, and its usual value."""
+"""Our attributes of an option, with their default values."""
 
 
 def argument(text: str, metavar: str, **more: Any) -> Any:
@@ -79,7 +78,7 @@ def _declared(
 ) -> Any:
     if names:
         more["autocompletion"] = lambda incomplete: _names(names)
-    ours = {name: more.pop(name, usual) for name, usual in _OURS.items()}
+    ours = {name: more.pop(name, default) for name, default in _OURS.items()}
     declared = kind(help=text, metavar=metavar, **more)
     vars(declared).update(ours, make=_checked(make, names) if make or names else None)
     return declared
@@ -108,7 +107,7 @@ def _names(place: str) -> list[str]:
 
 
 def require_known(written: str, names: Collection[str], noun: str = "") -> str:
-    """A known name, in capitals or not; another one is refused with the nearest."""
+    """The known name that was written, in capitals or not. Refuses an unknown one."""
     from calib.base.toml import did_you_mean
 
     same = [written] if written in names else [x for x in names if x.lower() == written.lower()]
@@ -133,9 +132,6 @@ def from_settings(key: str) -> Any:
     return value
 
 
-# What is typed becomes what a command works with.
-
-
 def read_vehicle(path: Path | None) -> "Vehicle":
     """The car of a vehicle file."""
     from calib.car import vehicle_file
@@ -146,7 +142,7 @@ def read_vehicle(path: Path | None) -> "Vehicle":
 
 
 def in_si(unit: str, written: str) -> float:
-    """A quantity as a vehicle file has it, in the SI ``unit``."""
+    """A quantity with its unit, converted to the SI ``unit``."""
     from calib.base.errors import InputError
     from calib.base.toml import quantity
 
@@ -196,7 +192,7 @@ def logs_by_name(text: str, metavar: str = "LOG...") -> Any:
     return argument(text, metavar, make=_files)
 
 
-# Shared options. What is quoted is what the command gets; typer reads the path of a file.
+# Shared options. A quoted type is what the command gets; typer reads the path of a file.
 
 
 def limits(text: str, make: str, always: bool = True, **more: Any) -> Any:

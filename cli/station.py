@@ -1,4 +1,4 @@
-"""`brake-cal station`, `limits`, `repeatability`: a car from its logs to a verdict; the gauge."""
+"""`brake-cal station`, `limits`, `repeatability`: the verdict on a car, and on the gauge."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -23,7 +23,7 @@ GAUGE = "repeatability.json"
 
 
 @dataclass(frozen=True)
-class Who:
+class Identifiers:
     """Identity of a run at the line, see `calib.line.station.station.TITLES`."""
 
     serial: Annotated[str | None, option("Serial number.", "S", make=_ID)]
@@ -55,7 +55,7 @@ def station(
         "Release a car with warnings, and say why.", "REASON", make=words
     ),
     by: options.By,
-    identity: Who,
+    identity: Identifiers,
     mass: options.Mass,
     export: list[str] = option(
         "Export as `tables export`; repeatable.",
@@ -134,7 +134,7 @@ def _limits_file() -> str:
 def _telling_refusals(out: Path, identity: dict[str, str], logs: list[Path]) -> Iterator[None]:
     """Write the refusal of a car into ``out``, for the index of the line.
 
-    A mistake in what was typed or a damaged store says nothing of a car.
+    Not for a usage error or a damaged store.
     """
     from calib.base.errors import InputError, program_failure
     from calib.line.station.files import REFUSED, write_refusal

@@ -1,4 +1,4 @@
-"""`brake-cal vehicle`: write a vehicle file, judge one, show what follows from it."""
+"""`brake-cal vehicle`: write a vehicle file, check it, show the characteristics of the car."""
 
 from pathlib import Path
 
@@ -46,15 +46,15 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
             failed.append({"source": path, "error": str(error)})
             complain(str(error))
             continue
-        warnings, open_ = plausible(car), to_confirm(car)
+        warnings, questions = plausible(car), to_confirm(car)
         warn(warnings)
-        details = {"warnings": [to_dict(one) for one in warnings], "to_confirm": open_}
+        details = {"warnings": [to_dict(one) for one in warnings], "to_confirm": questions}
         judged.append({"source": path, "vehicle": car.name, "plausible": not warnings, **details})
-        verdict = "plausible, if you can confirm this" if open_ else "plausible"
+        verdict = "plausible, if you can confirm this" if questions else "plausible"
         if warnings:
             code = FAILED
             verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"
-        lines += [f"{path}: {car.name}: {verdict}", *(f"to confirm: {one}" for one in open_)]
+        lines += [f"{path}: {car.name}: {verdict}", *(f"to confirm: {x}" for x in questions)]
     document = {"vehicles": judged, "unreadable": failed}
     return Answer(document, "\n".join(lines), UNREADABLE if failed else code)
 
