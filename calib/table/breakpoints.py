@@ -1,9 +1,8 @@
-"""The rows of a table to keep, so that linear interpolation between them errs least.
+"""Breakpoints: the rows of a table to keep for the least error of linear interpolation.
 
-Breakpoints are rows of the table, with their count, their band and (18). The table is linear
-between its rows, so the largest error is at a dropped row, and is exact. Dynamic programming over
-the rows finds the global optimum (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969): the least
-maximum error, and among equal ones the least sum of squares. The time grows with the cube of the
+The table is linear between its rows, so the largest error is exact, at a dropped row. Dynamic
+programming finds the global optimum: the least maximum error, and among equal ones the least sum of
+squares (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969). The time grows with the cube of the
 rows: meant for some hundred.
 """
 
@@ -48,8 +47,8 @@ def place(x: Array, curves: Array, points: int) -> Index:
 def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
     """Rows of ``x`` (n,) as in `place`, by the least weighted sum of squared errors.
 
-    For ``curves`` (k, n) that are slices of a map, with ``weights`` (k, n) of its cells: corners
-    that few draws reach must not take all breakpoints.
+    ``curves`` (k, n) are slices of a map, ``weights`` (k, n) those of its cells, so that corners
+    that few draws reach do not take all breakpoints.
     """
     n = len(x)
     if points >= n:
@@ -64,7 +63,7 @@ def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Inde
 def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
     """Error of ``values`` (k, m) at ``points`` (m,) against ``curves`` (k, n) over ``x`` (n,).
 
-    Exact, as both are linear between the points of either. Each is held beyond its ends.
+    Exact, since both are piecewise linear; each is constant beyond its ends.
     """
     every = np.union1d(x, points)
     gaps = np.array(
@@ -80,7 +79,7 @@ def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
 
 
 def squared(x: Array, gap: Array) -> float:
-    """Integral of the square of a gap that is linear between the points x."""
+    """Integral of the square of a ``gap`` that is linear between the points ``x``."""
     a, b = gap[:-1], gap[1:]
     return float(np.sum(np.diff(x) * (a * a + a * b + b * b)) / 3.0)
 
@@ -97,7 +96,7 @@ def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
 
 
 def _lines(x: Array, curves: Array) -> Iterator[tuple[int, int, Array]]:
-    """Two rows i < j, and how far the curves (k, j - i + 1) are from a line between them."""
+    """Two rows i < j, and the distance (k, j - i + 1) of the curves from a line between them."""
     for i, j in combinations(range(len(x)), 2):
         share = (x[i : j + 1] - x[i]) / (x[j] - x[i])
         line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]

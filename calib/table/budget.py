@@ -1,7 +1,7 @@
 """The uncertainty of a pad friction by part, and what reduces it.
 
-The page `validation` of the manual says what each part holds. Areas and radii of the brakes are
-taken from the vehicle file, and their errors are not counted.
+The page `validation` of the manual explains each part. Errors of the areas and radii of the brakes
+are not counted.
 """
 
 import math
@@ -26,8 +26,8 @@ _Variances = Mapping[str, float]
 PER_RUN = ("noise", "zeros")
 """Parts that differ from run to run of the same car.
 
-The others are common to the cars of a line: mass, geometry, road, kind of sensor, method. Where
-they differ (a driver's weight, one car's accelerometer), the spread between cars counts them.
+The others are common to the cars of a line: mass, geometry, road, kind of sensor, method. Their
+differences, such as the weight of a driver, are in the scatter between cars.
 """
 
 RAMP, STOP = "ramp", "stop"
@@ -36,24 +36,21 @@ RAMP, STOP = "ramp", "stop"
 
 @dataclass(frozen=True)
 class _Advice:
-    """What to ``do``, and the share of each part that then remains in a ``budget`` of one kind [1].
-
-    An empty kind stands for both.
-    """
+    """What to ``do``, and the share of each part that then remains in a ``budget``, "" for both."""
 
     do: str
     budget: str
     leaves: Mapping[str, float]
 
     def remaining(self, parts: Parts) -> float:
-        """Standard deviation of a budget after it [1]; a mass that is already stated stays."""
+        """Standard deviation of a budget that then remains [1]; a stated mass stays as it is."""
         weighed = parts.get("mass", 0.0) < _NOT_STATED
         shares = {p: s for p, s in self.leaves.items() if not (p == "mass" and weighed)}
         return math.hypot(*(x * shares.get(part, 1.0) for part, x in parts.items()))
 
 
 _NOT_STATED = 0.99 * Vehicle.mass_tolerance
-"""Standard deviation of a mass, below which it was weighed or has a tolerance in the file [1]."""
+"""Standard deviation of a mass [1] below which it was weighed, or the file has its tolerance."""
 
 
 _ADVICE = tuple(
@@ -104,7 +101,6 @@ def words(parts: Parts) -> str:
 
 
 def _label(part: str) -> str:
-    """A part as people call it."""
     return "ratio of front to rear pads" if part == "unlike_pads" else part.replace("_", " ")
 
 
@@ -123,7 +119,7 @@ def limiting(axles: Sequence[Parts]) -> str:
 
 
 def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
-    """What narrows the 95 % intervals, and by how much, the most useful first; [] if nothing does.
+    """What narrows the 95 % intervals, and by how much, the most useful first.
 
     ``axles`` budgets of front and rear pads in turn; the widest of each counts. The shares of
     `budget.csv` are tested on the reference car in `tests/fitting/test_advice.py`.
@@ -169,8 +165,8 @@ def axle_parts(
 ) -> tuple[Parts, Parts]:
     """Parts of front and rear pads, from those of their ``level`` and their ``ratio``.
 
-    The pads' ratio (``log_ratio`` as of `front_share`) moves each axle by the other one's share of
-    the brake force.
+    The ratio (``log_ratio`` as of `front_share`) changes the pads of an axle by the share of the
+    other one in the brake force.
     """
     share = front_share(vehicle, log_ratio)
     front, rear = (
@@ -191,7 +187,7 @@ class PadLevels(NamedTuple):
 
 
 def grade(vehicle: Vehicle) -> float:
-    """Standard deviation of ln of the pads' level over the file's, by their grade [1]."""
+    """Standard deviation of ln of the pads' level, relative to the file, by their grade [1]."""
     return vehicle.front.pad_friction_tolerance or CAR.log_pad_ratio.sigma / math.sqrt(2.0)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from calib.base.arrays import Array, Mask
 
 MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
-"""Flags of a row: with enough blocks, between such rows, beyond them."""
+"""Flags of a row: enough blocks, between such rows, beyond them."""
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class DifferenceCurve:
     """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
 
     ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` as above; ``own``
-    share of the variance that another run of the same car would not repeat, 0 in a mean of cars.
+    share of the variance that differs from run to run of the same car, 0 in a mean of cars.
     """
 
     eta: Array

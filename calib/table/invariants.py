@@ -20,7 +20,7 @@ _TOLERANCE = 1e-9
 
 
 def violations(table: Table) -> tuple[str, ...]:
-    """Return every way in which ``table`` is not sound; empty when it is."""
+    """Return the conditions that ``table`` violates, in words."""
     shapes = tuple(_shapes(table))
     if shapes:  # the next checks need columns of equal length
         return shapes
@@ -54,13 +54,13 @@ def require_finite(table: Table) -> None:
 
 
 def _finite(table: Table) -> Iterator[str]:
-    for curve, held in _columns(table):
-        for name, column in held.items():
+    for curve, part in _columns(table):
+        for name, column in part.items():
             if not np.all(np.isfinite(column)):
                 yield f"{curve}.{name}: not finite in row {int(np.argmin(np.isfinite(column)))}"
-    for key, part in table.content()[0].items():
+    for key, value in table.content()[0].items():
         try:
-            canonical_json({key: part})
+            canonical_json({key: value})
         except ValueError:
             yield f"{key}: holds a number that is not finite"
 

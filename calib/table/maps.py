@@ -1,7 +1,7 @@
 """The maps of a table: the pads, given what an ECU measures, with 95 % bounds.
 
-The bounds hold what the ramp left open and what a stop may bring. Columns are flat, row-major over
-the axes, so that a map is a plain table in every file format.
+The bounds count what the ramp left open and how a stop may differ from it. Columns are flat,
+row-major over the axes, so that a map is a plain table in every file format.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from calib.base.arrays import Array
 class Map:
     """Columns (n,) over every combination of the `AXES`, with ``z`` (n,) the slowest.
 
-    A map is linear along each axis between its cells, and held beyond its ends.
+    A map is linear along each axis, and constant beyond its ends.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z",)
@@ -73,7 +73,7 @@ class Map:
 
 
 class Reader:
-    """Reader of columns of a map: linear along each axis, held beyond its ends."""
+    """Interpolator of columns of a map, constant beyond its ends."""
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
         self.axes, names = list(m.axes.values()), np.array(columns)
@@ -115,9 +115,9 @@ class PadMap(Map):
     ``slip`` ln(slip/z) less its mean ``log_slip`` at this z and shift, over its standard deviation
     ``log_slip_sigma``. ``share`` of the stops with this z that have such a shift.
 
-    ``ratio`` ln of front over rear pads, over that of the vehicle file; ``change`` the same over
-    that of the ramp: medians with 95 % bounds. ``prior`` width of the bounds of the ratio over
-    their width without eta and slip: 1 where these tell nothing.
+    ``ratio`` ln of front over rear pads, relative to the vehicle file; ``change`` the same relative
+    to the ramp: medians with 95 % bounds. ``prior`` width of the bounds of the ratio over that
+    without eta and slip: 1 where these say nothing.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
@@ -167,11 +167,10 @@ class Draws:
     vehicle file. ``compliance_f``, ``compliance_r`` slip per normalised force at small slip and
     half the weight. ``load_exponent`` by which the compliance grows with the load,
     ``peak_load_exponent`` by which the ``peak`` at half the weight falls with it. ``forms`` weights
-    of the tyre forms of `calib.car.tyre` (n, 5). ``radius_load`` share by which a rolling radius
-    falls when the load of its axle doubles. ``v_late`` delay of v after the wheel speeds [s].
-    ``cg_to_front_axle``, ``cg_height`` [m]; ``weight`` M g [N]. ``depart_eta``, ``depart_slip``
-    relative discrepancy of eta - 1 and of the mean slip from all that, at ten decelerations
-    (n, 10).
+    (n, 5), see `calib.car.tyre_forms`. ``radius_load`` fall of a rolling radius per
+    100 % of load. ``v_late`` delay of v after the wheel speeds [s]. ``cg_to_front_axle``,
+    ``cg_height`` [m]; ``weight`` M g [N]. ``depart_eta``, ``depart_slip`` relative shape
+    discrepancy of eta - 1 and of the mean slip, at ten decelerations (n, 10).
     """
 
     log_pad_ratio: Array

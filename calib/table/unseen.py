@@ -1,7 +1,7 @@
 """Entries of a vehicle file that logs cannot show to be wrong, and what would show it.
 
-A wrong entry moves level and ratio of the pads. A warning comes only where no pads of the file's
-grade have such a friction, so a smaller error goes unseen.
+A wrong entry moves level and ratio of the pads. Only an error that is too large for the pads of the
+file's grade gives a warning.
 """
 
 import math
@@ -20,7 +20,7 @@ from calib.table.table import Table
 
 NOTHING = "nothing in these logs"
 _MOST = {"a_x": 0.08, "rolling_radius": 0.08}
-"""Error that the wheels show, as of `a_x_by_wheels` [1]. For other entries it is a half."""
+"""Largest error that the wheels do not show [1], see `a_x_by_wheels`; of other entries a half."""
 _RADIUS = 0.01  # standard deviation of the rolling radii of a file: wear and inflation [1]
 _SHOWN_BY = {
     "mass": "weigh the car with driver and load (--mass)",
@@ -36,7 +36,7 @@ _BRAKE = "a roller brake tester (--bench), or the drawing of the brake"
 class Unseen(NamedTuple):
     """An ``entry`` of the vehicle file, or a channel, whose error may go unseen.
 
-    ``doubt`` its standard deviation in the intervals [1], None where they do not count it.
+    ``doubt`` its standard deviation in the intervals [1], None if they do not count it.
     ``front``, ``rear`` relative change of the pads per relative error of the entry [1];
     ``share_front``, ``share_rear`` of the variance of the pads by this doubt [1]; ``up_to`` largest
     error without a warning [1]; ``shown_by`` what would show it.
@@ -75,9 +75,9 @@ def unseen_line(entries: list[Unseen]) -> str:
 def _entries(
     table: Table, v: bool, mass: float
 ) -> Iterator[tuple[str, float | None, float, float]]:
-    """Entry, its doubt, and the change of ln of level and ratio of the pads per its relative error.
+    """Entry, its doubt, and the change of ln of the pads' level and ratio per its relative error.
 
-    Part of the ratio comes from the file; eta gives the rest, which a wrong entry moves.
+    A wrong entry moves only that part of the ratio that comes from eta, not from the file.
     """
     share, by_eta = _share(table), 1.0 - table.quality.get("pad_ratio_nominal_weight", 0.0)
     yield "mass", mass, 1.0, 0.0
@@ -94,10 +94,7 @@ def _entries(
 
 
 def _pads_of_file(table: Table) -> Iterator[Unseen]:
-    """The pad frictions of the file: each moves the pads by its weight in their ratio.
-
-    A wrong one shows up like a wrong area of the brake.
-    """
+    """The pad frictions of the file, which have a weight in the ratio of the pads."""
     share, weight = _share(table), table.quality.get("pad_ratio_nominal_weight", 0.0)
     for name, sign in (("front", 1.0), ("rear", -1.0)):
         area = _unseen(
