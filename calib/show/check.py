@@ -6,13 +6,12 @@ from calib.base.plain import counted
 from calib.plausibility.check import Findings, contents
 from calib.show.facts import Facts, Row
 
-_FOR = {
+_PURPOSES = {
     "fit": "fit",
     "validate": "validate",
     "coast": "fit as a coast log",
     "diagnose": "diagnose",
 }
-"""Each purpose in words."""
 
 
 def check_facts(findings: Sequence[Findings]) -> Facts:
@@ -22,12 +21,12 @@ def check_facts(findings: Sequence[Findings]) -> Facts:
 
 
 def line(findings: Findings) -> str:
-    """The verdict on a log, why it makes no table, and what its warnings are about."""
-    why, warned = _why(findings), dict.fromkeys(one.title for one in findings.warnings)
+    """The verdict on a log, why it makes no table, and the titles of its warnings."""
+    why, titles = _why(findings), dict.fromkeys(one.title for one in findings.warnings)
     parts = [why] if why else []
-    if warned:
-        parts.append(f"{counted(len(warned), 'warning')}: {', '.join(warned)}")
-    purposes = [_FOR[one.purpose] for one in findings.verdicts if one.usable]
+    if titles:
+        parts.append(f"{counted(len(titles), 'warning')}: {', '.join(titles)}")
+    purposes = [_PURPOSES[one.purpose] for one in findings.verdicts if one.usable]
     verdict = f"usable for {', '.join(purposes)}" if purposes else "not usable"
     return "; ".join([f"{verdict}: {findings.run.log.source}", *parts])
 

@@ -53,15 +53,14 @@ def _of_log(run: Log) -> Sheet:
 
 
 def sheet_facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
-    """The sheets as facts of a page, each with the one ``figure`` or with all of its layout."""
+    """The sheets as facts of a page, each with its panel ``figure``, or all of its page."""
+    names = [figure] if figure else []
     parts = [
         Facts(
-            one.title,
-            headline=one.result,
-            pictures=[
-                Picture(one.note, partial(replace, one), [figure] if figure else one.laid_out)
-            ],
+            sheet.title,
+            headline=sheet.result,
+            pictures=[Picture(sheet.note, partial(replace, sheet), names or sheet.laid_out)],
         )
-        for one in drawn
+        for sheet in drawn
     ]
     return parts[0] if len(parts) == 1 else Facts(f"{len(parts)} sheets", parts=parts)

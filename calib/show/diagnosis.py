@@ -1,7 +1,4 @@
-"""Facts of a diagnosis: the verdict, what the hold-outs say to it, each effect, what is left.
-
-What is not told here, `diagnosis.json` has.
-"""
+"""Facts of a diagnosis: verdict, effects, gap of the hold-outs; `diagnosis.json` has the rest."""
 
 from calib.base.plain import counted
 from calib.car.effects.catalogue import definition
@@ -34,9 +31,9 @@ _DRIVERS = {
     FREQUENCY: "nothing but time: it swings",
     SLIP: "the slip, as brake control does",
 }
-"""On what a cause that is not in the catalogue depends; any other driver has its own name."""
+"""Drivers of an unknown cause in words; any other driver is its own word."""
 _WITHIN = 1.0
-"""Gap, in units of the sensors' noise, up to which an unknown cause is within the noise."""
+"""Largest gap, over the noise of the sensors [1], that does not show an unknown cause."""
 _UNSEEN = "The drive in which each shows most."
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
@@ -55,9 +52,9 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
     """The verdict on a car, a part for each effect that is named, and what the verdict rests on."""
     word, verdict = KINDS[outcome(diagnosis)]
     named = {effect.name for effect in diagnosis.effects}
-    gap, moves = diagnosis.gap, diagnosis.verdict != "no_gap"
-    closed = f" to {gap.rms_after:.1f}" * moves + " times the noise, "
-    closed += f"{100.0 * gap.closed:.1f} % closed, " * moves
+    gap, has_gap = diagnosis.gap, diagnosis.verdict != "no_gap"
+    closed = f" to {gap.rms_after:.1f}" * has_gap + " times the noise, "
+    closed += f"{100.0 * gap.closed:.1f} % closed, " * has_gap
     rows = (
         ("gap", f"{gap.rms_before:.1f}{closed}on {counted(len(diagnosis.measured), 'hold-out')}"),
         *(
@@ -76,7 +73,7 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         ),
     )  # fmt: skip
     term = [Picture(_TERM, lambda: diagnosis_sheet(diagnosis), ["term"])]
-    apart = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
+    separating = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
     following = _FIT if diagnosis.verdict == "named" else ""
     return Facts(
         diagnosis.model_before.vehicle.name,
@@ -84,7 +81,7 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         verdict=verdict,
         word=word,
         rows=[row for row in rows if row[1]],
-        next=apart[0] if apart and diagnosis.verdict == "ambiguous" else following,
+        next=separating[0] if separating and diagnosis.verdict == "ambiguous" else following,
         warnings=diagnosis.warnings,
         pictures=[Picture(_SPEED, lambda: diagnosis_sheet(diagnosis), ["speed"])],
         parts=[
@@ -98,10 +95,9 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
 
 
 def outcome(diagnosis: Diagnosis) -> str:
-    """The verdict as the hold-outs judge it, a key of `KINDS`.
+    """The verdict after the hold-outs, a key of `KINDS`.
 
-    "named" only if the gap of the hold-outs is smaller than before and nothing significant is left;
-    "unknown" only if they have a gap.
+    "named" only if their gap became smaller and no other cause is left; "unknown" only with a gap.
     """
     if diagnosis.verdict == "unknown" and diagnosis.gap.rms_before < _WITHIN:
         return "within_noise"
@@ -167,7 +163,7 @@ def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
 
 
 def _something_else(diagnosis: Diagnosis) -> str:
-    """Remaining gap beside the named effects; "" without one."""
+    """The gap that the named effects leave; "" for none."""
     if diagnosis.unexplained is None or not diagnosis.effects:
         return ""
     gap = diagnosis.remainder

@@ -1,7 +1,6 @@
 """The picture of a diagnosis: replays of the hold-outs less what was measured.
 
-Replays use the pressure and the first speed only. Drawn is the mean over 0.1 s; the noise of the
-sensor is the band around zero.
+Replays use the pressure and the first speed only. Drawn are means over 0.1 s.
 """
 
 import math
@@ -21,15 +20,12 @@ from calib.show.sheet import Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, Stroke, as_text, reach, smooth
 
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
-
-_CLOCK = 0.02
-"""Step between drawn points [s]; a curve is smoothed over a longer time."""
-
+_STEP = 0.02
+"""Step between drawn points [s], shorter than the mean."""
 _PAUSE = 0.6
 """Space between two logs on one axis [s]."""
-
 _LETTERS = 30
-"""Letters of a name that the smallest panel has room for."""
+"""Letters of a name that fit above the smallest panel."""
 
 
 def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
@@ -81,7 +77,7 @@ def _term(term: EmpiricalTerm) -> Panel:
 
 
 def _split_of(diagnosis: Diagnosis) -> tuple[dict[str, float], str]:
-    """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
+    """Weights of the wheel speeds in the difference, of axles or sides, that shows the effect."""
     channels = {effect.where.channel for effect in diagnosis.effects}
     for axle in ("front", "rear"):
         if f"{axle}_sides" in channels:
@@ -101,8 +97,7 @@ def _errors(
 ) -> Panel:
     """Replay less measurement of a weighted sum of channels, one log after another.
 
-    A log has its number among the hold-outs and as much of its name as its part of the axis has
-    room for: a text that is longer covers the next one, and the axes shrink to give it room.
+    Above each are its number and as much of its name as fits there.
     """
     noise = sum((w * diagnosis.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
     half, start, names = Z95 * math.sqrt(noise), 0.0, []
@@ -113,24 +108,25 @@ def _errors(
     ]
     if not moved(diagnosis):
         replays = [("replay", diagnosis.replays_before, NOMINAL)]
-    whole = sum(float(diagnosis.measured[i].time[-1] - diagnosis.measured[i].time[0]) for i in logs)
+    duration = sum(float(np.ptp(diagnosis.measured[i].time)) for i in logs)
     for i in logs:
         measured, first = diagnosis.measured[i], not lines
         end = start + float(measured.time[-1] - measured.time[0])
         band = np.full(2, -half), np.full(2, half)
         lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
-        for when, sims, stroke in replays:
-            n = min(sims[i].time.size, measured.time.size)
-            off = sum(w * (sims[i][c][:n] - measured[c][:n]) for c, w in weights.items())
+        for label, logs_of_replay, stroke in replays:
+            replay = logs_of_replay[i]
+            n = min(replay.time.size, measured.time.size)
+            error = sum(w * (replay[c][:n] - measured[c][:n]) for c, w in weights.items())
             time = measured.time[:n] - measured.time[0]
-            every = max(1, round(_CLOCK / measured.sample_time))
-            shown = smooth(time, np.asarray(off))[::every]
-            lines.append(Line(start + time[::every], shown, stroke, when * first))
-        room = min(_LETTERS, int(2 * _LETTERS * (end - start) / whole))
-        names.append((as_text(f"{i + 1} {measured.name}"[:room]), start))
+            stride = max(1, round(_STEP / measured.sample_time))
+            shown = smooth(time, np.asarray(error))[::stride]
+            lines.append(Line(start + time[::stride], shown, stroke, label * first))
+        letters = min(_LETTERS, int(2 * _LETTERS * (end - start) / duration))
+        names.append((as_text(f"{i + 1} {measured.name}"[:letters]), start))
         start = end + _PAUSE
     drawn = [np.asarray(line.y) for line in lines]
     ends = reach(*drawn, np.array([-half, half]), margin=0.2) or (-half, half)
-    texts = [(text, at, ends[1]) for text, at in names]
+    texts = [(text, x, ends[1]) for text, x in names]
     x = "time, one log after another [s]" if len(logs) > 1 else "time [s]"
     return Panel(name, title, x, f"replay less measured {unit}", lines, texts=texts, ylim=ends)

@@ -3,9 +3,7 @@
     a result --facts_of--> Facts --calib.show.terminal-> lines and grids
                                  --calib.show.html-----> one file
 
-The head of an answer is the headline, what matters once, and the next step: a terminal prints no
-more without -v, and a page begins with it. What is for those who ask is in parts. Warnings go to
-stderr, and pictures only to a page.
+A terminal prints parts only with -v, and no pictures; it has warnings on stderr.
 """
 
 import re
@@ -22,11 +20,11 @@ if TYPE_CHECKING:
     from calib.show.sheet import Sheet
 
 DIR = "DIR"
-"""A folder in the next step, as --out names it in the help."""
+"""Stands for the folder of --out in the next step."""
 Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
-"""Verdicts, which set the colour of a page's head, of a section or of a row; "" for none."""
+"""Verdicts, which colour the head of a page, a section or a row; "" for none."""
 _NUMBER = re.compile(r"[+-]?(\d[\d.]*(e[+-]\d+)?)?")
 WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 
@@ -74,12 +72,11 @@ class Facts:
     title : of the page or of the part.
     verdict, word : `PASSED` and so on, and the verdict as people say it.
     headline : the result in a sentence or two.
-    numbers : the most important ones, each with its name.
+    numbers : the most important, each with its name.
     rows : names and their texts.
     tables, notes, warnings, pictures : in this order.
     next : what to do next, a command where there is one.
-    parts : details with a title of their own, such as those of each stop: on a terminal with -v;
-        ``folded`` ones are on a page alone, on demand.
+    parts : details, such as of each stop; ``folded`` ones are on a page alone, and open on demand.
     """
 
     title: str = ""
@@ -102,7 +99,7 @@ class Facts:
         return ": ".join(text for text in (self.word, self.headline) if text)
 
     def written(self, folder: Path | None) -> "Facts":
-        """The same where `DIR` of the next step is the ``folder`` that was written."""
+        """The facts with the ``folder`` that was written for the `DIR` of the next step."""
         return self if folder is None else replace(self, next=self.next.replace(DIR, str(folder)))
 
     @property

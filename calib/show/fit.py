@@ -41,7 +41,7 @@ class Fitted:
 
 
 def fit_facts(fitted: Fitted) -> Facts:
-    """May the table be used, what limits it, what is it made of."""
+    """Whether the table may be used, what limits it, what it is made of."""
     stored, table = fitted.stored, fitted.stored.table
     logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
     count, of_table = len(table.warnings), table_facts(stored)
@@ -67,9 +67,8 @@ def fit_facts(fitted: Fitted) -> Facts:
 
 
 def _unseen(fitted: Fitted) -> list[Unseen]:
-    """What these ramps cannot show."""
-    v = any("v" in log for log in fitted.ramps)
-    return unseen(fitted.stored.table, v, fitted.mass.tolerance)
+    has_speed = any("v" in log for log in fitted.ramps)
+    return unseen(fitted.stored.table, has_speed, fitted.mass.tolerance)
 
 
 def document(fitted: Fitted) -> dict[str, object]:

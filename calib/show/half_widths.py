@@ -9,14 +9,13 @@ WIDTH_HEADS = ("torque known to (95 %)", "front [%]", "rear [%]", "total [%]")
 
 
 def width_cells(widths: Sequence[float], none: str = "not known") -> tuple[str, ...]:
-    """Half widths [1] in percent; ``none`` for one that is not known, or not named."""
+    """Half widths [1] in percent; ``none`` for one that is not known or not asked for."""
     return tuple(f"{100.0 * w:.1f}" if 0.0 < w < 10.0 else none for w in widths)
 
 
 def achieved_facts(result: Achieved) -> Facts:
     """Planned against achieved."""
-    widths = {"planned": result.planned, "achieved": result.achieved}
-    rows = [(name, *width_cells(of_name)) for name, of_name in widths.items()]
+    rows = [("planned", *width_cells(result.planned)), ("achieved", *width_cells(result.achieved))]
     word = "as planned" if result.reached else "wider than planned"
     table = Table(WIDTH_HEADS, rows)
     return Facts("Planned and achieved", word, tables=[table], notes=result.reasons)

@@ -1,7 +1,6 @@
 """Facts as one HTML file: style, pictures and scripts are inside, and all is escaped.
 
-Only a live page has scripts, those of `calib.show.interactive`. It is printed as any other, and so
-it is seen where scripts do not run.
+Only a live page has scripts, those of `calib.show.interactive`; it can be read without them.
 """
 
 import json
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
 _GENERATOR = "brake-cal"
 """Generator of every page, by which one is recognised."""
 _HEAD = 1000
-"""Bytes at the begin of a page that hold its generator."""
+"""First bytes of a page, which hold its generator."""
 _PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
 _PARTS = 120
@@ -37,11 +36,11 @@ _UNSEEN = re.compile(
     r"| id=\"[a-z2]+_\d+\"| transform=\"rotate\(-0 [^\"]*\"",
     re.DOTALL,
 )
-"""Parts of an SVG that show nothing: prologue, metadata, comments, spaces, names, no turn."""
+"""Parts of an SVG that show nothing: prologue, metadata, comments, spaces, names, turns by 0."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
 _STRAIGHT = re.compile(r"(?<= d=\")M(?: [-\d.]+ [-\d.]+ \n[LM])+ [-\d.]+ [-\d.]+ \n(?=z?\n?\")")
 _FONT = "'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif"
-"""Font of the letters, and those as wide where a machine does not have it."""
+"""Font of the letters, and the same with fonts of its width for machines without it."""
 _AGAINST = "What speaks against the result, although it is given."
 
 
@@ -77,10 +76,7 @@ class _Pictures:
         self.live, self.drawn = live, list[Drawn]()
 
     def panels(self, picture: Picture) -> list[tuple[str, str]]:
-        """Each panel by itself, so that a narrow screen can show one below the other.
-
-        Pairs of a drawing as SVG, and the place of the live one, or "".
-        """
+        """Each panel as SVG, with the place of its live picture, or ""."""
         sheet = picture.make()
         names = picture.names or sheet.names
         places = dict.fromkeys(names, "")
@@ -104,23 +100,23 @@ class _Pictures:
 
 
 def _panel(sheet: Sheet, name: str) -> str:
-    """A panel as SVG for a page: small, as a page has many."""
+    """A panel as a small SVG, since a page has many."""
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
-    drawn = render(figure, ".svg", text=True).decode().replace(*_FONT)
+    svg = render(figure, ".svg", text=True).decode().replace(*_FONT)
     # places are exact to a tenth of a point
-    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _UNSEEN.sub("", drawn))
+    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _UNSEEN.sub("", svg))
     image = _STRAIGHT.sub(_from_last, short).encode()
     return f"data:image/svg+xml,{quote(image, safe=_UNQUOTED)}"
 
 
 def _from_last(path: re.Match[str]) -> str:
-    """A path of straight lines, each point by its way from the last one: half as long."""
+    """A path of straight lines in relative coordinates, which is half as long."""
     commands, last, text = path[0].split("\n"), (0, 0), ""
     for command in filter(None, commands):
-        name, *place = command.split()
+        letter, *place = command.split()
         x, y = (round(10.0 * float(end)) for end in place)
         dx, dy = (f"{0.1 * way:.1f}".removesuffix(".0") for way in (x - last[0], y - last[1]))
-        text, last = f"{text}{name.lower()}{dx}{' ' * (dy[0] != '-')}{dy}", (x, y)
+        text, last = f"{text}{letter.lower()}{dx}{' ' * (dy[0] != '-')}{dy}", (x, y)
     return text
 
 

@@ -23,7 +23,7 @@ from calib.show.style import LINE_WIDTH, Array, Stroke, envelope, pale
 EXTRA = "pages"
 """Extra of the package that brings Bokeh."""
 _PARTS = 25_000
-"""Parts of a long line; one of at most 100,000 samples has all of them."""
+"""Parts of an `envelope`: a line of at most 100,000 samples has all of them."""
 _HEIGHT = 300
 """Height of a panel [px]."""
 _PIXEL = 4.0 / 3.0
@@ -41,10 +41,7 @@ _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline"
 
 @dataclass(frozen=True)
 class Drawn:
-    """``places`` of the panels by name, in which Bokeh puts the models of a document.
-
-    ``data`` is the document as JSON; ``roots`` its models and their places.
-    """
+    """A document as JSON ``data``, its models (``roots``), and ``places`` of the panels by name."""
 
     places: dict[str, str]
     data: str
@@ -77,7 +74,7 @@ def drawn(sheet: Sheet, names: Sequence[str], prefix: str) -> Drawn:
 
 
 class _Making:
-    """Figures of a sheet that share data sources by their x, and axes by name and ends."""
+    """Figures of a sheet; those with one x share its data, and those with one axis its range."""
 
     def __init__(self) -> None:
         self.sources: dict[int, Any] = {}
@@ -107,7 +104,7 @@ class _Making:
             _mark(fig, mark)
         shown = [self._line(fig, line) for line in panel.lines]
         fig.add_tools(*(_hover(panel, shown) if panel.field is None else ()))
-        bands = [one for one in fig.renderers if one.level == "underlay"]  # the first on top
+        bands = [one for one in fig.renderers if one.level == "underlay"]  # first line on top
         fig.renderers = [*reversed(bands), *(one for one in fig.renderers if one not in bands)]
         for text, x, y in panel.texts:
             is_right = panel.xlim is not None and x > np.mean(panel.xlim)
@@ -247,5 +244,5 @@ def _ends(ends: tuple[float, float] | None) -> Any:
 
 
 def _plain(text: str) -> str:
-    """A text in which no two signs that begin a formula of MathJax are together."""
+    """A text in which MathJax sees no formula: a word joiner follows each of its signs."""
     return re.sub(r"([$\\])", "\\1\u2060", text)

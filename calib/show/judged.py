@@ -60,13 +60,11 @@ def verdict_words(role: str, verdict: str, warnings: int) -> str:
 
 def ramp_rows(table: LookUp) -> list[Row]:
     """Brake torque per bar of both axles on the ramp, and their pads, with 95 % intervals."""
-    axles = AXLE_NAMES.values()
+    torques = zip(AXLE_NAMES.values(), per_bar(table), strict=True)
+    frictions = zip(AXLE_NAMES.values(), ramp_pads(table), strict=True)
     return [
-        *(
-            (f"{axle} axle per bar", f"{x} {UNIT}")
-            for axle, x in zip(axles, per_bar(table), strict=True)
-        ),
-        *((f"{axle} pads", pad) for axle, pad in zip(axles, ramp_pads(table), strict=True)),
+        *((f"{axle} axle per bar", f"{torque} {UNIT}") for axle, torque in torques),
+        *((f"{axle} pads", friction) for axle, friction in frictions),
     ]
 
 

@@ -40,15 +40,14 @@ _EVENTS: dict[str, Stroke] = {
     STANDSTILL: {"color": "#F8E6D8"},
     BITES: {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))},
 }
-"""Spans are pale behind lines of all colours."""
+"""Looks of events; spans are pale, since lines of all colours cross them."""
 _STROKES = {**WHEEL_STROKES, "f": FRONT, "r": REAR}
 _TIME = "time [s]"
 
 _PANEL = 0.72
 """Height of a panel, over that of a usual one."""
 _COLUMN, MOST = 8, 24
-"""Panels above each other before there are two columns, and of one picture; more are not readable.
-"""
+"""Most panels in one column, and in one picture that can be read."""
 _TITLES = {
     "p_mc": "Pressure of the master cylinder",
     "a_x": "Acceleration",
@@ -60,7 +59,7 @@ _TITLES = {
     "T_drive": "Torque of engine or motor",
     "abs_active": "ABS or ESC",
 }
-"""Titles of panels by the kind of their columns; a foreign column has its name."""
+"""Titles of panels by kind of column; the title of a foreign one is its name."""
 
 
 def log_facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]) -> Facts:
@@ -137,8 +136,8 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
 def whole_of(log: Log) -> WholeLog:
     """The channels of a log in the units in which they are written."""
     columns = [
-        WholeColumn(name, of.unit, from_si(log[name], of.unit, of.si))
-        for name, of in CHANNELS.items()
+        WholeColumn(name, channel.unit, from_si(log[name], channel.unit, channel.si))
+        for name, channel in CHANNELS.items()
         if name in log
     ]
     return WholeLog(log.name, log.source, log.digest, tuple(columns), log.notes)

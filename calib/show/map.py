@@ -18,7 +18,7 @@ from calib.table.maps import Reader
 from calib.table.table import Table
 
 _SEEN = 0.02
-"""Share of the stops with a z from which a place of the map is drawn: a rarer one means nothing."""
+"""Least share of the stops at a z for which a place of the map is drawn [1]."""
 _STEPS = 56
 """Colours along each axis."""
 _AROUND = 1.5
@@ -34,7 +34,8 @@ def map_panels(
     axes = _axes(table, [*stops.values()])
     change, lower, upper = _read(table, axes)
     half = 50.0 * (np.exp(upper) - np.exp(lower))
-    lines = [_ridge(table)]
+    thick = {**BODY, "linewidth": 1.8}
+    lines = [Line(100.0 * (table.paper.eta - 1.0), table.paper.z, thick, "the ramp")]
     for (name, of_stop), look in zip(stops.items(), cycle(WHEEL_STROKES.values())):
         x, z = (column[:: 1 + column.size // _POINTS] for column in of_stop)
         lines.append(Line(100.0 * x, z, dots(look, 2.0, rasterized=True), name))
@@ -61,17 +62,12 @@ def _axes(table: Table, others: Sequence[tuple[Array, Array]]) -> tuple[Array, A
 
 
 def _read(table: Table, axes: tuple[Array, Array]) -> list[Array]:
-    """ln of the ratio of the pads over that of the ramp, with its bounds; NaN where none stops."""
+    """ln of the ratio of the pads over that of the ramp, with its bounds; NaN where no stop is."""
     eta_less_1, z = axes
     shift = eta_less_1 / np.maximum(z, table.map.axes["z"][0])
     read = Reader(table.map, ("change", "change_lower", "change_upper", "share"))
     *values, share = read(z, shift, 0.0)
     return [np.where(share > _SEEN, one, np.nan) for one in values]
-
-
-def _ridge(table: Table) -> Line:
-    look = {**BODY, "linewidth": 1.8}
-    return Line(100.0 * (table.paper.eta - 1.0), table.paper.z, look, "the ramp")
 
 
 def _panel(

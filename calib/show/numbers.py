@@ -23,17 +23,13 @@ _SHOWN = {
 }
 """SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
 
-
 _UNIT = r"%|sigma|degC?|rad/s|bar|[cmukM]?(?:g|m|s|Pa|Hz|N|J|W)(?:[/*^]\w+)*"
 _BEFORE_UNIT = re.compile(rf"(?<=\d) (?=(?:{_UNIT})(?![\w*^]))")
 _METRES = re.compile(r"\b(k?N) (?=m\b)")
 
 
 def whole(text: str) -> str:
-    """The text with no-break spaces, so that no line ends between a number and its unit.
-
-    Not of a command, which is copied from.
-    """
+    """The text with no-break spaces between numbers and units; a command stays as it is."""
     if text.startswith("brake-cal "):
         return text
     return _BEFORE_UNIT.sub(NBSP, _METRES.sub(rf"\1{NBSP}", text.replace(" ± ", f"{NBSP}±{NBSP}")))
@@ -64,17 +60,16 @@ def number(value: float, step: float) -> str:
     """A value to the second digit of ``step``, such as the half width of its interval."""
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
-    first = math.floor(math.log10(step or 1e-3 * abs(value) or 1.0))
-    return f"{value:z.{max(0, 1 - first)}f}"
+    exponent = math.floor(math.log10(step or 1e-3 * abs(value) or 1.0))
+    return f"{value:z.{max(0, 1 - exponent)}f}"
 
 
 def estimate(parameter: "ParameterEstimate") -> tuple[str, str]:
     """A parameter with its unit, and its 95 % interval in the same."""
     value, low, high = (in_shown(x, parameter.unit) for x in (parameter.value, *parameter.ci95))
     half = 0.5 * (high - low)
-    return with_unit(
-        number(value, half), parameter.unit
-    ), f"{number(low, half)} to {number(high, half)}"
+    interval = f"{number(low, half)} to {number(high, half)}"
+    return with_unit(number(value, half), parameter.unit), interval
 
 
 def span(ends: tuple[float, float], unit: str) -> str:

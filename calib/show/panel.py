@@ -20,15 +20,12 @@ _POINTS = 72.0
 RAW = 0.3
 """Opacity of measured values behind their mean."""
 PARTS = 2000
-"""Parts of a long line: a page has some 1000 pixels."""
+"""Parts of the `envelope` of a long line: a page has some 1000 pixels."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """``y`` over ``x`` (n,), and the two ends of its ``band``.
-
-    Over measured values their mean over ``mean`` [s] is drawn, 0 for none.
-    """
+    """``y`` over ``x`` (n,) with its ``band``; of noisy values also the mean over ``mean`` [s]."""
 
     x: Array | Sequence[float]
     y: Array | Sequence[float]
@@ -44,7 +41,7 @@ class Line:
         return smooth(np.asarray(self.x), y, self.mean) if self.mean else y
 
     def fill(self, ax: Axes, parts: int) -> None:
-        """Draw it; of a long one the lowest and the highest value of each of its ``parts``."""
+        """Draw the line; of a long one the `envelope` in so many ``parts``."""
         x, colour = np.asarray(self.x, float), self.look["color"]
         if self.mean:
             y = np.asarray(self.y, float)
@@ -54,7 +51,7 @@ class Line:
         ax.plot(x[points], self.shown[points], label=self.label, **self.look)
 
     def fill_band(self, ax: Axes, parts: int) -> None:
-        """Draw its band in a pale colour that hides those before; the ends show where they are."""
+        """Draw the band, opaque and pale, with its edges."""
         if self.band is None:
             return
         x, (low, high) = np.asarray(self.x, float), (np.asarray(end, float) for end in self.band)
@@ -125,8 +122,8 @@ class Panel:
     x, y : what is on the axes, with units.
     lines, marks : as they are drawn, the last on top.
     texts : words, each beside a point of the axes.
-    xlim, ylim : ends of the axes. Without ``ylim`` measured lines set it, by their means and zero,
-        ``where`` it is true (n,).
+    xlim, ylim : ends of the axes. ``ylim`` None: those of zero and of the means of the lines, at
+        the samples ``where`` (n,).
     xticks, yticks : words at 0, 1, 2 ... instead of numbers.
     columns : entries in a row of the legend.
     field : colours behind all, between ``xlim`` and ``ylim``.
@@ -148,10 +145,7 @@ class Panel:
     field: Field | None = None
 
     def fill(self, ax: Axes, parts: int = PARTS) -> float:
-        """Draw the panel and its legend; returns the height of the legend [pt].
-
-        Of a long line the lowest and the highest value of each of its ``parts`` are drawn.
-        """
+        """Draw the panel, long lines in so many ``parts``; return the height of the legend [pt]."""
         if self.field is not None:
             self.field.fill(ax)
         for line in self.lines:

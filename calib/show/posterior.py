@@ -1,4 +1,4 @@
-"""What the ramps told of a car: belief and posterior of each quantity, and two that go together.
+"""What the ramps say of a car: prior and posterior of each quantity, and two that correlate.
 
 prior      |=========|      from -1 to 1: 95 % of what `calib.car.beliefs` has for any car
 posterior     |-o-|         95 % of the draws of the table, in the same measure
@@ -21,7 +21,7 @@ _OUTSIDE = 2.1
 
 
 class _Quantity(NamedTuple):
-    """Draws (n,) of a quantity, and what is believed of it before the ramps."""
+    """Draws (n,) of a quantity, and its prior."""
 
     name: str
     draws: Array
@@ -29,7 +29,7 @@ class _Quantity(NamedTuple):
 
     @property
     def scaled(self) -> Array:
-        """Draws by their distance from the prior mean, over its 95 % half width [1]."""
+        """Distance of the draws from the prior mean, over its 95 % half width [1]."""
         return np.asarray((self.draws - self.prior.mean) / (Z95 * self.prior.sigma))
 
 
@@ -38,10 +38,10 @@ def quantities(table: Table) -> list[_Quantity]:
     e, pads = ensemble_of(table.vehicle, table.draws), CAR.log_pad_ratio
     pads = pads._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
     mean = 0.5 * (e.compliance_f + e.compliance_r)
-    less = (e.compliance_f - e.compliance_r) / CAR.compliance.mean
+    tyre_ratio = (e.compliance_f - e.compliance_r) / CAR.compliance.mean
     return [
         _Quantity("pad ratio", e.log_pad_ratio, pads),
-        _Quantity("tyre ratio", less, CAR.log_tyre_ratio),
+        _Quantity("tyre ratio", tyre_ratio, CAR.log_tyre_ratio),
         _Quantity("tyre compliance", mean, CAR.compliance),
         _Quantity("stiffness over load", e.load_exponent, CAR.load_exponent),
         _Quantity("grip of the road", np.log(e.peak), CAR.peak),
@@ -78,11 +78,10 @@ def forest(table: Table) -> Panel:
 
 
 def pairs(table: Table) -> Panel:
-    """Draws of the ratios of pads and tyres: what a ramp without v sees is their sum alone."""
+    """Draws of the ratios of pads and tyres; a ramp without v measures their sum alone."""
     pad, tyre, *_ = quantities(table)
-    lines = [
-        Line(100.0 * pad.draws, 100.0 * tyre.draws, dots(NOMINAL, 2.0, alpha=0.6, rasterized=True))
-    ]
+    look = dots(NOMINAL, 2.0, alpha=0.6, rasterized=True)
+    lines = [Line(100.0 * pad.draws, 100.0 * tyre.draws, look)]
     correlation = float(np.corrcoef(pad.draws, tyre.draws)[0, 1])
     return Panel(
         "pairs",

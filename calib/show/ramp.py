@@ -24,7 +24,7 @@ from calib.show.style import BODY, FRONT, MEAN, REAR, Array, Mask, Stroke
 from calib.table.table import Table
 
 _GROUP = 5
-"""Blocks per point: a mean over 0.25 s reduces the noise of eta enough to show the curve."""
+"""Blocks per point: in means over 0.25 s the curve shows above the noise of eta."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,8 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     forces = np.stack([front, 1.0 - front]) * share + moments
     _, turning = wheel_slips(e, loaded_tyres(car, e, run.quasi_static(car)).slips(forces))
     eta_model = np.median(speed_ratio(*turning), axis=0)
-    free = b.lead_in
-    # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
-    zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
+    unbraked = b.lead_in
+    zero = float(np.mean((b.eta / eta_model)[unbraked])) if unbraked.any() else 1.0
     # the same brake forces on the car of the table, which has no resistance
     z_free = np.where(brake > 0.0, share / (1.0 + sum(rotating_shares(car))), np.nan)
     curves = predict_slips(car, e, log_ratio, share, z_free)
@@ -85,7 +84,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
         eta=b.eta / zero / eta_model * curves.eta,
         f1=f1,
         f2=f2,
-        braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
+        braked=np.asarray(run.use & ~unbraked & (np.maximum(b.p_f, b.p_r) > BITE)),
         is_two_axles=run.only is None,
     )
 
@@ -101,7 +100,7 @@ def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = 
 
 
 def panel(ramp: MeasuredRamp, name: str) -> Panel:
-    """Fig. 5: the forces of a ramp over time; z is between them, but for the drag of the air."""
+    """Fig. 5: the forces of a ramp over time; z lies between them, up to the drag of the air."""
     lines = (
         Line(ramp.time, ramp.F_f, FRONT, "front", mean=MEAN),
         Line(ramp.time, ramp.F_r, REAR, "rear", mean=MEAN),

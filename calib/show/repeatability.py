@@ -22,7 +22,7 @@ _HEADS = (
 _CAPTION = "Repeatability, reproducibility and cars: standard deviations [1]."
 _COLOURS, _MARKS = [*WHEEL_STROKES.values()], "osD^vPX"
 _NAMED = 12
-"""Above this number the cars are numbered, not named."""
+"""More cars than these have numbers instead of names."""
 
 
 def gauge_facts(study: GaugeStudy) -> Facts:
@@ -89,12 +89,10 @@ def gauge_sheet(study: GaugeStudy) -> Sheet:
 
 
 def _panel(study: GaugeStudy, result: GaugeResult) -> Panel:
-    """The values: one column for each car, with its stations side by side."""
+    """Values of a metric: one column a car, its stations side by side."""
     cars, stations, metric = study.cars, study.stations or ("",), plain(result.name)
-    x, y = (
-        np.array([float(cars.index(r.car)) for r in study.readings]),
-        metric.factor * result.values,
-    )
+    x = np.array([float(cars.index(r.car)) for r in study.readings])
+    y = metric.factor * result.values
     lines = []
     for k, station in enumerate(stations):
         of_station = np.array([r.station == station for r in study.readings])

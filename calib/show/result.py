@@ -32,9 +32,8 @@ _VALID = ("valid", "ecu_valid")
 class StoredResult:
     """Answers of the ECU to one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
 
-    Of a run of which no sample counts, none is valid. ``name`` is the stem of the log; ``digest``
-    the SHA-256 of the file. The ``verdict`` in words and the pad friction on the ramp [1] are those
-    of the summary beside it, and empty without one.
+    ``name`` is the stem of the log, ``digest`` the SHA-256 of the file. ``verdict`` in words and
+    pad friction on the ramp [1] are those of the summary beside it; empty without one.
     """
 
     name: str
@@ -83,7 +82,7 @@ def read_result(path: Path) -> StoredResult:
 
 
 def _summary_of(path: Path) -> tuple[str, tuple[float, ...]]:
-    """The verdict on a result in words and the pads of the ramp, by the summary beside it."""
+    """Verdict in words and pads of the ramp, from the summary beside a result."""
     try:
         summary = json.loads(path.with_name(SUMMARY).read_bytes())
         (log,) = (one for one in summary["logs"] if one["log"] == path.stem)

@@ -24,11 +24,10 @@ class Sheet:
 
     Attributes
     ----------
-    kind : what is drawn: table, stop, simulation, comparison, log and so on.
+    kind : what is drawn: table, stop, simulation, log and so on.
     name : used in file names.
     panels : all panels; those that ``rows`` does not name are drawn only alone.
-    rows : panel names in the layout of the page; a repeated name spans its places. Without any each
-        panel has a row.
+    rows : names of the panels of the page, repeated where one spans places; () for a row each.
     heights : relative heights of the rows, or one for all.
     title, note : text above the panels and below them.
     result : what came out, in a line below the title.
@@ -73,10 +72,10 @@ class Sheet:
             figure = Figure(figsize=(WIDTH, height), layout="constrained")
             places = figure.subplot_mosaic([list(r) for r in rows], height_ratios=heights)
             legends = {n: panels[n].fill(ax) for n, ax in places.items()}
-            top = {n: next(i for i, row in enumerate(rows) if n in row) for n in places}
+            first_row = {n: next(i for i, row in enumerate(rows) if n in row) for n in places}
             for i, (name, ax) in enumerate(places.items()):
                 # titles of one row are at one height
-                room = max(legends[n] for n in places if top[n] == top[name])
+                room = max(legends[n] for n in places if first_row[n] == first_row[name])
                 letter = f"({ascii_letters[i]}) " * (len(places) > 1)
                 ax.set_title(letter + panels[name].title, pad=4.0 + room)
                 if name in above:
@@ -122,17 +121,13 @@ def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")
 
 
-# No time and no version of matplotlib in a file: they would change the bytes.
 _METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": None},
     ".svg": {"Date": None, "Creator": "brake-cal"},
     ".pdf": {"CreationDate": None, "Producer": "brake-cal", "Creator": "brake-cal"},
 }
-"""Metadata of a file by ending; the keys are the endings that are known."""
-
+"""Metadata of a file by ending; no time and no version, which would change the bytes."""
 ENDINGS = tuple(_METADATA)
-
-
 _BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
 """First bytes of a file by each ending."""
 

@@ -52,7 +52,7 @@ def write_index(folder: Path) -> int:
 
 
 def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
-    """The ``runs``, the last first; ``every`` [s]: of the page that loads itself again."""
+    """Facts of the ``runs``, the last first, on a page that reloads ``every`` [s]; 0: never."""
     last = runs[0] if runs else None
     words = (PASSED, WARNING, FAILED, NO_VERDICT, UNREADABLE)
     counts = {word: sum(run.verdict == word for run in runs) for word in words}
@@ -90,8 +90,8 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
             continue
         shown, x = plain(key), np.arange(float(len(values)))
         y = shown.factor * np.array([*values.values()])
-        interval = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
-        ends = [shown.factor * end for end in interval if end is not None]
+        bounds = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
+        ends = [shown.factor * end for end in bounds if end is not None]
         title = f"{shown.name}: {shown.value(float(y[-1] / shown.factor))} {shown.unit}"
         points = Line(x, y, {**FRONT, "marker": "."})
         limits = [Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends]
@@ -103,8 +103,7 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
                   ylim=reach(y, np.array(ends), *([] if ends else [np.median(y) * _AROUND])))
         )  # fmt: skip
     caption = f"Brakes and zero of the ramp, of the last {_DRAWN} cars at most; grey: the limits."
-    drawn = tuple(panels)
-    return [Picture(caption, lambda: Sheet("trend", "trend", drawn))] if panels else []
+    return [Picture(caption, lambda: Sheet("trend", "trend", tuple(panels)))] if panels else []
 
 
 def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:

@@ -99,7 +99,7 @@ def station_facts(run: StationRun) -> Facts:
 
 
 def _missed(outcome: StationOutcome) -> Cells:
-    """Limits that are not held, with what to do."""
+    """Limits that are broken, with the next step."""
     steps = [
         (check.verdict, check.text, check.action)
         for verdict in (FAILED, WARNING)
@@ -128,13 +128,10 @@ def store_and_write(
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and `station.json`.
 
-    ``date`` is that of a cdfx and of the report; empty for the day on which the version is stored
-    [UTC], so that the same run gives the same bytes on a later day, too. What `why_not_exported`
-    holds back is not exported.
-
-    The version is entered with its state in one step, so none is without a verdict. Where another
-    run has taken the version number meanwhile, the files are written again. Raises OSError,
-    ExchangeError, StoreError.
+    ``date`` is that of a cdfx and of the report; "" for the day [UTC] on which the version is
+    stored, so that a repeated run gives the same bytes. The version is stored with its state in one
+    step; where another run has taken its number meanwhile, the files are written again. Raises
+    OSError, ExchangeError, StoreError.
     """
     results = list(outcome.results)
     while True:

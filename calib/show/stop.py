@@ -56,19 +56,16 @@ _LEAST = 0.05
 _BRAKES, _AROUND = 0.02, 0.5
 """Share of the largest torque from which a sample brakes; time drawn before and after [s]."""
 _GREYS = ("#EFEFEF", "#DEDEDE", "#CFCFCF")
-"""Shades of the reasons for no valid answer, the longest first; the last one is of all others."""
+"""Shades of the reasons for no valid answer, the longest first; the last for all others."""
 _NO_SAMPLE = "no sample of this run counts"
 
 
 @dataclass(frozen=True)
 class _Stop:
-    """What is drawn of a stop.
+    """A stop to draw: ``columns`` of an estimate, ``valid`` where the ECU's answers count (n,).
 
-    Attributes
-    ----------
-    columns, valid : of an estimate (n,), and where the ECU has a valid answer that counts.
-    source, pads : where the pads before the stop are from, and their friction [1], if known.
-    truth, slips : (2, n), None where they are not known.
+    ``pads`` are the friction before the stop [1], if known, and ``source`` is where it is from;
+    ``truth`` and ``slips`` are (2, n), if known.
     """
 
     columns: Columns
@@ -95,10 +92,7 @@ class _Stop:
 
     @cached_property
     def refused(self) -> dict[str, tuple[Mask, float]]:
-        """Samples without a valid answer (n,) and their time in the braking [s], by reason.
-
-        The longest comes first.
-        """
+        """Samples without a valid answer (n,), and their time [s], by reason; the longest first."""
         if not self.valid.any():
             masks = {_NO_SAMPLE: ~self.valid}
         else:
@@ -137,10 +131,7 @@ def _origin(table: Table, name: str = "") -> str:
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
-    """The sheet of a ``result`` with the table of this ``name``.
-
-    Beside the estimate are the pads of the ramp, or those of ``vehicle``.
-    """
+    """The sheet of a ``result`` of table ``name``, with the pads of the ramp or of ``vehicle``."""
     stop, table = _of_estimate(result.estimate, vehicle), result.estimate.table
     warned = dict.fromkeys(warning.title for warning in result.all_warnings)
     note = _origin(table, name)
@@ -190,7 +181,7 @@ def _sheet(
     verdict: Sequence[str],
     table: Table | None = None,
 ) -> Sheet:
-    """Torque and pads, which are the answer, have most room; the map is that of the ``table``."""
+    """The sheet of a stop, with the map of the ``table``; torque and pads have most room."""
     panels = [_torque_panel(stop), _pad_panel(stop), _force_panel(stop), _slip_panel(stop)]
     rows = [(panel.name,) * 2 for panel in panels]
     if table is not None:
@@ -220,10 +211,7 @@ def _panel(
     shown: Iterable[Array],
     named: bool = False,
 ) -> Panel:
-    """A panel over the time of the braking, as high as the values that are ``shown``.
-
-    It is grey where no answer is valid; the reasons are ``named`` in the legend.
-    """
+    """A panel as high as the values ``shown``; grey with no valid answer, the reasons ``named``."""
     marks = list[Mark]()
     for i, (why, (mask, lasts)) in enumerate(stop.refused.items()):
         look: Stroke = {"color": _GREYS[min(i, len(_GREYS) - 1)]}
@@ -239,7 +227,7 @@ def _panel(
 
 
 def _torque_panel(stop: _Stop) -> Panel:
-    """Torques of the axles and of both, those of the pads before the stop, and the true ones."""
+    """Torques of the ECU, those with the pads before the stop, and the true ones."""
     lines, beside = list[Line](), list[Line]()
     answers = torques(stop.columns)
     for side, look, torque in zip(SIDES, (FRONT, REAR, _TOTAL), answers, strict=True):
@@ -306,7 +294,7 @@ def _force_panel(stop: _Stop) -> Panel:
 
 
 def _slip_panel(stop: _Stop) -> Panel:
-    """Slip of the axles where v is known, and eta; as high as their noise while they are valid."""
+    """Slip of the axles where v is known, and eta - 1; as high as their valid values."""
     axles = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
     eta = "\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, IDENTIFIED
     lines = [

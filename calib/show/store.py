@@ -52,7 +52,6 @@ def table_facts(stored: Stored) -> Facts:
     """Use, quality and origin of a table."""
     table, use = stored.table, usability(stored)
     budgets = table.budget.axles
-    advice = advice_lines(budgets)
     logs = ", ".join(log.name for log in table.provenance.logs)
     parents = ", ".join(parent.id for parent in table.provenance.parents)
     return Facts(
@@ -65,7 +64,7 @@ def table_facts(stored: Stored) -> Facts:
             ("largest uncertainty", limiting(budgets)),
             ("made of", parents or logs),
         ],
-        notes=advice[:1],
+        notes=advice_lines(budgets)[:1],
         next=use.next,
         parts=[_made_of(stored)],
     )
@@ -87,7 +86,7 @@ def _made_of(stored: Stored) -> Facts:
             for one in mean_figures(table)
         ),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
-        *((of.effect.replace("_", " "), str(of)) for of in effect_figures(table)),
+        *((one.effect.replace("_", " "), str(one)) for one in effect_figures(table)),
         ("pad scale", "{:.4g} (95 %: {:.4g} to {:.4g})".format(scale.value, *scale.ci95)),
         *budget_rows(table.budget.axles),
         ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
@@ -143,7 +142,7 @@ def merged(stored: Stored) -> Facts:
         half, between = (
             f"{100.0 * share:.2f}{NBSP}%" for share in (figure.half_width, Z95 * figure.between)
         )
-        # zero is what is left where the cars differ by no more than their own noise
+        # zero: the cars differ by no more than their noise
         spread = between if figure.between > 0.0 else "less than noise"
         cells.append((figure.name, f"{figure.value:.4g}", f"±{NBSP}{half}", spread))
     return Facts(

@@ -56,12 +56,12 @@ def pale(colour: str) -> str:
 
 
 _BAND = 0.25
-"""Share of its line's colour in that of a band."""
+"""Share of the colour of its line in a band, the rest is white."""
 SHADE = "#E9E9E9"
 ETA = "\u03b7 - 1 [%]"
 """Name of an axis: rear wheel speed over front one."""
 LINE_WIDTH = 1.3
-"""Width of a line that says nothing of it [pt]."""
+"""Width of a line whose look has none [pt]."""
 MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
 
@@ -125,7 +125,7 @@ def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
 
 
 def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[float, float] | None:
-    """Ends of an axis that shows all finite ``values``; None without one. ``zero`` includes it."""
+    """Ends of an axis that shows all finite ``values``, and 0 with ``zero``; None without any."""
     numbers = np.concatenate([v[np.isfinite(v)] for v in values] or [np.empty(0)])
     if numbers.size == 0:
         return None
@@ -137,10 +137,7 @@ def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[flo
 
 
 def envelope(y: Array, parts: int) -> Index:
-    """Places of the points of a line (n,) that are drawn, no peak among the others.
-
-    All; of more than four for each part the lowest and the highest of each of the ``parts``.
-    """
+    """Indices of the points of ``y`` (n,) to draw: extremes of each part, or all if few."""
     if y.size <= 4 * parts:
         return np.arange(y.size)
     width = -(-y.size // parts)
@@ -154,6 +151,6 @@ def envelope(y: Array, parts: int) -> Index:
 
 
 def as_text(name: str) -> str:
-    """A name as plain text: only what the font has, no underscore that hides it."""
+    """A name in letters of the font; matplotlib hides a label that begins with an underscore."""
     plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in name)
     return " " * plain.startswith("_") + plain

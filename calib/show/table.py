@@ -28,11 +28,10 @@ from calib.table.curves import MEASURED
 from calib.table.table import Table
 
 _Ramps = tuple[MeasuredRamp, ...]
-
 _FREED = "ramps, drag taken out"
 """Label of the measured points beside a curve over eta."""
 _MARKED = 0.1
-"""Step between the decelerations that are marked on an axis over eta [g]."""
+"""Step between decelerations that are marked on the axis of eta [g]."""
 
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
@@ -100,9 +99,9 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
         *_curve(x, p.f2, p.flag, REAR, "f2, rear", (p.f2_lower, p.f2_upper)),
     ]
     for i, ramp in enumerate(two_axles):
-        shift = 100.0 * (ramp.eta - 1.0)
-        f.append(points(ramp, shift, ramp.f1, FRONT, "" if i else _FREED))
-        f.append(points(ramp, shift, ramp.f2, REAR))
+        eta_percent = 100.0 * (ramp.eta - 1.0)
+        f.append(points(ramp, eta_percent, ramp.f1, FRONT, "" if i else _FREED))
+        f.append(points(ramp, eta_percent, ramp.f2, REAR))
     ends = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
     (low, high), end = p.usable, 100.0 * (p.usable_eta[1] - 1.0)
     line: Stroke = {"color": BODY["color"], "linewidth": 0.9, "linestyle": LONG}
@@ -110,7 +109,7 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     decelerations = [z for z in np.arange(_MARKED, high, _MARKED) if z >= low]
     places = np.interp(decelerations, p.z[order], x[order])
     ticks: Stroke = {"color": BODY["color"], "marker": "|", "ms": 6.0, "linestyle": ""}
-    zero = [
+    axis_lines = [
         Line(ends, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6}),
         Line(places, np.zeros(places.size), ticks),
     ]
@@ -119,7 +118,7 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
         "Force over load, less deceleration over g (Fig. 6)",
         ETA,
         "f1, f2 [1]",
-        [*f, *zero],
+        [*f, *axis_lines],
         [Mark(end, end, line, f"usable to {end:.2f} %, {high:.2f} g"),
          Mark(end, ends[1], {"color": SHADE})],
         [(f"{z:.1f} g", x, 0.0) for z, x in zip(decelerations, places, strict=True)],

@@ -19,10 +19,9 @@ _STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "green", UNJUDGED: "dim", "
 
 
 def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterator[RenderableType]:
-    """Texts and grids in the order of printing; ``quiet``: a headline alone.
+    """Texts and grids as printed, ``details`` before the answer; ``quiet``: a headline alone.
 
-    ``details`` come first, so that the answer is last. A plain string is a command to copy, and is
-    never cut into lines.
+    A plain string is a command to copy, and is never cut into lines.
     """
     facts = _texts(facts)
     head = replace(facts, parts=()).filled
@@ -78,8 +77,7 @@ class _Terms:
                 yield Text(f"{head:<{self.indent}}{line}".rstrip())
 
 
-def _longest(texts: Iterable[str]) -> int:
-    """Length of the longest word."""
+def _longest_word(texts: Iterable[str]) -> int:
     return max(len(word) for text in texts for word in text.split(" "))
 
 
@@ -90,7 +88,7 @@ class _Grid:
         rows = [[whole(cell) for cell in row] for row in table.rows]
         self.table = replace(table, heads=[whole(head) for head in table.heads], rows=rows)
         self.least = [
-            max(_longest([head]), max(map(len, cells)) if numeric else _longest(cells))
+            max(_longest_word([head]), max(map(len, cells)) if numeric else _longest_word(cells))
             for head, numeric, *cells in zip(self.table.heads, table.numeric, *rows, strict=True)
         ]
 
@@ -105,10 +103,11 @@ class _Grid:
         grid = Grid(box=None, header_style="bold", pad_edge=False)
         rows = zip(self.table.heads, self.table.numeric, self.least, *self.table.rows, strict=True)
         for head, numeric, least, *cells in rows:
-            whole = numeric or max(map(len, (head, *cells))) <= least  # else rich narrows it first
+            # else rich narrows it first
+            no_wrap = numeric or max(map(len, (head, *cells))) <= least
             justify: JustifyMethod = "right" if numeric else "left"
-            named = "\n".join(wrap(head, least)) if numeric else head
-            grid.add_column(named, justify=justify, no_wrap=whole, min_width=least)
+            title = "\n".join(wrap(head, least)) if numeric else head
+            grid.add_column(title, justify=justify, no_wrap=no_wrap, min_width=least)
         for i, row in enumerate(self.table.rows):
             grid.add_row(*row, style=self._style(i))
         return grid

@@ -21,7 +21,7 @@ SIDES = (*AXLE_NAMES.values(), "total")
 NOT_KNOWN = "not known"
 UNIT = f"N{NBSP}m"
 _WHEELS = {"fl": 2.0, "rl": 2.0, "sum": 1.0}
-"""Columns of the `SIDES`, and how many of such torques make the one of the side."""
+"""Columns of the `SIDES`, and how many times each counts: an axle has two wheels."""
 AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v", NONE: "nothing"}
 """What the torques of an ECU are compared with, in words."""
 ENDS = ("", "_lower", "_upper")
@@ -47,11 +47,11 @@ def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
 
 
 def _mean(value: Array, lower: Array, upper: Array) -> str:
-    whole = float(np.sum(value))
-    if not whole > 0.0:
+    total = float(np.sum(value))
+    if not total > 0.0:
         return NOT_KNOWN
     half = float(np.sum(upper - lower)) / (2.0 * value.size)
-    return f"{whole / value.size:.0f}{NBSP}±{NBSP}{half:.0f}"
+    return f"{total / value.size:.0f}{NBSP}±{NBSP}{half:.0f}"
 
 
 def in_words(texts: list[str]) -> str:
@@ -74,10 +74,7 @@ def per_bar(table: Table) -> list[str]:
 
 
 class _TorqueErrors(NamedTuple):
-    """Rms errors of the ECU's torques over the rms of what they are ``against`` [1], front to both.
-
-    ``against`` is `TRUTH`, `REFERENCE` for the best estimate with the speed v, or `NONE`.
-    """
+    """Relative rms errors of the torques of the `SIDES` [1], ``against`` a key of `AGAINST`."""
 
     against: str
     values: tuple[float, ...] = ()
@@ -89,7 +86,7 @@ class _TorqueErrors(NamedTuple):
 
     @property
     def of_axles(self) -> str:
-        """The errors of both axles; that of the sum shows no wrong split, and no wrong mass."""
+        """The errors of both axles; that of the total shows no wrong split and no wrong mass."""
         return " / ".join(self.texts[:2]) or NOT_KNOWN
 
 

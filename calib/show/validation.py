@@ -47,13 +47,13 @@ _PROOFS = {
     NONE: "nothing: the logs hold neither torques nor v",
 }
 _V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
-"""Of logs with v that prove nothing."""
+"""What logs with a v that cannot be used are checked against."""
 _BESIDE = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
 
 
 @dataclass(frozen=True)
 class Validated:
-    """A table judged by logs and ``files`` by role, as exported (``how``) or in full."""
+    """A table judged by logs, in full or as exported (``how``); other ``files`` by role."""
 
     stored: Stored
     results: Sequence[Validation]
@@ -107,10 +107,7 @@ def validation_facts(judged: Validated) -> Facts:
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
-    """On how many stops the table holds its limits, and how right the ECU's torques are.
-
-    Of one stop also the torques, and how its pads changed.
-    """
+    """On how many stops the table holds its limits; torques, their errors, change of the pads."""
     failed, stops = [result.log for result in results if not result.passed], len(results)
     texts = [f"{stored.id} holds on {stops - len(failed)} of {counted(stops, 'stop')}"]
     if stops == 1:
@@ -120,8 +117,8 @@ def _outcome(stored: Stored, results: list[Validation]) -> str:
         worst = max(compared, key=lambda one: max(one.values[:2]))
         texts.append(f"front / rear within {worst.of_axles} of {AGAINST[worst.against]}")
     if stops == 1 and not failed and (change := _change(stored, results[0])) is not None:
-        whole = round(100.0 * abs(change))
-        how = f"{whole} % {'weaker' if change < 0.0 else 'stronger'} than" if whole else "as"
+        percent = round(100.0 * abs(change))
+        how = f"{percent} % {'weaker' if change < 0.0 else 'stronger'} than" if percent else "as"
         texts.append(f"pads {how} on the ramp")
     return "; ".join(texts)
 
@@ -168,15 +165,9 @@ def by_stop(results: Sequence[Validation]) -> Table:
 def beside_best(stored: Stored, results: Sequence[Validation]) -> Table:
     """Torques and pads of each stop: of the ECU, of the best estimate, and as they are."""
     rows = [(r.log, *cells) for r in results for cells in _answers(stored, r)]
+    sides = [f"{side} [{UNIT}]" for side in SIDES]
     pads_of = [f"{axle} pads" for axle in AXLE_NAMES.values()]
-    heads = (
-        "stop",
-        "answer",
-        *(f"{side} [{UNIT}]" for side in SIDES),
-        *pads_of,
-        "since ramp",
-        "valid",
-    )
+    heads = ("stop", "answer", *sides, *pads_of, "since ramp", "valid")
     return Table(heads, rows, _BESIDE)
 
 

@@ -34,14 +34,9 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
     consequences = characteristics(vehicle)
     biased = consequences.front_biased_up_to
     always = {None: "front always", 0.0: "rear always"}
+    sides = consequences.front, consequences.rear
     axles = [
-        (
-            name,
-            *(
-                f"{getattr(axle, key):.{digits}f}"
-                for axle in (consequences.front, consequences.rear)
-            ),
-        )
+        (name, *(f"{getattr(axle, key):.{digits}f}" for axle in sides))
         for name, key, digits in (
             ("torque per bar, one wheel [N m]", "torque_per_bar_wheel", 2),
             ("torque per bar, axle [N m]", "torque_per_bar_axle", 2),
@@ -116,19 +111,17 @@ def vehicle_sheet(vehicle: Vehicle) -> Sheet:
 
     z = np.linspace(0.0, min(1.0, vehicle.cg_to_front_axle / vehicle.cg_height), 101)
     load_f, load_r = axle_loads(vehicle, z)
-    ideal_f, ideal_r = (
-        front.rolling_radius * z * load_f / _KNM,
-        rear.rolling_radius * z * load_r / _KNM,
-    )
+    ideal_f = front.rolling_radius * z * load_f / _KNM
+    ideal_r = rear.rolling_radius * z * load_r / _KNM
     points, end = beta(np.array(_DECELERATIONS)), 1.08 * beta(np.ones(1))[0, 0]
     lines = [
         Line(ideal_f, ideal_r, BODY, "I curve: equal friction"),
         Line([0.0, end], [0.0, ratio * end], IDENTIFIED, "installed, nominal pads"),
     ]
-    for one in _DECELERATIONS:
-        whole = vehicle.weight * one / _KNM
-        alone = [whole * front.rolling_radius, 0.0], [0.0, whole * rear.rolling_radius]
-        lines.append(Line(*alone, _THIN))
+    for deceleration in _DECELERATIONS:
+        force = vehicle.weight * deceleration / _KNM
+        intercepts = [force * front.rolling_radius, 0.0], [0.0, force * rear.rolling_radius]
+        lines.append(Line(*intercepts, _THIN))
     lines.append(Line(points[:, 0], points[:, 1], dots(IDENTIFIED, 3.2)))
     if 0.0 < (biased := front_biased_up_to(vehicle)) <= 1.0:
         point = beta(np.array([biased]))
