@@ -1,21 +1,18 @@
-r"""The accelerometer in doubt: its scale and offset, from the reference speed and from coasting.
+r"""Scale and offset of the accelerometer, from the reference speed and from coasting.
 
     z as read = (1/(1 - c)) (zeta + grade) + bias        zeta = -(dv/dt)/g
 
     v + g int z dt = v_0 + c g int z dt + (bias + grade) g t + lag g z        where v is logged
     z on the lead-in less the known resistance = bias + drag                  always
 
-The tyres carry W (zeta + grade): a grade is felt by the accelerometer and by the tyres alike, a
-bias by the accelerometer alone. So the sum of bias and grade must be split before a_x may be put
-right, and the lead-in splits it: an unbraked car on a slope reads its resistance, one with a bias
-does not. What slows the car there besides the known resistance (an engine in gear, wind) is the
-third that could explain it. Each of the three is there or not. So is a grade that changes on the
-way, a random walk beside the noise: a_x feels it as the tyres do, and then only quick changes of z
-tell the scale. The sixteen cases are weighed by how well they predict what was measured, and what
-cannot be told widens the interval. A scale that no sensor has, by a unit, a clock or a filter, is
-weighed against all of them.
+The tyres carry W (zeta + grade): they feel a grade as the accelerometer does, but no bias. The
+speed shows only the sum of both. The lead-in splits it: on a slope an unbraked car reads its
+resistance, with a bias it does not. Unknown drag there (an engine in gear, wind) looks like a bias.
+Each of the three is present or absent, and so is a grade that walks at random on the way: with it
+only quick changes of z show the scale. The sixteen hypotheses are weighed by their evidence. A
+scale that no sensor has (a wrong unit, clock or filter) is weighed against all of them.
 
-A bias that changes within the log looks like a grade that does, and is taken for one.
+A bias that changes within the log is taken for a grade that changes.
 """
 
 import math
@@ -35,17 +32,17 @@ from calib.run.filters import centred_mean, recursive, samples_in
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
 _THERE, _STILL = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002])
-"""Sigma of bias, grade and drag [g] where each is there, and where it is said not to be. A mounting
-that is 2 degrees off is 0.035 g, a road of 4 % is 0.04 g and a mountain road has 0.15 g, an engine
-in gear at 2000 rpm 0.02 to 0.05 g."""
+"""Sigma of bias, grade and drag [g], present and absent. A mounting that is 2 degrees off makes
+0.035 g, a road of 4 % 0.04 g, a mountain road 0.15 g, an engine in gear at 2000 rpm 0.02 to 0.05 g.
+"""
 
 _ODDS = np.array([0.15, 0.3, 0.15, ODDS_ROAD[1]])
-"""How often a bias, a grade, a drag and a grade that walks are there."""
+"""Prior probability of a bias, a grade, a drag and a grade that walks."""
 
 _OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
-"""Sigma of c where a unit, a clock or a filter is wrong: knots taken for m/s are 49 % off, a clock
-of 110 Hz taken for 100 is 10 % off. One log in 3000; a scale that is sharp is then another cause
-from 9 % on, 4.6 sigma of a sensor."""
+"""Sigma of c where a unit, a clock or a filter is wrong, and how often one is: knots taken for m/s
+make 49 %, a clock of 110 Hz taken for 100 makes 10 %. A well-known c is then no sensor's from 9 %
+on, 4.6 sigma of a sensor."""
 
 _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 """Resistance of a usual car over its weight: rolling [1], by the speed squared [s^2/m^2], 0.66 m^2
@@ -53,10 +50,10 @@ of 1500 kg; its relative standard deviation [1]."""
 
 _LAG = 0.02  # how far v and a_x may be out of step [s]
 _SECOND = 1.0  # time over which a_x and v are compared [s]: the noise of v is then 0.002 g
-_STEP = 4  # blocks that are judged together: 0.2 s; what is left of the run is not used
+_STEP = 4  # blocks that are judged together: 0.2 s; a shorter end of the run is not used
 
 _CASES = np.array(list(product((False, True), repeat=4)))
-"""Whether bias, grade, drag and a grade that walks are there (16, 4): those that walk by turns."""
+"""Whether bias, grade, drag and a walk of the grade are present (16, 4); every second one walks."""
 
 _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
@@ -64,12 +61,11 @@ _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 
 
 @dataclass(frozen=True)
 class Accelerometer:
-    """Scale and offset of the accelerometer by all of a run.
+    """Scale and offset of the accelerometer from a whole run.
 
     ``scale`` c [1], ``bias`` [g] and their ``variance_scale``, ``variance_bias``, ``covariance``;
-    ``drag`` [g] as far as it is told apart from a grade; ``lag`` [s] by which a_x comes after v,
-    with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``disagrees``
-    [g] how much a_x and the slowing of v differ by turns, over a second, the scale aside.
+    ``drag`` [g] besides the known resistance; ``lag`` [s] of a_x behind v. ``wanders`` probability
+    that the grade changes on the way [1]; ``disagrees`` see `_disagreement` [g].
     """
 
     scale: float
@@ -95,11 +91,10 @@ class Accelerometer:
 
 @dataclass(frozen=True)
 class _AgainstSpeed:
-    """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
+    """Normal equations of (c, e = bias + grade, d = bias + drag) from v, the lag eliminated.
 
-    e = bias + grade, d = bias + drag. ``likelihood`` its logarithm where c, e and d are zero, up to
-    a constant; ``information`` [1/s^2] and ``side`` [1/s] of the lag, which moves ``along`` (c, e)
-    [1/s] (2,).
+    ``likelihood`` its logarithm at c = e = d = 0, up to a constant; ``information`` [1/s^2],
+    ``side`` [1/s] and ``along`` [1/s] (2,): row of the lag, with coupling to (c, e).
     """
 
     precision: Array
@@ -120,10 +115,10 @@ class _AgainstSpeed:
 
 @dataclass(frozen=True)
 class SpeedEvidence:
-    """What v says of the accelerometer of a run, whatever resistance the car is taken to have.
+    """What v shows of the accelerometer, whatever the resistance of the car.
 
-    ``last`` blocks are judged; ``density_z`` noise [s^0.5]; ``grades`` by a steady grade and by one
-    that walks.
+    The first ``last`` blocks count; ``density_z`` noise of z [s^0.5]; ``grades``: with a steady
+    grade, and with one that walks.
     """
 
     blocks: Blocks
@@ -135,9 +130,9 @@ class SpeedEvidence:
 def speed_evidence(
     b: Blocks, density_z: float, density_v: float, smooth: Array | None = None
 ) -> SpeedEvidence:
-    """Compare a_x with v, ``density_z`` [s^0.5] and ``density_v`` [m/s s^0.5] their noise.
+    """Compare a_x with v, whose noise is ``density_z`` [s^0.5] and ``density_v`` [m/s s^0.5].
 
-    A ``smooth`` z [1] (k,) tells scale and lag, or z itself.
+    Scale and lag are regressed on ``smooth`` z [1] (k,), if given, else on z.
     """
     last = (b.end.size - 1) // _STEP * _STEP
     compared, noise = _compared(b, b.z if smooth is None else smooth), (density_z, density_v)
@@ -146,10 +141,10 @@ def speed_evidence(
 
 
 def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
-    """Judge the accelerometer of a log by what v has ``evidence`` and by its lead-in.
+    """Estimate scale and offset from the ``evidence`` of v and from the lead-in.
 
-    ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
-    ``sigma`` of that resistance, common to the log [1], (k,).
+    ``unexplained`` z less the known resistance, read on the lead-in alone; ``sigma`` of that
+    resistance, common to the log [1], (k,).
     """
     rolling = _on_lead_in(evidence, unexplained, sigma)
     weighed = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)
@@ -179,10 +174,7 @@ def _usable(b: Blocks, apart: int) -> Mask:
 
 
 def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
-    """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
-
-    And where they are to be used, (k - 1,). None without v.
-    """
+    """Second differences of v + g int z dt and columns of c, e, lag (4, k - 1); where usable."""
     if b.v is None:
         return None
     gained, scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, smooth))
@@ -200,11 +192,11 @@ def _against_speed(
     wander: float,
     densities: tuple[float, float],
 ) -> _AgainstSpeed:
-    """Information about (c, e, d) and the lag from v against the integral of z, up to the ``last``.
+    """Compare v with the integral of z up to the ``last`` of the blocks of ``h`` [s].
 
-    The noise of v is white and that of the integral a random walk, and the grade walks by
-    ``wander`` [g/s^0.5]: second differences are then a moving average of order two, which a filter
-    makes white. e is that at the start. ``h`` length of a block [s]; ``densities`` of z and v.
+    The noise of v is white, that of the integral is a random walk, and the grade walks by
+    ``wander`` [g/s^0.5]. Second differences are then a moving average of order two, which a filter
+    makes white. e is that at the start; ``densities`` of z and v.
     """
     if compared is None:
         return _AgainstSpeed(np.zeros((3, 3)), np.zeros(3), 0.0, _LAG**-2.0, 0.0, np.zeros(2))
@@ -212,13 +204,13 @@ def _against_speed(
     columns, usable = compared
     average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
     start = np.zeros_like(columns[:1])
-    start[0, :2] = -1.0, 1.0  # the noise of the first v, which all others are compared with
+    start[0, :2] = -1.0, 1.0  # noise of the first v, the reference of all others
     rows = recursive(np.concatenate([columns, start]), average)[:, :last] / sigma
     products = rows @ rows.T
     likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
     precision, vector = np.zeros((3, 3)), np.zeros(3)
     pair, side = products[1:, 1:], products[1:, 0]
-    # the shares of the start and of the lag are taken out with their priors
+    # eliminate start and lag, each with its prior
     for place, variance in ((3, white), (2, _LAG**2)):
         along, right = pair[:place, place], side[place]
         curvature = pair[place, place] + 1.0 / variance
@@ -241,11 +233,11 @@ def _on_lead_in(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> tu
 
 
 def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
-    """The scale c [1] over all of a run where it is likelier that of no sensor, else 0.
+    """Return the scale c [1] of a wrong unit, clock or filter; 0 if a sensor's scale is likelier.
 
-    0 without ``v`` or a braking. Without a grade that walks, which explains what such a scale does.
-    By means of z over `_SECOND`: the noise of a_x, in the integral and in what a scale makes of it
-    alike, looks like a scale of 1. The resistance on the lead-in is that of usual cars.
+    0 too without ``v`` or a braking. A walk of the grade is excluded: it would explain such a
+    scale. z is averaged over `_SECOND`, as its noise stands in the integral and in the column of c
+    alike and looks like a scale of 1. The resistance is that of a usual car.
     """
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
@@ -283,10 +275,7 @@ def _mixture(
 
 
 def _disagreement(b: Blocks, scale: float, last: int) -> float:
-    """Largest less smallest mean over a second of z less the slowing of v [g], up to the ``last``.
-
-    Less what the ``scale`` explains.
-    """
+    """Range of the means over 1 s of a_x, its ``scale`` corrected, less the slowing of v [g]."""
     whole = max(round(_SECOND / b.length), 1)
     if b.v is None or last < whole:
         return 0.0

@@ -5,13 +5,13 @@ r"""Axle signals of a log on one clock.
                           \-> noise: of each sensor, white and coloured
 
 Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
-A tone ring that runs out, or has a damaged tooth, errs with the angle phi of its wheel:
+A tone ring with run-out or a damaged tooth has an error that repeats with the wheel angle phi:
 
     omega read = omega (1 + sum_k a_k cos(k phi) + b_k sin(k phi))      k = 1, 2
 
-A ring that is 0.05 mm off its centre on a radius of 50 mm errs by 0.1 % once a turn, a third of
-what eta shows of a braking; an oval one errs twice a turn. Over one turn it cancels: omega over its
-mean of the turn around it holds the error and noise. The whole log counts: a ring has one error.
+Run-out of 0.05 mm on a radius of 50 mm makes 0.1 % once a turn, a third of what a braking changes
+eta; an oval ring errs twice a turn. A mean over one turn is free of it, so omega over that mean
+shows error and noise. a_k and b_k are constant over a log.
 """
 
 import math
@@ -35,13 +35,12 @@ from calib.run.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 
 @dataclass(frozen=True, kw_only=True)
 class AxleSignals:
-    """What a car does by its axles, shapes (n,), SI.
+    """Signals by axle, shapes (n,), SI.
 
-    ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder);
+    ``p_f``, ``p_r`` pressures (of the wheels where logged, else of the master cylinder);
     ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero where not logged;
-    ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed, in time, or None, also
-    where it keeps a value for longer than `_HELD`, or its delay is not sharp; ``speed`` v, else
-    the rear wheels'. ``lead_in`` is true before the first braking.
+    ``z`` (5); ``v`` reference speed, its delay corrected; None where it is missing, held for
+    longer than `_HELD`, or its delay is uncertain; ``speed`` v, else that of the rear wheels.
     """
 
     p_f: Array
@@ -58,7 +57,7 @@ class AxleSignals:
 
 @dataclass(frozen=True, kw_only=True)
 class Signals(AxleSignals):
-    """They at the ``time`` [s] of the log's own clock; ``delay`` of v; ``sample_time`` [s]."""
+    """Axle signals at the samples of a log; ``time`` and ``sample_time`` [s], ``delay`` of v."""
 
     time: Array
     sample_time: float
@@ -76,10 +75,7 @@ def eta_of(omega_f: Array, omega_r: Array) -> Array:
 
 
 def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
-    """Axle signals of a log, ``radius`` of its rear wheels [m].
-
-    Raises LogError if the car hardly moves.
-    """
+    """Axle signals of a log, ``radius`` of its rear wheels [m]; LogError if it hardly moves."""
     read, step = causal_signals(log, radius), log.sample_time
     omega_f, omega_r = (
         0.5
@@ -108,10 +104,7 @@ def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
 
 
 def causal_signals(log: Log, radius: float) -> Signals:
-    """Axle signals as an ECU has them: wheel speeds as read, no v, no lead-in.
-
-    Nothing in them depends on a later sample.
-    """
+    """Axle signals as an ECU has them, causal: wheel speeds as read, no v, no lead-in."""
     omega_f, omega_r = (0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES)
     drive_f, drive_r = (log.channels.get(f"T_drive_{a}", np.zeros_like(log.time)) for a in AXLES)
     return Signals(
@@ -131,7 +124,7 @@ def causal_signals(log: Log, radius: float) -> Signals:
 
 
 def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
-    """The reference speed [m/s] (n,) in time, and how late it is; None where it cannot be used."""
+    """The reference speed [m/s] (n,), its delay corrected (None if unusable), and that delay."""
     if "v" not in log or held_time(log) > _HELD:
         return None, IN_TIME
     clock, v, a_x = log.time, log["v"], log["a_x"]
@@ -151,17 +144,14 @@ def rolling_radii(s: Signals) -> tuple[float, float] | None:
 
 
 _HELD = 0.06
-"""Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
-is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
+"""Longest time between two values of v [s]: a 10 Hz satellite receiver, held in between, is late
+by half its step, and its steps are 1 % of the speed."""
 
-_SLOWING = 1.0  # deceleration at which a v as fine as the wheel speeds changes [m/s^2]
+_SLOWING = 1.0  # deceleration at which a speed changes from sample to sample [m/s^2]
 
 
 def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
-    """Mean time [s] for which a channel keeps a value while the car slows, and it is past `moving`.
-
-    0 without the channel or such a braking.
-    """
+    """Mean time [s] for which a channel above ``moving`` holds a value while it slows, or 0."""
     if channel not in log or "a_x" not in log:
         return 0.0
     x, slowing = log[channel], log["a_x"] < -_SLOWING
@@ -174,7 +164,7 @@ def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
 
 
 def wheels_held(log: Log) -> float:
-    """Mean time [s] for which a wheel speed keeps a value while the car slows; their median."""
+    """Mean time [s] for which a wheel speed holds a value while the car slows; median of four."""
     times = [held_time(log, f"omega_{w}", MOVING / NOMINAL_RADIUS) for w in WHEELS]
     return float(np.median(times))
 
@@ -191,11 +181,10 @@ _SMOOTH = 0.05  # time over which a pressure, or eta, is averaged before it is c
 
 
 def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:
-    """Mask (n,) of steady rolling before the first braking, less ``SETTLE`` [s].
+    """Mask (n,) of steady rolling until ``SETTLE`` [s] before the first braking, if there is one.
 
-    If there is no braking, of the whole run. It ends where the pressure leaves the level that it
-    has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile.
-    Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there.
+    It ends earlier where the pressure leaves its level at rest: a slow pedal brakes long before
+    ``BITE``. Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there.
     """
     smooth = trailing_mean(pressure, samples_in(_SMOOTH, step))
     braked = np.flatnonzero(smooth > BITE)
@@ -210,16 +199,16 @@ def _lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) 
 
 
 _DISTURBED = 4.0
-"""Distance of eta from its median at the end of the lead-in, in its usual scatter, that no noise
-has: an axle is driven until the foot leaves the gas, or a wheel runs over something."""
-FINEST = 1e-5  # scatter of eta that always counts as usual [1]: simulated logs may have none
-_LEAST = 0.5  # shortest lead-in that shows the usual scatter, and end of one with the usual eta [s]
+"""Deviation of eta from its median at the end of the lead-in, over its scatter, beyond which it is
+no noise: the engine still drives an axle, or a wheel runs over something."""
+FINEST = 1e-5  # least scatter of eta [1]: simulated logs may have none
+_LEAST = 0.5  # shortest lead-in with a known scatter; length of its end that gives the median [s]
 
 
 def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
-    """Mask (n,) of the samples in which ``eta`` is as usual while ``rolling`` (n,); ``step`` [s].
+    """Mask (n,) without the samples in which ``eta`` is disturbed while ``rolling``; ``step`` [s].
 
-    A clutch that engages late drives an axle by a slip of 0.1 %, and would move the zero of eta.
+    A clutch that opens late drives an axle with 0.1 % slip, which would move the zero of eta.
     """
     if np.count_nonzero(rolling) * step < _LEAST:
         return np.ones_like(rolling)
@@ -235,23 +224,20 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
 
 
 _SLOWEST = 15.0  # wheel speed [rad/s] below which a turn takes longer than a brake to build up
-_TURNS = 20  # least number of turns that tell an error of the ring from what the car does
+_TURNS = 20  # fewest turns that separate an error of the ring from motion of the car
 _COARSEST = 0.5 * np.pi  # largest angle between two samples [rad]: twice a turn must be seen
-_FEWEST = 100  # least number of samples that tell it
+_FEWEST = 100  # samples
 _LEAST_ERROR = 2e-4  # error below which a ring is good [1]
 _SURE = 6.0
-"""Standard deviations of white noise past which an order is an error of the ring. Of 327 logs with
-good rings the largest of eight has 2.4 in the middle, and 5 at most."""
+"""Amplitude over its sigma by white noise from which an order is an error of the ring. In 327 logs
+with good rings the largest of a log (eight orders) has a median of 2.4, and is at most 5."""
 _ALIKE = 0.5
-"""Difference of both halves of a log, over the error [1], up to which it is that of a ring. What
-goes with the car, as noise of a slow bus, has another phase in each half."""
+"""Largest difference between both halves of a log over the error [1] of a ring. What is not of the
+ring, as the noise of a slow bus, has another phase in each half."""
 
 
 def _without_runout(omega: Array, step: float) -> Array:
-    """A wheel speed [rad/s] (n,) without the error of its ring; as it is where none is sure.
-
-    ``step`` is the sample time [s].
-    """
+    """A wheel speed [rad/s] (n,) without the error of its ring, if that is sure; ``step`` [s]."""
     time = step * np.arange(omega.size, dtype=np.float64)
     angle = integral(time, omega)
     inside = (omega > _SLOWEST) & (omega * step < _COARSEST)

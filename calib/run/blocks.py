@@ -1,7 +1,7 @@
 """Means over blocks of 50 ms: causal, a block is complete at its end.
 
-A run in which one axle alone brakes is seen from the pressures of its axles, not from its name. The
-share of such an axle is known, so its eta and slip give its tyres' stiffness without the pads.
+If one axle alone brakes, its share of the force is known, and its slip gives the stiffness of its
+tyres without the pads.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -19,15 +19,14 @@ from calib.run.axle_signals import AxleSignals, Signals, axle_pressure, eta_of
 from calib.run.filters import block_mean
 
 BLOCK = 0.05
-"""Length of a block [s]: ten samples at 200 Hz, short compared to a brake application (0.2 s)."""
+"""Length of a block [s]: ten samples at 200 Hz, short compared with a brake application (0.2 s)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Blocks(AxleSignals):
-    """Means over blocks, shapes (k,), SI; ``end`` is the time at which a block is complete.
+    """Means over blocks of ``samples`` each, shapes (k,), SI; ``end`` of each block [s].
 
-    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal); ``samples`` is
-    their number in each.
+    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal).
     """
 
     end: Array
@@ -50,7 +49,7 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
     """Means over consecutive blocks of about ``length`` [s]; a shorter rest is left out."""
     n = samples_of_block(s.sample_time, length)
     last = slice(n - 1, s.time.size // n * n, n)
-    step = round(n * s.sample_time, 9)  # by its mean a log that goes on would have another
+    step = round(n * s.sample_time, 9)  # the mean step would change as a log goes on
     shared = (field.name for field in fields(AxleSignals) if field.name != "lead_in")
     signals = ((name, getattr(s, name)) for name in shared)
     means: dict[str, Any] = {name: x if x is None else block_mean(x, n) for name, x in signals}
@@ -67,17 +66,17 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
 
 
 def samples_of_block(sample_time: float, length: float = BLOCK) -> int:
-    """Samples of a block of about ``length`` [s], at least one: of 50 Hz two, of 150 Hz seven."""
-    return max(1, int(length / sample_time + 0.45))  # no usual clock is where it turns over
+    """Samples of a block of about ``length`` [s], at least one: at 50 Hz two, at 150 Hz seven."""
+    return max(1, int(length / sample_time + 0.45))  # no usual rate is near the edge of rounding
 
 
 def time_of_block(sample_time: float) -> float:
-    """Time [s] of a block of a steady clock, without the last digits of a product."""
+    """Length [s] of a block of a steady clock, rounded to 1 ns."""
     return round(samples_of_block(sample_time) * sample_time, 9)
 
 
 def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
-    """`force_balance` of each block, with the spin of the wheels as it was measured, (k,)."""
+    """`force_balance` of each block, with the measured spin of the wheels, (k,)."""
     drive, spin = (b.drive_f, b.drive_r), (b.spin_f, b.spin_r)
     return force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, drive, spin)
 
@@ -86,10 +85,7 @@ Axle = Literal["f", "r"]
 
 
 def braked_alone(log: Log) -> Axle | None:
-    """The only axle whose pressure passes the bite in any block; None for both, none, no ``p_mc``.
-
-    Wrong where a brake drags or a motor brakes the other axle: pressures do not show that.
-    """
+    """The axle whose pressure alone passes `BITE`, else None; blind to a motor on the other."""
     if "p_mc" not in log:
         return None
     n = samples_of_block(log.sample_time)

@@ -1,16 +1,14 @@
-"""How the brakes of a run answer the pressure: how late, and with what force besides.
+"""Response of the brakes to the pressure: its delay, and force that no pressure makes.
 
     demanded brake force = level (1 + trend t) N(t - delay) + force [braked] - fading [slow] + rest
 
-N is the brake force of nominal pads. A motor that brakes with the pedal, or a zero of the pressure
-that is too low, is force without pressure: `force` above zero. A pressure below which nothing
-happens is `force` below zero. A motor hands over to the brakes before the car stands; where nobody
-raises the pressure for it, a force goes with the speed: `fading` above zero. It shows a motor that
-follows the pedal, too, which is no force without pressure. Pads that fade are in the trend, a bias
-of the accelerometer or an unknown resistance in the rest. The delay is a shift of the pressure or a
-first-order lag, whichever fits better; how far the answer is drawn out besides is open. Uses the
-whole run, so it is no part of a causal estimate. Wrong where the brake force is limited, by ABS or
-on the rear axle: it looks like force without pressure.
+N is the brake force of nominal pads. ``force`` is positive for a motor that brakes with the pedal,
+or a zero of the pressure that is too low, and negative for a threshold pressure. A motor hands over
+to the brakes before the car stands. If the driver does not press harder, that force is lost:
+``fading`` is positive, also for a motor that follows the pedal. Fade of the pads is in the trend, a
+bias of the accelerometer or an unknown resistance in the rest. The delay is a shift or a
+first-order lag, whichever fits better, with an unknown width. Not causal: it uses the whole run.
+Wrong where ABS or a valve limits the brake force: that looks like force without pressure.
 """
 
 from dataclasses import dataclass
@@ -30,42 +28,39 @@ from calib.run.axle_signals import Signals
 from calib.run.filters import block_mean, lasting_variance, left_of, products_of, samples_in, since
 
 _STEP = 0.02  # of the means that are compared [s]
-_TRIED = 0.06  # of the delays that are tried [s]; the slope by the delay tells the rest
-_EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: `pressure_delay` tells greater ones
+_TRIED = 0.06  # step of the delays that are tried [s]; Gauss-Newton steps refine the best
+_EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: `pressure_delay` finds greater ones
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
-_REFINED = 2  # times that the slope by the delay is followed
+_REFINED = 2  # Gauss-Newton steps of the delay
 _USUAL, _SPREAD = 0.02, 0.06
-"""Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
-a force are nearly one, and only what is usual tells them apart."""
+"""Prior of the delay of brakes and filters, mean and standard deviation [s]: on a slow ramp a delay
+and a force are nearly collinear, and only the prior separates them."""
 _WIDTH = 0.25
-"""Standard deviation of half the variance of the time by which the brakes come late, over the
-square of the delay [1]: a first-order lag has 1/2 more than a shift. In a fast rise an answer that
-is drawn out looks like a force."""
+"""Prior sigma of half the variance of the response time, over the squared delay [1]: a first-order
+lag has 1/2, a shift 0. In a fast rise a wide response looks like a force."""
 _FORCE = 0.05
 """Standard deviation of the force over the usual brake force before the run [1]."""
 _GROUP = 10  # means over which residuals are averaged to see how they are correlated: 0.2 s
 _LASTING = 1.3
-"""How much more noise that lasts 0.1 s errs over half a second than its means over `_GROUP` say:
-1/sqrt(1 - (1 - e^-2)/2), by the variance of the mean of a first-order process."""
-_AFTER = 0.5  # time after a release that still tells of the brakes [s]; later the engine may drive
-_BEFORE = 0.5  # time before the pressure rises, in which a car brakes whose pressure is late [s]
-_SLOW = 4.0  # speed below which only what is braked is used [m/s]: a gearbox makes the car creep
-_GONE = 1.0  # speed at which a motor has handed over, and nothing is used below it [m/s]: a jerk
-_FADING = 1.0  # sigma of the force that goes with the speed, as `_FORCE`: nearly nothing is known
+"""Factor on sigma for noise with a time constant of 0.1 s, over half a second, beyond what means
+over `_GROUP` show: 1/sqrt(1 - (1 - e^-2)/2), variance of the mean of a first-order process."""
+_AFTER = 0.5  # time after a release that is used [s]; later the engine may drive
+_BEFORE = 0.5  # time before the pressure rises that is used [s]: a late pressure rises after z
+_SLOW = 4.0  # speed below which only braking is used [m/s]: an automatic gearbox creeps
+_GONE = 1.0  # speed at which a motor has handed over [m/s]; the jerk below it is not used
+_FADING = 1.0  # prior sigma of the fading force, over the same as `_FORCE` [1]: hardly informative
 _LEAST = 1.0  # time of braking that is needed [s]
 _AGE = 10.0  # time over which the trend is written [s]
 _WINDOW, _BETWEEN = 0.3, 0.1  # time of two medians, whose difference is a step [s]
-_BITTEN = 0.4  # time of braking before a step is looked for [s]: pads and body are not at rest
-_STEADY = 0.3
-"""Change of the nominal brake force between the medians, over the usual one [1], beyond which a
-step says nothing: it may be the delay, that is not exact."""
+_BITTEN = 0.4  # time of braking before a step is looked for [s]: pads and body settle
+_STEADY = 0.3  # largest change of the nominal force between the medians [1]: the delay is not exact
 
 
 class _ForceStep(NamedTuple):
-    """The largest step of the braking force that the pressure does not make.
+    """The largest step of the braking force that the pressure does not make, at ``time`` [s].
 
-    ``time`` [s]; ``share`` over the usual brake force [1], above zero where the car brakes more
-    after it; ``sigma`` scatter of such steps in the run [1]. None in a run that is too short.
+    ``share`` of the usual brake force [1], positive where the car brakes more after it;
+    ``sigma`` scatter of such steps in the run [1].
     """
 
     time: float = 0.0
@@ -80,10 +75,9 @@ _NO_STEP = _ForceStep()
 class BrakeResponse:
     """Delay of the brakes [s] and force without pressure, each with its standard deviation.
 
-    ``level`` the pads over the nominal ones [1]; ``delay`` is above zero where the deceleration
-    comes after the pressure. ``share`` is the force over the median demanded brake force [1],
-    ``fading`` the one that goes as the car gets slow over the same [1]: its sigma is `_FADING`
-    where the run does not show it. ``step`` is the largest step of the force beside the pressure.
+    ``level`` of the pads over nominal [1]; ``delay`` positive where the deceleration comes after
+    the pressure; ``share`` the force, and ``fading`` the one lost at low speed, over the median
+    demanded brake force [1]; the sigma of ``fading`` is `_FADING` where the run does not show it.
     """
 
     level: float
@@ -140,7 +134,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     squares = left_of(products_of(columns, y[None]))
     A = columns[int(np.argmin(squares))].T
     variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
-    # the most probable delay: the least residual, weighed with what is usual
+    # maximum a posteriori over the delays that were tried
     best = int(np.argmin(squares / variance + ((tried - _USUAL) / _SPREAD) ** 2))
     lagged, delay = best >= tried.size - _LAGS.size, float(tried[best])
     for _ in range(_REFINED):
@@ -176,9 +170,9 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
 
 
 def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Array) -> _ForceStep:
-    """The largest step of ``residual`` (n,) in the longest braking, by medians: a bump is no step.
+    """The largest step of ``residual`` in the longest braking, by medians, so that no bump counts.
 
-    ``nominal`` what the pressure makes; both over the usual brake force [1]; ``step`` [s].
+    ``nominal`` and ``residual`` (n,) over the usual brake force [1]; ``step`` [s].
     """
     on = np.flatnonzero(braked == 1.0)
     longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)
@@ -202,14 +196,14 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Arr
 
 
 def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
-    """``x`` after a shift of the clock or a lag; a lag of nothing or less is a shift."""
+    """``x`` after a first-order lag, or a shift, which may be negative."""
     if lagged and delay > 0.0:
         return first_order(time, x, delay)
     return np.interp(time - delay, time, x)
 
 
 def _useful(s: Signals, active: Mask) -> Mask:
-    """The lead-in, and all that is braked, has just been or is about to be, (n,)."""
+    """Samples (n,) of the lead-in, and of braking with what is just before and after it."""
     if not active.any():
         return np.zeros_like(active)
     soon = since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
@@ -218,10 +212,7 @@ def _useful(s: Signals, active: Mask) -> Mask:
 
 
 def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Array, Array, Array]:
-    """Delays [s] (m,) and with each of them ``nominal`` and ``braked``, (m, n) each.
-
-    First no delay, then shifts of the clock, then first-order lags.
-    """
+    """Delays [s] (m,): none, shifts, first-order lags; both signals after each of them (m, n)."""
     each = samples_in(_TRIED, step)
     shifts = np.arange(round(_EARLIEST / step), round(_LATEST / step) + 1, each)
     shifts = np.concatenate([[0], shifts[shifts != 0]])

@@ -1,10 +1,9 @@
-"""Channels that are no measurement of their own: copies, derivatives, values that are held.
+"""Channels that are no independent measurement: copies, derivatives, values that are held.
 
-Two sensors have noise of their own; two copies share one. A bus sends each message at its own rate,
-10 Hz for GPS, 50 or 100 Hz for a_x and the wheels, and a faster logger repeats the last value: this
-makes steps, and a mean delay of half a step. Such a channel is replaced by straight lines between
-its values, at the samples where they came. The delay of the message itself cannot be known here:
-that is `speed_delay`.
+Two sensors have independent noise; two copies share it. A bus sends GPS at 10 Hz, a_x and wheels at
+50 or 100 Hz, and a faster logger repeats the last value: steps, late by half a step on average.
+Such a channel is interpolated between the samples at which its values came. The delay of the
+message itself is left to `speed_delay`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,18 +22,18 @@ from calib.run.sensors import resolution_of
 
 _WIDEST, _MOST_LAGS = 0.15, 40  # reach of a derivative [s], and at most [samples]
 _ONE_SIGNAL = bounds_of("same_signal")[1]
-_ENOUGH = 4000  # samples that tell where a noise comes from
-_HELD = 1.5  # samples for which a channel keeps its values, from which it is held
+_ENOUGH = 4000  # samples that are used
+_HELD = 1.5  # mean samples per value from which a channel is held
 
 
 def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
-    """How much of the noise of a_x is that of a speed [1], of v and of the mean wheel speed.
+    """Share of the noise of a_x that v, or the mean wheel speed, explains [1].
 
-    A derivative is a sum of values of the speed before and after, whatever its width: all of its
-    noise is then one of the speed, and none of it where a_x has a sensor of its own.
+    A derivative is a weighted sum of nearby values of the speed, which explain all of its noise,
+    and none of that of an accelerometer.
     """
     if not _is_noise(log, "a_x"):
-        return  # smooth, as of a simulation: it says nothing of where it comes from
+        return  # smooth, as of a simulation
     reach = min(max(2, round(_WIDEST / log.sample_time)), _MOST_LAGS)
     wheels = np.mean([log[name] for name in WHEEL_SPEEDS], axis=0)
     speeds = {"v": log["v"]} if "v" in log else {}
@@ -51,7 +50,7 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
 
 
 def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
-    """Pairs of channels that are one signal, each with the correlation of their noise [1]."""
+    """Pairs of channels that are copies, each with the correlation of their noise [1]."""
     periods = {name: _period_of(log[name]) for name in names}
     whole = {name: _unit(_rough(log, name)) for name in names}
     for first, other in combinations(names, 2):
@@ -71,8 +70,7 @@ def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
 def _as_sent(log: Log, channel: str) -> Log:
     """The log at the samples at which a ``channel`` that is held changes.
 
-    Values that are kept over several samples all rest and step together, which says nothing of
-    where they come from.
+    All channels of a message step together, which makes them no copies.
     """
     came = np.flatnonzero(np.diff(log[channel])) + 1
     return replace(log, channels={name: x[came] for name, x in log.channels.items()})
@@ -89,7 +87,7 @@ def _unit(x: Array) -> Array:
 
 
 def _is_noise(log: Log, channel: str) -> bool:
-    """Whether the second differences are those of noise, which change their sign, no rounding."""
+    """Whether the second differences alternate in sign, as noise does, and exceed the rounding."""
     differences = _rough(log, channel)
     square = float(differences @ differences)
     rounding = LIMITS.copy_steps * resolution_of(log[channel])
@@ -98,13 +96,13 @@ def _is_noise(log: Log, channel: str) -> bool:
 
 
 _CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)
-"""Those that a diagnosis compares, or is driven by."""
+"""Inputs of a diagnosis."""
 
-_FEWEST = 20  # changes of a channel from which on its period can be told
+_FEWEST = 20  # changes from which a period is estimated
 _SOONER = 0.1  # share of the changes that may come sooner than a period: messages jitter
-_LATER = 1.6  # a longer time between two changes is not one period: a value was lost [periods]
+_LATER = 1.6  # longest time between two changes that is one period [periods]: a value was lost
 _SAME = 0.6  # a value that stays this much longer was sent once more [periods]
-_LONGEST = 0.25  # longest period [s]: what changes less often rests, or is as coarse as a counter
+_LONGEST = 0.25  # longest period [s]: a channel that changes less often rests, or is coarse
 
 
 def _period_of(x: Array) -> float:
@@ -119,10 +117,9 @@ def _period_of(x: Array) -> float:
 
 
 def _came_at(x: Array, longest: float) -> Index | None:
-    """Samples at which the values of a channel (n,) came, ascending; None for those of its clock.
+    """Samples at which the values of a channel (n,) came, ascending; None if it is not held.
 
-    A value that stays for several periods came again with each. One that is kept for more than
-    ``longest`` [samples] is not one that is sent.
+    A value that stays for several periods came again in each; ``longest`` period [samples].
 
     >>> _came_at(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
     array([0, 4, 8])
@@ -139,10 +136,7 @@ def _came_at(x: Array, longest: float) -> Index | None:
 
 
 def without_holds(log: Log) -> Log:
-    """The log with each of `_CHANNELS` in straight lines between its values, up to their last.
-
-    It ends where the first of the channels has its last value.
-    """
+    """The log with `_CHANNELS` interpolated between their values, cut at the first last value."""
     longest, end = _LONGEST / log.sample_time, log.time.size
     channels, straight = dict(log.channels), set(log.interpolated)
     for name in (c for c in _CHANNELS if c in log):

@@ -1,7 +1,6 @@
 r"""Approximate motion of the car in a run: speed, deceleration, brake events.
 
-Used to judge a log before a fit, so no vehicle file is needed. Inputs are the brake pressure, the
-four wheel speeds, ``a_x``, and the reference speed if it is logged.
+It needs no vehicle file.
 
     p_mc   ___/~~~~\_____/~~\__
               |    |     |  |
@@ -21,22 +20,21 @@ from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean, runs, samples_in
 
-BITE_Z = 0.08  # deceleration that is braking if no pressure is logged [g]: above drag and engine
+BITE_Z = 0.08  # least braking if no pressure is logged [g]: above drag and engine
 STEADY = 0.15  # largest deceleration of a car that rolls [g]
 DRIVEN = 0.05
-"""Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
-and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
-shows."""
+"""Felt acceleration [g] of no rolling car, since a slope is not felt, and beyond the bias of an
+accelerometer: the engine drives, and the slip of its wheels shows in eta."""
 GREATEST = 1.5  # deceleration that no road car reaches [g]: a glitch of a_x
-_SHORTEST, _PAUSE = 0.3, 0.2  # shortest brake event, and release that ends one [s]
-_STROKE = 0.25  # interval in which a rise is judged [s]: over pedal tremble, below a ramp
+_SHORTEST, _PAUSE = 0.3, 0.2  # shortest brake event, and shortest release that ends one [s]
+_STROKE = 0.25  # means by which a rise is judged [s]: over pedal tremble, below a ramp
 SETTLE = 0.1  # left out between lead-in and first event [s]: pressure rises before the bite
 SMOOTH = 0.1  # width of the centred mean that reduces the noise [s]
 NOMINAL_RADIUS = 0.32  # rolling radius of a usual wheel [m], for a speed if ``v`` is not logged
 
 
 def rolls(z: Array) -> Mask:
-    """Where a felt deceleration (n,) [g], smoothed, is that of a car which rolls."""
+    """Whether a smoothed felt deceleration (n,) [g] is that of a rolling car."""
     return np.asarray((z > -DRIVEN) & (z < STEADY))
 
 
@@ -44,9 +42,8 @@ def rolls(z: Array) -> Mask:
 class DrivingRecord:
     """Smoothed signals of a run, shapes (n,), SI.
 
-    ``wheel`` mean of the four wheel speeds; ``speed`` reference speed, or the wheels' at a nominal
-    radius; ``z`` deceleration by ``a_x``, ``wheel_z`` by the wheels at a nominal radius [1];
-    ``pressure`` or None; ``braked``, and ``before_braking`` for the first time, masks.
+    ``wheel`` mean of the four wheel speeds; ``speed`` reference speed, else that of the wheels at
+    a nominal radius; ``z`` by ``a_x``, ``wheel_z`` by the wheels at that radius [1].
     """
 
     time: Array
@@ -74,11 +71,10 @@ class DrivingRecord:
 
 @dataclass(frozen=True)
 class BrakeEvent:
-    """One application of the brakes, from ``start`` to ``end`` [s]; ``first`` sample number.
+    """One application of the brakes, times in s, speeds in m/s; ``first`` is a sample number.
 
-    ``pressure`` highest [Pa] or None; ``z_low`` to ``z_high`` [1]; ``speed_start``, ``speed_end``
-    [m/s]; ``braking`` time above 3 m/s [s]; ``rise`` length of the longest steady rise of the
-    braking [s] and ``rise_z`` its range of deceleration [1].
+    ``pressure`` highest [Pa] or None; ``z_low`` to ``z_high`` [1]; ``braking`` time above 3 m/s;
+    ``rise`` length of the longest steady rise and ``rise_z`` its range of deceleration [1].
     """
 
     start: float
@@ -141,11 +137,10 @@ def _event(driving: DrivingRecord, part: slice) -> BrakeEvent:
 
 
 def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
-    """Length [s] and span [g] of the steadiest rise of the braking in an event.
+    """Length [s] and span [g] of the longest steady rise in an event.
 
-    That is the longest part in which means of the pressure (of the deceleration if there is none)
-    over a quarter second never fall by more than 5 % of their range, from its last value below 5 %
-    of the range to 95 %: a step followed by a long hold counts as short.
+    In it means of the pressure (else of z) over `_STROKE` never fall by more than 5 % of their
+    range. It counts from 5 to 95 % of its range, so that a step and a long hold are short.
     """
     moving = driving.moving[part]
     drive = driving.z[part] if driving.pressure is None else driving.pressure[part]
@@ -170,10 +165,9 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Sampling:
-    """Clock of a log.
+    """Clock of a log: ``duration`` [s], mean ``rate`` [Hz], ``gaps`` as (start [s], length [s]).
 
-    ``duration`` [s]; ``rate`` of the mean step [Hz]; ``jitter`` root mean square deviation of
-    the steps from it, without gaps [s]; ``gaps`` as (start [s], length [s]).
+    ``jitter`` root mean square deviation of the steps from their mean, without gaps [s].
     """
 
     samples: int

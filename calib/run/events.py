@@ -22,8 +22,7 @@ class RunEvent:
 def run_events(log: Log) -> tuple[RunEvent, ...]:
     """The events in order of time; none without ``a_x`` and the four wheel speeds.
 
-    Brakings are those of `check`: by the pressure, or by the deceleration where there is none. The
-    lead-in is shown as one span, the longest part of it.
+    Brakings are those of `check`; the lead-in is its longest part.
     """
     run = Run(log)
     if not run.moves:

@@ -1,4 +1,4 @@
-"""Means, low-pass and intervals of a sampled signal, and what least squares leave of many."""
+"""Means, low-pass and intervals of a sampled signal, and residuals of many least squares."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -25,7 +25,7 @@ def block_mean(x: Array, size: int) -> Array:
 
 
 class GroupMean:
-    """Means over groups of samples, each (of any size) given by the places of its samples.
+    """Means over groups of samples of any size, each given by the indices of its samples.
 
     >>> GroupMean([np.array([0, 1]), np.array([3])])(np.array([1.0, 3.0, 5.0, 7.0]))
     array([2., 7.])
@@ -78,10 +78,9 @@ def _window(size: int, width: int) -> tuple[Index, Index, Array]:
 
 
 def low_pass(x: Array, step: float, time_constant: float) -> Array:
-    """First-order causal low-pass of ``x`` (n,), started at its first value.
+    """First-order causal low-pass of ``x`` (n,), started at its first value; times in s.
 
-    ``step`` and ``time_constant`` [s]. The input is constant between samples; for an input that is
-    linear between samples, use `calib.car.lag.first_order`.
+    The input is constant between samples; `calib.car.lag.first_order` takes it as linear.
     """
     gain = 1.0 - float(np.exp(-step / time_constant))
     return recursive(np.append(x[:1], gain * x[1:]), [1.0, gain - 1.0])
@@ -90,8 +89,7 @@ def low_pass(x: Array, step: float, time_constant: float) -> Array:
 def recursive(x: Array, poles: Sequence[float] | Array) -> Array:
     """Output y of y[k] + poles[1] y[k-1] + poles[2] y[k-2] + ... = x[k], from rest, (..., n).
 
-    A banded system of equations: `scipy.signal`, which has such a filter, takes longer to import
-    than a log to estimate.
+    Solved as a banded system: importing `scipy.signal` takes longer than estimating a log.
 
     >>> recursive(np.array([1.0, 0.0, 0.0]), [1.0, -0.5])
     array([1.  , 0.5 , 0.25])
@@ -126,9 +124,7 @@ def since(time: Array, event: Mask) -> Array:
 
 
 def without_single(x: Array) -> Array:
-    """Values (n,) without single ones that both neighbours disagree with: the median of three.
-
-    A wheel that slips deeply does so for 50 ms or more; one sample alone is an error of the bus.
+    """Median of each value (n,) and its neighbours; deep slip lasts 50 ms, an error one sample.
 
     >>> without_single(np.array([3.0, 3.0, 0.0, 3.0, 2.0, 1.0]))
     array([3., 3., 3., 2., 2., 1.])
@@ -157,10 +153,10 @@ def products_of(columns: Array, y: Array) -> tuple[Array, Array, Array]:
 
 
 def left_of(products: tuple[Array, Array, Array], ridge: Array | float = 0.0) -> Array:
-    """Least sums of squares of y less a mix of its columns (m,), from their `products_of`.
+    """Residual sums of squares (m,) of least squares of y on the columns, from `products_of`.
 
-    ``ridge`` (k,) times the square of each share is added. A column that is zero, or the same as
-    another, adds nothing. Right to 1e-9 of the squares of y.
+    ``ridge`` (k,) penalises the squared coefficients. A zero or repeated column changes nothing.
+    Accurate to 1e-9 of the squares of y.
     """
     gram, side, square = products
     gram = gram + ridge * np.eye(gram.shape[1])
@@ -173,9 +169,9 @@ def left_of(products: tuple[Array, Array, Array], ridge: Array | float = 0.0) ->
 
 
 def lasting_variance(x: Array, size: int) -> float:
-    """Variance of a residual (n,) as if it were white, by its means over ``size`` samples, too.
+    """Variance of a residual (n,) as white noise, by its means over ``size`` if that is larger.
 
-    It counts how long an error lasts; at least four means are needed for that.
+    So correlated errors count; at least four means are needed for that.
     """
     short = float(np.mean(x**2))
     if x.size < 4 * size:

@@ -1,14 +1,13 @@
-"""Known effects taken out of a log, so that what is left may be called pad friction.
+"""Remove known effects from a log, so that the remainder is pad friction.
 
     a_x, omega as read ---> a_x, omega of the car                sensor effects undone
     p_mc --line, caliper--> clamp --pads, left/right--> p_w      pressure that does the same on
                                                                  pads without the effects
     mass, radii, inertias as driven                              into the vehicle
 
-What slows the body or the wheels beside the brakes (drag, grade, engine), or moves load between the
-axles (pitch), stays an effect: it takes its part of the balance of forces, which a fit carries
-forward and an estimate takes out (`calib.estimation.known`). So does a logged torque of engine or
-motor: where it is logged, do not state ``engine_drag``, or both are taken out.
+What else slows body or wheels (drag, grade, engine) or moves load (pitch) stays in the balance of
+forces, where a fit and an estimate account for it (`calib.estimation.known`). So does a logged
+torque of engine or motor: do not specify ``engine_drag`` with it, or both are removed.
 """
 
 from dataclasses import dataclass, replace
@@ -41,17 +40,16 @@ from calib.logs.log import Log
 _TOLERANCE, _ITERATIONS = 1e-9, 50
 """Largest change of a_x [m/s^2] in the last iteration; each gains a digit, or more."""
 
-_HEAT_ITERATIONS = 3
-"""Friction and heat depend on each other: three iterations are enough for wet pads to agree."""
+_HEAT_ITERATIONS = 3  # friction and heat depend on each other; three are enough even for wet pads
 
 
 @dataclass(frozen=True)
 class CorrectedRun:
-    """A run as the car without the effects would have given it.
+    """A run as the car would have given it without the effects.
 
-    ``vehicle`` as driven, with those effects left that take part in the balance of forces, drag
-    and rolling resistance among them; ``log`` with ``a_x`` of the car, and wheel pressures where an
-    effect changed them; ``factor_f``, ``factor_r`` (n,) what the effects do to the pad friction.
+    ``vehicle`` as driven, with the effects of the balance of forces alone; ``log`` with the true
+    ``a_x``, and wheel pressures where an effect changed them; ``factor_f``, ``factor_r`` (n,) of
+    the effects on the pad friction.
     """
 
     vehicle: Vehicle
@@ -67,13 +65,11 @@ class CorrectedRun:
 
 
 def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
-    """Take the known effects of a vehicle, empirical terms among them, out of a log.
+    """Remove the known effects of a vehicle, empirical terms included, from a log.
 
-    A run without such effects comes back as it is. Causal: no sample depends on a later one, unless
-    the pressure is logged late (a negative ``hydraulic_delay``).
-    Raises ModelError for an effect that the catalogue does not know, for a term on the brakes over
-    a temperature that the log lacks, for a term on body or wheels over any temperature (the balance
-    of forces has none), and when a_x cannot be computed from its reading.
+    Causal, unless the pressure is logged late (a negative ``hydraulic_delay``). Raises ModelError
+    for an unknown effect, a term on the brakes over a temperature that the log lacks, a term on
+    body or wheels over temperature, and an a_x that cannot be computed from its reading.
     """
     full_model = default_model(vehicle)
     for term in full_model.effects.terms:
@@ -86,7 +82,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     car = replace(
         as_driven(vehicle, full_model.effects), effects=on_links(full_model.effects, BALANCE)
     )
-    effects = on_links(full_model.effects, (*BRAKES, *READINGS))  # others stay in the car
+    effects = on_links(full_model.effects, (*BRAKES, *READINGS))
     ones = np.ones_like(log.time)
     if not effects:
         return CorrectedRun(car, log, ones, ones)
@@ -118,7 +114,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
 
 
 def _history(model: Model, log: Log) -> RunHistory:
-    """The motion behind the log, errors of the accelerometer undone; no brake heat yet."""
+    """The true motion of the car, errors of the accelerometer undone; no brake heat yet."""
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
@@ -129,8 +125,7 @@ def _history(model: Model, log: Log) -> RunHistory:
         angle_f=integral(log.time, omega["f"]),
         angle_r=integral(log.time, omega["r"]),
     )
-    # input of a first-order accelerometer, by a backward difference that is half a sample late; on
-    # a ramp a second order does nothing, and the second difference of a_x is noise
+    # invert a first-order accelerometer; a second order would matter little and add noise
     rise = np.diff(log["a_x"], prepend=log["a_x"][0]) / np.gradient(log.time)
     a_x = felt = log["a_x"] + accelerometer_lag(model.effects) * rise
     for _ in range(_ITERATIONS):
@@ -147,11 +142,7 @@ def _history(model: Model, log: Log) -> RunHistory:
 
 
 def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
-    """Speeds that are read late, put in time by what the speed of the car changed since.
-
-    A wheel keeps the slip of the time at which it was read: slip over ``wheel_speed_delay`` is
-    taken as constant.
-    """
+    """Speeds with their delay corrected by the change of v; slip is constant over the delay."""
     gained = integral(log.time, -G * history.z)
     late = {
         "v": reading_delay(effects, "speed_delay"),

@@ -1,9 +1,8 @@
-"""Lateral acceleration by the speeds of left and right wheel, where nobody logs it.
+"""Lateral acceleration from the speeds of the left and right rear wheels.
 
-    v^2/R = (omega_r - omega_l)/omega v^2/l_w     rear wheels, of equal radius, that roll freely
+    v^2/R = (omega_r - omega_l)/omega v^2/l_w     free-rolling wheels of equal radius
 
-Radii that differ by 0.5 % look like 3 m/s^2 at 30 m/s; a run that is known to be straight tells
-them.
+Radii that differ by 0.5 % look like 3 m/s^2 at 30 m/s; a straight run shows that difference.
 """
 
 import numpy as np
@@ -34,9 +33,9 @@ def lateral(
 ) -> Array:
     """Lateral acceleration [m/s^2] (n,), positive to the left.
 
-    ``track_width`` [m]; ``straight`` what `sides` reads on a straight road [1]; ``slip`` of the
-    rear wheels [1] (n,) while they brake, ``height`` of the centre of gravity [m]: each axle is
-    taken to carry its share of the roll moment.
+    ``track_width`` [m]; ``straight`` value of `sides` on a straight road [1]; braking ``slip`` of
+    the rear wheels [1] (n,); ``height`` of the centre of gravity [m]. Each axle carries its share
+    of the roll moment.
     """
     turned = turning(sides(log) - straight, s.speed, track_width, slip, height)
     return low_pass(turned, s.sample_time, LATERAL_TIME)
@@ -49,10 +48,7 @@ def turning(
     slip: Array | float,
     height: float,
 ) -> Array:
-    """Lateral acceleration [m/s^2] (n,) before the low pass.
-
-    ``apart`` what `sides` reads [1], ``speed`` [m/s], (n,) each; the rest as of `lateral`.
-    """
+    """`lateral` before the low-pass; ``apart`` value of `sides` [1] and ``speed`` [m/s], (n,)."""
     geometric = track_width / np.maximum(speed, MOVING) ** 2
     # the outer wheel carries 2 h/(g l_w) a_y more of its load and slips less, the inner one more
     leaned = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)

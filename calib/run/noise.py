@@ -1,13 +1,12 @@
-"""Noise of each sensor, white and coloured, and how the zeros of eta and slip age.
+"""Noise of each sensor, white and coloured, and the ageing of the zeros of eta and slip.
 
     r  noise density of what is zeroed [s^0.5]       a mean over T has sd r/sqrt(T)
-    q  walk of the zero [1/s^0.5]                    over T it walks by q sqrt(T)
+    q  random walk of the zero [1/s^0.5]             over T it walks by q sqrt(T)
     tau = r/q                                        steady gain of the Kalman filter: 1/tau
 
-Rolling radii walk, and the last seconds before the bite count. That gain is that of weights
-exp(-age/tau), and their variance r^2/tau = r q is its own: half of it is noise, half is what the
-zero walked meanwhile (Simon, Optimal State Estimation, section 7.1). A lead-in much shorter than
-tau is averaged as if nothing walked.
+Rolling radii walk, so the last seconds before the bite count most. The steady filter weighs by
+exp(-age/tau) and has the variance r^2/tau = r q, half noise and half walk (Simon, Optimal State
+Estimation, section 7.1). A lead-in much shorter than tau is a plain mean.
 """
 
 from dataclasses import dataclass, fields
@@ -40,15 +39,15 @@ class SensorNoise:
 
 
 def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
-    """The largest of each: an estimator must not promise more than the worst run."""
+    """The largest of each noise: an estimator must not promise more than in the worst run."""
     return SensorNoise(*(max(getattr(n, f.name) for n in noises) for f in fields(SensorNoise)))
 
 
 def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
-    """Noise of the sensors, from the whole run.
+    """Noise of the sensors from the whole run.
 
-    Left minus right wheel speed contains only sensor noise; a quarter of its mean square is that of
-    the axle mean. ``z`` is compared with the pressure, ``v`` with the wheels.
+    Half of left minus right wheel speed has the noise of the axle mean, without motion. The
+    pressure explains ``z``, the wheels explain ``v``.
     """
     step, moving = b.length, b.speed > MOVING
     halves = _halves(log)
@@ -78,14 +77,11 @@ _COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 """Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
-_FEW = 10  # samples of a lead-in that do not tell a noise: by a quarter of it, one in two
+_FEW = 10  # samples of a lead-in that show no noise: every second estimate is 25 % off
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Noise of the sensors from the lead-in: white part times a usual `_COLOUR`.
-
-    Uses only the lead-in, so that an online estimator may use it; one of a few samples tells none.
-    """
+    """Noise of the sensors from the lead-in alone, for causal use: white part times `_COLOUR`."""
     if np.count_nonzero(s.lead_in) <= _FEW:
         return SensorNoise(0.0, 0.0, 0.0, 0.0)
     omega = _rms([_white(half[s.lead_in]) for half in _halves(log)])
@@ -101,10 +97,10 @@ def _long_run_density(
     """Long-run noise density [unit s^0.5] of block means ``x`` taken every ``step`` [s].
 
     Blocks are averaged to ``group`` [s]. In each ``window`` [s] a parabola and the ``companion``
-    signal are subtracted; the residual is modelled as an AR(1) process, whose long-run standard
-    deviation is sd sqrt((1 + r)/(1 - r)), with r corrected for the fitted degrees of freedom and
-    not below 0. Of noise with a time constant of 0.1 s it is 10 % too low, 30 % with a ``window``
-    of 2 s (tests/run/test_noise.py). Below 8 groups the noise is taken as white.
+    signal are subtracted. The residual is an AR(1) process with the long-run standard deviation
+    sd sqrt((1 + r)/(1 - r)); r is corrected for the fitted degrees of freedom and not below 0.
+    Noise with a time constant of 0.1 s comes out 10 % too low, 30 % with a ``window`` of 2 s
+    (tests/run/test_noise.py). Below 8 groups the noise is taken as white.
     """
     per_group = samples_in(group, step)
     groups = x.size // per_group
@@ -127,8 +123,7 @@ def _long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median excludes the window of the brake application from the variance, but not from r: a
-    # very fast application gives a result up to 3 times too high
+    # the median leaves the brake application out of the variance, but r has it: up to 3 times high
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     r = lagged / total * length / (length - 1) + fitted / length
@@ -137,19 +132,19 @@ def _long_run_density(
 
 
 WALK = 1.2e-5
-"""Walk q of the ratio of two rolling radii, and of radius to v [1/s^0.5]. A tyre that warms by 30 K
-in five minutes rolls on a radius 0.1 % larger, 3e-6 a second. With usual wheel speeds, r 4e-5, tau
-is 3 s: the zero then lags by 1e-5 and has noise of 2e-5. A walk that makes 0.1 % in five minutes
-would forget a lead-in within half a second; a tyre that warms is steadier over seconds."""
+"""Random walk q of the ratio of two rolling radii, and of radius to v [1/s^0.5]. A tyre that warms
+by 30 K in five minutes gains 0.1 % of radius, 3e-6 a second. With r = 4e-5 of usual wheel speeds
+tau is 3 s: the zero lags by 1e-5 and has noise of 2e-5. A q that makes 0.1 % in five minutes would
+forget a lead-in within half a second: over seconds a warming tyre is steadier than a walk."""
 
-_OLDEST = 12.0  # age over tau past which all is forgotten: its weight is 6e-6
+_OLDEST = 12.0  # age over tau beyond which a sample is forgotten: its weight is 6e-6
 
 
 def sigma_growth(time: Array, rolling: Mask, density: Array) -> Array:
-    """Factor (n,) by which what was measured while ``rolling`` (n,) has lost its sigma, 1 or more.
+    """Factor (n,) on the sigma of samples measured while ``rolling`` (n,), by their age.
 
-    ``time`` [s] (n,); ``density`` r [s^0.5] (n,). 1 at the end of the rolling and where the car
-    does not roll; infinite where it is forgotten.
+    ``time`` [s], ``density`` r [s^0.5], (n,). 1 at the end of the rolling and outside it; infinite
+    where a sample is forgotten.
     """
     if not rolling.any():
         return np.ones_like(time)

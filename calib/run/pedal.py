@@ -1,7 +1,7 @@
 """The driver's pressure without sensor noise.
 
-Effects with memory, such as hysteresis, would react to the noise; and the noise of a sensor that
-does not read below zero has a positive mean, like a slight constant braking.
+Effects with memory, such as hysteresis, would react to the noise. Noise that is cut at zero has a
+positive mean, like slight braking.
 """
 
 import math
@@ -13,23 +13,22 @@ from calib.base.intervals import NINETY, noise_over
 from calib.run.filters import centred_mean, samples_in
 
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
-_WIDEST = 8  # most samples between those of the further third differences
-_HIDDEN = 1.5  # noise over more samples, over that from one to the next, that is not white
+_WIDEST = 8  # largest lag of a third difference [samples]
+_HIDDEN = 1.5  # noise at a larger lag over that at lag one, from which it is not white
 
 NOTHING = 0.4e5  # a constant pressure below this [Pa] is zero: springs keep the pads off
 
 _PEAK = 8.0
-"""Standard deviations of the noise by which a peak beside a constant pressure is noise: a parabola
-that goes over a corner errs by four, and the sample there by as many."""
+"""Height of a peak beside a constant pressure, in sigma of the noise, up to which it is noise: a
+parabola over a corner errs by four sigma, and the sample there by as many."""
 
 
 def as_pressed(p: Array, step: float) -> Array:
     """Pressure [Pa] (n,) averaged where it is constant, smoothed where it changes; ``step`` [s].
 
-    Constant means within eight sigma over twice the width. Elsewhere a sample is replaced by a
-    parabola through its neighbours, unless that differs by more than four sigma: a fast application
-    stays sharp. Between two constant pressures it stays between them, see `_without_peaks`. A
-    pressure without noise is not changed.
+    Constant means within eight sigma over twice the width. Elsewhere a parabola through its
+    neighbours replaces a sample, unless they differ by more than four sigma: a fast application
+    stays sharp. A pressure without noise is not changed.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter
@@ -48,11 +47,10 @@ def as_pressed(p: Array, step: float) -> Array:
 
 
 def _without_peaks(p: Array, constant: Mask, most: float, width: int) -> Array:
-    """Pressure [Pa] (n,) without what noise adds past the constant pressures before and after.
+    """Pressure [Pa] (n,) without peaks of noise beyond the ``constant`` pressures around them.
 
-    A caliper with hysteresis would keep such a peak while the pressure is ``constant`` (n,). Peaks
-    of more than ``most`` [Pa] stay, and so do those of ``width`` samples or more: a foot that
-    presses too far.
+    Hysteresis would keep such a peak. Peaks of more than ``most`` [Pa], or of ``width`` samples or
+    more, are of the foot and stay.
     """
     from scipy.ndimage import binary_opening
 
@@ -69,10 +67,9 @@ def _without_peaks(p: Array, constant: Mask, most: float, width: int) -> Array:
 def _noise_of(p: Array) -> float:
     """Standard deviation of the white noise of a pressure (n,), from its third differences.
 
-    From the median of their sizes; where that is zero, as for a noise that seldom reaches the next
-    step of the reading, from what a tenth of them exceeds. A pressure that is sent seldom, and runs
-    in straight lines, shows its noise over more samples alone: these count where they show
-    `_HIDDEN` times as much.
+    From their median; if that is zero, as for noise below the resolution, from their 90 % quantile.
+    An interpolated pressure shows its noise at larger lags, which count if they show `_HIDDEN`
+    times as much.
     """
     fine, *over = noise_over(p, _WIDEST)
     if fine == 0.0:

@@ -1,15 +1,14 @@
-"""How late the deceleration comes after the pressure, and how much of it the pressure explains.
+"""Delay of the deceleration after the pressure, and the share of it that the pressure explains.
 
-    z(t) = a + (b + c t) p + f min(p, 1.5 bar) + g min(p, 3 bar) + d T_drive(t) + rest
+    z(t) = a + (b + c t) p + f min(p, 1.5 bar) + g min(p, 3 bar) + d T_drive(t) + residual
                                            with p of t - delay
 
-over the lead-in and all that is braked, by the pressure or by the deceleration. Pads that fade or
-dry are in c, lines that lag in the delay, resistance and a bias of a_x in a. Pads that bite late
-and a motor that brakes along are in f and g, which are small: on a slow ramp they and a delay are
-nearly one. So every delay is weighed by what it leaves, and by how usual it is: brakes have little,
-clocks may be apart by anything. Before a log the pressure is as in its first sample, after it
-unknown. No vehicle is needed. Wrong where a wheel is at its limit, and where the torque of a motor
-goes as the pressure would, at another time.
+over the lead-in and the braking, seen by pressure or deceleration. c is fade or drying of the pads,
+a is resistance and bias of a_x, f and g are pads that bite late or a motor that brakes along. On a
+slow ramp f, g and the delay are nearly collinear, so f and g have a narrow prior. The delay has a
+Cauchy prior: brakes are fast, but two clocks may differ by anything. Before the log the pressure is
+that of the first sample, after it unknown. Wrong where a wheel is at its limit, and where the
+torque of a motor looks like the pressure at another time.
 """
 
 from collections.abc import Sequence
@@ -36,24 +35,23 @@ from calib.run.filters import (
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
 _USUAL, _SPREAD = 0.02, 0.06
-"""Delay of brakes and filters as usual, and the half width of its Cauchy distribution [s]: of a
-second it says little, where a normal one would deny it."""
-_SURE = 0.98  # chance that the delay is above `low`, and that it is below `high` [1]
-_KEPT, _BRAKED = 0.5, 0.25  # shares of all samples and of the braked ones that a delay leaves [1]
-_SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: an engine in a low gear is below it
+"""Median and half width of the Cauchy prior of the delay [s]: brakes and filters are near it, and
+its tails allow a delay of a second."""
+_SURE = 0.98  # probability that the delay is above `low`, and that it is below `high` [1]
+_KEPT, _BRAKED = 0.5, 0.25  # least shares of all and of braked samples within the log [1]
+_SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: above an engine in a low gear
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # standard deviation of f and of g, at these, over the usual deceleration [1]
-_EXACT = 1e-10  # square of what the rounding of numbers leaves of z [1]
-_GROUPS = (4, 8)  # samples of the means that tell how long residuals last: to 0.4 s
+_EXACT = 1e-10  # square of the rounding error of z [1]
+_GROUPS = (4, 8)  # samples of the means that show how residuals are correlated, to 0.4 s
 
 
 @dataclass(frozen=True)
 class PressureDelay:
-    """Time by which the deceleration comes after the pressure [s]: below zero where p is late.
+    """Time by which the deceleration comes after the pressure [s], negative where p is late.
 
-    ``value`` is as likely too low as too high; with a chance of 0.98 it is above ``low``, and with
-    as much below ``high``. ``explained`` share of the variance of z that the pressure explains with
-    the most likely delay, ``in_time`` with one that brakes may have [1].
+    ``value`` median; ``low`` and ``high`` are its 2 and 98 % quantiles. ``explained`` share of the
+    variance of z that the pressure explains [1], ``in_time`` with a delay that brakes may have.
     """
 
     value: float
@@ -64,26 +62,26 @@ class PressureDelay:
 
     @property
     def surely(self) -> float:
-        """The delay nearest to none that it may have [s]; 0 where it does not explain enough."""
+        """The value nearest to zero in its interval [s]; 0 if it does not explain enough."""
         trusted = self.explained > LIMITS.explained_late
         return max(self.low, 0.0) + min(self.high, 0.0) if trusted else 0.0
 
     @property
     def words(self) -> str:
-        """How p lies in time."""
+        """The delay of p as text."""
         late = "late" if self.value < 0.0 else "early"
         return f"{abs(self.value):.2f} s {late}"
 
     @property
     def entry(self) -> str:
-        """What puts p in time in a channel map."""
+        """The line of a channel map that corrects the delay."""
         return f'delay = "{-self.value:.2f} s"'
 
 
 def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, PressureDelay]:
-    """The delay of the deceleration after each pressure until a wheel is at its ``limit`` [s].
+    """The delay by pressure channel, until a wheel is at its ``limit`` [s].
 
-    Of the wheels' where they are logged: behind a motor, a booster or a hold ``p_mc`` says nothing.
+    Wheel pressures count where logged: ``p_mc`` does not show a motor, booster or hold.
     """
     pairs = [[f"p_{axle}l", f"p_{axle}r"] for axle in AXLES]
     names = [name for pair in pairs if all(x in log for x in pair) for name in pair]
@@ -97,17 +95,17 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
 def pressure_delay(
     time: Array, z: Array, pressures: Sequence[Array], drives: Sequence[Array], use: Mask
 ) -> PressureDelay | None:
-    """The delay of ``z`` [1] after ``pressures`` [Pa]; None where too little is braked to tell.
+    """The delay of ``z`` [1] after ``pressures`` [Pa]; None with too little braking.
 
-    ``time`` [s]; ``pressures`` one, or those of both axles; ``drives`` torques of engine or motor
-    [N m]; ``use`` where the car moves, no wheel is at its limit yet and ``z`` is true; (n,) each.
+    ``pressures`` of ``p_mc`` or of both axles; ``drives`` torques of engine or motor [N m]; ``use``
+    where the car moves, no wheel is at its limit yet and ``z`` is valid; (n,) each.
     """
     step, (time, use, (z, *means)) = step_of(time), _means(time, use, z, *pressures, *drives)
     use = use & (z > -DRIVEN)
     pressed, torques = [p / BITE for p in means[: len(pressures)]], means[len(pressures) :]
     slowed = z > _SLOWS
     active = (np.max(pressed, axis=0) > 1.0) | slowed
-    rolling = ~np.logical_or.accumulate(slowed) & rolls(z)  # a pressure that is early is no brake
+    rolling = ~np.logical_or.accumulate(slowed) & rolls(z)  # the pressure may be early
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
@@ -124,7 +122,7 @@ def pressure_delay(
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
-    """The times that have whole means, where all of these is of ``use``, and those of signals."""
+    """Times with whole means, whether all samples of each mean are of ``use``, and the means."""
     width = samples_in(LIMITS.pressure_width, step_of(time)) | 1
     inside = slice(width // 2, time.size - width // 2)
     unused, *means = (centred_mean(x, width)[inside] for x in ((~use).astype(float), *signals))
@@ -134,9 +132,9 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
 def _shifted(
     time: Array, pressures: Sequence[Array], places: Index, counts: Mask
 ) -> tuple[Array, Mask, Array]:
-    """Delays (m,) that leave enough of what ``counts`` (n,) of the samples ``places``.
+    """Delays (m,) that leave enough samples at ``places``, and enough braked ones, ``counts`` (n,).
 
-    With each whether the pressures are known there (m, n), and what they are (k, m, n).
+    With each: where the pressures are known (m, n), and the pressures (k, m, n).
     """
     then = time[places] - _TRIED[:, None]
     inside = then <= time[-1]
@@ -149,17 +147,17 @@ def _shifted(
 def _by_chance(
     tried: Array, columns: Array, y: Array, inside: Mask, force: float
 ) -> PressureDelay | None:
-    """The delay by its likelihood and by what is usual; None where ``y`` has no course.
+    """Posterior of the delay; None where ``y`` (n,) is constant.
 
-    ``y`` (n,) is made of the ``columns`` (m, k, n) with each of the delays ``tried`` [s] (m,),
-    where it is ``inside`` (m, n); ``force`` is the spread of the last two [1].
+    ``columns`` (m, k, n) of the regression with each of the delays ``tried`` [s] (m,), valid
+    ``inside`` (m, n); ``force`` prior sigma of the last two [1].
     """
     if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
         return None
     columns, y, samples = columns * inside[:, None], y * inside, inside.sum(axis=1)
     products = products_of(columns, y)
     ridge, variance = np.zeros(columns.shape[1]), float(np.var(y[np.abs(tried).argmin()]))
-    for _ in range(2):  # the noise is known after the first, and with it the weight of f and g
+    for _ in range(2):  # the first one gives the noise, and with it the weight of the prior
         squares = left_of(products, ridge) / samples + _EXACT
         cost = samples * np.log(squares / variance)
         best = int(np.argmin(cost))

@@ -1,13 +1,10 @@
-"""Drag and rolling resistance from coasting: the effects known before any pad is judged.
-
-Unbraked, the force balance (5) with (1) reads
+"""Drag and rolling resistance from coasting, by the force balance (5) with (1), unbraked.
 
     W z - sum(J d omega/dt)/R = 1/2 rho c_d A v^2 + c_rr W
 
-Each log gives it over the speeds it coasted through. One short lead-in fixes the sum at one speed
-and leaves the share to what is usual (the cards' typical values); a coast log over a wide range of
-speeds separates them. Wrong when the engine drives or brakes, on a slope the accelerometer does not
-see, or in wind.
+A short lead-in fixes the sum at one speed and leaves the shares to the prior (the cards' typical
+values); a coast over a wide range of speeds separates them. Wrong when the engine drives or brakes,
+in wind, and on a slope that the accelerometer does not see.
 """
 
 from collections.abc import Iterable
@@ -24,23 +21,19 @@ from calib.car.vehicle import Vehicle
 from calib.run.blocks import Blocks, block_balance
 
 _MODEL_ERROR = 3e-4
-"""What a coast can be off in z for reasons not modelled: wind, road crown, a warm gearbox [1]."""
+"""Error of z of a coast that is not modelled: wind, road crown, a warm gearbox [1]."""
 _CARDS = (AERODYNAMIC_DRAG.card, ROLLING_RESISTANCE.card)
 DRAG, ROLLING = ((card.name, card.parameters[0].name) for card in _CARDS)
-"""Effect and parameter that are looked for."""
+"""Effect and parameter that are estimated."""
 RESISTANCE = (DRAG[0], ROLLING[0])
-"""Names of the two effects."""
 
 
 @dataclass(frozen=True)
 class Resistance:
-    """Drag and rolling resistance, and what else is known to slow body or wheels.
+    """Drag and rolling resistance among all known ``effects`` on body and wheels.
 
-    Attributes
-    ----------
-    effects : all of them, drag area [m^2] and rolling coefficient [1] among them.
-    covariance : of these two, (2, 2).
-    specified : whether the vehicle file gave both.
+    ``covariance`` of drag area [m^2] and rolling coefficient [1], (2, 2); ``specified``: the
+    vehicle file gave both.
     """
 
     effects: Effects
@@ -63,20 +56,18 @@ class Resistance:
 def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistance:
     """Drag and rolling resistance from the unbraked blocks of ``runs``.
 
-    Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file are kept,
-    whatever the runs say; its other effects are taken out first. The result is the most probable
-    one under a Gaussian on the cards' typical values, within the cards' ranges; the covariance is
-    that of the uncut Gaussian.
+    Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file stay, and
+    its other effects are removed first. The result is the posterior mode with a Gaussian prior at
+    the cards' typical values, within the cards' ranges; the covariance ignores these ranges.
 
-    Raises ModelError if the vehicle names an effect or parameter that the catalogue does not know,
-    or a value out of its range.
+    Raises ModelError for an unknown effect or parameter of the vehicle, or a value out of range.
     """
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
     priors = [card.parameters[0] for card in _CARDS]
     specified = [effects.parameters.get(name, {}).get(p) for name, p in (DRAG, ROLLING)]
     centre = [p.typical if g is None else g for p, g in zip(priors, specified, strict=True)]
-    # a given value is still a measured one: 2 % of the usual spread keeps the algebra regular
+    # 2 % of the prior sigma for a value of the file keeps the algebra regular
     spread = [
         p.spread * (1.0 if g is None else 0.02) for p, g in zip(priors, specified, strict=True)
     ]
@@ -88,7 +79,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
             continue
         resist = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
         gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
-        # white within a run by density; the error not modelled is common to the run
+        # white noise within a run; the error that is not modelled is common to the run
         sigma = np.sqrt(density**2 / b.length + count * _MODEL_ERROR**2)
         rows.append(gain / sigma)
         sides.append(resist / sigma)
@@ -112,7 +103,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
 
 
 def _bounded(A: Array, y: Array, low: Array, high: Array) -> Array:
-    """Least squares solution (k,) within bounds; without scipy.optimize where these do nothing."""
+    """Least squares (k,) within bounds; imports scipy.optimize only where a bound is active."""
     solution = np.linalg.lstsq(A, y, rcond=-1)[0]
     if np.all((solution >= low) & (solution <= high)):
         return np.asarray(solution)

@@ -1,4 +1,4 @@
-"""One log of one car: each view of it is made once, when it is first asked for, and only here.
+"""One log of one car: each view of it is computed here, once, when it is first asked for.
 
     log --> driving record --> brakings, slips, wheels, sensors       needs no vehicle
      |
@@ -7,8 +7,7 @@
                                          |          +--> accelerometer, balance of forces
                                          +--> lead-in, delay of v, rolling radii, brake response
 
-Without a vehicle the first line can be asked for, and signals and blocks as they were read; so far
-as channels are missing it says nothing.
+Without a vehicle there are the views of the first line, and signals and blocks as read.
 """
 
 from dataclasses import dataclass, replace
@@ -61,10 +60,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A ``log`` as read, of a ``vehicle`` with the known effects that are taken out of it.
-
-    Signals of a ``causal`` one are those that an ECU has, in which nothing knows what comes later.
-    """
+    """A ``log`` as read, of a ``vehicle`` with known effects; ``causal``: signals of an ECU."""
 
     log: Log
     vehicle: Vehicle | None = None
@@ -82,12 +78,12 @@ class Run:
 
     @cached_property
     def missing(self) -> tuple[str, ...]:
-        """Canonical channels that every log must have, and this one has not."""
+        """Canonical channels that are required and not in the log."""
         return tuple(q.name for q in CHANNELS.values() if q.required and q.name not in self.log)
 
     @property
     def moves(self) -> bool:
-        """Whether ``a_x`` and all wheel speeds are there; without them hardly anything is known."""
+        """Whether ``a_x`` and all wheel speeds are there, which most views need."""
         return not set(self.missing) - {"p_mc"}
 
     @cached_property
@@ -111,15 +107,12 @@ class Run:
 
     @cached_property
     def events(self) -> tuple[BrakeEvent, ...]:
-        """Applications of the brake, by pressure, or by deceleration where there is none."""
+        """Applications of the brake, by pressure, else by deceleration."""
         return brake_events(self.driving) if self.moves else ()
 
     @cached_property
     def rolling(self) -> Mask:
-        """The lead-in (n,): steady rolling before the first braking, in which eta is zeroed.
-
-        Where no pressure is logged, the deceleration shows the braking.
-        """
+        """The lead-in (n,): steady rolling before the first braking, in which eta is zeroed."""
         if not self.moves or self.speed < MOVING:
             return np.zeros(self.log.time.size, bool)
         if "p_mc" in self.log:
@@ -151,19 +144,19 @@ class Run:
 
     @cached_property
     def alone(self) -> Axle | None:
-        """The axle that brakes alone by its pressures; None for both."""
+        """The axle that brakes alone by its pressures, or None."""
         return braked_alone(self.log) if self.moves else None
 
     @cached_property
     def pressures(self) -> dict[str, PressureDelay]:
-        """How the deceleration follows each pressure, by channel, where that is known."""
+        """Delay of the deceleration after each pressure, by channel."""
         if self.slipping is None or "p_mc" not in self.log:
             return {}
         return delays_of(self.log, self.driving, self.slipping.first)
 
     @cached_property
     def wheels_held(self) -> float:
-        """Mean time for which a wheel speed keeps a value while the car slows [s]."""
+        """Mean time for which a wheel speed holds a value while the car slows [s]."""
         return wheels_held(self.log) if self.moves else 0.0
 
     @cached_property
@@ -183,7 +176,7 @@ class Run:
 
     @cached_property
     def wheels(self) -> WheelParts | None:
-        """What braking changes of the four slips; None without rolling or braking, too."""
+        """Change of the four slips by braking; None without rolling or braking, too."""
         return wheel_parts(self.log, self.driving) if self.moves else None
 
     # --- the car, its known effects taken out -----------------------------------------------------
@@ -223,7 +216,7 @@ class Run:
 
     @cached_property
     def other_scale(self) -> float:
-        """Scale of a_x against v [1] where it is likelier that of no sensor, else 0."""
+        """Scale of a_x against v [1] by a wrong unit, clock or filter; else 0."""
         return other_scale(self.blocks, self.noise.z, self.noise.v)
 
     @cached_property
@@ -238,23 +231,20 @@ class Run:
 
     @cached_property
     def speed_evidence(self) -> SpeedEvidence:
-        """What v says of the accelerometer."""
+        """What v shows of the accelerometer."""
         return speed_evidence(self.blocks, self.noise.z, self.noise.v)
 
     def accelerometer(
         self, resistance: "Resistance", noise: SensorNoise | None = None
     ) -> Accelerometer:
-        """Scale and offset of the accelerometer with a known ``resistance``.
-
-        ``noise`` of the sensors if it is not that of the run.
-        """
+        """Scale and offset of the accelerometer with a known ``resistance``; `noise` by default."""
         b = self.blocks
         evidence = speed_evidence(b, noise.z, noise.v) if noise else self.speed_evidence
         unexplained = block_balance(self.car, resistance.effects, b).demanded / self.car.weight
         return accelerometer(evidence, unexplained, resistance.sigma_z(self.car, b.speed))
 
     def felt(self, sensor: Accelerometer | None) -> Blocks:
-        """Blocks with the z that the tyres feel, by the accelerometer; as read without one."""
+        """Blocks with z corrected by the accelerometer; as read without one."""
         b = self.blocks
         return b if sensor is None else b.with_z(sensor.corrected(b.z))
 
@@ -263,12 +253,12 @@ class Run:
         return brake_balance(self.car, effects, self.signals)
 
     def response(self, effects: Effects) -> BrakeResponse | None:
-        """How the brakes answer the pressure; None if the run brakes too little to tell."""
+        """Response of the brakes to the pressure; None if the run brakes too little."""
         return brake_response(self.signals, self.balance(effects))
 
 
 def figures(run: Run) -> dict[str, float | None]:
-    """Every figure in SI, as `batch check` has it; None where the log gives none."""
+    """Every figure of `batch check` in SI; None where the log gives none."""
     clock, pressure = run.clock, run.sensor("p_mc")
     zero = run.axles.front_rear if run.axles else None
     return {

@@ -1,17 +1,16 @@
 """Whether two logs are one run: saved in another format, rounded, cut or resampled.
 
-Two runs have noise of their own, also where a robot drives them alike; a copy has that of its
-original. So means over 50 ms are laid over each other, with the lag at which the wheel speeds agree
-best, and what is between them is held against their noise. Where they are close, it counts how
-often the third differences, which are noise, have one sign:
+Two runs have independent noise, even if a robot drives both; a copy has that of its original. Means
+over 50 ms are aligned by the wheel speeds, and their difference is compared with their noise. Where
+that is close, the signs of the third differences decide, which are noise:
 
     D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.9; two: 1 or more
     r = sin(pi/2 * mean(sign(a''') * sign(b''')))                  one run: 0.3 to 1; two: about 0
 
-Wrong where most channels of a copy are rounded to more than five times their noise: the noise is
-lost then, and the runs count as two.
+Wrong where most channels of a copy are rounded to more than five times their noise: it counts as
+another run.
 
-A table keeps the `Fingerprint` of its runs: the means, written to a quarter of their noise, as the
+A table holds the `Fingerprint` of its runs: the means, rounded to a quarter of their noise, as the
 second differences of whole numbers. A run of 10 s takes about 5 kB.
 """
 
@@ -38,15 +37,12 @@ _FINE = 0.25  # unit of the whole numbers over the noise [1]: rounding adds 0.3 
 _MOST = 2.0**40  # largest whole number of a channel that has no noise
 
 _View = dict[str, Array]
-"""Means of the channels [SI], one after another, and of the ``wheels``."""
+"""Means of the channels [SI], and of the four ``wheels``."""
 
 
 @dataclass(frozen=True)
 class _FingerprintChannel:
-    """A channel: its whole numbers are of ``unit`` [SI].
-
-    ``differences`` are their second differences as text; the two before the first count as 0.
-    """
+    """A channel as multiples of ``unit`` [SI]; ``differences`` their second differences as text."""
 
     name: str
     unit: float
@@ -55,10 +51,7 @@ class _FingerprintChannel:
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """Means of the channels of a run, one after another without a gap.
-
-    ``version`` of this format; ``step`` length of a mean [s].
-    """
+    """Consecutive means over ``step`` [s] of the channels of a run; ``version`` of the format."""
 
     version: int
     step: float
@@ -96,10 +89,7 @@ def same_as(fingerprint: Fingerprint, log: Log) -> bool:
 
 
 def _agree(a: _View, other: Log, step: float) -> bool:
-    """Whether the channels agree, laid over each other where the wheel speeds agree best.
-
-    The lag need not be a whole number of steps: ``other`` is read again between them.
-    """
+    """Whether the channels agree at the best lag; ``other`` is read again between its steps."""
     b = _view_of(other, step)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
@@ -121,7 +111,7 @@ def _agree(a: _View, other: Log, step: float) -> bool:
 
 
 def _alike(view: _View, other: _View, lag: int) -> bool:
-    """Whether D and r say so, where ``other`` begins ``lag`` samples after ``view``."""
+    """Whether D and r show one run, where ``other`` begins ``lag`` samples after ``view``."""
     pairs = {
         name: _over(view[name], other[name], lag)
         for name in _COMPARED
@@ -151,10 +141,7 @@ def _apart(a: Array, b: Array) -> float:
 
 
 def _together(pairs: list[tuple[Array, Array]]) -> float:
-    """r: how often the third differences of two runs have one sign, as a correlation [1].
-
-    Of signs, as the bite of the brakes is the same in every run, and much larger than the noise.
-    """
+    """Correlation r [1] of third differences by their signs: the bite is large and always alike."""
     signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
     products = np.concatenate(signs)
     products = products[products != 0.0]
@@ -166,10 +153,7 @@ def _together(pairs: list[tuple[Array, Array]]) -> float:
 
 
 def _residual_lag(view: Array, other: Array, lag: int) -> tuple[float, float]:
-    """Steps by which ``other`` is later still than ``lag``, and D that is left then.
-
-    By the slope of the wheel speeds.
-    """
+    """Steps by which ``other`` is later than ``lag``, by the slope of the wheels, and D then."""
     a, b = _over(view, other, lag)
     slope = np.gradient(b)
     square = float(slope @ slope)
@@ -178,7 +162,7 @@ def _residual_lag(view: Array, other: Array, lag: int) -> tuple[float, float]:
 
 
 def _best_lag(a: Array, b: Array) -> int:
-    """The lag of ``b`` in ``a`` [steps] at which the mean square between them is least."""
+    """The lag of ``b`` in ``a`` [steps] with the least mean square difference."""
     least = max(LIMITS.run_fewest, int(LIMITS.run_overlap * min(a.size, b.size)))
     centre = float(a.mean())
     a, b = a - centre, b - centre
@@ -206,7 +190,7 @@ def fingerprint_of(log: Log) -> Fingerprint:
 
 
 def _decoded(text: str) -> Array:
-    """Raises ValueError for text that is no list of whole numbers."""
+    """Values of second differences as text. Raises ValueError for no whole numbers."""
     try:
         differences = np.array([int(word) for word in text.split()], dtype=np.int64)
     except OverflowError as error:
@@ -233,10 +217,7 @@ def _noise_of(x: Array) -> float:
 
 
 def refuse_copies(fitted: Sequence[Log], held_out: Sequence[Log] = ()) -> None:
-    """Raise LogError for a run that is given twice, also if it was cut, rounded or resampled.
-
-    ``fitted`` are the logs that something is made of, ``held_out`` those that are to prove it.
-    """
+    """Raise LogError for a run that is given twice, among the ``fitted`` and ``held_out`` logs."""
     for i, log in enumerate(fitted):
         refuse_copy(log, fitted[:i])
     for i, log in enumerate(held_out):
@@ -244,10 +225,7 @@ def refuse_copies(fitted: Sequence[Log], held_out: Sequence[Log] = ()) -> None:
 
 
 def refuse_copy(log: Log, fitted: Sequence[Log], held_out: Sequence[Log] | None = None) -> None:
-    """Raise LogError if ``log`` is a run that is given already, see `calib.run.same_run`.
-
-    ``fitted`` as in `refuse_copies`; with ``held_out`` the log is one more of those.
-    """
+    """Raise LogError if ``log`` is one of ``fitted``, or, itself held out, of ``held_out``."""
     copied = next((k for k in (*fitted, *(held_out or ())) if same_run(k, log)), None)
     if copied is None:
         return

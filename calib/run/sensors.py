@@ -18,10 +18,7 @@ _RESTING = ("T_drive_f", "T_drive_r")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensor:
-    """One ``channel`` of a ``log``, in SI; each figure is computed when it is first asked for.
-
-    Without ``driving``, all of it counts as unbraked, and nothing as stuck.
-    """
+    """One ``channel`` of a ``log``, in SI; without ``driving`` it is unbraked and never stuck."""
 
     channel: str
     log: Log
@@ -53,10 +50,7 @@ class Sensor:
 
     @cached_property
     def noise(self) -> float:
-        """Standard deviation of its white noise, unbraked; NaN if that is too short.
-
-        By third differences; those beyond five times the usual size are left out.
-        """
+        """Standard deviation of its white noise, unbraked, without outliers; NaN if too short."""
         if self._quiet.size < LIMITS.noise_fewest:
             return float("nan")
         change = np.diff(self._quiet, 3)
@@ -95,7 +89,7 @@ class Sensor:
 
 
 FIGURES = ("channel", "low", "high", "resolution", "noise", "flat", "stuck", "saturated")
-"""What is told of a `Sensor`, by name."""
+"""Fields of a `Sensor` in a document."""
 
 
 def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:
@@ -105,10 +99,7 @@ def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:
 
 
 def resolution_of(x: Array) -> float:
-    """The step of which all values are multiples, or 0 if there is none.
-
-    It is the smallest difference between two values of which the others are whole multiples.
-    """
+    """The smallest difference of two values, if all others are multiples of it; else 0."""
     gaps = np.diff(np.unique(x))
     gaps = gaps[gaps > 1e-9 * max(np.ptp(x), 1e-12)]
     if gaps.size < 3:
@@ -124,9 +115,9 @@ def _flatness(x: Array) -> float:
 
 
 def _saturation(x: Array, step: float) -> float:
-    """Time at the highest value [s], if no other value is constant for as long; else 0.
+    """Time at the highest value [s], if no other value is constant for nearly as long; else 0.
 
-    A value that is constant from the first sample on is a signal at rest, not saturation.
+    A value that is constant from the first sample on is a signal at rest.
     """
     top = x.max()
     if not 10 <= np.count_nonzero(x == top) < x.size:
@@ -142,10 +133,9 @@ def _saturation(x: Array, step: float) -> float:
 
 
 def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
-    """Whether the deceleration is constant while the pressure reads its highest value.
+    """Whether the pedal was held: the deceleration is constant at the highest pressure.
 
-    Then the pedal was held. Where the true pressure went beyond the range of the sensor, the
-    deceleration goes on to rise.
+    Beyond the range of the sensor the deceleration would still rise.
     """
     if driving is None:
         return False
@@ -157,10 +147,10 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
 
 
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
-    """Whether this channel should have changed, by the other channels.
+    """Whether the other channels show that this one should have changed.
 
-    Both ends of the interval are left out: smoothing mixes in samples from outside, and the
-    wheel speeds of a stopping car jump to 0, each at a sample of its own.
+    Both ends of the interval are left out: smoothing mixes in samples from outside, and each wheel
+    speed of a stopping car jumps to 0 at another time.
     """
     edge = round(SMOOTH / driving.step)
     inside = slice(part.start + edge, part.stop - edge)
@@ -178,7 +168,7 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
             return False
         if log[name][part.start] == 0:
             return float(z.max()) > 0.3
-        # a channel has noise that a pedal cannot hold: a constant value is then a fault
+        # no pedal holds noise still: the constant value of a noisy channel is a fault
         quiet = log[name][driving.unbraked]
         rustles = quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.rustles
         returns = _returns_with_a_jump(log[name], part.stop)
@@ -187,7 +177,7 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
 
 
 def _returns_with_a_jump(x: Array, end: int) -> bool:
-    """Whether the step at ``end`` is much larger than those after it: a sensor works again."""
+    """Whether the step at ``end`` is much larger than those after it."""
     if end + 5 >= x.size:
         return False
     after = np.abs(np.diff(x[end : end + 6]))

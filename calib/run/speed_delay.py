@@ -1,17 +1,16 @@
-r"""A reference speed that comes late, as that of a receiver of satellites by 0.1 to 0.3 s.
+r"""Delay of the reference speed, 0.1 to 0.3 s for a satellite receiver.
 
     v read(t) = v_0 + (1 + c) I(t - tau) + e t        I = int a_x dt
 
     a_x   ------\______        v   --------\                the corner at the bite, and all that
                                             \               z does after it, come tau later
-    scale c and slope e do not move a corner, so the delay tau is seen beside them
+    scale c and slope e do not move a corner, so tau can be separated from them
 
-A v on the bus of the other channels is within `USUAL` of them, and its rest is a state of the
-filter. A late one is anywhere up to `_LATEST`. Both are weighed by how well they predict v over the
-log: a delay belongs to a sensor and stays. Of a late v, v(t + tau) stands for v(t).
+A v on the bus of the other channels has a delay of sigma `USUAL`, the remainder is a state of the
+filter. A late v has any delay up to `_LATEST`, constant over the log. Both hypotheses are weighed
+by their likelihood. A late v is replaced by v(t + tau).
 
-It stops being true where the wheel speeds are as late as v, and for a_x that is filtered by more
-than v is late.
+Wrong where the wheel speeds are as late as v, or the filter of a_x is slower than that of v.
 """
 
 from dataclasses import dataclass, replace
@@ -31,37 +30,37 @@ USUAL = 0.02
 """One sigma [s] of the delay of a v on the bus of the other channels."""
 
 _LATEST = 0.5
-"""Greatest delay [s] that is looked for: receivers have 0.1 to 0.3 s, slow filters more. What v was
-read as within this time of the start was had before the log, and is not compared."""
+"""Greatest delay [s] that is tried: receivers have 0.1 to 0.3 s, slow filters more. v within this
+time of the start may be from before the log, and is not compared."""
 
-_ODDS = 0.05  # odds of a late v before the log: few of those who log v take it from a receiver
+_ODDS = 0.05  # prior odds of a late v: few take v from a receiver
 
 _SCALE = 0.05
-"""One sigma of the scale of a_x [1]: wider than that of a sensor, since a delay is not to explain
-what another scale does."""
+"""One sigma of the scale of a_x [1], wider than that of a sensor, so that no delay has to explain a
+wrong scale."""
 
 EVEN, CHANGING = 0.0002, 0.015
-"""How far the grade of any road walks in a second [g/s^0.5]: tracks are even to 1 mm in 2 m; a
-crest of 6 km radius changes it by 0.005 at 30 m/s, a bridge or a ramp by 0.02."""
+"""Random walk of the grade in a second [g/s^0.5]: tracks are even to 1 mm in 2 m; a crest of 6 km
+radius changes it by 0.005 at 30 m/s, a bridge or a ramp by 0.02."""
 
 ODDS_ROAD = np.array([0.97, 0.03])
-"""How often the slope stays, and changes, on roads that are chosen for such runs."""
+"""Prior probability of a constant and a changing slope on roads that are chosen for such runs."""
 
-_BRAKES = 1.5  # least deceleration that shows a delay [m/s^2]: a rolling car hardly slows
+_BRAKES = 1.5  # least deceleration that shows a delay [m/s^2]
 
 _LIKELY, _SURE = 0.3, 0.95
-"""Chance of a late v from which on it is not taken as it is, and from which on it is corrected."""
+"""Probability of a late v from which it is not used as read, and from which it is corrected."""
 
-_STEP = 0.01  # of the delays that are tried [s]: half of what is sharp
+_STEP = 0.01  # of the delays that are tried [s]: half of `_SHARP`
 
 _SHARP = 0.02
-"""Sigma of a delay [s] from which on v is left out instead of shifted: at 0.5 g it makes an
-error of 0.1 m/s, a tenth of the slip."""
+"""Sigma of a delay [s] from which v is left out instead of shifted: at 0.5 g it makes 0.1 m/s, a
+tenth of the slip."""
 
 
 @dataclass(frozen=True)
 class SpeedDelay:
-    """Time by which v comes late [s], its ``sigma``, and the ``chance`` that it is late at all."""
+    """Delay of v [s], its ``sigma``, and the probability ``chance`` that v is late at all."""
 
     value: float
     sigma: float
@@ -69,12 +68,12 @@ class SpeedDelay:
 
     @property
     def late(self) -> bool:
-        """Whether v may not be taken as it is."""
+        """Whether v must not be used as read."""
         return self.chance > _LIKELY
 
     @property
     def sharp(self) -> bool:
-        """Whether v may be put in time."""
+        """Whether the delay may be corrected."""
         return self.sigma < _SHARP and self.chance > _SURE
 
 
@@ -82,7 +81,7 @@ IN_TIME = SpeedDelay(0.0, USUAL, chance=0.0)
 
 
 def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
-    """How late ``v`` [m/s] is against ``a_x`` [m/s^2]; ``time`` [s], all (n,), ``step`` [s]."""
+    """Delay of ``v`` [m/s] against ``a_x`` [m/s^2]; ``time`` [s], all (n,), ``step`` [s]."""
     even = _DelayEvidence.from_signals(time, v, a_x, step)
     if even is None or abs(even.first()) < 2.0 * USUAL:
         return IN_TIME
@@ -90,7 +89,7 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
     roads = even, even.on_road(CHANGING)
     misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])
     count = np.count_nonzero(even.usable)
-    noisier = max(misfit.min() / max(count, 1), 1.0)  # than medians show
+    noisier = max(misfit.min() / max(count, 1), 1.0)  # noise beyond that of the medians
     likelihood = -0.5 * misfit / noisier - count * np.log([[road.sigma] for road in roads])
     likelihood = np.logaddexp(*(likelihood - likelihood.max() + np.log(ODDS_ROAD)[:, None]))
     usual = np.exp(likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
@@ -104,7 +103,7 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
 
 
 def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
-    """A late v [m/s] (n,) at the times at which the car had it; a_x carries it on at the end."""
+    """A late v [m/s] (n,) with its delay corrected; a_x extrapolates it at the end."""
     gained = integral(time, a_x)
     later = time + delay.value
     after = gained - np.interp(time[-1] - delay.value, time, gained)
@@ -113,11 +112,10 @@ def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
 
 @dataclass(frozen=True)
 class _DelayEvidence:
-    """What is compared: v (k,) by blocks of ``size`` samples, and the integral at the log's rate.
+    """v (k,) by blocks of ``size`` samples and ``length`` [s], and the integral of a_x (n,).
 
-    Blocks of ``length`` [s] with ``noise`` variance of v and of a step of the integral [m^2/s^2];
-    ``average``, ``sigma`` make its second differences white; ``begins`` (k - 2, 2) spans what the
-    unknown v and slope at the start make of them.
+    ``noise`` variance of v and of a step of the integral [m^2/s^2]; ``average`` and ``sigma``
+    whiten second differences; ``begins`` (k - 2, 2) spans the unknown v and slope at the start.
     """
 
     time: Array
@@ -135,7 +133,7 @@ class _DelayEvidence:
     def from_signals(
         cls, time: Array, v: Array, a_x: Array, step: float
     ) -> "_DelayEvidence | None":
-        """By means of `_BLOCK`, on an even road; None where it is short or brakes too little."""
+        """Evidence on an even road; None where the log is short or brakes too little."""
         size = samples_in(_BLOCK, step)
         means, slowing = block_mean(v, size), block_mean(a_x, size)
         if means.size < 20 or np.min(slowing) > -_BRAKES:
@@ -150,7 +148,7 @@ class _DelayEvidence:
         return evidence.on_road(EVEN)
 
     def on_road(self, walks: float) -> "_DelayEvidence":
-        """The same on a road whose slope wanders by ``walks`` within a second [g/s^0.5]."""
+        """The same on a road whose slope walks by ``walks`` [g/s^0.5]."""
         turned = (G * self.length * walks) ** 2 * self.length
         average, sigma = second_differences(*self.noise, turned)
         first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
@@ -158,7 +156,7 @@ class _DelayEvidence:
         return replace(self, average=average, sigma=sigma, begins=begins)
 
     def first(self) -> float:
-        """Delay by one Gauss-Newton step from 0 [s]: tells cheaply whether there may be one."""
+        """Delay by one Gauss-Newton step from 0 [s], to exclude cheaply that there is one."""
         y, x = self._white(0.0)
         shift = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
         A = np.column_stack([x, shift])
@@ -166,12 +164,12 @@ class _DelayEvidence:
         return float(np.linalg.solve(precision, A.T @ y)[1])
 
     def misfit(self, delay: float) -> float:
-        """What is left at a ``delay`` [s] with the best scale, over the noise, squared."""
+        """Residual sum of squares over the noise at a ``delay`` [s], with the best scale."""
         y, x = self._white(delay)
         return float(y @ y - (x @ y) ** 2 / (float(x @ x) + _SCALE**-2))
 
     def _white(self, delay: float) -> tuple[Array, Array]:
-        """What v differs by, and what a scale makes of it, as white noise of sigma 1, (k - 2,)."""
+        """Difference of v and the column of the scale, whitened to sigma 1, (k - 2,)."""
         gained = block_mean(np.interp(self.time - delay, self.time, self.gained), self.size)
         return self._filtered(self.v - gained), self._filtered(gained)
 

@@ -44,10 +44,9 @@ class IntervalEstimate:
 
 
 def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | None:
-    """Ratio b/a - 1 of two wheel speeds where ``mask`` holds [1], from means over 0.2 s.
+    """Ratio b/a - 1 of two wheel speeds within ``mask`` [1]; None with fewer than three blocks.
 
-    None with fewer than three blocks. The interval assumes independent blocks: it does not include
-    a slow drift, such as on a long bend.
+    The interval takes the blocks of 0.2 s as independent: a slow drift, as on a bend, is not in it.
     """
     ratio = _ratios(a, b, mask, step)
     if ratio.size < 3:
@@ -56,9 +55,9 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 
 
 def _half(rolling: Array, braked: float = np.inf) -> Array:
-    """Half width of the 95 % interval of a change from ``rolling`` (..., k) to a mean of blocks.
+    """Half width of the 95 % interval of the mean of ``rolling`` (..., k).
 
-    Of ``braked`` blocks with the noise of the rolling car, which has no slope.
+    With ``braked`` blocks: of the change to their mean, with the same noise.
     """
     from scipy.special import stdtrit
 
@@ -68,7 +67,7 @@ def _half(rolling: Array, braked: float = np.inf) -> Array:
 
 
 def _means(x: Array, mask: Mask, step: float) -> Array:
-    """Means over `wheel_block` where ``mask`` holds; none if that is short."""
+    """Means over `wheel_block` within ``mask``; empty if that is short."""
     return block_mean(x[..., mask], samples_in(LIMITS.wheel_block, step))
 
 
@@ -81,7 +80,7 @@ def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
 
 @dataclass(frozen=True)
 class Axles:
-    """Comparison of the wheels; None where a part is too short to tell.
+    """Comparison of the wheels; None where a part is too short.
 
     Attributes
     ----------
@@ -91,8 +90,8 @@ class Axles:
     slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
         correct; negative for a wrong sign.
     eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
-    eta_most : the same in that third of a braking with 0.1 to 0.5 g in which it is farthest from 0
-        [1]. Eta rises and falls again, so its mean may be 0 where it tells much.
+    eta_most : the same in the third of a braking with 0.1 to 0.5 g in which it is farthest from 0
+        [1]: eta rises and falls again, so its mean may be 0.
     """
 
     front_rear: IntervalEstimate | None
@@ -139,10 +138,9 @@ def _most(
 
 
 def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
-    """Median of ``v`` over the speed of the middle wheels [m] while nothing brakes.
+    """Median of ``v`` over the median wheel speed [m] unbraked, (19) at zero slip; None without v.
 
-    R = v/omega, (19) at zero slip. What drives or slows the wheels there, as an engine in gear
-    does, is a part of it: 0.1 % at 0.03 g. None without ``v``, or too short to tell.
+    It contains the slip by an engine in gear: 0.1 % at 0.03 g.
     """
     if "v" not in log:
         return None
@@ -154,7 +152,7 @@ def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
 
 
 def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
-    """Slope of the measured deceleration over that of the wheels [m] where all wheels roll.
+    """Slope of the measured deceleration over that of the rolling wheels [m].
 
     None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
     """
@@ -170,10 +168,7 @@ def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
 
 
 def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
-    """Mask (n,): no wheel slips deeply against the unbraked part, within `near_lock`.
-
-    A locked wheel says nothing of the speed, and one on its way to it slows faster than the car.
-    """
+    """Mask (n,): no wheel slips deeply within `near_lock`: a wheel near lock is not the speed."""
     slip = np.array(list(slips.values()))
     free = driving.unbraked
     zero = np.median(slip[:, free], axis=1, keepdims=True) if free.any() else 0.0
@@ -184,10 +179,7 @@ def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
 
 @dataclass(frozen=True)
 class Slipping:
-    """Wheels at their limit: ABS cycles as (wheel, start [s]); wheels that locked.
-
-    ``first`` time at which one of them begins to slip deeply [s]; inf where none does.
-    """
+    """ABS cycles as (wheel, start [s]), locked wheels, and the ``first`` deep slip [s] or inf."""
 
     cycles: tuple[tuple[str, float], ...]
     locked: tuple[str, ...]
@@ -195,7 +187,7 @@ class Slipping:
 
 
 def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
-    """Find ABS cycles and locked wheels; without ``v`` not where all four slip at the same time."""
+    """Find ABS cycles and locked wheels; without ``v`` not where all four slip at once."""
     inside = driving.braked & driving.moving
     cycles, locked, first = [], [], math.inf
     for wheel, slip in slips.items():
@@ -215,10 +207,7 @@ def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
 
 
 def _swings(slip: Array, driving: DrivingRecord, inside: Mask) -> list[float]:
-    """Starts [s] of slips that come and go again and again while the brake is on; else none.
-
-    A pedal, a bump or a ramp near the peak of its tyres lets a wheel slip once, or for long.
-    """
+    """Starts [s] of slip that repeats while braking, as by ABS; none of single or long slip."""
     width = samples_in(LIMITS.swing_time, driving.step) | 1
     above = inside & (driving.speed > MOVING)
     above &= slip - sliding_minimum(slip, width) > LIMITS.swing
@@ -259,9 +248,9 @@ class WheelParts:
 
 
 class _Crossed(NamedTuple):
-    """A front and a rear wheel whose columns have changed places, and the part that tells it [1].
+    """A front and a rear wheel whose columns are exchanged, and the ``part`` that shows it [1].
 
-    ``others`` the two wheels that slip less or more than the rest, in words.
+    ``others``: the two wheels that slip more than the rest, as text.
     """
 
     wheels: tuple[str, str]
@@ -292,16 +281,13 @@ def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
 
 
 def _alone(part: IntervalEstimate, others: float, z: float) -> bool:
-    """Whether X or L is larger than the ``others``, and than what unlike brakes make at ``z``."""
+    """Whether X or L exceeds the ``others``, and the effect of unlike brakes at ``z``."""
     least = max(LIMITS.crossed_alone * others, LIMITS.crossed_least * z)
     return bool(abs(part.value) - part.half >= least)
 
 
 def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed | None:
-    """Front and rear wheel of one side that are exchanged; None where that is not sure.
-
-    ``alone`` is the axle that brakes alone, "f" or "r", or None.
-    """
+    """Exchanged wheels of one side, if sure; ``alone`` the axle that brakes alone, or None."""
     if parts is None:
         return None
     x = parts.diagonals
@@ -312,9 +298,9 @@ def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed
 
 
 def crossed_diagonal(parts: WheelParts | None, expected: float) -> _Crossed | None:
-    """Front and rear wheel of a diagonal that are exchanged; None where that is not likely.
+    """Exchanged wheels of a diagonal, if likely; ``expected`` E [1] by the table of the car.
 
-    ``expected`` is E [1] as the table of the car has it. A bend moves L too, and leaves E.
+    A bend changes L too, but not E.
     """
     if parts is None:
         return None
