@@ -10,8 +10,7 @@ from calib.base.arrays import Array
 def numbers(column: Any) -> Array:
     """Return a chunked column of numbers (n,); null is NaN.
 
-    From its buffers, and a cast only where one is needed: `to_numpy` of pyarrow imports pandas and
-    `cast` its functions, which takes longer than to read a log.
+    `to_numpy` would import pandas, and `cast` functions, which takes longer than to read a log.
     """
     import pyarrow as pa
 

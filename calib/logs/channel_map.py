@@ -20,8 +20,7 @@ from calib.logs.text.dialect import LOOKED, TextFormat
 MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
 
 Databases = Named[str, tuple[Path, ...]]
-"""Files that describe frames (DBC, ARXML, KCD or SYM), by the bus they are for; "" is every bus."""
-
+"""Files that describe frames (DBC, ARXML, KCD or SYM), by their bus; "" is every bus."""
 METHODS = ("linear", "hold")
 
 
@@ -160,7 +159,7 @@ def _mapped(
 def assigned_column(
     channel: str, index: int, column: Column, entry: Mapping, si: str, where: str
 ) -> Assigned:
-    """The column of this ``index`` as a channel. Raises LogError without a unit of its quantity."""
+    """The column of this ``index`` as a channel. Raises LogError if it has no unit that fits."""
     unit, place = entry.unit or column.unit, f"{where}: {channel}"
     if not unit:
         raise LogError(

@@ -33,7 +33,6 @@ _Name = Annotated[str, Field(pattern=r"\S")]
 
 
 def _expected(form: str) -> WrapValidator:
-
     def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
         if isinstance(written, bool):  # which Python takes for 0 or 1
             raise wrong(shown(written), form)
@@ -75,21 +74,18 @@ _ChannelsSection = by_name(
     "The mapped channels by canonical name.",
 )
 
-
 _SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
-
-
 _NOT_OF_FILES = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
 """Codecs of names and of source code; some take quadratic time."""
 
 
 def _encoding(name: str) -> str:
     try:
-        whole = _SAMPLE.encode(name).decode(name) == _SAMPLE
-        whole &= codecs.lookup(name).name not in _NOT_OF_FILES
+        is_fit = _SAMPLE.encode(name).decode(name) == _SAMPLE
+        is_fit &= codecs.lookup(name).name not in _NOT_OF_FILES
     except (LookupError, ValueError, TypeError):
-        whole = False
-    if not whole:
+        is_fit = False
+    if not is_fit:
         expected = 'an encoding such as "utf-8" or "latin-1"'
         raise wrong(f"unknown encoding of text {shown(name)}", expected)
     return name
@@ -103,8 +99,8 @@ class _TextSection(Section):
     encoding: Annotated[str, AfterValidator(_encoding)] | None = None
 
 
-_LEFT = Field(union_mode="left_to_right")
-_Files = Annotated[_Name | list[_Name], _LEFT]
+_FIRST_FIT = Field(union_mode="left_to_right")
+_Files = Annotated[_Name | list[_Name], _FIRST_FIT]
 _ByBus = Annotated[dict[_Name, _Files], Field(min_length=1)]
 _FILES = (
     "the path of a DBC file (or ARXML, KCD, SYM), or a list of them; or these for each bus by its "
@@ -118,7 +114,7 @@ class ChannelMapFile(FileSchema):
     channels: _ChannelsSection | None = None  # type: ignore[valid-type]
     text: _TextSection | None = None
     ignore: Annotated[list[_Name], _expected("a list of names of columns")] | None = None
-    dbc: Annotated[_Files | _ByBus, _LEFT, _expected(_FILES)] | None = None
+    dbc: Annotated[_Files | _ByBus, _FIRST_FIT, _expected(_FILES)] | None = None
 
     @model_validator(mode="after")
     def _says_something(self) -> Self:

@@ -14,14 +14,10 @@ from calib.base.units import QUANTITIES, to_si
 
 REPEATED = 0.01
 """Largest share of rows [1] that repeat the time of the row before them."""
-
 GAP = 3.5
 """A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
-
 VALUES = 4
-"""Most values that the steps of a rounded even clock have: two, or four where the spacing of
-float32 doubles within the log. The steps of a clock with jitter have many."""
-
+"""Most values of the steps of a rounded even clock: 2, or 4 where steps of float32 double."""
 _FINE = 1e-3
 """Rounding below this [steps] is left alone: it moves no result."""
 
@@ -42,28 +38,27 @@ def step_of(time: Array) -> float:
 
 
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Ascending times [s], (n,), on the line of an even clock that was written with few digits.
+    """Put times [s] (n,) of an even clock that were written with few digits on its line.
 
-    With a note; as they are, where they are few, or have jitter of more than their last digit, or
-    enough digits. They may have gaps.
+    Returns them and a note; or as they are, where the clock has more jitter than rounding.
     """
     if time.size < _MIN_SAMPLES:
         return time, ()
     usual, steps = step_of(time), np.diff(time)
     # one slope for the lines through the times between gaps: least squares
     part = np.concatenate([[0], np.cumsum(steps > GAP * usual)])
-    row = np.concatenate([[0.0], np.cumsum(np.round(steps / usual))])
+    index = np.concatenate([[0.0], np.cumsum(np.round(steps / usual))])
     size = np.bincount(part)
-    along, later = (x - (np.bincount(part, x) / size)[part] for x in (row, time))
-    step = float(along @ later / (along @ along))
+    x, y = (values - (np.bincount(part, values) / size)[part] for values in (index, time))
+    step = float(x @ y / (x @ x))
     counts = np.round(steps / step)
     single = np.unique(np.round(steps[counts == 1] / step, 6)) * step
     if counts.min() < 1.0 or not 2 <= single.size <= VALUES:
         return time, ()
     rounding = float(single[-1] - single[0])
-    row = np.concatenate([[0.0], np.cumsum(counts)])
-    slope, start = np.polynomial.polynomial.Polynomial.fit(row, time, 1).convert().coef[::-1]
-    line = np.asarray(start + slope * row)
+    index = np.concatenate([[0.0], np.cumsum(counts)])
+    slope, start = np.polynomial.polynomial.Polynomial.fit(index, time, 1).convert().coef[::-1]
+    line = np.asarray(start + slope * index)
     if rounding < _FINE * step or np.max(np.abs(line - time)) > rounding:
         return time, ()
     note = (
@@ -75,10 +70,8 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
 
 LATEST = 1e12
 """No time is later [s]: far above seconds since 1970."""
-
 _DISORDER = 0.1
 """Longest step back [s] between frames of several buses."""
-
 _DISORDERED = 0.25
 """Largest share of frames out of order [1]; with more, the timestamps have another meaning."""
 
@@ -117,7 +110,7 @@ _BURST = 0.25
 _BURSTS = 0.1
 """Largest share of such steps [1]: frames of a bus wait for each other by a tenth of a step."""
 _STANDING = 0.3
-"""Share of a log that a clock jumps over whose milliseconds have too many digits [1]."""
+"""Least share of jumps in a log whose milliseconds have too many digits [1]."""
 
 
 def check_clock(time: Array, where: str, unit: str = "s") -> None:

@@ -60,8 +60,7 @@ def factor_between(channel: Array, other: Array) -> float | None:
 def is_other_quantity(unit: str | None) -> bool:
     """Whether a unit is that of a quantity of which a pressure can be computed.
 
-    Not so a pressure: a logger may write one in two units. Neither a bare number: it may be the
-    count of the converter that the pressure was scaled from.
+    Not a pressure, which may be logged in two units; nor a bare number, such as its raw count.
     """
     try:
         bare = unit is None or spelling(unit) in ("1", "-")

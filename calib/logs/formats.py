@@ -25,7 +25,6 @@ from calib.logs.text.dialect import TextFormat
 from calib.logs.text.vbo import open_vbo
 
 MDF = (".mf4", ".mdf", ".dat")
-
 _KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb"PAR1", "a Parquet file", (".parquet",)),
     (rb"MDF  |UnFin", "an MDF file", MDF),
@@ -40,7 +39,7 @@ _KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb"<\?xml", "an XML file", ()),
     (rb"\{", "a JSON file", ()),
 )
-"""Beginning in any case, what it is, and the endings under which it is right."""
+"""Pattern of the first bytes in any case, what the file is, and its right endings."""
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
@@ -53,8 +52,8 @@ def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
             do="get the file: git lfs pull",
         )
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
-    begun = (kind for kind in _KINDS if re.match(kind[0], text, re.IGNORECASE))
-    _, name, endings = next(begun, (b"", "", (ending,)))
+    kinds = (kind for kind in _KINDS if re.match(kind[0], text, re.IGNORECASE))
+    _, name, endings = next(kinds, (b"", "", (ending,)))
     if ending not in endings:
         raise LogError(
             f"{name}, not a {ending} file",
@@ -105,8 +104,8 @@ def as_table(
 ) -> ColumnSource:
     """All channels of a recording on one clock, like a table.
 
-    The clock is that of the columns that are ``assigned`` as channels, by index, or of all; then
-    counts are held. Reading a column that the recording refuses raises its LogError.
+    The clock is that of the channels, if columns are ``assigned`` by index; the others are put on
+    it, counts held. Reading a column that the recording refuses raises its LogError.
     """
     refused, wanted = dict[int, LogError](), dict[int, ChannelTrace]()
     every = range(1, len(opened.columns))

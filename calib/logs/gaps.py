@@ -18,24 +18,17 @@ from calib.logs.clock import GAP, check_increasing, is_ascending, step_of
 
 BRIDGE = 0.2
 """Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""
-
 _SIDE = 0.1
 """Length [s] of the samples on either side of a gap that show whether a channel is smooth."""
-
 _NEAR = 0.5
 """Length [s] of the samples on either side of a gap that show the noise."""
-
 _FEWEST = 4
 """Fewest samples of a side: nearly every line goes through fewer."""
-
 INSTANT = 1e-9
 """Samples within this time [s] show no slope: recorders count no finer than nanoseconds, and only
 damaged times are nearer."""
-
 _SMOOTH = 0.01
 """Largest error of a bridge beside the noise, over the range of the channel [1]."""
-
-
 ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
 """Which gaps are bridged, in words."""
 
@@ -140,9 +133,9 @@ def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
     wide = slice(*np.searchsorted(t, [t[i] - _NEAR, t[i + 1] + _NEAR]))
     t_wide, x_wide = t[wide], x[wide]
     weight = (t_wide[1:-1] - t_wide[:-2]) / (t_wide[2:] - t_wide[:-2])
-    off = x_wide[1:-1] - (1.0 - weight) * x_wide[:-2] - weight * x_wide[2:]
-    # not of the median, which is 0 for noise that is cut off at zero; a few bends do not count
-    noise = float(np.quantile(np.abs(off), 0.8) / 1.2816 / np.sqrt(1.5))
+    bends = x_wide[1:-1] - (1.0 - weight) * x_wide[:-2] - weight * x_wide[2:]
+    # a few bends do not count; the median is 0 for noise that is cut off at zero
+    noise = float(np.quantile(np.abs(bends), 0.8) / 1.2816 / np.sqrt(1.5))
     centre, middle = 0.5 * (t[i] + t[i + 1]), 0.5 * (x[i] + x[i + 1])
     return all(_leads_to(t[s] - centre, x[s] - middle, noise, allowed) for s in sides)
 
@@ -171,7 +164,7 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
     than `ENDS` [s] at an end counts as one with a gap.
     """
     time = channels["time"]
-    begin, end, late = 0, time.size, list[str]()
+    begin, end, trimmed = 0, time.size, list[str]()
     for name, values in channels.items() if np.isfinite(time).all() else ():
         empty = np.isnan(values)
         if name not in CHANNELS or not empty.any() or empty.all():
@@ -179,12 +172,12 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
         first, last = int(np.argmin(empty)), values.size - 1 - int(np.argmin(empty[::-1]))
         short = time[first] - time[0] <= ENDS and time[-1] - time[last] <= ENDS
         if short and (first > 0 or last + 1 < time.size):
-            late.append(name)
+            trimmed.append(name)
             begin, end = max(begin, first), min(end, last + 1)
-    if not late or begin >= end:
+    if not trimmed or begin >= end:
         return channels, ()
     note = (
-        f"{', '.join(late)}: no value at the start or the end; "
+        f"{', '.join(trimmed)}: no value at the start or the end; "
         f"the first {begin} and the last {time.size - end} rows were left out"
     )
     return {name: values[begin:end] for name, values in channels.items()}, (note,)

@@ -30,9 +30,9 @@ Mask = NDArray[np.bool_]
 class _Possible(NamedTuple):
     """Bounds of a channel in SI.
 
-    ``up`` fastest rise per second, ``long`` the same over more than `_QUICK`; ``zero`` fastest
-    change per second from or to exactly 0, ``nonzero`` such a change that is always possible;
-    ``end`` largest value; ``steps`` marks only parts that a bridge can span.
+    ``up`` fastest rise per second, ``long`` that in steps over `_QUICK`; ``zero`` fastest change
+    per second from or to exactly 0, ``nonzero`` a change from or to it that is always possible;
+    ``end`` largest value; ``steps``: only parts that a bridge can span are marked.
     """
 
     up: float
@@ -57,13 +57,10 @@ _POSSIBLE = {
 
 _QUICK = 0.05
 """Time [s] over which a wheel spins up or stops; over a longer one it goes with the car."""
-
 _NOISE = 10.0
 """Standard deviations of its noise that a channel may jump in addition [1]."""
-
 _LEAST = 2.0
 """Least jump [SI] that counts: a lost pulse of a ring of 48 teeth is 2 rad/s."""
-
 _FEW = 0.02
 """Largest share of samples that are marked [1]; with more the log is refused."""
 
@@ -127,7 +124,7 @@ def without_impossible(
 
 def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
     mask = np.isfinite(x) & (np.abs(x) > possible.end)
-    if np.count_nonzero(mask) > _FEW * x.size:  # the unit: `calib.run` says so
+    if np.count_nonzero(mask) > _FEW * x.size:  # a wrong unit, which `calib.run` reports
         return np.zeros(x.size, np.bool_)
     present = np.flatnonzero(np.isfinite(x) & ~mask)
     steps = np.diff(time[present])

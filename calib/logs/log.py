@@ -1,4 +1,4 @@
-"""One run: canonical channels in SI, independent of the file format."""
+"""A log as it was read, whatever its format."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -34,10 +34,9 @@ class ComputedPressure(NamedTuple):
 class Log:
     """One run: canonical ``channels`` [SI], (n,) each, with ``time``.
 
-    ``name`` is the file stem, ``digest`` the SHA-256 of the file or of simulated content, ``truth``
-    that of a simulation [SI], only to score results. ``notes`` say what the reader changed;
-    ``marked`` samples have no value; ``interpolated`` channels were recorded on another clock,
-    ``computed`` pressures from another column.
+    ``digest`` is the SHA-256 of the file or of simulated content; ``truth`` [SI] only scores a
+    simulation. ``notes`` say what the reader changed. ``marked`` samples have no value,
+    ``interpolated`` channels have another clock, ``computed`` pressures are another column.
     """
 
     name: str

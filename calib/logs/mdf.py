@@ -25,14 +25,10 @@ from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 _VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""
-
 _FRAME = "CAN_DataFrame"
 """Name of the channel for data frames in the ASAM standard."""
-
 _TIME_SYNC = 1
 """Type of a master channel of MDF 4 that holds time, not angle or distance."""
-
-
 _Place = tuple[int, int]
 """Numbers of the group and of the channel in it."""
 
@@ -143,9 +139,9 @@ def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace
         number, index = place
         group = mdf.groups[number]
         cycles, channel = int(group.channel_group.cycles_nr), group.channels[index].name
-        read = len(signal.samples)  # a sample may be an array
-        if not read == signal.timestamps.size == cycles:
-            raise _too_few("samples", read, cycles, f"{where}: {channel}")
+        count = len(signal.samples)  # a sample may be an array
+        if not count == signal.timestamps.size == cycles:
+            raise _too_few("samples", count, cycles, f"{where}: {channel}")
         values, state = _values(mdf, place, signal, f"{where}: {channel}")
         name = _title(mdf, number)
         title = name if name == f"group {number}" else f"group {number} {name!r}"
@@ -159,7 +155,7 @@ def _select(mdf: Any, places: Sequence[_Place], names_as_numbers: bool, where: s
         signals: list[Any] = mdf.select(
             wanted, copy_master=False, ignore_value2text_conversions=names_as_numbers
         )
-    except Exception as cause:  # as above
+    except Exception as cause:  # as in `open_mdf`
         raise _unreadable(cause, where) from cause
     return signals
 
@@ -184,21 +180,21 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
 
 
 def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Frames]:
-    """The frames that the database describes; those sent and received are one message."""
+    """The frames that the database describes, by message; sent and received ones are together."""
     parts = [x for number in groups if (x := _frame_records(mdf, number, where)) is not None]
     if not parts:
         return []
     width = max(data.shape[1] for _, _, data, _ in parts)
     padded = [np.pad(data, ((0, 0), (0, width - data.shape[1]))) for _, _, data, _ in parts]
     codes, time, length = (np.concatenate([part[i] for part in parts]) for i in (0, 1, 3))
-    every = np.concatenate(padded)
+    frames = np.concatenate(padded)
     result = []
     for code in np.unique(codes).tolist():
         name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
         if database.find(name, key):
             rows = np.flatnonzero(codes == code)
             rows = rows[np.argsort(time[rows], kind="stable")] if len(parts) > 1 else rows
-            part = np.ascontiguousarray(every[rows, : int(length[rows].max())], np.uint8)
+            part = np.ascontiguousarray(frames[rows, : int(length[rows].max())], np.uint8)
             result.append(Frames(name, key, time[rows], part, length[rows].astype(np.uint16)))
     return result
 

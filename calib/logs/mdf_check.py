@@ -1,4 +1,4 @@
-"""Check an MDF file before asammdf reads it, which would follow rings and fill the memory.
+"""Check an MDF file before asammdf reads it, which follows rings and fills the memory.
 
 MDF 4:
 ##XX  4 bytes unused  length  number of links  links  content
@@ -160,10 +160,8 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
 def _counted(
     data: mmap.mmap, flags: int, starts: list[int], path: Path
 ) -> tuple[str, dict[int, int]]:
-    """Count the records of an unfinished file; ``starts`` are its blocks and its end, rising.
-
-    asammdf counts them, too, but stops without a word where a record has an unknown identifier.
-    """
+    """Count the records of an unfinished file; ``starts`` are its blocks and its end, ascending."""
+    # asammdf counts them, too, but stops silently where a record has an unknown identifier
     counts: dict[int, int] = {}
     records = leftover = 0
     for _, data_group in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):

@@ -38,9 +38,8 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         schema = file.schema_arrow
         fields = list(schema)  # names that are not UTF-8 are decoded here
     except (pa.ArrowException, OSError, ValueError) as cause:
-        raise damaged(
-            where, f"not Parquet, or cut off: {cause}", "a complete Parquet file"
-        ) from cause
+        flaw = f"not Parquet, or cut off: {cause}"
+        raise damaged(where, flaw, "a complete Parquet file") from cause
     try:
         index = json.loads((schema.metadata or {}).get(b"pandas", b"{}"))["index_columns"]
     except (ValueError, KeyError, TypeError):
@@ -57,12 +56,12 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         for i in indices:
             _require_numbers(fields[i].type, f"{where}: {columns[i].name}")
         names = [fields[i].name for i in indices]
-        several = len({field.name for field in fields}) < len(fields)
+        are_ambiguous = len({field.name for field in fields}) < len(fields)
         arrays = []
         try:
-            table = file.read(None if several else names, use_threads=False)
+            table = file.read(None if are_ambiguous else names, use_threads=False)
             for i in indices:
-                column = table.column(i if several else fields[i].name)
+                column = table.column(i if are_ambiguous else fields[i].name)
                 if (unit := _clock_unit(column.type)) is not None:
                     arrays.append(_from_first(column, unit, f"{where}: {columns[i].name}"))
                 else:

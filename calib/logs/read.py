@@ -33,16 +33,14 @@ from calib.logs.text.dialect import LOOKED
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels that fit and validation need."""
-
 FORMATS = (*TABLES, *RECORDINGS)
 """File name endings of all known formats."""
-
 _WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 
 @dataclass(frozen=True)
 class _OpenLog:
-    """An opened log, to be closed by ``with``: path, columns, and SHA-256 of its bytes."""
+    """An opened log, which ``with`` closes; ``digest`` is the SHA-256 of its bytes."""
 
     path: Path
     source: ColumnSource | Recording
@@ -186,7 +184,7 @@ def _without_delays(
     if not late or not is_ascending(time):
         return channels, ()
     moved = {name: np.interp(time + delay, time, channels[name]) for name, delay in late.items()}
-    moves = [
+    notes = [
         f"{name} was put {abs(delay):g} s {'earlier' if delay > 0.0 else 'later'}"
         for name, delay in late.items()
     ]
@@ -194,12 +192,12 @@ def _without_delays(
     inside = (time + min(shifts) >= time[0]) & (time + max(shifts) <= time[-1])
     if not inside.any():
         raise LogError(
-            f"no time has all channels: {', '.join(moves)}",
+            f"no time has all channels: {', '.join(notes)}",
             where=where,
             expected=f"delays within the {np.ptp(time):.3g} s of the log",
             do="correct the delay in the channel map",
         )
-    return {name: x[inside] for name, x in (channels | moved).items()}, tuple(moves)
+    return {name: x[inside] for name, x in (channels | moved).items()}, tuple(notes)
 
 
 def recorded_clock(assigned: list[Assigned], channel_map: ChannelMap | None) -> Assigned:

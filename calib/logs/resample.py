@@ -20,14 +20,10 @@ from calib.logs.source import ChannelTrace
 
 _FASTEST = 1050.0
 """A sample rate above this [Hz] is not used as the clock if there is a slower one."""
-
 _ALIKE = 0.9
 """From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
-
 _UNEVEN = 0.5
-"""A clock of which more than a tenth of the steps differ by more than this from the median [1] is
-taken only if there is no other."""
-
+"""Largest difference of nine tenths of the steps of an even clock from their median [1]."""
 _ENDS = 0.5
 """An optional channel may shorten the log by at most this at either end [s]."""
 
@@ -104,7 +100,7 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
     inside = (master.time >= low) & (master.time <= high)
     time = master.time[inside]
     filled = [
-        Filled(w.values[inside]) if _same(w, master) and w.time.size > 1 else _on(w, time)
+        Filled(w.values[inside]) if _same_times(w, master) and w.time.size > 1 else _on(w, time)
         for w in wanted
     ]
     gaps = [text for item in filled for text in in_words(item)]
@@ -114,7 +110,7 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
         (*notes, *_notes(full, master, rates), *gaps, *cut),
         tuple(gap for item in filled for gap in item.bridged),
         rates,
-        tuple(w.name for w in full if not (w.state or _same(w, master))),
+        tuple(w.name for w in full if not (w.state or _same_times(w, master))),
     )
 
 
@@ -194,11 +190,11 @@ def _master(full: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
     top = max([r for r in fastest if r <= _FASTEST] or fastest)
     alike = [w for w in base if _ALIKE * top <= rates[w.name] <= top]
 
-    def carried(w: ChannelTrace) -> tuple[int, int, int]:
-        mates = [x.name for x in full if x.clock == w.clock]
-        return sum(n.startswith("omega") for n in mates), len(mates), w.time.size
+    def preference(w: ChannelTrace) -> tuple[int, int, int]:
+        names = [x.name for x in full if x.clock == w.clock]
+        return sum(n.startswith("omega") for n in names), len(names), w.time.size
 
-    return max(alike, key=carried)
+    return max(alike, key=preference)
 
 
 def at_times(wanted: Sequence[ChannelTrace], time: Array, where: str) -> list[Array]:
@@ -218,16 +214,16 @@ def _on(w: ChannelTrace, times: Array) -> Filled:
     return Filled(values)
 
 
-def _same(w: ChannelTrace, master: ChannelTrace) -> bool:
+def _same_times(w: ChannelTrace, master: ChannelTrace) -> bool:
     return np.array_equal(w.time, master.time)
 
 
 def _notes(full: list[ChannelTrace], master: ChannelTrace, rates: dict[str, float]) -> list[str]:
-    if all(_same(w, master) for w in full):
+    if all(_same_times(w, master) for w in full):
         return []
     lines: dict[str, list[str]] = {}
     for w in full:
         way = "held" if w.state else "interpolated linearly"
-        how = "is the clock" if _same(w, master) else way
+        how = "is the clock" if _same_times(w, master) else way
         lines.setdefault(f"({w.clock}, {rates[w.name]:.4g} Hz) {how}", []).append(w.name)
     return [f"{', '.join(names)} {how}" for how, names in lines.items()]

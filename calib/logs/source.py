@@ -21,7 +21,7 @@ class Column:
 
     @property
     def full_name(self) -> str:
-        """The longer name, or the name where there is no other."""
+        """The longer name, if there is one, else the name."""
         return self.full or self.name
 
     @property
@@ -61,7 +61,7 @@ class ColumnSource:
 def each_of(
     read: Callable[[Sequence[int]], Sequence[T]], indices: Sequence[int]
 ) -> list[T | LogError]:
-    """The result of ``read`` for each index, or its error."""
+    """The result of ``read`` for each index, or the error of one that cannot be read."""
     with suppress(LogError):
         return [*read(indices)] if indices else []
     results: list[T | LogError] = []

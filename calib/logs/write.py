@@ -24,8 +24,6 @@ from calib.logs.parquet import UNIT_KEY
 from calib.logs.text.cells import column_from_cell
 from calib.logs.whole import TIME, WholeColumn, WholeLog
 
-# Decimals of the CSV file, in canonical units: each step is below a tenth of a usual sensor's
-# resolution, so that rounding adds no noise.
 _DECIMALS = {
     "time": 6,
     "p": 4,
@@ -40,6 +38,7 @@ _DECIMALS = {
     "true_Fz": 3,
     "true_mu_pad": 6,
 }
+"""Decimals of a CSV file in canonical units: less than a tenth of a usual sensor's resolution."""
 
 
 def write_csv(log: Log, path: Path) -> None:
