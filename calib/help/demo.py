@@ -1,7 +1,6 @@
 """The demo: command lines on the sample logs, and the index of what they answered and left.
 
-A line needs what the lines before it made. The answer is known where the log is simulated, with its
-true torques, and where an effect is hidden from the vehicle file.
+A line needs what those before it made. Answers are known, since true torques and causes are.
 """
 
 from collections.abc import Mapping

@@ -28,8 +28,8 @@ def environment() -> dict[str, str]:
     processor = platform.processor()
     with suppress(OSError):  # Linux tells its name here alone
         text = Path("/proc/cpuinfo").read_text()
-        named = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
-        processor = named[1] if named else processor
+        model = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+        processor = model[1] if model else processor
     return {
         "interpreter": f"{platform.python_implementation()} {platform.python_version()}",
         "operating system": platform.platform(),

@@ -26,10 +26,9 @@ _TYPES = {
     "object": "object",
     "list": "array",
 }
-"""The type of a value, and of each item of a list of several, by the words of `documents.toml`."""
-
+"""JSON type of a value, or of the items of a list, by the words of `documents.toml`."""
 _SEVERAL = " ..."
-"""End of a key that stands for any number of keys which begin alike."""
+"""End of a key that stands for all keys with this beginning."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +42,13 @@ class Document:
     def schema(self) -> dict[str, Any]:
         """Its JSON Schema, draft 2020-12; further keys are allowed."""
         values = {name: _value(*says.split(": ", 1)) for name, says in self.keys.items()}
-        single = {name: one for name, one in values.items() if not name.endswith(_SEVERAL)}
+        fixed = {name: one for name, one in values.items() if not name.endswith(_SEVERAL)}
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": self.title,
             "type": "object",
-            "properties": {"schema": {"const": 1}, **single},
-            "required": ["schema", *single],
+            "properties": {"schema": {"const": 1}, **fixed},
+            "required": ["schema", *fixed],
         }
 
 

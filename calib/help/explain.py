@@ -18,12 +18,11 @@ _ELSE = {REFUSE: "else it is refused", VOID: "else no sample counts", WARN: "els
 
 def codes() -> list[str]:
     """Every code that `explained` knows."""
-    reasons = [reason.name for reason in Reason]
-    return [*dict.fromkeys([*(rule.code for rule in RULES), *METRICS, *reasons, *CHECKS])]
+    return [*dict.fromkeys([*(x.code for x in RULES), *METRICS, *Reason.__members__, *CHECKS])]
 
 
 def explained(code: str) -> Facts:
-    """A code in words; the same one may be of a rule and of a metric. Empty for another name."""
+    """A code in words, as rule, metric and reason; no rows for an unknown one."""
     rows = [*_rules(code), *_metric(code), *_reason(code)]
     return Facts(code, rows=list(dict.fromkeys(rows)))
 
@@ -32,10 +31,10 @@ def _rules(code: str) -> list[Row]:
     rows: list[Row] = []
     for rule in (one for one in RULES if one.code == code):
         causes = [cause for cell in (*rule.causes, *rule.below) if (cause := _open(cell)) != "..."]
-        where = ", ".join(rule.purposes)
+        purposes = ", ".join(rule.purposes)
         rows += [
             ("measures", f"{rule.means}, in {rule.unit}" if rule.unit != "1" else rule.means),
-            ("expected", f"{_range(rule.low, rule.high)} ({where}), {_ELSE[rule.does]}"),
+            ("expected", f"{_range(rule.low, rule.high)} ({purposes}), {_ELSE[rule.does]}"),
             *(("or" if i else "likely", cause) for i, cause in enumerate(causes)),
             ("what to do", _open(rule.do)),
         ]
@@ -43,7 +42,7 @@ def _rules(code: str) -> list[Row]:
 
 
 def _open(text: str) -> str:
-    """A text with dots where a log puts in its own words."""
+    """A text with dots where the values of a log stand."""
     return re.sub(r"\{\w+[^{}]*\}", "...", text)
 
 

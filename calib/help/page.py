@@ -12,17 +12,15 @@ from pathlib import Path
 from calib.help.samples import sample_logs
 
 FOLDER = Path(__file__).parents[1] / "manual"
-
 _ROW = re.compile(r"## (?P<group>.+)|- \[(?P<title>.+)\]\((?P<name>\w+)\.md\): (?P<about>.+)")
 _COMMENT = re.compile(r"^<!--.*?-->\n\n?", re.DOTALL | re.MULTILINE)
-
 _PIECE = re.compile(
     r"^(?P<code>```.*?^```)$|^\$\$\n(?P<equation>.*?)\n\$\$$|\$(?P<symbol>[^$\n]+)\$"
     r"|!\[(?P<caption>[^]]*)\]\(\S*?sample_logs/(?P<picture>\S+)\)"
     r"|\[(?P<words>[^]]*)\]\((?P<page>\w+)\.md\S*?\)|\[(?P<here>[^]]*)\]\(#\S*\)",
     re.DOTALL | re.MULTILINE,
 )
-"""What a terminal shows in another way, and code, in which nothing is changed."""
+"""What a terminal shows in another way, and code, which stays as it is."""
 _OF_LATEX = (
     (r"\\mathrm\{(\w+)\}", r"\1"),
     (r"([_^])\{(\w+)\}", r"\1\2"),

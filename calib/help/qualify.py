@@ -45,7 +45,6 @@ def _formulas() -> tuple[float, ...]:
 
 
 def _pads() -> tuple[float, ...]:
-    """Pads of the table of Section IV."""
     table = fit(_car(_SIMULATED), [_log(f"{_SIMULATED}/ramp_noisy.parquet")])
     pads = table.calibration
     return pads.pad_friction_f.value, pads.pad_friction_r.value
@@ -65,7 +64,7 @@ def _stops() -> tuple[float, ...]:
 
 
 def _cause() -> tuple[float, ...]:
-    """The cause of two logs, enough to see it, and one hold-out."""
+    """Whether the hidden cause is named, and its size, from two logs and a hold-out."""
     logs = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
     diagnosis = diagnose(_car(_HIDDEN), logs, [_log(f"{_HIDDEN}/holdout/stop_a.parquet")])
     (drag,) = diagnosis.effects

@@ -8,8 +8,6 @@ from calib.base.errors import InputError
 def sample_logs() -> Path:
     """Directory of the sample logs. Raises InputError when the program was installed without them.
 
-    An installed package holds them in this folder; in a checkout they lie beside the package.
-
     >>> import calib
     >>> sorted(file.name for file in (calib.sample_logs() / "simulation_study").glob("*.parquet"))
     ['ramp_noisy.parquet', 'stop_noisy.parquet']

@@ -46,21 +46,21 @@ _NAMED = 99
 def _choose(
     search: Search, channel: str, passed: list[tuple[Series, int]], several: str
 ) -> Series | None:
-    """The column whose name fits best, of those of the highest rate; a doubt if there are more."""
+    """The column of the highest rates whose name fits best; of several equals a doubt, and None."""
     named = [s for s, _ in passed if s.name == channel]
     measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
     top = 0.0 if named else max((s.rate or 0.0 for s in measured), default=0.0)
-    fine = [(s, points) for s, points in passed if 2.0 * (s.rate or 0.0) >= top]
-    most = max((points for _, points in fine), default=0)
-    fit = named or [s for s, points in fine if points == most]
-    if len(fit) > 1:
-        search.doubt(channel, fit, several, f"choose one: --take {channel}=NAME")
-    if len(fit) != 1:
+    fast = [(s, points) for s, points in passed if 2.0 * (s.rate or 0.0) >= top]
+    most = max((points for _, points in fast), default=0)
+    likeliest = named or [s for s, points in fast if points == most]
+    if len(likeliest) > 1:
+        search.doubt(channel, likeliest, several, f"choose one: --take {channel}=NAME")
+    if len(likeliest) != 1:
         return None
     for item, _ in passed:
-        if item is not fit[0]:
-            search.refuse(item, f"{fit[0].name} is more likely {channel}")
-    return fit[0]
+        if item is not likeliest[0]:
+            search.refuse(item, f"{likeliest[0].name} is more likely {channel}")
+    return likeliest[0]
 
 
 def find_speed(search: Search, wheels: Array | None) -> Array | None:
@@ -87,7 +87,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
 
 
 def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, metres: bool) -> None:
-    """By unit, and by the derivative of speed up to its sign.
+    """Find a_x by its unit, and as the derivative of speed up to its sign.
 
     ``rate`` is that derivative, (n,) [m/s^2]; without ``metres`` that of the wheels [rad/s^2].
     """
@@ -128,13 +128,13 @@ def _wrong_size(
     search: Search, item: Series, rate: Array, clock: ColumnClock, metres: bool
 ) -> bool:
     slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
-    off, derivative_of = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
+    ratio, derivative_of = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
     low, high = _SLOPES if metres else bounds_of("a_x_unit")
-    if low <= off <= high:
+    if low <= ratio <= high:
         return False
-    other_units = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if _SLOPES[0] < off / f < _SLOPES[1]]
-    hint = f": is it in {other_units[0]}?" if other_units else ""
-    why = f"in {item.column.unit} it is {off:.3g} times the derivative of {derivative_of}{hint}"
+    units = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if _SLOPES[0] < ratio / f < _SLOPES[1]]
+    hint = f": is it in {units[0]}?" if units else ""
+    why = f"in {item.column.unit} it is {ratio:.3g} times the derivative of {derivative_of}{hint}"
     search.doubt("a_x", [item], why, "give its unit: --take 'a_x=NAME [UNIT]'")
     return True
 
@@ -150,7 +150,7 @@ def refuse_computed(search: Search) -> None:
 
 
 def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> None:
-    """By unit, correlated with the deceleration ``braking``, (n,) [m/s^2], and not later than it.
+    """Find p_mc by its unit; it follows the deceleration ``braking`` [m/s^2] (n,) without delay.
 
     A column without a unit is a doubt if it is named a brake pressure: it could be a torque.
     """
@@ -188,7 +188,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 
 
 def find_by_name(search: Search) -> None:
-    """Find the channels that are not tested with physics."""
+    """Find the channels that have no physical test."""
     for channel, (si, side, quantities) in _BY_NAME.items():
         free = search.free()
         fitting = [s for s in free if s.name == channel] or [
@@ -217,8 +217,7 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
-    every = np.ones(braking.size, np.bool_)
-    delay = pressure_delay(clock.time, braking / G, [item.values], [], every)
+    delay = pressure_delay(clock.time, braking / G, [item.values], [], np.ones(braking.size, bool))
     if delay and abs(delay.surely) > bounds_of("pressure_late")[1]:
         return (
             f"a pressure that is {delay.words} against the deceleration: take it with --take, "

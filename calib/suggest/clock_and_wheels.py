@@ -32,7 +32,7 @@ _SLOW = 0.15
 
 
 def find_clock(search: Search) -> None:
-    """Not decreasing, named as a time, with a unit of time, or with one that its rate can have."""
+    """Find the time: named so, not decreasing, in a unit with which its rate is possible."""
     if "time" not in search.user_specified:
         _propose_clock(search)
     elif (time := search.values_of_user("time")) is not None:
@@ -92,13 +92,11 @@ def _take_clock(search: Search, item: Series) -> None:
     for other in filter(None, (own_unit, *TIME_UNITS)):
         time = to_si(written, other, "s")
         if low <= 1.0 / (step := step_of(time)) <= high:
-            says = f", and its header says {unit}" if unit else ""
-            only = f"only {other} gives a rate of 40 Hz to 1 kHz{says}"
-            reasons = (
-                ("name", f"unit {unit}", order) if other == own_unit else ("name", order, only)
-            )
-            mapping = Mapping(item.name, None if other == own_unit else other)
-            search.propose("time", mapping, other == own_unit, *reasons)
+            header = f", and its header says {unit}" if unit else ""
+            only = f"only {other} gives a rate of 40 Hz to 1 kHz{header}"
+            is_own = other == own_unit
+            reasons = ("name", f"unit {unit}", order) if is_own else ("name", order, only)
+            search.propose("time", Mapping(item.name, None if is_own else other), is_own, *reasons)
             search.clock = ColumnClock(time, step)
             return
     do = "give the unit: --take 'time=NAME [s]'"
@@ -107,7 +105,7 @@ def _take_clock(search: Search, item: Series) -> None:
 
 
 def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
-    """Put all columns on one clock, which is returned, and leave those with gaps."""
+    """Put all columns on one clock, which is returned, and leave out those with gaps."""
     every = (*search.series, *search.gapped)
     resampled = rows_on_one_clock(clock.time, {s.name: s.values for s in every}, "the log")
     time, search.series = resampled.time, []
@@ -124,7 +122,7 @@ def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
 
 
 def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Array | None:
-    """Derivative of the speed; drops all rows but the longest part in which the car moves."""
+    """Derivative of the speed, of the longest part in which the car moves; drops other rows."""
     if motion is None:
         return None
     fast = motion > _SLOW * float(motion.max())

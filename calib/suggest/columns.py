@@ -1,4 +1,4 @@
-"""The numeric columns of a log, physical tests for them, and what is known while one searches.
+"""The numeric columns of a log, physical tests for them, and the state of the search.
 
 speed        the four wheels and the car agree
 a_x          is the derivative of speed, up to a sign
@@ -124,7 +124,6 @@ def follows(x: Array, rate: Array, clock: ColumnClock) -> float:
 
 Radii = tuple[float, float]
 """Radii [m] of front and rear wheels, with which a car computes speeds at the rim."""
-
 GIVE_RADIUS = (
     "give the radius with which the car computes them: --radius 0.31, twice where front and rear "
     "have others"
@@ -168,7 +167,7 @@ def rim_mapping(channel: str, source: str, unit: str | None, radii: Radii | None
 
 @dataclass
 class Search:
-    """What is known so far; a column that is proposed or in ``unused`` is not looked at again."""
+    """State of the search; columns that are proposed or in ``unused`` are settled."""
 
     series: list[Series]
     gapped: list[Series]
@@ -185,7 +184,7 @@ class Search:
         return [s for s in self.series if s.name not in proposed and s.name not in self.unused]
 
     def refuse(self, item: Series, why: str) -> None:
-        """Leave a column, with the reason."""
+        """Leave a column out, with the reason."""
         self.unused.setdefault(item.name, why)
 
     def propose(self, channel: str, mapping: Mapping, sure: bool, *reasons: str) -> None:

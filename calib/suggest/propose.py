@@ -1,4 +1,4 @@
-"""Propose a channel map for a foreign log: by names, units and physics, and tried on the log."""
+"""Propose a channel map for a foreign log by names, units and physics, and try it on the log."""
 
 import json
 import os
@@ -145,15 +145,15 @@ def tried(suggestion: Suggestion, path: Path, read_with: ChannelMap | None = Non
     if suggestion.doubts or not suggestion.proposals:
         return suggestion
     channels = {proposal.channel: proposal.mapping for proposal in suggestion.proposals}
-    begun = read_with or ChannelMap(str(path), {})
-    proposed = replace(begun, where="the proposed map", channels=channels, ignore=suggestion.ignore)
+    base = read_with or ChannelMap(str(path), {})
+    proposed = replace(base, where="the proposed map", channels=channels, ignore=suggestion.ignore)
     try:
         read_log(path, proposed, require=tuple(channels))
     except BrakeCalError as error:
         do = "correct the log, or choose other columns: --take CHANNEL=NAME"
         doubt = Doubt("map", (), f"the log cannot be read with it: {error}", do)
-        unsure = tuple(replace(proposal, sure=LIKELY) for proposal in suggestion.proposals)
-        return replace(suggestion, proposals=unsure, doubts=(doubt,))
+        likely = tuple(replace(proposal, sure=LIKELY) for proposal in suggestion.proposals)
+        return replace(suggestion, proposals=likely, doubts=(doubt,))
     return suggestion
 
 
@@ -171,18 +171,18 @@ def to_toml(
     if suggestion.ignore:
         lines.append(f"ignore = {_written(list(suggestion.ignore))}")
     lines += [f"# {name}: {one_line(why)}" for name, why in suggestion.missing.items()]
-    usual = asdict(Mapping(""))
+    defaults = asdict(Mapping(""))
     for proposal in suggestion.proposals:
         why = one_line("; ".join(proposal.reasons))
         lines += ["", f"[channels.{proposal.channel}]  # {proposal.sure}: {why}"]
-        lines += _rows(asdict(proposal.mapping), usual)
+        lines += _rows(asdict(proposal.mapping), defaults)
     if text := _rows(asdict(read_with.text), asdict(LOOKED)) if read_with else []:
         lines += ["", "[text]", *text]
     return "\n".join([*lines, ""])
 
 
-def _rows(values: Named[str, object], usual: Named[str, object]) -> list[str]:
-    return [f"{k} = {_written(value)}" for k, value in values.items() if value != usual[k]]
+def _rows(values: Named[str, object], defaults: Named[str, object]) -> list[str]:
+    return [f"{k} = {_written(value)}" for k, value in values.items() if value != defaults[k]]
 
 
 def _written(value: object) -> str:

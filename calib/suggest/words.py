@@ -42,7 +42,7 @@ DERIVED = _words(
 
 
 class Words(NamedTuple):
-    """Words of a quantity, and those of others that are like it."""
+    """Words of a quantity, and those of other quantities with like names."""
 
     wanted: frozenset[str]
     unwanted: frozenset[str] = frozenset()
@@ -149,7 +149,7 @@ def axle(name: str) -> str | None:
 
 
 def score(name: str, quantity: Words) -> int:
-    """How well a name fits a quantity: wanted words, less one if computed; -1 if unwanted.
+    """Twice the wanted words in a name, less one if it is computed; -1 with an unwanted one.
 
     >>> score("a_x", LONG), score("a_y", LONG), score("a_x_est", LONG)
     (2, -1, 1)

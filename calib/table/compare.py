@@ -27,13 +27,10 @@ TOLERANCE = 1e-5
 
 A value is compared over itself or its sigma, whichever is larger.
 """
-
 _VALUE = {"value", "sigma"}
 """Keys of a fitted value in a record."""
-
 _RESULTS = ("calibration", "effects", "noise", "quality")
 """Sections of the record that hold numbers of the fit."""
-
 _SURE = 0.95  # share of the stops that decides the verdict on a map [1]
 
 _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
@@ -111,14 +108,13 @@ def diff(a: Table, b: Table) -> Difference:
 
     Curves and maps are linear between rows; of the draws the means are compared.
     """
-    theirs = _axes(b)
-    gaps = {name: _gap(name, first, theirs[name]) for name, first in _axes(a).items()}
+    curves_b, values_a, values_b = _axes(b), _values(a), _values(b)
+    gaps = {name: _gap(name, curve, curves_b[name]) for name, curve in _axes(a).items()}
     gaps |= _map_gaps(a, b)
-    ours, values = _values(a), _values(b)
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
-        values=tuple(_value_gap(n, ours[n], values[n]) for n in ours if n in values),
+        values=tuple(_value_gap(n, x, values_b[n]) for n, x in values_a.items() if n in values_b),
         changes=changes(a, b),
     )
 
@@ -155,15 +151,15 @@ def _common(a: Map, b: Map) -> list[Array]:
 def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
     """Gap of one column of two maps on the same cells; they are linear in between.
 
-    ``in_bands`` is the value that 95 % of the stops do not exceed, as 95 % bands promise no more. A
-    cell counts by the share of the stops in it.
+    ``in_bands`` is that of 95 % of the stops, as 95 % bands promise no more; cells have the weight
+    of their share of the stops.
     """
     gap = getattr(b, column) - getattr(a, column)
     ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
     band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
     # share of the stops in each cell; equal where the map has none
     shares = (m.share if isinstance(m, PadMap) else np.ones_like(m.z) for m in (a, b))
-    in_bands = _usual(_over(gap, band), np.minimum(*shares))
+    in_bands = _quantile(_over(gap, band), np.minimum(*shares))
     return _gap_of(name, a.z, gap, float(np.mean(gap**2)), in_bands)
 
 
@@ -174,7 +170,7 @@ def _gap_of(name: str, x: Array, gap: Array, square: float, in_bands: float) -> 
     return _CurveGap(name, *ends, largest, float(x[worst]), math.sqrt(square), in_bands)
 
 
-def _usual(x: Array, weights: Array) -> float:
+def _quantile(x: Array, weights: Array) -> float:
     """Quantile `_SURE` of ``x`` (n,) with ``weights`` (n,)."""
     order = np.argsort(x)
     below = np.cumsum(weights[order])
@@ -187,7 +183,7 @@ def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:
 
 
 def _in_bands(gap: Array, band: Array) -> float:
-    """Largest gap over its band; at eta = 1 both are zero, and so is their ratio."""
+    """Largest gap over its band; 0 where both are, as at eta = 1."""
     return float(np.max(_over(gap, band), initial=0.0))
 
 
@@ -274,12 +270,12 @@ def inputs(record: dict[str, Any]) -> str:
 
 def same(a: Table, b: Table) -> bool:
     """Whether two tables have equal inputs, and numbers equal within `TOLERANCE`."""
-    (first, ours), (second, theirs) = a.content(), b.content()
-    if inputs(first) != inputs(second):
+    (record_a, curves_a), (record_b, curves_b) = a.content(), b.content()
+    if inputs(record_a) != inputs(record_b):
         return False
     left, right = (
         dict(_leaves({**{name: record[name] for name in _RESULTS}, **curves}))
-        for record, curves in ((first, ours), (second, theirs))
+        for record, curves in ((record_a, curves_a), (record_b, curves_b))
     )
     return left.keys() == right.keys() and all(_near(left[key], right[key]) for key in left)
 

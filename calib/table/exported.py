@@ -20,7 +20,6 @@ from calib.table.table import Table
 
 BITS = (8, 16, 32)
 """Widths of the signed integer types of C [bit]."""
-
 FINEST = 52
 """Largest shift: the step is then that of a double at 1."""
 
@@ -57,10 +56,10 @@ def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
     if bits not in BITS:
         expected = "one of " + ", ".join(map(str, BITS))
         raise ExchangeError(f"fixed point of {bits} bits", expected=expected)
-    away = values - origin
-    largest, most = float(np.abs(away).max()), 2 ** (bits - 1) - 1
+    offsets = values - origin
+    largest, most = float(np.abs(offsets).max()), 2 ** (bits - 1) - 1
     shift = min(FINEST, _finest(largest, most)) if largest > 0.0 else 0
-    raw = np.rint(np.ldexp(away, shift)).astype(np.int64)
+    raw = np.rint(np.ldexp(offsets, shift)).astype(np.int64)
     error = np.abs(Fixed(raw, bits, origin, shift).values - values).max()
     return Fixed(raw, bits, origin, shift, float(error))
 
@@ -73,17 +72,13 @@ def _finest(largest: float, most: int) -> int:
 
 _Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
 
-
 LEAST_BITS = 16
 """Least bits of the axes of a map and of the scalars of a table.
 
 (eta - 1)/z needs small steps near 0 and a wide range. 8 bits would make mass and pads 0.8 % wrong.
 """
-
-
 _UNREAD = ("share", "prior")
 """Columns that the estimator does not read."""
-
 _NARROWEST = 1e-3
 """Lower limit of the width of bounds in the weights of breakpoints [1]."""
 
@@ -203,7 +198,7 @@ def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(whole: Map, i: int, points: int | None) -> Index:
-    """Values of axis ``i`` to keep, for the slices of all columns that are read.
+    """Rows of axis ``i`` to keep, by the slices along it of all columns that are read.
 
     An error is weighed by the share of stops in the cell, and over the width of the bounds there.
     """
@@ -212,11 +207,11 @@ def _rows(whole: Map, i: int, points: int | None) -> Index:
         return np.arange(x.size)
     names = [name for name in whole.names if name not in _UNREAD]
     lower, upper = (whole.grid(whole.bounded[0] + end) for end in ("_lower", "_upper"))
-    shown = whole.grid("share") if "share" in whole.names else 1.0
-    narrow = shown / np.maximum(upper - lower, _NARROWEST) ** 2
+    share = whole.grid("share") if "share" in whole.names else 1.0
+    weight = share / np.maximum(upper - lower, _NARROWEST) ** 2
     slices, weights = (
         np.concatenate([np.moveaxis(grid, i, -1).reshape(-1, x.size) for grid in grids])
-        for grids in ([whole.grid(name) for name in names], [narrow] * len(names))
+        for grids in ([whole.grid(name) for name in names], [weight] * len(names))
     )
     return place_weighted(x, slices, weights, max(points, FEWEST))
 
@@ -226,9 +221,9 @@ def _misfit(whole: Map, reduced: Map) -> dict[str, Misfit]:
 
     Both are linear along each axis between these cells, so the largest error is at one of them.
     """
-    again = reduced.on([*whole.axes.values()])
+    read_back = reduced.on([*whole.axes.values()])
     bounded = [name + end for name in whole.bounded for end in ("_lower", "", "_upper")]
-    gaps = np.array([getattr(again, name) - getattr(whole, name) for name in bounded])
+    gaps = np.array([getattr(read_back, name) - getattr(whole, name) for name in bounded])
     row = int(np.argmax(np.abs(gaps))) % whole.z.size
     worst, rms = float(np.abs(gaps).max()), float(np.sqrt(np.mean(gaps**2, axis=1).max()))
     return {name: Misfit(worst, float(getattr(whole, name)[row]), rms) for name in whole.AXES}

@@ -36,9 +36,7 @@ _OPTIONAL = {
     *("identity", "parents", "pad_friction_tolerance"),
 }
 """Keys that a record lacks where their value is empty."""
-
 _CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
-
 COLUMNS: dict[str, Any] = {**_CURVES, **MAPS, "draws": Draws.from_columns}
 """Constructors of the parts of a table that are columns, by name."""
 
@@ -120,7 +118,7 @@ class Provenance:
 
     @property
     def sample_time(self) -> float | None:
-        """That of all its logs [s], to four digits; None where they differ, or nobody knows it."""
+        """Sample time of the logs [s], to four digits; None if they differ or it is not known."""
         times = {float(f"{log.sample_time:.4g}") for log in self.logs if log.sample_time}
         return times.pop() if len(times) == 1 else None
 
@@ -248,8 +246,8 @@ class Table(Shown):
         record["vehicle"]["effects"] = effects["parameters"]
         if self.vehicle.motor_odds == Vehicle.motor_odds:
             del record["vehicle"]["motor_odds"]
-        described = self.vehicle.effects.defined_in.items()
-        record["own_effects"] = {name: asdict(effect) for name, effect in described}
+        definitions = self.vehicle.effects.defined_in.items()
+        record["own_effects"] = {name: asdict(effect) for name, effect in definitions}
         terms = effects["terms"]
         record["empirical"] = terms[0] if len(terms) == 1 else terms
         record["effects"] = {
@@ -265,9 +263,9 @@ class Table(Shown):
     @property
     def not_sensed(self) -> dict[str, str]:
         """Effects that an ECU cannot take out, with the signal that it lacks; see `not_sensed`."""
-        apart = {"wheel_pressures": "the pressures of the wheels, which are not p_mc"}
-        needed = any(warning.code in apart for warning in self.warnings)
-        return not_sensed(self.vehicle.effects) | (apart if needed else {})
+        pressures = {"wheel_pressures": "the pressures of the wheels, which are not p_mc"}
+        needed = any(warning.code in pressures for warning in self.warnings)
+        return not_sensed(self.vehicle.effects) | (pressures if needed else {})
 
     @property
     def fleet(self) -> tuple[TableReference, ...]:
@@ -290,7 +288,7 @@ class Table(Shown):
 
 
 def _written(value: Any) -> Any:
-    """A value without optional keys that are empty."""
+    """A value without those of the `_OPTIONAL` keys that are empty."""
     if isinstance(value, dict):
         return {k: _written(v) for k, v in value.items() if v or k not in _OPTIONAL}
     return [_written(v) for v in value] if isinstance(value, list | tuple) else value
