@@ -1,4 +1,4 @@
-"""Figures of the channels: what is missing, hangs, is a copy, is late, or is in no range of a car.
+"""Figures of the channels: missing, stuck, copied, late, or out of the range of a car.
 
 Each function is a figure of `rules.csv` by its name.
 """
@@ -20,9 +20,9 @@ from calib.run.driving_record import BITE_Z, DrivingRecord
 _NEEDED = ("p_mc", "a_x", *WHEEL_SPEEDS)
 _LATE = bounds_of("pressure_late")[1]
 _RESISTED, _ROLLS = 0.04, 0.3
-"""Deceleration of a car that no brake slows at most [g], and the time that shows it [s]."""
+"""Largest deceleration of an unbraked car [g], and the time that shows it [s]."""
 _CUT = bounds_of("pressure_computed")[1]  # share of zeros [1] that no sensor in order has
-_PRESSED = 20e5  # pressure from which sensors, left and right, agree as one to the other [Pa]
+_PRESSED = 20e5  # pressure from which left and right sensor agree in proportion [Pa]
 
 
 def channels(e: Evidence) -> Iterator[Measured]:
@@ -39,13 +39,13 @@ def computed(e: Evidence) -> Iterator[Measured]:
 
 
 def marked(e: Evidence) -> Iterator[Measured]:
-    """Samples that no car drives and that the reader left out."""
+    """Impossible samples that the reader left out."""
     marked, count = e.run.log.marked, sum(one.count for one in e.run.log.marked)
     yield Measured("impossible_samples", count, words={"samples": "|".join(map(str, marked))})
 
 
 def sensors(e: Evidence) -> Iterator[Measured]:
-    """Ranges, values that hang, and time at the end of a range."""
+    """Ranges, stuck values, and time at the end of a range."""
     for sensor in e.run.sensors:
         name, words = sensor.channel, {"channel": sensor.channel}
         longest = max((end - start for start, end in sensor.stuck), default=0.0)
@@ -73,10 +73,7 @@ def noise(e: Evidence) -> Iterator[Measured]:
 
 
 def pressure(e: Evidence) -> Iterator[Measured]:
-    """Pressure for each g, its clock, and how much of the deceleration it explains.
-
-    Nothing of the latter where a motor brakes.
-    """
+    """Pressure per g, its clock, and, without a motor, the share of z that it explains."""
     run, master = e.run, e.run.sensor("p_mc")
     if master is None:
         return
@@ -91,7 +88,7 @@ def pressure(e: Evidence) -> Iterator[Measured]:
         yield Measured("pressure_clock", most, words={"channel": every})
     if master.saturated:
         return
-    # on a ramp a zero that is too low and a delay look the same; but a right zero has noise
+    # on a ramp a zero that is too low looks like a delay; a correct zero has noise
     cut = master.low == 0.0 and master.flat > _CUT and delay.surely < 0.0
     zero = "a zero of p_mc that is too low, so that it is cut at 0, or "
     how = f"{zero * cut}{every} {'are' if ',' in every else 'is'} {delay.words}"
@@ -131,7 +128,7 @@ def late(e: Evidence) -> Iterator[Measured]:
 
 
 def at_rest(e: Evidence) -> Iterator[Measured]:
-    """Pressure while rolling: on the lead-in, or, where the brake seems never released, by a_x."""
+    """Pressure on the lead-in; without one, where a_x shows that no brake acts."""
     run = e.run
     if run.missing or run.speed < MOVING:
         return
@@ -143,10 +140,10 @@ def at_rest(e: Evidence) -> Iterator[Measured]:
 
 
 def _rolls_at_first(driving: DrivingRecord) -> Mask:
-    """Samples (n,) well before the car first brakes by its deceleration; none if it slows there."""
+    """First half of the samples (n,) before the car brakes by a_x; none if it slows there."""
     unbraked = np.flatnonzero(np.cumsum(driving.z > BITE_Z) == 0)
     rolling = np.zeros(driving.z.size, bool)
-    rolling[unbraked[: unbraked.size // 2]] = True  # in the other half a ramp may have begun
+    rolling[unbraked[: unbraked.size // 2]] = True  # in the second half a ramp may begin
     long = np.count_nonzero(rolling) * driving.step >= _ROLLS
     slows = long and float(np.mean(driving.z[rolling])) > _RESISTED
     return rolling & driving.moving & (long and not slows)
@@ -164,7 +161,7 @@ def pressure_sides(e: Evidence) -> Iterator[Measured]:
 
 
 def from_master(e: Evidence) -> Iterator[Measured]:
-    """How far the pressures of the wheels are from p_mc, rms over its mean; not of one axle."""
+    """Difference of wheel pressures from p_mc, rms over its mean; not if one axle brakes alone."""
     log, s = e.run.log, e.run.signals
     pressed = log["p_mc"] > _PRESSED / 2.0
     if e.run.alone is None and np.any(pressed):

@@ -20,7 +20,7 @@ from calib.run.wheels import IntervalEstimate
 
 @dataclass(frozen=True)
 class _Verdict:
-    """Whether a log is usable for a purpose; ``reasons`` why not, each with what to do instead."""
+    """Whether a log is usable for a purpose; ``reasons`` why not, each with the remedy."""
 
     purpose: str
     usable: bool
@@ -46,10 +46,10 @@ class Findings:
 
 
 def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
-    """Check a log and judge it for each purpose, by the rules that the purpose asks itself.
+    """Check a log and judge it for each purpose, by the rules of that purpose.
 
-    Channels may be missing (``require=()`` of `read_log`). Rules that need a vehicle, or other
-    logs, are asked by the purpose alone; with a ``vehicle`` those of the first kind here, too.
+    Channels may be missing (``require=()`` of `read_log`). Rules that need a vehicle are checked
+    only with a ``vehicle``, rules that need other logs not here.
 
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
@@ -72,16 +72,13 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
 
 
 def unseen(run: Run) -> tuple[str, ...]:
-    """Channels whose scale no log tells: an error moves all pads as much, and nobody warns of it.
-
-    How far each may be off is in the document of a fit.
-    """
+    """Channels whose scale no log shows; an error moves all pads as much, see a fit's document."""
     scaled = ("p_mc",) if "v" in run.present else ("p_mc", "a_x")
     return tuple(name for name in scaled if name in run.present)
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
-    """The findings as plain data, numbers in SI; ``figures`` as in the results of a batch."""
+    """The findings as JSON types in SI; ``figures`` as in the results of a batch."""
     run, log = findings.run, findings.run.log
     return {
         "usable": findings.usable,
@@ -103,7 +100,6 @@ def to_dict(findings: Findings) -> dict[str, Any]:
 
 
 def _origins(log: Log) -> tuple[Origin, ...]:
-    """Sources of the canonical channels."""
     return tuple(origin for origin in log.origins if origin.channel in CHANNELS)
 
 
@@ -120,11 +116,11 @@ _SEEN = (
     "speed", "z", "alone", "pressures", "wheels_held", "axles",
     "slipping", "wheels",
 )  # fmt: skip
-"""What is told of a run, by name."""
+"""Views of a run in the document."""
 
 
 def _plain(x: Any) -> Any:
-    """Records as mappings, in tuples and mappings, too."""
+    """Nested records as mappings."""
     if isinstance(x, Sensor):
         return {name: getattr(x, name) for name in FIGURES}
     if isinstance(x, dict):

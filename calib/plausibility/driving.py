@@ -12,7 +12,7 @@ from calib.run.run import Run
 
 
 def clock(e: Evidence) -> Iterator[Measured]:
-    """Rate, jitter, and samples that are missing: what is between them is no measurement."""
+    """Rate, jitter and gaps."""
     sampling, time = e.run.clock, e.run.log.time
     yield Measured("clock_rate", sampling.rate)
     yield Measured("clock_jitter", sampling.jitter * sampling.rate)
@@ -25,7 +25,7 @@ def clock(e: Evidence) -> Iterator[Measured]:
 
 
 def driving(e: Evidence) -> Iterator[Measured]:
-    """Speed, rolling at the start, standing, ABS and wheels that lock."""
+    """Speed, lead-in, ABS and locked wheels."""
     run = e.run
     yield Measured("too_slow", run.speed)
     if run.events:
@@ -34,7 +34,7 @@ def driving(e: Evidence) -> Iterator[Measured]:
 
 
 def use(e: Evidence) -> Iterator[Measured]:
-    """What a ramp, a stop and a coast are to have."""
+    """Requirements of a ramp, a stop and a coast."""
     run = e.run
     if run.missing:
         return
@@ -44,7 +44,7 @@ def use(e: Evidence) -> Iterator[Measured]:
         yield Measured("coasting", run.coasting)
         return
     yield Measured("begins_braked", float(run.events[0].first == 0))
-    if not (run.slipping and run.slipping.locked):  # of locked wheels the speed is not known
+    if not (run.slipping and run.slipping.locked):  # locked wheels do not show the speed
         yield Measured("braking_time", sum(event.braking for event in run.events))
     yield from _ramp(run)
     if run.axles and (most := run.axles.eta_most):  # a table is a curve over eta
@@ -54,7 +54,7 @@ def use(e: Evidence) -> Iterator[Measured]:
 
 
 def _ramp(run: Run) -> Iterator[Measured]:
-    """The best ramp of a run, or its widest rise if none is one, and what disturbs it."""
+    """The best ramp of a run, else its widest rise, and its disturbances."""
     alone = run.alone is not None
     good = [e for e in run.events if e.braking >= _RAMP_TIME and e.rise >= _RAMP_RISE]
     ramp = max(good, key=lambda e: e.rise_z, default=None)
@@ -74,7 +74,6 @@ def _ramp(run: Run) -> Iterator[Measured]:
 def _limits(
     run: Run, of_abs: str, of_locked: str, start: float = -math.inf, end: float = math.inf
 ) -> Iterator[Measured]:
-    """Cycles of ABS from ``start`` to ``end`` [s], and wheels that lock."""
     slips = run.slipping
     cycles = [(wheel, t) for wheel, t in slips.cycles if start <= t <= end] if slips else []
     wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in cycles))

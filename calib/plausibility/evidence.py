@@ -1,4 +1,4 @@
-"""A run together with what else its figures need."""
+"""Evidence for the figures of a run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,11 +10,10 @@ from calib.run.run import Run
 
 @dataclass(frozen=True)
 class Evidence:
-    """A ``run``, with a vehicle or without, and what was found out about it.
+    """Inputs of the figures of a ``run``.
 
-    ``accelerometer``: its scale and offset over the run, with a known resistance; ``response`` of
-    the brakes to the pressure; ``straight`` runs of the same car on a straight road; ``levels`` of
-    the brakes in the other logs of a diagnosis, over the pads of the file [1].
+    ``accelerometer`` with a known resistance; ``straight`` runs of the same car on a straight road;
+    ``levels`` of the brakes in the other logs of a diagnosis, over the pads of the file [1].
     """
 
     run: Run

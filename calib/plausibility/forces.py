@@ -17,25 +17,22 @@ from calib.plausibility.evidence import Evidence
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import lateral, sides
 
-_WANDERS = 0.5  # chance of a slope that changes from which it is named [1]
+_WANDERS = 0.5  # probability of a changing slope from which a_x is compared with v [1]
 _MOTOR, LEAST_ODDS = 0.67, 0.01
-"""Odds from which a motor is named [1]: a false name costs a look, a motor that is not named moves
-the pads. Least odds before the run, also where the vehicle file says that there is no motor."""
-_FORCE = 0.1  # spread of a motor's force over the usual brake force [1]: 0.01 to 0.1 g beside 0.3 g
+"""Posterior odds from which a motor is reported [1], low because an unreported motor moves the
+pads; least prior odds, also where the vehicle file excludes a motor."""
+_FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1]: 0.01 to 0.1 of 0.3 g
 _USUAL, _FADING = 0.015, 0.02
-"""Spread, where pads alone brake, of a force without pressure and of one that fades with the speed
-[1]. The first: pads bite, and p_mc has its zero, within 0.5 of 30 bar. The second: slow noise in
-the half second below 3 m/s. Pads that grip more at low speed are below zero."""
+"""Sigma, without a motor, of a force without pressure and of one that fades with the speed [1]. The
+first: bite of the pads and zero of p_mc, 0.5 of 30 bar. The second: slow noise in the half second
+below 3 m/s. Pads that grip more at low speed make it negative."""
 _UPRIGHT = 0.1
-"""Deceleration [1] past which left and right are not compared: the inner wheels of a bend bear less
-and slip more, which looks like a tighter one."""
+"""Deceleration [1] beyond which left and right are not compared: in a bend the inner wheels bear
+less and slip more, which looks like a tighter bend."""
 
 
 def bend(e: Evidence) -> Iterator[Measured]:
-    """Mean lateral acceleration [m/s^2] by runs of the same car that are ``straight``.
-
-    Without such runs a bend and wheels of unlike radius look the same.
-    """
+    """Mean lateral acceleration [m/s^2]; without ``straight`` runs it looks like unlike radii."""
     s = e.run.signals
     upright = (s.speed > MOVING) & (s.z < _UPRIGHT)
     if e.straight and upright.any():
@@ -64,9 +61,9 @@ def accelerometer(e: Evidence) -> Iterator[Measured]:
 def brakes(e: Evidence) -> Iterator[Measured]:
     """Force without pressure, a step of the force, and its delay.
 
-    A motor that brakes from the first pressure on shows as a force without pressure. One that hands
-    over to the brakes before the car stands shows as a force that fades with the speed. Either, and
-    both, are as likely. A run that is not braked down to 3 m/s says nothing of the second.
+    A motor that brakes from the first pressure on is a force without pressure. One that hands over
+    to the brakes before the car stands is a force that fades with the speed, which only a run
+    braked to below 3 m/s shows. Each alone and both have the same prior odds.
     """
     response = e.response
     if response is None or e.run.vehicle is None:
@@ -84,10 +81,7 @@ def brakes(e: Evidence) -> Iterator[Measured]:
 
 
 def levels(e: Evidence) -> Iterator[Measured]:
-    """Brakes of one log of a diagnosis over the median of the others (logarithm).
-
-    Of fewer than two others nobody knows which log is wrong.
-    """
+    """Brakes of one log of a diagnosis over the median of two others or more (logarithm)."""
     if e.response is not None and len(e.levels) >= 2:
         yield Measured(
             "level_changed", math.log(e.response.level / median(e.levels)), shown=math.expm1

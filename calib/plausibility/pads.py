@@ -1,9 +1,8 @@
 """Compare the pads of a calibration or of a stop with vehicle file, sensors and tyres.
 
-A run gives pads that are e^a times those of the file in front, and e^b times behind. Their common
-level is known well. So either one axle is as filed, and an entry of the other one is wrong by a
-factor; or [front] and [rear] are exchanged. Then the level is right, and
-a - b = 2 ln((1 - s)/s), where s is the share of the front axle by the file.
+A run gives pads of e^a (front) and e^b (rear) times those of the file. If they are implausible,
+either an entry of one axle is wrong by that factor, or [front] and [rear] are exchanged. In the
+latter case the common level is right, and a - b = 2 ln((1 - s)/s), s share of the front axle.
 """
 
 import math
@@ -19,13 +18,13 @@ from calib.table.budget import grade, pad_levels
 from calib.table.table import Calibration, Value
 
 _POSSIBLE = (0.05, 1.0)
-"""Pad friction [1] that a brake can have: soaked pads have 0.1, racing pads 0.7."""
+"""Range of pad friction [1]: soaked pads have 0.1, racing pads 0.7."""
 _GRADES = 0.26
-"""Departure of the pads' ratio from that of the file (logarithm) past which the file is not that
-of the car, where the interval lies beyond it: pads of two grades differ by 30 %."""
+"""Difference of the pads' ratio from that of the file (logarithm) from which the file is of another
+car, if the whole interval is beyond: pads of two grades differ by 30 %."""
 _LOADED = 0.25
-"""Change of the brakes (logarithm) that no load and no sensor in order makes: all seats and the
-boot are a quarter of a car's mass, and soaked pads lose half."""
+"""Largest change of the brakes (logarithm) by a load or a sensor: full load is a quarter of a car's
+mass; soaked pads lose half."""
 
 
 def require_possible_pads(
@@ -34,10 +33,10 @@ def require_possible_pads(
     warnings: tuple[PlausibilityWarning, ...],
     motor: str = "",
 ) -> None:
-    """Raise VehicleError for a friction that no pad has, or a ratio that no car has.
+    """Raise VehicleError for an impossible friction, or if the whole interval of the ratio is.
 
-    The whole interval of the ratio must lie outside. The error lists the ``warnings`` on file and
-    logs, and names first a ``motor``, in words, that explains the ramps as well.
+    The error lists the ``warnings`` on file and logs; text of a ``motor`` that explains the ramps
+    as well comes first.
     """
     pads = (fitted.pad_friction_f.value, fitted.pad_friction_r.value)
     (low, high), rho = _POSSIBLE, fitted.pad_log_ratio
@@ -78,10 +77,7 @@ def likely_entry(vehicle: Vehicle, fitted: Calibration) -> str:
 def of_calibration(
     vehicle: Vehicle, fitted: Calibration, user_specified: Value | None = None
 ) -> Iterator[Measured]:
-    """Pads against the file's, their ratio, the stiffness of the tyres.
-
-    ``user_specified`` what the user says of the logarithm of the ratio: it is to be near that.
-    """
+    """Pads over the file's, their ratio over the ``user_specified`` (logarithm), tyre stiffness."""
     axles = [
         relative("pads_off_file_f", fitted.pad_friction_f.value, vehicle.front.pad_friction),
         relative("pads_off_file_r", fitted.pad_friction_r.value, vehicle.rear.pad_friction),
@@ -98,10 +94,10 @@ def of_calibration(
 
 
 def of_changes(level: tuple[float, float], apart: tuple[float, float]) -> Iterator[Measured]:
-    """How the brakes of a stop differ from those of the ramp; logarithms, each with its sigma.
+    """Change of the brakes from ramp to stop; logarithms, each with its sigma.
 
-    ``level`` of the brake force over that of the ramp's pads; ``apart``: change of the front pads
-    over that of the rear ones, which eta and slip cannot tell from tyres, a load or a motor.
+    ``level`` of the brake force; ``apart`` change of the front pads over that of the rear ones: to
+    eta and slip, tyres, a load or a motor look the same.
     """
     yield Measured("pads_changed_apart", *apart, math.expm1)
     if abs(level[0]) < _LOADED:

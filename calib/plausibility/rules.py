@@ -1,10 +1,9 @@
-"""Judge a run for a purpose by the rules: `check` asks the same rows as the purpose itself.
+"""Judge a run for a purpose by the rules: `check` uses the same rows as the purpose itself.
 
-run --figures--> rows of `rules.csv` that the use asks --> refused, void, or warned of
+run --figures--> rows of `rules.csv` for the purpose --> refused, void, or warned of
 
-Figures of the log alone come first. Where they refuse it, nothing is made of its signals. Rules
-that need a vehicle are asked where there is one. Reasons come in the order of the rows, causes
-before what they make.
+Figures of the log alone come first; if they refuse it, its signals are not computed. Rules that
+need a vehicle count where there is one. Reasons come in the order of the rows, causes first.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -28,7 +27,7 @@ from calib.run.run import Run
 
 FIT, COAST, VALIDATE, DIAGNOSE, CHECK = "fit", "coast", "validate", "diagnose", "check"
 PURPOSES = (FIT, VALIDATE, COAST, DIAGNOSE)
-"""What a log may serve for; "coast": a fit, in addition to its ramps."""
+"""Purposes of a log; "coast": for a fit, beside its ramps."""
 
 _CALLED = {
     FIT: "this run will not do for a fit",
@@ -42,7 +41,7 @@ Figure = Callable[[Evidence], Iterator[Measured]]
 _OF_LOG: tuple[Figure, ...] = (
     *(driving.clock, channels.channels, channels.computed, channels.marked, channels.sensors),
 )
-"""Figures of any log; the rules have them by their names."""
+"""Figures of any log, each named as in the rules."""
 _OF_MOTION: tuple[Figure, ...] = (
     *(wheels.wheel_sign, driving.driving, driving.use, wheels.wheels, wheels.radii),
     *(channels.noise, channels.at_rest, channels.pressure, channels.speed, channels.held_values),
@@ -74,17 +73,16 @@ def require(run: Run, purpose: str, does: Collection[str] = (REFUSE,)) -> None:
 def warnings_on(
     e: Evidence, purpose: str, does: Collection[str] = (WARN,), *, whole: bool = True
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on a run that is used for a purpose, in the order of the rules.
+    """Warnings on a run for a purpose, in the order of the rules; ``does`` their consequences.
 
-    ``does``: the consequences that are looked for. Not ``whole``: by the log alone, for one that is
-    refused. A figure that no rule asks is not computed.
+    Not ``whole``: by the log alone, if it is refused.
     """
     first, second = _figures(e.run)
     return _broken(e, (*first, *second) if whole else first, purpose, does)
 
 
 def _figures(run: Run) -> tuple[tuple[Figure, ...], tuple[Figure, ...]]:
-    """Figures of the log and of its motion, and those of its signals, so far as there are any."""
+    """Figures of the log and its motion, and those of its signals, if it has what they need."""
     first = (*_OF_LOG, *_OF_MOTION) if run.moves else _OF_LOG
     return first, _OF_SIGNALS if not run.missing and run.speed > MOVING else ()
 

@@ -1,14 +1,13 @@
-"""Mistakes by which v and the wheel speeds contradict each other: an offset, or a clock of v.
+"""Mistakes that make v and the wheel speeds disagree: an offset, or a wrong clock of v.
 
     v = R (omega - offset + slip and growth of the tyre) + late
     v = v_0 - (scale of a_x) g int z dt + slope t + late
     late = g int z dt from (t - delay)/(1 + c) to t
 
 over coasting, lead-in and braking, until a wheel is at its limit. Each hypothesis is a linear
-Gaussian model. They differ in what they believe of the radius R, of the offset, of the rate c by
-which the clock of v runs off, and of the road. Slip is a cubic of z, and what rises steeply before
-the peak of the tyres; by the pressure where this leaves less, since near the peak the noise of a_x
-makes much of it.
+Gaussian model with its own prior of the radius R, the offset, the rate error c of the clock of v,
+and the road. Slip is a cubic of z and a steep term near the peak of the tyres; of the pressure
+instead of z where that fits better, since near the peak it amplifies the noise of a_x.
 """
 
 import math
@@ -29,37 +28,36 @@ from calib.run.run import Run
 OFFSET, CLOCK = "offset", "clock"
 
 _FEWEST, _LASTING = 20, 4.0
-"""Means over which a mistake is told, and how much longer than one of them its errors last [1]."""
+"""Fewest means, and the factor on their variance for correlated errors [1]."""
 _FILE, _USUAL, _CAR, _UNIT = 0.012, 0.08, 0.1, 3.0
-"""Sigma of a radius over that of the vehicle file, of any radius, and of one of another car and in
-another unit [1]."""
+"""Sigma of a radius over that of the vehicle file, of any radius, of one of another car, and of one
+in another unit [1]."""
 _STEEP, _GENTLE = 8, 0.1
-"""Order in z of what rises before the peak; largest z of a run, at least, that may be near it."""
+"""Order in z of the steep term; least z to which it is scaled [1]."""
 _SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
-"""Mean and sigma of what v has over radius and wheel speed: of slip, with z, its square, cube and
-steep part, and with the square of the wheel speed over 100 rad/s, by which a tyre grows [1]."""
+"""Mean and sigma of the coefficients of slip: of z, its square, cube and steep term; and of the
+growth of a tyre by the square of the wheel speed over 100 rad/s [1]."""
 _SLIPPERY = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), _SLIP[-1])
 """The same on a wet road: a brush of stiffness K and peak m has (1 + z/(3 m) + 5 z^2/(27 m^2) ...)
-z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. Slip is never below zero, as v that
-runs fast makes it, so no sigma is above its mean."""
+z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean, since
+negative slip is that of a v that runs fast."""
 _IN_TIME, _LATE, _FINEST = 0.05, (0.1, 0.2, 0.3, 0.4), 5e-3
-"""Sigma of a delay, and those of a receiver or a slow filter [s]; least error of v [m/s]."""
-_ROLLS = 0.2  # sigma of the slip of an axle that does not brake, over the usual one [1]
+"""Sigma of a delay, delays of a receiver or a slow filter [s]; least error of v [m/s]."""
+_ROLLS = 0.2  # sigma of the slip of an unbraked axle over the usual one [1]
 _A_X, _SCALE = ((0.0, 100.0), (0.0, 0.3), (0.0, 0.02)), 0.015
-"""Mean and sigma of v_0 [m/s], of a slope and the zero of a_x [m/s^2], and of how it changes
-[m/s^3]; sigma of the scale of a_x [1]."""
-_SMALL, _LARGE = 0.3, (3.0, 30.0)
-"""Sigma of an offset that no one sees, and of one by mistake, of any size [rad/s]."""
+"""Mean and sigma of v_0 [m/s], of slope and zero of a_x [m/s^2], of their drift [m/s^3]; sigma of
+the scale of a_x [1]."""
+_SMALL, _LARGE = 0.3, (3.0, 30.0)  # sigma of a usual offset, and of mistakes of any size [rad/s]
 _RATES, _NEAR, _STEADY = tuple(x / 100.0 for x in range(-10, 11, 2) if x), 0.01, 1e-3
-"""Rates of a clock that runs off, their sigma, and that of one which does not [1]."""
-_RARE, _RARER = math.log(0.05), math.log(0.01)  # odds of what else v may be, and of a mistake
-_EXPLAINED = 2.5  # the most that a mistake leaves of v, over noise
+"""Rate errors of a wrong clock, their sigma, and the sigma of a correct one [1]."""
+_RARE, _RARER = math.log(0.05), math.log(0.01)  # prior odds of other explanations, of a mistake
+_EXPLAINED = 2.5  # largest mean square residual of v with a mistake, over the noise [1]
 
 
 class SpeedMistake(NamedTuple):
-    """A mistake by its ``kind``, with its size and sigma: an offset [rad/s], or a rate [1].
+    """A mistake of a ``kind``, with its size and sigma: an offset [rad/s], or a rate error [1].
 
-    ``log_odds`` over all in which nothing is wrong; ``radius`` of the wheels with it [m].
+    ``log_odds`` against all hypotheses without a mistake; ``radius`` of the wheels with it [m].
     """
 
     kind: str
@@ -70,7 +68,7 @@ class SpeedMistake(NamedTuple):
 
 
 def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
-    """Mistakes that explain v by axle, most probable first; by "" those that both axles share."""
+    """Mistakes that explain v, by axle, or by "" if both axles share them; most probable first."""
     car = run.vehicle
     radii = (car.front.rolling_radius, car.rear.rolling_radius) if car else (None, None)
     by_axle = {a: _mistakes(run, a, radius) for a, radius in zip(AXLES, radii, strict=True)}
@@ -85,17 +83,17 @@ def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
 
 
 def _named(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
-    """Those that are sure, and near the most probable one, which is first."""
+    """The sure mistakes within `SURE` of the most probable one, which is first."""
     least = max([SURE, *(m.log_odds - SURE for m in mistakes)])
     near = (m for m in mistakes if m.log_odds > least)
     return tuple(sorted(near, key=lambda m: m.log_odds, reverse=True))
 
 
 def _mistakes(run: Run, axle: str, radius: float | None) -> list[SpeedMistake]:
-    """Both mistakes as the wheels of an axle show them, with a ``radius`` [m] that is known or not.
+    """Offset and clock by the wheels of an axle, whose ``radius`` [m] may be unknown.
 
-    None where a log is too short to tell, nor of an axle that brakes alone: nobody knows its slip.
-    None that leaves too much of v, as locked wheels do.
+    Empty for a short log, and for an axle that brakes alone, whose slip is unknown. A mistake that
+    fits badly is left out.
     """
     if run.alone == axle:
         return []
@@ -117,11 +115,10 @@ def _mistakes(run: Run, axle: str, radius: float | None) -> list[SpeedMistake]:
 
 
 class _Belief(NamedTuple):
-    """What a hypothesis believes: ``kind`` of the mistake, "" of none, ln of its ``odds``.
+    """Prior of a hypothesis: ``kind`` of the mistake or "", ln of its ``odds``.
 
-    Sigma of the ``radius`` [1] and the ``offset`` [rad/s]; ``delay`` of v [s]; the ``rate`` of its
-    clock with its sigma [1]; ``slips`` whether v was made of wheel speeds, and slips with them;
-    sigma of the ``scale`` of a_x [1]; whether the road is ``slippery``.
+    Sigma of ``radius`` [1], ``offset`` [rad/s] and ``scale`` of a_x [1]; ``delay`` of v [s];
+    ``rate`` error of its clock [1]; ``slips``: v is made of wheel speeds, and slips with them.
     """
 
     kind: str
@@ -137,7 +134,7 @@ class _Belief(NamedTuple):
 
 
 def _beliefs(radius: float) -> Iterator[_Belief]:
-    """All hypotheses; ``radius`` sigma of what is known of that [1]."""
+    """All hypotheses; ``radius`` sigma of the known radius [1]."""
     yield _Belief("", 0.0, radius)
     yield _Belief("", _RARE, radius, slips=True)
     yield _Belief("", _RARE, radius, slippery=True)
@@ -153,7 +150,7 @@ def _beliefs(radius: float) -> Iterator[_Belief]:
 
 
 class _Fit(NamedTuple):
-    """A ``belief`` after the log: ln of odds times evidence, unknowns, and the squares left."""
+    """Posterior of a ``belief``: ``log`` of odds times evidence; ``misfit`` squared residuals."""
 
     belief: _Belief
     log: float
@@ -166,10 +163,9 @@ class _Fit(NamedTuple):
 class _AxleSpeed:
     """v [m/s] (n,) as means over 0.1 s, where the car moves and no engine drives it.
 
-    ``columns`` (2 n, 14) what the unknowns make of v by both equations: radius, offset, slip (5),
-    v_0, slope, its change, slip of v, scale, delay, rate; ``shifts`` (n,) what delay and rate make
-    of it; ``radius`` [m] by which the first one is counted; ``noise`` of v by both (2 n,) [m/s];
-    ``brakes`` what an axle has of the slip, and of its sigma (2,) [1].
+    ``columns`` (2 n, 14) of both equations: radius over ``radius`` [m], offset, slip (5), v_0,
+    slope, its change, slip of v, scale, delay, rate; ``shifts`` (n,) of v by delay and rate;
+    ``noise`` of v (2 n,) [m/s]; ``brakes`` factors on mean and sigma of the slip (2,) [1].
     """
 
     v: Array
@@ -181,7 +177,7 @@ class _AxleSpeed:
 
     @classmethod
     def of_axle(cls, run: Run, axle: str, radius: float) -> "_AxleSpeed":
-        """By the wheels of an axle."""
+        """Build the regression of an axle."""
         d, size = run.driving, samples_in(SMOOTH, run.driving.step)
         ends = run.slipping.first if run.slipping else math.inf
         inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST) & (d.time < ends)
@@ -217,7 +213,7 @@ class _AxleSpeed:
         side = r @ rows
         x, covariances, evidence = posterior(rows.T @ rows, side, sigma)
         squares = (r - x @ rows.T) ** 2
-        # not by r @ r less side @ x, whose difference has lost the digits that decide
+        # r @ r - side @ x would lose the digits that decide
         misfit_and_prior = np.sum(squares, axis=1) + np.sum((x / sigma) ** 2, axis=1)
         logs = evidence - 0.5 * np.sum(side * x, axis=1) - 0.5 * misfit_and_prior
         misfits = np.sum(squares[:, : self.v.size], axis=1)
@@ -231,7 +227,7 @@ class _AxleSpeed:
         ]
 
     def _prior(self, belief: _Belief) -> Array:
-        """Mean and sigma of the unknowns (2, 14), of the rate from that of the belief on."""
+        """Mean and sigma of the unknowns (2, 14); the rate is relative to that of the belief."""
         slip = self.brakes * np.array(_SLIPPERY if belief.slippery else _SLIP)
         of_v = np.array([(0.0, _STEADY)])
         if belief.slips:
@@ -242,14 +238,14 @@ class _AxleSpeed:
 
 
 def _by_wheels(omega: Array, z: Array) -> Array:
-    """What radius, offset and slip make of v over the radius (n, 7), ``z`` of the brakes [1]."""
+    """Columns of radius, offset and slip, over the radius (n, 7); ``z`` by the brakes [1]."""
     steep = z * (z / max(float(np.max(z, initial=0.0)), _GENTLE)) ** _STEEP
     slips = (z * omega, z**2 * omega, z**3 * omega, steep * omega, 1e-4 * omega**3)
     return np.stack([omega, -np.ones_like(omega), *slips], axis=1)
 
 
 def _noise(A: Array, v: Array, shifts: list[Array]) -> float:
-    """What the best of all numbers and ``shifts`` leave of v [m/s], with how long it lasts."""
+    """Standard deviation of v [m/s] about the best regression on ``A`` with one of ``shifts``."""
     changed = (v - np.array(shifts)).T
     squares = np.sum((changed - A @ np.linalg.lstsq(A, changed)[0]) ** 2, axis=0)
     square = float(np.min(squares)) / max(v.size - A.shape[1], 1)

@@ -24,15 +24,15 @@ from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE
 from calib.run.resistance import identify
 from calib.run.wheels import crossed_side
 
-_SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # taken for each other [m/s]
+_SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # units that are confused [m/s]
 _UNIT_KNOWN = 0.16
-"""Largest distance (logarithm) from the factor between two units at which they are named: half of
-that between the closest two, 1.61 and 2.24."""
-_STIFFEST = 60.0  # slip stiffness over load [1] that no tyre has
+"""Largest difference (logarithm) from the ratio of two units at which these are reported: half of
+that between the closest ratios, 1.61 and 2.24."""
+_STIFFEST = 60.0  # slip stiffness over load above that of any tyre [1]
 _ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
-"""Rolling [s] that shows zero and slope of a_x; sigma of how the slope changes after it [1], and of
-the radii of a vehicle file [1]."""
-_MOST_OF_IT = 0.4  # share of the difference of v and wheels that a_x must show, too [1]
+"""Least rolling [s] for zero and slope of a_x; sigma of a later change of the slope [1], and of the
+radii of a vehicle file [1]."""
+_MOST_OF_IT = 0.4  # share of the difference of v and wheels that a_x must confirm [1]
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels that v may be made of."""
@@ -52,7 +52,7 @@ def wheel_sign(e: Evidence) -> Iterator[Measured]:
 
 
 def wheels(e: Evidence) -> Iterator[Measured]:
-    """Sign and unit of a_x and v by the wheels, columns that have changed places."""
+    """Sign and unit of a_x and v by the wheels; exchanged columns."""
     axles = e.run.axles
     if axles is None:
         return
@@ -72,7 +72,7 @@ def wheels(e: Evidence) -> Iterator[Measured]:
 
 
 def _against_v(axle: str, mistakes: Sequence[SpeedMistake]) -> Measured:
-    """The likeliest of the ``mistakes`` that v and the wheels of an ``axle`` show, or of both."""
+    """The likeliest of the ``mistakes`` of v and the wheels of an ``axle``, or "" for both."""
     first, *others = mistakes
     words = {"or": " or ".join(map(_in_words, others)), "percent": f"{100.0 * first.size:+.1f}"}
     if first.kind == CLOCK:
@@ -98,7 +98,7 @@ def _of_v(radius: float, by_a_x: float) -> Iterator[Measured]:
 
 
 def _sides(alone: str | None) -> dict[str, str]:
-    """Words for the axle that is to slip more, and for the other one."""
+    """Text for the axle that should slip more, and for the other one."""
     more, less = ("rear", "front") if alone == "r" else ("front", "rear")
     return {"more": more, "less": less, "axle": less[0]}
 
@@ -112,10 +112,7 @@ def _read_as(factor: float) -> str:
 
 
 def radii(e: Evidence) -> Iterator[Measured]:
-    """Radii of the axles, and of both sides of an axle, against each other while rolling.
-
-    Those of the axles as they differ from the file's, where there is a vehicle.
-    """
+    """Ratios of the rolling radii of the axles (over the file's, if any) and of both sides."""
     axles, vehicle = e.run.axles, e.run.vehicle
     if axles is None:
         return
@@ -130,10 +127,10 @@ def radii(e: Evidence) -> Iterator[Measured]:
 
 
 def slip(e: Evidence) -> Iterator[Measured]:
-    """Rise of eta under braking: the axle that brakes more must slip more.
+    """Rise of eta under braking: the axle that brakes alone, else the front one, must slip more.
 
-    That is the one that brakes alone by its pressures, or the front one: up to the deceleration to
-    which the car is front-biased, and without a vehicle to that of any car which may be released.
+    Up to the deceleration to which the car is front-biased; without a vehicle, to the least one of
+    any car that may be released.
     """
     run, b = e.run, e.run.blocks
     biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
@@ -145,8 +142,8 @@ def slip(e: Evidence) -> Iterator[Measured]:
 def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
     """Median of eta over ``use`` minus that of the lead-in, and its standard error, both [1].
 
-    The median is robust against wheels that lock for a short time. NaN with fewer than four blocks
-    in one of the two parts, and where engine or motor changes between them: it moves eta too.
+    The median is robust against short locks. NaN with fewer than four blocks in a part, and where
+    the torque of engine or motor, which moves eta too, differs between them.
     """
     if min(np.count_nonzero(use), np.count_nonzero(b.lead_in)) < 4:
         return np.nan, np.nan
@@ -160,7 +157,7 @@ def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
 
 
 def _bitten(b: Blocks) -> float:
-    """Time after which the brakes are applied and settled [s]; infinite if they never are."""
+    """Time from which the brakes are applied and settled [s], or infinity."""
     braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
     return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
 
@@ -178,7 +175,7 @@ def car_wheels(e: Evidence) -> Iterator[Measured]:
     likely = "a log of another vehicle"
     if abs(off) > bounds_of("a_x_scale")[1]:
         sensor = e.run.accelerometer(identify(car, ()))
-        if math.sqrt(sensor.variance_scale) > 0.5 * abs(off):  # hardly braked: nobody knows
+        if math.sqrt(sensor.variance_scale) > 0.5 * abs(off):  # hardly braked
             likely = "the scale of v, or a log of another vehicle"
         elif -_MOST_OF_IT > sensor.scale / off > -1.0 / _MOST_OF_IT:
             likely = "the scale of v, by which a_x and v differ as much"
@@ -186,16 +183,16 @@ def car_wheels(e: Evidence) -> Iterator[Measured]:
 
 
 def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:
-    """Scale of a_x against the wheels in a log without v: both tell how much speed was lost.
+    """Scale of a_x without v: speed lost by its integral over that by the wheels, less 1.
 
-    Zero and slope of a_x are those of the lead-in, and the tyres slip as usual ones. It is taken at
-    the block with the least error: the slower the car, the less the slip counts.
+    Zero and slope of a_x are those of the lead-in, slip is that of usual tyres. Taken at the block
+    with the least error: the slower the car, the less the slip counts.
     """
     b = e.run.blocks
     rolled = np.flatnonzero(b.lead_in)
     if e.run.vehicle is None or b.v is not None or rolled.size * b.length < _ROLLED:
         return
-    if e.run.clock.gaps:  # nobody knows what was lost in them
+    if e.run.clock.gaps:
         return
     car, (mean, sigma, *_) = e.run.car, CAR.compliance
     rim = 0.5 * (car.front.rolling_radius * b.omega_f + car.rear.rolling_radius * b.omega_r)
@@ -216,11 +213,10 @@ def a_x_by_wheels(e: Evidence) -> Iterator[Measured]:
 
 
 def slip_of_v(e: Evidence) -> Iterator[Measured]:
-    """Slip of the braked wheels by v, rms, over the least that any tyre has [1].
+    """Slip of the braked wheels by v, rms, over the least of any tyre [1].
 
-    It is zero where v was made of the wheels of that axle, or of all four: the least of the three
-    counts. An axle that is not braked for long says nothing. The force of one that brakes is its
-    load times the deceleration, within a third, or more.
+    It is zero where v is computed from the wheels of an axle, or of all four: the least of the
+    three counts. The force on a braked axle is about its load times the deceleration, or more.
     """
     rolling, b, shares = e.run.rolling_radii, e.run.blocks, []
     if rolling is None:
@@ -241,6 +237,6 @@ def slip_of_v(e: Evidence) -> Iterator[Measured]:
 
 
 def v_scale(e: Evidence) -> Iterator[Measured]:
-    """Scale of a_x against v that no sensor has; 0 where it is likelier that of a sensor."""
+    """Scale of a_x against v by a wrong unit, clock or filter; 0 if a sensor's is likelier."""
     other = e.run.other_scale
     yield Measured("v_scale", other / (1.0 - other))
