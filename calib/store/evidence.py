@@ -16,15 +16,14 @@ _CALIBRATED, _CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
 
 @dataclass(frozen=True)
 class Quality:
-    """``state`` of CDF 2.0 and the same in ``words``; ``verdict`` None without a validation."""
+    """``state`` of CDF 2.0 and its text; ``verdict`` None without a validation."""
 
     state: str
     words: str
     verdict: str | None = None
 
 
-CONSISTENT = "consistent, not proved"
-"""Verdict of a validation without truth and without v, so that no error of the table would show."""
+CONSISTENT = "consistent, not proved"  # without truth and v no error of the table would show
 
 UNPROVED = Quality(_CALIBRATED, "none given with this export")
 
@@ -37,8 +36,8 @@ def read_quality(path: Path, stored: Stored) -> Quality:
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
     """The evidence, and its verdict on a version: passed, warning, failed or `CONSISTENT`.
 
-    The file is a `summary.json` of `validate --out` or a `station.json`. Raises ExchangeError when
-    it is neither, is of another table, or has no hold-out.
+    Raises ExchangeError for a file that is neither a `summary.json` of `validate --out` nor a
+    `station.json`, is of another table, or has no hold-out.
     """
     data = _read(path)
     verdict = _station_verdict(data, path, stored) or _quality(data, path, stored).verdict
@@ -73,7 +72,7 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
-    """The verdict of a `station.json` on this version; None where the file is none."""
+    """The verdict of a `station.json` on this version; None for any other file."""
     try:
         document = json.loads(data)
         verdict, table = document["verdict"], document["table"]

@@ -19,7 +19,7 @@ from calib.table.table import Scatter, Table, Value
 
 @dataclass(frozen=True)
 class _Usability:
-    """Whether a version is ``usable``, and ``may`` be used, in words; the ``next`` step.
+    """Whether a version is ``usable``, and why, in ``may``; the ``next`` step.
 
     ``decelerations``: range of the known rows [g]; ``ends``: why it ends there.
     """
@@ -32,7 +32,7 @@ class _Usability:
 
 
 def usability(stored: Stored) -> _Usability:
-    """The usability of a version."""
+    """Return the usability of a version."""
     state, q = stored.state, stored.table.quality
     peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
     if peak is not None and q.get("eta_peak_is_real"):
@@ -64,10 +64,9 @@ def verdict(stored: Stored) -> str:
 
 @dataclass(frozen=True)
 class _MeanFigure:
-    """Mean ``value`` of several cars [1], and shares of it [1].
+    """Mean ``value`` of several cars [1], and two shares of it [1].
 
-    ``half_width`` of its 95 % interval, without the errors that all cars share; ``between``
-    standard deviation of the cars.
+    ``half_width`` of its 95 % interval without shared errors; ``between`` sigma of the cars.
     """
 
     name: str
@@ -77,10 +76,7 @@ class _MeanFigure:
 
 
 def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
-    """Figures of a mean table: D where it is largest, pad level, pad ratio, slip stiffness.
-
-    Pads are over those of the vehicle file. Empty for a table of one car.
-    """
+    """Largest D, pad level and ratio over the file's, and stiffness of a mean table; else empty."""
     spread = table.spread
     if spread is None:
         return ()
@@ -104,8 +100,7 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
 class _EffectFigure:
     """A parameter of an effect: ``value`` and its 95 % interval ``ci95`` [``unit``].
 
-    The interval is cut at the range of the effect's card: no drag is negative. ``unit`` is "SI" for
-    an effect of the user's own whose file was not given.
+    The interval is cut at the range of the card. ``unit`` is "SI" for an own effect without a file.
     """
 
     effect: str
@@ -141,11 +136,10 @@ ListedVersion = dict[str, Any]
 
 
 def row_of(entry: StoreEntry) -> ListedVersion:
-    """The row of a version; None or empty where it cannot be read, with the reason as ``flaw``.
+    """The row of a version; values are None or empty where it cannot be read, see ``flaw``.
 
-    ``date`` when it was stored; ``pads`` front and rear [1]; ``decelerations`` of its curves and
-    their ``usable`` range [g]; ``verdict`` of the evidence of its state; ``warnings`` of its fit;
-    ``keys`` that signed it, unverified.
+    ``date`` of storing; ``pads`` front and rear [1]; ``decelerations`` of its curves and their
+    ``usable`` range [g]; ``warnings`` number at the fit; ``keys`` that signed it, unverified.
     """
     state, stored = entry.state, entry.stored
     row: ListedVersion = {"id": entry.id, "name": entry.name, "version": entry.version}
@@ -174,10 +168,7 @@ def row_of(entry: StoreEntry) -> ListedVersion:
 def chosen(
     rows: Iterable[ListedVersion], since: str | None, **equal: str | None
 ) -> list[ListedVersion]:
-    """The rows stored on the day ``since`` (2025-03-31) or later, with ``equal`` texts.
-
-    Upper and lower case count as the same; None matches every text.
-    """
+    """The rows since a day (2025-03-31) with ``equal`` texts in any case; None matches all."""
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
     return [
         row

@@ -1,4 +1,4 @@
-"""The tables of a model's cars in a store, as the prior of a new car: for `calib.fit`."""
+"""Tables of cars of one model as the prior of a new car in `calib.fit`."""
 
 from collections.abc import Collection
 
@@ -13,9 +13,8 @@ from calib.table.table import Table
 def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict[str, Table]:
     """The newest released table of each car of the model of ``vehicle``, by name@version.
 
-    Left out are means of cars, tables of the ramps whose digests are among ``logs``, and those that
-    rest on other cars or on a file of tyres, whose information would count once for each. Raises
-    StoreError where none is left.
+    Without means, tables of ramps whose digests are in ``logs``, and tables with a prior from other
+    cars or a tyre file, which would count repeatedly. Raises StoreError where none remains.
     """
     now, cars, used_ramps = store.now(), dict[str, Table](), set(logs)
     for name in now.names:

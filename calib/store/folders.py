@@ -1,9 +1,9 @@
-"""Where a store keeps its versions: names, folders and references.
+"""Names, folders and references of the versions of a store.
 
 tables/journal.jsonl        the journal, and journal.head, see `calib.store.journal`
 tables/sedan/v0001/         a version, see `calib.store.version`
-tables/sedan/.new-v0002/    a version on its way to its place
-tables/sedan/v0001.minisig  the signature of a version; that of a second key is v0001.KEYID.minisig
+tables/sedan/.new-v0002/    a version that is being written
+tables/sedan/v0001.minisig  its signature, that of a second key v0001.KEYID.minisig
 """
 
 import os
@@ -37,7 +37,7 @@ def numbers(home: Path) -> list[int]:
 
 
 def versions_in(home: Path) -> list[int]:
-    """Numbers of the folders of versions in a table's directory, rising."""
+    """`numbers` of folders alone."""
     return [n for n in numbers(home) if (home / folder_of(n)).is_dir()]
 
 
@@ -50,7 +50,7 @@ def names_in(folder: Path) -> list[str]:
 
 
 def refuse_link(home: Path) -> None:
-    """Raise StoreError where the folder of a table is a link: writing would go elsewhere."""
+    """Raise StoreError where the folder of a table is a link, which leads out of the store."""
     if home.is_symlink():
         flaw = "the folder of a table is a link"
         do = "put the folder in its place, or withdraw its versions"
@@ -64,14 +64,13 @@ def signature_files(home: Path, version: int) -> list[Path]:
 
 
 def place(home: Path, version: int) -> Path | None:
-    """Folder of a version of the journal: in its place, or on the way there; None without one."""
+    """Folder of a version of the journal, final or still to be moved (maybe just now), or None."""
     final, new = home / folder_of(version), home / f"{NEW}{folder_of(version)}"
-    # The last look is for a writer that moves it between the first two.
     return next((path for path in (final, new, final) if path.is_dir()), None)
 
 
 def path_of(reference: str) -> Path | None:
-    """Directory of the version that ``reference`` names as a path; None when it is not a path."""
+    """Directory of the version if ``reference`` is a path, else None. Raises TableNotFound."""
     path = Path(reference)
     if path.name == RECORD:
         path = path.parent

@@ -4,9 +4,8 @@
     tables/journal.head    <hash of the last line> <number of lines>
 
 ``hash`` is the SHA-256 of the line's canonical JSON without ``hash``, and each line holds that of
-the line before: a line that is changed, lost or put in breaks the chain. The head shows that lines
-are missing at the end. Whoever can write both files can rewrite all of it; a signature over the
-head (see `calib.store.signature`) is what shows that.
+the previous one: a changed, lost or inserted line breaks the chain. The head shows lines missing at
+the end. Only a signature over the head (`calib.store.signature`) shows that both were rewritten.
 """
 
 import json
@@ -48,10 +47,10 @@ _LINE = re.compile(
 
 
 class Entry(NamedTuple):
-    """One ``line`` of the journal, with the fields that every read of a store needs.
+    """One ``line`` of the journal, with the fields that every read needs.
 
     ``digest`` of the content, ``record`` SHA-256 of the record file, ``inputs`` digest of logs,
-    vehicle and settings of a new version, ``state`` afterwards, ``number`` from 1.
+    vehicle and settings, ``state`` afterwards, ``number`` from 1.
     """
 
     line: str
@@ -73,16 +72,13 @@ class Entry(NamedTuple):
 
     @property
     def document(self) -> dict[str, Any]:
-        """The whole line: the fields, ``at`` (ISO 8601, UTC), ``by``, ``program``, ``reason``.
-
-        Also ``verdict`` and ``evidence`` of its state, and the ``key`` that signed.
-        """
+        """All fields: also ``at`` (UTC), ``by``, ``program``, ``reason``, ``verdict``, ``key``."""
         return dict(json.loads(self.line))
 
 
 @dataclass(frozen=True)
 class Journal:
-    """All entries in order. An empty one is that of a new store."""
+    """All entries in order, none in a new store."""
 
     entries: Sequence[Entry] = ()
 
@@ -104,11 +100,11 @@ class Journal:
         return self.tables.get(name, {})
 
     def word(self, name: str, version: int) -> str:
-        """The state of a version that the journal knows, in a word."""
+        """The state of a known version, in a word."""
         return self.versions(name)[version][-1].state
 
     def state(self, name: str, version: int) -> VersionState:
-        """The state of a version; `OUTSIDE` where the journal does not know it."""
+        """The state of a version; `OUTSIDE` if the journal has no entry of it."""
         history = [entry.document for entry in self.versions(name).get(version, ())]
         if not history:
             return OUTSIDE
@@ -125,7 +121,7 @@ class Journal:
     def added(
         self, name: str, version: int, event: str, decision: StateDecision, **fields: str
     ) -> "Journal":
-        """The journal with one more entry; ``fields`` are those of a version that is new to it."""
+        """The journal with one more entry; ``fields`` of a new version, or the ``key``."""
         if history := self.versions(name).get(version):
             first = history[0]
             fields = {"digest": first.digest, "record": first.record, "inputs": ""} | fields
@@ -160,12 +156,11 @@ class Journal:
 
 
 def read_journal(folder: Path) -> Journal:
-    """The journal of a store; an empty one where there is none.
+    """The journal of a store, empty if there is none. Raises DamagedTable, OSError.
 
-    It may be longer than its head says, by lines whose writer was stopped before it wrote the head.
-    Raises DamagedTable that names the first line that is wrong, OSError.
+    It may have more lines than the head names: their writer was stopped before the head.
     """
-    # The head first: a writer may add a line between the two.
+    # the head first: a writer may add a line in between
     head, data = _bytes(folder / HEAD), _bytes(folder / JOURNAL)
     try:
         entries = _entries((data or b"").decode())
@@ -177,8 +172,8 @@ def read_journal(folder: Path) -> Journal:
 
 def write_journal(folder: Path, journal: Journal) -> None:
     """Replace the journal by a longer one. Raises OSError."""
-    if not (folder / HEAD).exists():  # a journal without a head is one whose head was lost
-        # git is to leave the bytes of a store as they are
+    if not (folder / HEAD).exists():
+        # git must not change the bytes of a store
         write_whole(folder / ".gitattributes", b"* -text\n")
         write_whole(folder / HEAD, Journal().head_line)
     write_whole(folder / JOURNAL, journal.data)
@@ -187,7 +182,7 @@ def write_journal(folder: Path, journal: Journal) -> None:
 
 
 def enter(folder: Path, journal: Journal, undo: Callable[[], object]) -> None:
-    """`write_journal`; ``undo`` what was made for it if it is not entered. Raises OSError."""
+    """`write_journal`; call ``undo`` if it failed. Raises OSError."""
     try:
         write_journal(folder, journal)
     except BaseException:

@@ -4,20 +4,18 @@ r"""The mean of several cars: curves, pads, tyres, budget and maps of one more c
     f1, f2   from the mean D at the load split of the mean z(eta): (18) holds in every row
     g(slip)  0 to where the shortest ends
 
-A band holds one more car: scatter between cars, error of the mean, noise of one run, and the errors
-that all cars share (`calib.table.budget`). All but the last follow Student's t of one degree of
-freedom less than there are cars. In the budget they are the part `cars`; the shared parts are as
-large as in one car: a mean does not make them smaller.
+A band is for one more car: scatter between cars, error of the mean, noise of one run, and errors
+that all cars share (`calib.table.budget`). The first three are the part `cars` of the budget, with
+Student's t of k - 1 degrees of freedom for k cars. A mean does not reduce the shared errors.
 
-    draw of a car --less the mean of the car, plus one more mean--> draw of one more car
+    draw of a car - mean of that car + mean of a new car = draw of one more car
 
-Cars count by their weights in the mean. The logarithms of their pads and compliances are a normal
-sample of k: one more car follows Student's distribution with k - 1 degrees of freedom about their
-mean, along the same directions as the cars,
+Cars are drawn by their weights in the mean. The logarithms of pads and compliances are a normal
+sample of k, so the mean of a new car follows Student's t with k - 1 degrees of freedom about m:
 
     sqrt((k + 1)/k) sum g_i (m_i - m)/sqrt(k - 1) / sqrt(chi^2/(k - 1))        g_i ~ N(0, 1)
 
-The errors that all cars share are in the draws of each, and so in the mixture.
+The shared errors are in the draws of each car, and so in the mixture.
 """
 
 import math
@@ -40,17 +38,10 @@ from calib.table.curves import DifferenceCurve, TyreCurve
 from calib.table.maps import Draws, LevelMap, PadMap
 from calib.table.table import Table, Value
 
-_LOGS = ("level", "ratio", "stiffness")
-"""Logarithms of which a budget has the variances by part."""
-
-_POSITIVE = ("compliance_f", "compliance_r")
-"""Draws that are positive: their logarithms are averaged."""
-
-_OF_CARS = ("log_pad_ratio", "log_pad_level", *_POSITIVE)
-"""Draws whose means differ from car to car."""
-
-_SIZE = 2048
-"""Number of draws for the maps."""
+_LOGS = ("level", "ratio", "stiffness")  # logarithms in a budget
+_POSITIVE = ("compliance_f", "compliance_r")  # draws whose logarithms are averaged
+_OF_CARS = ("log_pad_ratio", "log_pad_level", *_POSITIVE)  # draws with a mean of each car
+_SIZE = 2048  # draws for the maps
 
 
 class _OneCurve(NamedTuple):
@@ -67,8 +58,7 @@ class _OneCurve(NamedTuple):
 def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects, Array]:
     """The curves of a mean table by name, the scatter of D, and the weight of each car (k,).
 
-    A car has one weight in the whole mean, by the variance of its D where D is largest: so the
-    quantities of a car stay together.
+    All quantities of a car have one weight, by the variance of its D where that is largest.
     """
     of_D, of_g = (
         _on_one_axis(start, [[*vars(getattr(t, of)).values()] for t in tables])
@@ -85,7 +75,7 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects,
 
 
 def _mean(curve: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ...]]:
-    """Scatter of a curve, and the columns of its mean with the band of one more car."""
+    """Scatter of a curve, and columns of its mean with the band of one more car."""
     scatter = random_effects(curve.values, curve.own_variance, weights)
     of_cars = quantile95(scatter.freedom) * scatter.one_more
     half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(weights @ curve.shared_variance)))
@@ -96,7 +86,7 @@ def _mean(curve: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array,
 def _on_one_axis(start: float, curves: Sequence[Sequence[Array]]) -> _OneCurve:
     """One curve of each car on a common axis, from ``start`` to the end of the shortest.
 
-    A cell has the blocks of all cars, and the median of their flags, of two the worse.
+    Blocks of a cell are summed, of the flags it has the upper median.
     """
     axes = [x for x, *_ in curves]
     axis = np.linspace(start, min(float(x[-1]) for x in axes), max(x.size for x in axes))
@@ -114,10 +104,7 @@ def _on_one_axis(start: float, curves: Sequence[Sequence[Array]]) -> _OneCurve:
 
 
 def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], RandomEffects]:
-    """Calibration and budget of a mean table, and the scatter of level, ratio and stiffness.
-
-    ``weights`` (k,) of the cars.
-    """
+    """Calibration and budget of a mean by ``weights`` (k,); scatter of level, ratio, stiffness."""
     vehicle = tables[0].vehicle
     values = [
         [*pad_levels(t.vehicle, t.calibration), math.log(t.calibration.slip_stiffness.value)]

@@ -1,9 +1,7 @@
-"""The mean table of several cars of one model: a golden table that is made, not picked.
+"""The mean table of several cars of one model, by `calib.base.random_effects`.
 
-    CAR@1, CAR@2, ... --> common axes --> mean and scatter of D, g, pads, tyre --> one table
-                      --> draws of one more car --> its maps
-
-The mean and its scatter are those of `calib.base.random_effects`.
+CAR@1, CAR@2, ... --> common axes --> mean and scatter of D, g, pads, tyre --> one table
+                  --> draws of one more car --> its maps
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,20 +23,16 @@ from calib.table.compare import changes
 from calib.table.table import FleetScatter, Provenance, Scatter, Table, TableReference
 
 _LEAST = ("deceleration_max", "eta_peak_is_real")
-"""Metrics of a fit of which the mean table has the minimum over its cars."""
-
 _SUM = ("runs", "outliers")
-"""Metrics of which it has the sum; of all others the mean."""
+"""Metrics of a fit of which the mean table has the minimum, and the sum; of others the mean."""
 
-_CAR_MARKS = ("serial", "vin")
-"""Identifiers by which one car is known."""
+_CAR_MARKS = ("serial", "vin")  # identifiers of one car
 
 _LEAST_RANGE = 0.5
-"""Share of the longest range of eta that every table must cover [1]: the mean ends with the
-shortest, and a golden table of half of the range judges half of the brake."""
+"""Share of the longest range of eta that every table must cover [1], since the mean ends with the
+shortest."""
 
-_FEW = 5
-"""Number of cars below which the scatter between them is hardly known."""
+_FEW = 5  # cars below which the scatter between them is hardly known
 
 _SHARED = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
@@ -48,13 +42,13 @@ _SHARED = (
 
 
 def merge(parents: Sequence[Stored], name: str) -> Table:
-    """The mean table of ``parents``, named ``name``; their order does not matter.
+    """Return the mean table of ``parents`` in any order, named ``name``.
 
     Its bands and sigmas are those of one more car of the model. Its `FleetScatter` holds the
     scatter between the cars and the error of the mean.
 
-    Raises RevisionError with all reasons why they have no mean: fewer than two, one car or one ramp
-    twice, different vehicles, means, a range of eta far too short.
+    Raises RevisionError with all reasons against a mean: fewer than two tables, one car or ramp
+    twice, different vehicles, means, a range of eta that is too short.
     """
     flaws = [*_each(parents), *_pairs(parents)]
     if len(parents) < 2:
@@ -93,7 +87,7 @@ def _scatters(effects: RandomEffects) -> tuple[Scatter, ...]:
 
 
 def _effects(tables: Sequence[Table], weights: Array) -> Effects:
-    """Mean of the resistance; the error of each coast, of road and wind, counts as shared."""
+    """Mean of the resistance; errors of the coasts by road and wind count as shared."""
     values: dict[str, dict[str, float]] = {}
     sigma: dict[str, dict[str, float]] = {}
     for effect, named in tables[0].effect_values.items():
@@ -195,7 +189,7 @@ def _identity(stored: Stored, mark: str) -> str:
 
 
 def differ(table: Table, vehicle: Vehicle) -> list[str]:
-    """Differences between two vehicles, without names and keys that are open about a car."""
+    """Differences between two vehicles, without names and uncertainties."""
     changed = changes(table, replace(table, vehicle=vehicle))
     of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in changed.get(part, ())]
     return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *UNCERTAINTIES)]

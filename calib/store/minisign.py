@@ -27,13 +27,13 @@ _SIGNATURE = re.compile(
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
-_SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}  # of a try of a password: 1 GiB, seconds
-_MOST_WORK = 8 * _SENSITIVE["opslimit"]  # half a minute: no file of minisign asks for more
+_SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}  # cost of one password: 1 GiB, seconds
+_MOST_WORK = 8 * _SENSITIVE["opslimit"]  # half a minute: more than any file of minisign has
 
 
 @dataclass(frozen=True)
 class PublicKey:
-    """A public key; ``text`` is its word of base64, as ``minisign -P`` takes it."""
+    """A public key; ``text`` is its base64, as for ``minisign -P``."""
 
     text: str
 
@@ -49,7 +49,7 @@ class PublicKey:
 
 
 class SecretKey:
-    """A secret key, ready to sign. Its text shows the key number only."""
+    """A secret key, ready to sign; its repr shows the key number only."""
 
     def __init__(self, key: Any) -> None:
         self._key = key
@@ -69,7 +69,7 @@ class SecretKey:
 
 
 def read_public_key(source: Path | str) -> PublicKey:
-    """Read a public key from a file, or from its word of base64. Raises KeyFileError."""
+    """Read a public key from a file, or from its base64. Raises KeyFileError."""
     kind = _library().PublicKey
     if PUBLIC_KEY.fullmatch(str(source)):
         read, content = kind.from_base64, str(source).encode()
@@ -80,10 +80,7 @@ def read_public_key(source: Path | str) -> PublicKey:
 
 
 def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
-    """Read a secret key file; ``password`` is called only if the file asks for one.
-
-    Raises KeyFileError, also for a wrong password. No message shows the key or the password.
-    """
+    """Read a secret key file; ``password`` is called if it is encrypted. Raises KeyFileError."""
     kind, content = _library().SecretKey, _content(path)
     with _refused(KeyFileError, path, "a secret key of minisign"):
         key = kind.from_bytes(content)
@@ -95,9 +92,9 @@ def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
 
 
 def generate(secret: Path, public: Path, password: str) -> PublicKey:
-    """Make a key pair and write it as minisign does; an empty password means none.
+    """Write a new key pair, the ``secret`` key for its owner alone; an empty password is none.
 
-    Only its owner can read the file of the ``secret`` key. Raises KeyFileError, and leaves no file.
+    On KeyFileError no file remains.
     """
     pair = _library().KeyPair.generate()
     key, public_key = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
@@ -122,7 +119,7 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
 
 
 class Signature(NamedTuple):
-    """A signature file of the key ``key_id``; `verify` says whether to believe it."""
+    """An unverified signature file of the key ``key_id``."""
 
     content: bytes
     key_id: str
@@ -130,7 +127,7 @@ class Signature(NamedTuple):
 
 
 def read_signature(path: Path) -> Signature:
-    """Read a signature file. Raises SignatureRefused if it is none; nothing is verified."""
+    """Read a signature file without verifying it. Raises SignatureRefused if it is none."""
     expected = "a signature of minisign"
     content = bytes_of(path, KEY, SignatureRefused, expected)
     match = _SIGNATURE.fullmatch(content)
@@ -141,7 +138,7 @@ def read_signature(path: Path) -> Signature:
 
 
 def verify(public: PublicKey, data: bytes, signature: Signature, where: object) -> None:
-    """Raise SignatureRefused unless ``signature`` is of ``data``, its comment and the key."""
+    """Raise SignatureRefused unless the key made ``signature`` for ``data`` and its comment."""
     library = _library()
     with _refused(SignatureRefused, where):
         parsed = library.Signature.from_bytes(signature.content)
@@ -154,7 +151,7 @@ def _library() -> Any:
 
 @contextmanager
 def _refused(kind: type[BrakeCalError], where: object, expected: str = "") -> Iterator[None]:
-    """Turn errors of the library into ``kind``; none of them shows what was read or typed."""
+    """Turn errors of the library into ``kind``; none shows a key or a password."""
     try:
         yield
     except UnicodeEncodeError:
@@ -170,5 +167,5 @@ def _content(path: Path) -> bytes:
 
 
 def _key_id(word: str | bytes) -> str:
-    """The number of the key in its word, or that of a signature, as minisign prints it."""
+    """The key number in the base64 of a key or signature, as minisign prints it."""
     return f"{int.from_bytes(b64decode(word)[2:10], 'little'):X}"

@@ -1,4 +1,4 @@
-"""JSON files of a store: the record of a table, and a summary as evidence."""
+"""Schemas of JSON files: the record of a table, and the summary of a validation."""
 
 from collections.abc import Sequence
 from dataclasses import MISSING, fields, replace
@@ -31,8 +31,6 @@ _VEHICLE = section(
 
 
 class _Finite(FileSchema):
-    """A record without NaN."""
-
     model_config = ConfigDict(allow_inf_nan=False)
 
 
@@ -59,7 +57,7 @@ class _Parent(Section):
 
 
 class RecordFile(Section):
-    """A stored table: its address, the SHA-256 of the file of each curve, and its record."""
+    """A stored table: its address, the SHA-256 of each curve's file, and its record."""
 
     id: str
     version: int

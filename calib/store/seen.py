@@ -1,9 +1,9 @@
-"""Stores that a user has seen: by itself, an old copy of a whole store is not noticed.
+"""Stores that a user has seen, so that an older copy of a whole store is noticed.
 
 The newest head of a journal that was verified with a key is kept in the user's own folder,
-`$XDG_STATE_HOME/brake-cal/seen.json`, on Windows `%LOCALAPPDATA%`. A journal only grows: one that
-lacks that head is an older copy, or went another way. A store is known by the hash of the first
-line of its journal, so that it may be moved; another store in its place is noticed.
+`$XDG_STATE_HOME/brake-cal/seen.json`, on Windows `%LOCALAPPDATA%`. A journal only grows, so one
+without that head is older or another branch. A store is identified by the hash of the first line of
+its journal: it may be moved, but not replaced.
 """
 
 import json
@@ -22,9 +22,9 @@ _UNSEEN = "an older copy of the store will not be noticed"
 
 
 class _Sight(NamedTuple):
-    """The newest line of a journal that was seen: its hash, ``head``, and its number, ``lines``.
+    """The newest line of a journal that was seen: its hash ``head`` and number ``lines``.
 
-    ``key`` that verified it, ``store`` the hash of the first line, ``place`` the folder.
+    ``key`` that verified it, ``store`` hash of the first line, ``place`` the folder.
     """
 
     key: str
@@ -55,10 +55,7 @@ class SeenJournals:
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
-        """Raise SignatureRefused for a journal that lacks the head that was seen with a key.
-
-        So for another store in the place of the one that was seen.
-        """
+        """Raise SignatureRefused for a journal without the head seen, or of another store."""
         for sight in self.sights:
             if sight.key == key and (flaw := sight.flaw(folder, journal)):
                 raise SignatureRefused(
@@ -70,9 +67,9 @@ class SeenJournals:
                 )
 
     def keep(self, folder: Path, journal: Journal, key: str) -> str:
-        """Keep the head of a journal that was verified; returns why that failed, or "".
+        """Keep the head of a verified journal; return why that failed, or "".
 
-        Raises SignatureRefused when the file is damaged.
+        Raises SignatureRefused for a damaged file.
         """
         if self.path is None or self.note or not journal.entries:
             return self.note
@@ -93,9 +90,9 @@ class SeenJournals:
 
 
 def recall() -> SeenJournals:
-    """The journals that were seen; to be called before a journal is read, which may grow meanwhile.
+    """Read the journals that were seen, before a journal is read, which may grow meanwhile.
 
-    Raises SignatureRefused when the file is damaged.
+    Raises SignatureRefused for a damaged file.
     """
     try:
         states = (os.environ.get(name, "") for name in ("XDG_STATE_HOME", "LOCALAPPDATA"))

@@ -1,12 +1,12 @@
-"""The signatures of a version, each in a file of its own, and whether a version may be trusted.
+"""Sign versions, and verify their signatures.
 
     tables/sedan/v0001.minisig         of the first key that signed
     tables/sedan/v0001.KEYID.minisig   of another one
 
-A signature is minisign's, of the record file, which holds the digest of every curve file. Its
-trusted comment states table, version, state, digest and head of the journal. It is valid while the
-version has that state, in a store whose journal contains that head. The journal need not have a
-line with the event `signed`: minisign itself writes none.
+minisign signs the record file, which holds the digest of every curve file. The trusted comment has
+table, version, state, digest and head of the journal. A signature is valid while the version has
+that state and the journal contains that head. A line with the event `signed` is not needed, since
+minisign itself writes none.
 """
 
 import re
@@ -35,7 +35,7 @@ _STATEMENT = re.compile(
 
 
 class _Statement(NamedTuple):
-    """The state of a version when it was signed; ``head`` hash of the journal's newest line."""
+    """The state of a version at signing; ``head`` hash of the journal's newest line."""
 
     table: str
     version: int
@@ -53,7 +53,7 @@ class _Statement(NamedTuple):
 
 
 def _parse_statement(line: str, where: object = None) -> _Statement:
-    """The statement in a trusted comment. Raises SignatureRefused for any other spelling."""
+    """The statement in a trusted comment. Raises SignatureRefused for other text."""
     match = _STATEMENT.fullmatch(line)
     if not match:
         raise SignatureRefused("its trusted comment is not that of a table", where=where)
@@ -63,7 +63,7 @@ def _parse_statement(line: str, where: object = None) -> _Statement:
 
 @dataclass(frozen=True)
 class _Signed:
-    """A valid signature; ``note`` why an older copy of the store would go unnoticed, or ""."""
+    """A valid signature; ``note`` why no older copy of the store would be noticed, or ""."""
 
     stored: Stored
     path: Path
@@ -85,12 +85,11 @@ class _Signed:
 
 
 def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
-    """Sign the record and the state of ``name@version``, and enter that in the journal.
+    """Sign record and state of ``name@version``, and enter that in the journal.
 
     It covers the head of the journal before that line, and replaces an older signature of the key.
-    The file comes first, since it is true whether entered or not; if entering fails, the old one is
-    put back. Raises TableNotFound, DamagedTable, StoreError; SignatureRefused for what is wrong
-    with the journal, as `require_signed`.
+    The file is written first; if the journal cannot be written, the old file is put back. Raises
+    TableNotFound, DamagedTable, StoreError, and SignatureRefused as `require_signed`.
     """
     public = key.public
     _, memory = _looked_up(store, public)
@@ -112,15 +111,14 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
 
 
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
-    """The valid signature of a version in its store, by a key.
+    """Return the valid signature of a version in its store, by a key.
 
-    ``newest``: the version was chosen as the newest one that may be used. Then the signatures of
-    newer versions must hold, too: whoever can write the store can reject a version, so that an
-    older one takes its place, but cannot sign the rejection.
+    ``newest``: the version was chosen as the newest usable one. Then signed newer versions must be
+    valid, too: somebody may reject one to bring back an older one, but cannot sign that.
 
-    Raises SignatureRefused when there is none, when the state was changed since, when the journal
-    lacks a head that the key signed anywhere in the store, or is older than this user has seen it
-    with this key; DamagedTable when the version is not the one that was loaded.
+    Raises SignatureRefused without a signature, for a state that was changed since, and for a
+    journal that lacks a head that the key signed in this store or that this user has seen;
+    DamagedTable when the version is not the one that was loaded.
     """
     now, memory = _looked_up(Store(stored.path.absolute().parent.parent), public)
     again = now.load(stored.name, stored.version)
@@ -138,8 +136,8 @@ def verify_signed(
 ) -> tuple[tuple[StoreEntry, ...], str]:
     """`Store.verify` with the signatures of a key, and a note as in `_Signed`.
 
-    Every released version must have one, and each that the key has ever signed. Raises as
-    `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
+    Every version that is released, or was ever signed by the key, must have one. Raises as
+    `Store.verify`, and as `require_signed` for the store as a whole.
     """
     now, memory = _looked_up(store, public)
     entries = store.verify(name, lambda entry: _with_signature(now, entry, public))
@@ -147,7 +145,7 @@ def verify_signed(
 
 
 def _looked_up(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]:
-    """The store as it is, and what was seen of it. Raises SignatureRefused for an older copy."""
+    """The store now, and the journals seen before. Raises SignatureRefused for an older copy."""
     memory = recall()
     now = store.now()
     memory.check(store.folder, now.journal, public.key_id)
@@ -155,14 +153,14 @@ def _looked_up(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]
 
 
 def key_ids(stored: Stored) -> tuple[str, ...]:
-    """The keys that the signature files of a version name. Verifies nothing."""
+    """The keys in the signature files of a version, unverified."""
     return tuple(one.key_id for _, one in _signatures(stored.path.parent, stored.version))
 
 
 def _signatures(
     home: Path, version: int, key: str | None = None
 ) -> Iterator[tuple[Path, Signature]]:
-    """The signature files of a version, of a key or of all, that can be read."""
+    """The readable signature files of a version, of one ``key`` or of all."""
     for path in signature_files(home, version):
         try:
             signature = read_signature(path)
@@ -173,7 +171,7 @@ def _signatures(
 
 
 def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
-    """Whether a key has ever signed a version: the file may be deleted, the journal shows it."""
+    """Whether a key has ever signed a version, by the journal or a file."""
     history = now.journal.versions(name).get(version, ())
     keys = {entry.document["key"] for entry in history if entry.event == SIGNED}
     return public.key_id in keys or any(_signatures(now.folder / name, version, public.key_id))
@@ -199,7 +197,7 @@ def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
         except SignatureRefused as error:
             refused = refused or error
     for path in () if refused else signature_files(stored.path.parent, stored.version):
-        read_signature(path)  # one that cannot be read may be the one that is looked for
+        read_signature(path)  # raises for a damaged one, which may be that of the key
     others = f", but of {', '.join(key_ids(stored))}" * bool(key_ids(stored))
     raise refused or _refused(stored, f"has no signature of key {public.key_id}{others}")
 
@@ -212,7 +210,7 @@ def _refused(stored: Stored, flaw: str) -> SignatureRefused:
 def _checked(
     now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
 ) -> _Statement:
-    # the wrong table is a better reason than a signature that does not hold
+    # a wrong table is a clearer reason than an invalid signature
     statement = _parse_statement(signature.trusted_comment, path)
     if statement[:2] != (stored.name, stored.version) or statement.digest != stored.digest:
         flaw = f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}"
@@ -233,10 +231,7 @@ def _checked(
 
 
 def _check_anchors(now: Snapshot, public: PublicKey) -> None:
-    """Raise SignatureRefused if the journal lacks a head that the key signed anywhere in the store.
-
-    Signatures count that hold over the record beside them.
-    """
+    """Raise SignatureRefused if the journal lacks a head of any valid signature in the store."""
     for path in sorted(now.folder.glob(f"*/v*{SIGNATURE}")):
         record = path.parent / path.name.split(".")[0] / RECORD
         try:
@@ -249,7 +244,7 @@ def _check_anchors(now: Snapshot, public: PublicKey) -> None:
 
 
 def _line(now: Snapshot, statement: _Statement, path: Path) -> int:
-    """Number of the line of the journal that a signature covers as its head."""
+    """Number of the line of the journal that is the head in a signature."""
     number = next((e.number for e in now.journal.entries if e.hash == statement.head), 0)
     if not number:
         raise SignatureRefused(
@@ -264,7 +259,7 @@ def _line(now: Snapshot, statement: _Statement, path: Path) -> int:
 
 
 def _path(stored: Stored, public: PublicKey) -> Path:
-    """The file of a key's signature: its own, else the simple name, else one with its number."""
+    """File for a key's signature: its present one, else the simple name, else one with its id."""
     home = stored.path.parent
     simple = home / f"{folder_of(stored.version)}{SIGNATURE}"
     named = simple.with_name(f"{simple.stem}.{public.key_id}{SIGNATURE}")
@@ -273,7 +268,7 @@ def _path(stored: Stored, public: PublicKey) -> Path:
 
 
 def _record(stored: Stored) -> bytes:
-    """The bytes of the record file, which are those that were loaded."""
+    """The bytes of the record file. Raises DamagedTable if they changed since loading."""
     data = read_bounded(stored.path / RECORD, TABLE)
     if sha256(data) != stored.record:
         raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id)
@@ -281,6 +276,6 @@ def _record(stored: Stored) -> bytes:
 
 
 def _keep(now: Snapshot, public: PublicKey, memory: SeenJournals) -> str:
-    """Look at the signatures of the whole store, and keep what was seen; returns a note."""
+    """Check the signatures of the whole store, and keep its head as seen; return a note."""
     _check_anchors(now, public)
     return memory.keep(now.folder, now.journal, public.key_id)

@@ -1,7 +1,4 @@
-"""A store at one moment: its folder and its journal.
-
-Every read compares three: the digests in a version, its place, and the journal.
-"""
+"""A store at one moment; each read compares digests of a version, its place, and the journal."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,9 +16,9 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """One version; ``stored`` is None if it cannot be read, as ``violations`` say, or was let go.
+    """One version; ``stored`` is None if it cannot be read (see ``violations``) or is not kept.
 
-    ``signed``: the state in its signature, where a key was given and a signature holds.
+    ``signed``: the state in its valid signature, if a key was given.
     """
 
     name: str
@@ -74,15 +71,15 @@ class Snapshot:
         raise TableNotFound(f"no table {name!r}", where=self.folder, expected=expected, do=do)
 
     def with_strays(self, name: str) -> list[int]:
-        """Numbers of all versions: those of the journal, and folders that it does not know."""
+        """Numbers of all versions in the journal, and of folders that are not in it."""
         return sorted({*self.journal.versions(name), *versions_in(self.folder / name)})
 
     def next_number(self, name: str) -> int:
-        """A number that no version ever had, and that no file or folder has in its name."""
+        """The number after all versions, files and folders."""
         return 1 + max([*self.journal.versions(name), *numbers(self.folder / name)], default=0)
 
     def find(self, reference: str, released: bool = False) -> Stored:
-        """Read the version that a reference means; a bare name as in `Store.load`."""
+        """Read the version of a reference; a bare name as in `Store.load`."""
         path = path_of(reference)
         if path is not None:
             stored = read_version(path)
@@ -134,7 +131,7 @@ class Snapshot:
         return replace(stored, state=self.journal.state(name, version))
 
     def entry(self, name: str, version: int) -> StoreEntry:
-        """A version in a listing, whether it can be read or not."""
+        """A version, whether it can be read or not."""
         state = self.journal.state(name, version)
         try:
             return StoreEntry(name, version, state, self.load(name, version))
@@ -150,7 +147,7 @@ class Snapshot:
         return replace(entry, violations=()) if given_up else entry
 
     def identical(self, table: Table) -> Stored | None:
-        """The newest version that holds the same table; one that is damaged does not count."""
+        """The newest undamaged version that holds the same table, or None."""
         fitted_from, digest = inputs(table.content()[0]), table.digest
         for version, history in reversed(self.journal.versions(table.name).items()):
             if history[0].digest == digest or history[0].inputs == fitted_from:

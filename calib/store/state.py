@@ -1,11 +1,11 @@
-"""The state of a version: may its numbers be used, who decided so, and on what evidence.
+"""The state of a version: may it be used, who decided so, and on what evidence.
 
     draft ──> released ──> withdrawn
       │          │  ^          ^
       └──────> rejected ───────┘
 
-A draft may be withdrawn, too. A version begins as a draft, or in the state that its decision gives.
-A rejected version becomes released only on new evidence. A withdrawn version stays withdrawn.
+A draft may be withdrawn, too. A version begins as a draft, or in the state of its decision. Only
+new evidence releases a rejected version. A withdrawn version stays withdrawn.
 """
 
 import getpass
@@ -36,8 +36,7 @@ class Evidence:
 class StateDecision:
     """A new state of a version, and its reason; ``by`` "" is the user of the computer.
 
-    ``verdict`` of the evidence. ``automatic``: of a program, which releases nothing that was
-    rejected and changes nothing that was withdrawn.
+    ``automatic``: by a program, which neither releases a rejected version nor changes a withdrawn.
     """
 
     state: str = DRAFT
@@ -52,8 +51,7 @@ class StateDecision:
 class VersionState:
     """The state of a version ``since`` a time (ISO 8601, UTC), by whom, why, on what evidence.
 
-    ``stored_at``: when it was stored; ``past_evidence``: SHA-256 of every file that a state of it
-    ever rested on; ``in_store``: False for a copy outside of its store.
+    ``past_evidence``: SHA-256 of the evidence of all its states; ``in_store``: False for a copy.
     """
 
     word: str = DRAFT
@@ -73,7 +71,7 @@ class VersionState:
 
     @property
     def usable(self) -> bool:
-        """Whether a bare name may mean the version where a table is looked at or judged."""
+        """Whether a bare name may mean the version, unless a released one is needed."""
         return self.word not in (REJECTED, WITHDRAWN)
 
     @property

@@ -1,9 +1,8 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
-`calib.store.folders` says where they lie, the page `tables` of the manual what is promised. A
-version exists once the journal has its line. A writer that is stopped earlier leaves a folder that
-the next writer deletes; one that is stopped later leaves a version that every reader finds and the
-next writer moves to its place.
+`calib.store.folders` has the places, the page `tables` of the manual the promises. A version exists
+once the journal has its line. A writer that is stopped before leaves a folder that the next writer
+deletes; one that is stopped after it leaves a version that the next writer moves to its place.
 """
 
 import os
@@ -34,7 +33,7 @@ from calib.table.table import Table
 
 
 class Store:
-    """A folder of tables; ``folder`` is its path, and is made by the first `save`.
+    """The tables in ``folder``, which the first `save` makes.
 
     >>> import tempfile
     >>> import calib
@@ -57,10 +56,10 @@ class Store:
         return f"Store({str(self.folder)!r})"
 
     def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
-        """Write ``table`` as the next version of its name, or return the one that holds it already.
+        """Write ``table`` as the next version of its name, or return the one that holds it.
 
-        Without a ``decision`` a new version is a draft. Raises StoreError, and stores nothing, when
-        the table is not sound, its state may not follow, or the store cannot be written.
+        A new version is a draft by default. Raises StoreError, and stores nothing, for a table that
+        is not sound, a state that may not follow, or a store that cannot be written.
         """
         _require_storable(table)
         with self._writing(table.name) as now:
@@ -101,15 +100,15 @@ class Store:
         return True
 
     def load(self, reference: str) -> Stored:
-        """Read and verify a table, to look at it or to judge it.
+        """Read and verify ``name@version``, or the version at a path.
 
-        ``name`` is its newest version that is neither rejected nor withdrawn, ``name@version`` that
-        version, or a path to a version. Raises TableNotFound, DamagedTable, StoreError.
+        A bare ``name`` is its newest version that is neither rejected nor withdrawn. Raises
+        TableNotFound, DamagedTable, StoreError.
         """
         return self._find(reference, released=False)
 
     def released(self, reference: str) -> Stored:
-        """`load` to hand out or to measure others by: ``name`` is its newest released version."""
+        """`load`, where a bare ``name`` is its newest released version."""
         return self._find(reference, released=True)
 
     def now(self) -> Snapshot:
@@ -118,10 +117,9 @@ class Store:
             return now
 
     def entries(self, state: str | None = None) -> Iterator[StoreEntry]:
-        """Each version of the store in turn, or each in a ``state``, by name and version.
+        """Each version of the store, or each in a ``state``, by name and version.
 
-        One table is held at a time, and none is read whose state is another. Raises TableNotFound,
-        DamagedTable.
+        Tables are read one at a time. Raises TableNotFound, DamagedTable.
         """
         wanted = state.lower() if state else None
         with self._reading() as now:
@@ -133,10 +131,10 @@ class Store:
     def verify(
         self, name: str | None = None, also: Callable[[StoreEntry], StoreEntry] = lambda x: x
     ) -> tuple[StoreEntry, ...]:
-        """Compare versions with digests, invariants and journal, of one table or of all.
+        """Compare the versions of one table or all with digests, invariants and journal.
 
-        One entry for each version of the journal, and for each folder that it does not know. Their
-        tables are let go, one is held at a time; ``also`` sees each entry with its table.
+        One entry for each version, and each folder that is not in the journal, without its table;
+        ``also`` gets each entry with the table, one at a time.
         """
         with self._reading() as now:
             every = (
@@ -147,7 +145,7 @@ class Store:
 
     @contextmanager
     def changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
-        """The store, locked, and the version ``name@version`` of it, which will change."""
+        """The locked store, and its version ``name@version`` to be changed."""
         name, version = self.now().numbered(reference)  # before anything is made
         with self._writing(name) as now:
             yield now, now.load(name, version)
@@ -159,7 +157,7 @@ class Store:
             return now.find(reference, released)
 
     def _added(self, table: Table, decision: StateDecision, now: Snapshot) -> Stored:
-        """The new version: made aside, entered in the journal, moved to its place."""
+        """Write the new version aside, enter it in the journal, move it to its place."""
         _refuse_same_folder(table.name, now.names)
         version = now.next_number(table.name)
         final = self.folder / table.name / folder_of(version)
@@ -180,7 +178,7 @@ class Store:
             discard()
             raise
         enter(self.folder, journal, discard)
-        with suppress(OSError):  # it is stored: readers find it aside, the next writer moves it
+        with suppress(OSError):  # it is stored: the next writer can move it as well
             os.rename(work, final)
             work = final
             sync(final.parent)
@@ -234,7 +232,7 @@ def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
 
 
 def _tidy(folder: Path, table: str, journal: Journal) -> None:
-    """Finish or undo what stopped writers left, under the lock. Raises OSError."""
+    """Finish or undo the work of stopped writers, under the lock. Raises OSError."""
     for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
         path.unlink(missing_ok=True)
     for path in list((folder / table).glob(f"{NEW}*")):

@@ -6,9 +6,8 @@
           tyre.parquet          g(slip)
           map.parquet           and level_map, draws
 
-``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
-the SHA-256 of each Parquet file, so that a damaged file is found before it is parsed; ``states``
-names the journal that holds the state of the version.
+``digest`` is of the table's content, whatever the file format; ``files`` has the SHA-256 of each
+Parquet file, so that no damaged file is parsed; ``states`` names the journal.
 """
 
 import io
@@ -34,10 +33,7 @@ from calib.table.table import COLUMNS, Table
 
 @dataclass(frozen=True)
 class Stored(Shown):
-    """A table with its address.
-
-    ``digest`` of its content, ``record`` of its record file; ``existed``: `Store.save` found it.
-    """
+    """A table in a store; ``record`` digest of its record file; ``existed`` before `Store.save`."""
 
     table: Table
     name: str
@@ -63,18 +59,18 @@ class Stored(Shown):
 
     @property
     def address(self) -> dict[str, object]:
-        """Identity and place of the version: the head of every document about it."""
+        """Identity and path of the version, with which its documents begin."""
         named = {"id": self.id, "name": self.name, "version": self.version}
         return {**named, "digest": self.digest, "path": self.path}
 
 
 def table_in(table: Table | Stored) -> Table:
-    """The table itself, of a version or as it was fitted."""
+    """The table of a version; a table as it is."""
     return table.table if isinstance(table, Stored) else table
 
 
 def unstored(table: Table | Stored) -> Stored:
-    """A table that no store has, as version 0; a version as it is."""
+    """A table as version 0, in no store; a version as it is."""
     if isinstance(table, Stored):
         return table
     return Stored(table, table.name, 0, table.digest, Path(), state=NOT_STORED)
@@ -95,9 +91,9 @@ def write_version(table: Table, version: int, path: Path) -> None:
 
 
 def read_version(path: Path, promised: str | None = None) -> Stored:
-    """Read one version and compare it with its digests.
+    """Read a version, compare it with its digests and with the id ``promised`` by its place.
 
-    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable, StoreError.
+    Raises DamagedTable, StoreError.
     """
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
@@ -154,7 +150,7 @@ def _read_curve(data: bytes) -> dict[str, Array]:
     import pyarrow.parquet as pq
 
     try:
-        # Without threads: a pool that still runs when a short program ends aborts it (code 134).
+        # a pool of threads that still runs when a short program ends aborts it (code 134)
         table = pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
     except (pa.ArrowException, OSError) as error:
         raise ValueError(str(error)) from error
