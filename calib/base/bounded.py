@@ -1,8 +1,8 @@
-"""Open a file that somebody else made: a regular file, not larger than the bound of its kind.
+"""Open files of others safely: regular files alone, not larger than the bound of their kind.
 
 A named pipe would wait for ever, a device has no end, and a few kilobytes of gzip can unpack to
-gigabytes. The bounds keep a reader below about 1 GB and 20 s; a larger file that is meant is let in
-by a variable: `BRAKE_CAL_MOST_LOG=500 brake-cal check long.csv`, logs of up to 500 MB.
+gigabytes. The bounds keep a reader below about 1 GB and 20 s. A variable raises a bound:
+`BRAKE_CAL_MOST_LOG=500 brake-cal check long.csv` allows logs of 500 MB.
 """
 
 import errno
@@ -22,14 +22,14 @@ _MEGA = 1_000_000
 
 @dataclass(frozen=True)
 class FileKind:
-    """A kind of file: its ``name``, and the ``megabytes`` that one may have or unpack to."""
+    """A kind of file, and the ``megabytes`` that one may have or unpack to."""
 
     name: str
     megabytes: float
 
     @property
     def variable(self) -> str:
-        """The variable of the environment that gives another bound, in MB."""
+        """Environment variable of another bound [MB]."""
         return f"BRAKE_CAL_MOST_{self.name.upper()}"
 
     @property
@@ -46,7 +46,7 @@ class FileKind:
         return int(megabytes * _MEGA)
 
     def excess(self, subject: str = "it has") -> str:
-        """Words for a file that is too large, and what to do if it is meant."""
+        """Message for a file that is too large."""
         most = f"{self.most / _MEGA:g} MB"
         return f"{subject} more than {most}; if it is meant, set {self.variable} to more MB"
 
@@ -68,16 +68,15 @@ JOURNAL = FileKind("journal", 64)  # some 100,000 lines
 KEY = FileKind("key", 0.016384)  # keys and signatures: no file of minisign is longer
 
 
-# Without O_NONBLOCK a pipe that nobody writes to would never be opened. Windows has O_BINARY alone.
+# without O_NONBLOCK, opening a pipe without a writer blocks; Windows has O_BINARY alone
 _NAMES = ("O_NONBLOCK", "O_CLOEXEC", "O_BINARY")
 _FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in _NAMES)
 
 
 def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
-    """Open a regular file for reading; a link to one is one.
+    """Open a regular file, or a link to one, for reading.
 
-    Raises OSError with a ``strerror`` for people: no such file, a loop of links, a pipe or device,
-    a file larger than ``kind`` may be.
+    Raises OSError with a readable ``strerror``, also for a pipe, a device or too large a file.
     """
     try:
         handle = os.open(path, _FLAGS)
@@ -107,13 +106,12 @@ def read_bounded(path: Path, kind: FileKind) -> bytes:
     return data
 
 
-POINTER = b"version https://git-lfs"
-"""First bytes of what git leaves where a file of LFS was not fetched."""
+POINTER = b"version https://git-lfs"  # begin of a file of git LFS that was not fetched
 
 
 @contextmanager
 def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str) -> Iterator[None]:
-    """Raise errors of the system within the context as ``error`` of the file ``where``."""
+    """Raise OSErrors within the context as ``error`` of the file ``where``."""
     try:
         yield
     except (FileNotFoundError, NotADirectoryError) as cause:
@@ -125,7 +123,7 @@ def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str)
 def bytes_of(
     path: Path, kind: FileKind, error: Callable[..., BrakeCalError], expected: str
 ) -> bytes:
-    """The bytes of a regular file. Raises ``error`` with what it is instead of ``expected``."""
+    """The bytes of a regular file. Raises ``error``, which names what was ``expected``."""
     with errors_as(error, path, expected):
         data = read_bounded(path, kind)
     if data.startswith(POINTER):

@@ -1,4 +1,4 @@
-"""SHA-256 over content: it does not depend on the file format or its compression."""
+"""SHA-256 over content, whatever the file format or its compression."""
 
 import hashlib
 import json
@@ -21,10 +21,7 @@ def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) 
 
 
 def canonical_json(record: dict[str, Any]) -> bytes:
-    """JSON with sorted keys and no spaces, so that equal content gives equal bytes.
-
-    Raises ValueError for NaN and infinite numbers.
-    """
+    """JSON with sorted keys and no spaces, the same for equal content. ValueError for inf, NaN."""
     return json.dumps(record, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 

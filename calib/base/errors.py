@@ -1,4 +1,4 @@
-"""The errors a user can cause, as one tree: input 3, usage 2, store 4, output 5 as exit code.
+"""The errors a user can cause, as one tree, with their exit codes.
 
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
@@ -9,10 +9,9 @@ import unicodedata
 
 
 def printable(text: str, keep: str = "") -> str:
-    r"""Text with everything escaped that a terminal would obey instead of show.
+    r"""Text with control characters, marks of writing direction and invalid UTF-8 escaped.
 
-    That is: control characters, marks that turn the direction of writing, other characters without
-    a shape, and bytes that are not UTF-8. Spaces of any width stay, and the characters in ``keep``.
+    Spaces of any width stay, and the characters in ``keep``.
 
     >>> import os
     >>> print(printable(os.fsdecode(b"r\xfcck.csv")))
@@ -47,10 +46,9 @@ class BrakeCalError(Exception):
         do: str = "",
         lines: tuple[str, ...] = (),
     ):
-        """Build the message: one line, whatever libraries and files put into its parts.
+        """Build the message, one line and one more for each of the further mistakes in ``lines``.
 
-        ``problem``, with the value given; ``where``: file, channel or key; ``expected`` what
-        would have been valid; ``do`` the next step; ``lines`` further mistakes, a line each.
+        ``problem`` with the value given; ``where``: file, channel or key; ``do`` the next step.
         """
         parts = (problem, expected, do or self.advice)
         self.problem, self.expected, self.do = map(one_line, parts)
@@ -128,11 +126,11 @@ class ExchangeError(InputError):
 
 
 class NotFiniteError(InputError):
-    """A number that was computed of the files is not finite: nothing is concluded from it."""
+    """A computed number is not finite: nothing is concluded from it."""
 
 
 def not_finite(quantity: str, where: object) -> NotFiniteError:
-    """The error for a ``quantity`` of a log or a vehicle that came out as no number."""
+    """The error for a computed ``quantity`` that is not finite."""
     flaw = f"{quantity} comes out as no finite number, so nothing is concluded from it"
     do = "look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`"
     return NotFiniteError(flaw, where=where, expected="logs and a vehicle file of one car", do=do)
@@ -193,7 +191,7 @@ class ProgramFailure(BrakeCalError):
 
 
 def program_failure(error: BaseException) -> ProgramFailure:
-    """The error for one that nobody caught; no verdict and no file follows from it."""
+    """The error to report for one that nobody caught."""
     if isinstance(error, MemoryError):
         return ProgramFailure("not enough memory", do="give it more memory, or smaller logs")
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}".removesuffix(": ")

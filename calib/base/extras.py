@@ -1,4 +1,4 @@
-"""Packages that are not installed with the program: each comes with an extra of its own."""
+"""Optional packages: the extras for users, and what each adds."""
 
 from importlib import import_module
 from types import ModuleType
@@ -14,7 +14,6 @@ EXTRAS = {
     "elf": "addresses of a linked program in an A2L",
     "frames": "results as data frames in Python",
 }
-"""Extras that change what the program does, with what each gives; others are for work on it."""
 
 
 def need(

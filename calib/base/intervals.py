@@ -1,4 +1,4 @@
-"""The normal distribution: numbers of its intervals, the size of noise, and mixtures."""
+"""The normal distribution: quantiles, noise, posteriors, and mixtures."""
 
 import math
 from itertools import takewhile
@@ -8,20 +8,12 @@ import numpy as np
 
 from calib.base.arrays import Array
 
-Z95 = 1.96
-"""Half width of a 95 % interval over sigma, the 0.975 quantile (1.959964) to the two decimals of
-every textbook. Bands of stored tables are made with it: more digits would move each of them."""
-
-QUARTILE = 0.6745
-"""Upper quartile over sigma: the median of |x| of noise is this many sigma. Four digits, as the
-outputs were made with."""
-
-NINETY = 1.645
-"""Size of noise over sigma that a tenth of it exceeds."""
-
+Z95 = 1.96  # half width of a 95 % interval over sigma; more digits would change stored bands
+QUARTILE = 0.6745  # median of |x| over sigma, the upper quartile; outputs rest on four digits
+NINETY = 1.645  # 90 % quantile of |x| over sigma
 
 SURE, CERTAIN = 3.0, 8.0
-"""ln of the odds from which a mistake is named, and from which it is certain: 20 and 3,000 to 1.
+"""ln of the odds from which a mistake is reported, and from which it is certain: 20 and 3,000 to 1.
 
 A car near ideal balance, with tyres of an unusual form and no motor, had 6.4 for a motor."""
 
@@ -30,9 +22,9 @@ def second_differences(white: float, walk: float, turned: float) -> tuple[Array,
     """The moving average (3,) and sigma of second differences of v against the integral of a_x.
 
     ``white`` variance of v, ``walk`` of a step of the integral, ``turned`` of a change of its step,
-    as by a slope that wanders [m^2/s^2]. The spectrum of their covariance is a polynomial whose
-    roots come in pairs z, 1/z: with those within the unit circle the average can be undone
-    (Brockwell and Davis, Time Series: Theory and Methods, section 3.1).
+    as by a slope that walks [m^2/s^2]. The roots of their spectrum come in pairs z, 1/z; those in
+    the unit circle make the average invertible (Brockwell and Davis, Time Series: Theory and
+    Methods, section 3.1).
     """
     covariance = [6.0 * white + 2.0 * walk + turned, -4.0 * white - walk, white]
     roots = np.roots([*covariance[:0:-1], *covariance])
@@ -41,7 +33,7 @@ def second_differences(white: float, walk: float, turned: float) -> tuple[Array,
 
 
 def scatter(x: Array) -> float:
-    """Standard deviation from zero of most of the values (n,), which outliers do not move.
+    """Robust standard deviation of values (n,) about zero.
 
     >>> round(scatter(np.array([-1.0, 1.0, 1.0, 1.0, 99.0])), 3)
     1.483
@@ -50,10 +42,9 @@ def scatter(x: Array) -> float:
 
 
 def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
-    """Standard deviation of white noise on a smooth x (n,), by its differences of an ``order``.
+    """Standard deviation of white noise on a smooth x (n,), by differences over ``lag`` samples.
 
-    Over ``lag`` samples each. Their median, which the bite of a brake does not move. Third
-    differences hold almost no motion.
+    Third differences contain almost no motion, and their median no bite of a brake.
 
     >>> round(white_noise(np.random.default_rng(0).normal(size=10000)), 1)
     1.0
@@ -71,10 +62,10 @@ def noise_over(x: Array, longest: float) -> list[float]:
 
 
 class Mixture(NamedTuple):
-    """Mean (..., n) and covariance (..., n, n) of the mixture.
+    """Mean (..., n) and covariance (..., n, n) of a mixture of k hypotheses.
 
-    ``weights`` (..., k) of the explanations, ``means`` (..., k, n) under each; ``evidence`` (...)
-    logarithm of the measurement's likelihood under all of them, up to the same constant.
+    ``weights`` (..., k), ``means`` (..., k, n) under each; ``evidence`` (...) logarithm of the
+    likelihood under all of them, up to a constant.
     """
 
     mean: Array
@@ -85,9 +76,9 @@ class Mixture(NamedTuple):
 
 
 class Posterior(NamedTuple):
-    """Means (..., n) and covariances (..., n, n) of the unknowns of linear Gaussian models.
+    """Posterior of linear Gaussian models, shapes (..., n) and (..., n, n).
 
-    ``evidence`` (...) logarithm of the likelihood over that where all unknowns are zero.
+    ``evidence`` (...): logarithm of the likelihood over that where all unknowns are zero.
     """
 
     means: Array
@@ -96,10 +87,10 @@ class Posterior(NamedTuple):
 
 
 def posterior(information: Array, side: Array, sigma: Array) -> Posterior:
-    """Posterior of unknowns that are independent, around zero with ``sigma`` (..., n) beforehand.
+    """Posterior of unknowns with independent priors about zero of ``sigma`` (..., n).
 
-    ``information`` (..., n, n) and ``side`` (..., n) of the measurement alone: the unknowns that
-    fit it best solve information x = side. In units of sigma, so that the wide ones cost no digits.
+    ``information`` (..., n, n) and ``side`` (..., n) are the normal equations of the measurement,
+    information x = side. Solved in units of sigma, so that wide priors cost no digits.
     """
     scale = sigma[..., :, None] * sigma[..., None, :]
     total = np.eye(sigma.shape[-1]) + scale * information
@@ -113,13 +104,11 @@ def posterior(information: Array, side: Array, sigma: Array) -> Posterior:
 def weigh_hypotheses(
     information: Array, side: Array, sigma: Array, odds: Array, likelihood: Array
 ) -> Mixture:
-    """Weigh explanations that differ in how far each unknown may be from zero, or in their noise.
+    """Weigh k hypotheses by their marginal likelihoods.
 
-    ``information`` (..., k, n, n), ``side`` (..., k, n) and ``sigma`` (k, n) as in `posterior`,
-    under each explanation; ``odds`` (k,) of the explanations beforehand, up to a factor.
-    ``likelihood`` (..., k) the logarithm of the measurement's likelihood where all unknowns are
-    zero, up to a common constant. The weights follow from the marginal likelihoods; mean and
-    covariance are those of the mixture.
+    ``information`` (..., k, n, n), ``side`` (..., k, n) and ``sigma`` (k, n) as in `posterior`;
+    prior ``odds`` (k,), up to a factor; ``likelihood`` (..., k) its logarithm where all unknowns
+    are zero, up to a common constant.
     """
     means, covariances, evidence = posterior(information, side, sigma)
     evidence = evidence + likelihood + np.log(odds)
@@ -134,16 +123,14 @@ def weigh_hypotheses(
     return Mixture(mean, mixed, weights, means, (most + np.log(total_weight))[..., 0])
 
 
-_MOST = 300.0
-"""Largest logarithm of a ratio: more is sure."""
+_MOST = 300.0  # largest logarithm of a ratio
 
 
 def likelihood_ratio(x: float, sigma: float, spread: float) -> float:
-    """How much likelier x is where a quantity is there than where it is not; at most e^300.
+    """Likelihood ratio of a quantity that is present to one that is zero, at most e^300.
 
-    There it is half of a normal distribution of ``spread`` M, not below zero; elsewhere zero; seen
-    as x with the same ``sigma`` u: 2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)), h = hypot(u, M)
-    and Phi the normal distribution.
+    Present, it has a half-normal prior of ``spread`` M above zero. Measured as x with ``sigma`` u:
+    2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)), h = hypot(u, M), Phi the normal distribution.
     """
     h = math.hypot(sigma, spread)
     normal = 0.5 * math.erfc(-x * spread / (sigma * h * math.sqrt(2.0)))

@@ -1,8 +1,8 @@
-"""The program's name and version, and the list of quantities, each once with unit and sign.
+"""The program's name and version, and the list of quantities with unit and sign.
 
-Everything inside the program is SI; bar, km/h, rpm and cm^2 occur only in input and output. Forces,
-torques and slips are positive magnitudes when they brake. ``a_x`` keeps the sign of ISO 8855:
-forward positive, so that braking is negative; ``z = -a_x/g`` is positive when braking.
+Inside the program all is SI; bar, km/h, rpm and cm^2 occur only in input and output. Forces,
+torques and slips are positive when they brake. ``a_x`` has the sign of ISO 8855: forward positive,
+so that braking is negative; ``z = -a_x/g`` is positive when braking.
 """
 
 import re
@@ -12,18 +12,13 @@ from typing import NamedTuple
 NAME = "brake-cal"
 VERSION = "0.1.0"
 PROGRAM = f"{NAME} {VERSION}"
-"""As every document, table and log of a line has them."""
 
 SETTINGS_FILE = "brake-cal.toml"
-SETTINGS_VARIABLE = "BRAKE_CAL_SETTINGS"
-"""Environment variable: the path of a settings file; empty for none."""
-PUBLIC_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")
-"""The word of a public key of minisign, the second line of its file."""
-STORE = Path("tables")
-"""The store where neither the command line nor the settings file names one."""
+SETTINGS_VARIABLE = "BRAKE_CAL_SETTINGS"  # path of a settings file; empty for none
+PUBLIC_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")  # of minisign, the second line of its file
+STORE = Path("tables")  # the default store
 
-G = 9.80665
-"""Standard gravity [m/s^2], ISO 80000-3."""
+G = 9.80665  # standard gravity [m/s^2], ISO 80000-3
 
 AXLES = ("f", "r")
 AXLE_NAMES = {"f": "front", "r": "rear"}
@@ -33,7 +28,7 @@ WHEEL_PRESSURES = tuple(f"p_{w}" for w in WHEELS)
 
 
 class _Quantity(NamedTuple):
-    """One logged quantity: its name, unit in the canonical log file and inside the program."""
+    """A logged quantity with its unit in the canonical log file and inside the program."""
 
     name: str
     unit: str
@@ -57,22 +52,19 @@ _QUANTITIES = (
 CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 """The canonical channels, in the order in which a log is written."""
 
-TRUTH = "true_"
-"""Begin of the name of each truth channel of a simulation."""
+TRUTH = "true_"  # prefix of the truth channels of a simulation
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
 """SI unit of each truth channel of a simulation, by prefix. Fit, estimator and diagnosis never read
 them."""
 
 _TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
-_FILES_OF_STORE = ("journal.jsonl", "journal.head")
-"""Files of a store, beside which tables are folders."""
-_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
-"""Names that Windows keeps for devices, with any ending."""
+_FILES_OF_STORE = ("journal.jsonl", "journal.head")  # no folder of a table may be named so
+_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)  # of Windows
 TABLE_NAMES = (
     "letters, digits and . _ - only, at most 100, a letter or digit first, no dot last, no file of "
     "the store, and no device of Windows (CON, NUL, COM1)"
 )
-"""What can name a vehicle and its table, in words."""
+"""Valid names of a vehicle and its table."""
 
 
 def names_a_table(name: str) -> bool:

@@ -1,7 +1,7 @@
-"""Every metric by its key, as the JSON files and limits files have it: `metrics.csv`.
+"""Every metric by its key in JSON files and limits files, from `metrics.csv`.
 
-A row says how people call it and in which unit they read it, what it means, which values it can
-have, and at the station its limits, the reason for them and the next step where they do not hold.
+A row has its name and unit for people, its meaning, its possible values, and for the station its
+limits, the reason for them and the next step where they do not hold.
 """
 
 import csv
@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-NBSP = "\xa0"
-"""Space at which no line ends."""
+NBSP = "\xa0"  # no-break space
 
 
 def counted(number: int, noun: str) -> str:
@@ -65,7 +64,7 @@ def range_words(low: str, high: str) -> str:
 
 
 def finite(value: float | None) -> float | None:
-    """A number as a file has it; None of one that is not known or not finite."""
+    """A number for a file; None if it is unknown or not finite."""
     return None if value is None or not math.isfinite(value) else float(value)
 
 
@@ -85,14 +84,14 @@ _OPEN = Ends()
 class _Plain:
     """One row of `metrics.csv`; None where an end is open.
 
-    ``scope``: "car" for one of the station, "stop" for one of a validation, else "". ``unit`` is
-    the one that is shown, "" without one, and ``factor`` leads from SI to it. ``step``: the
-    smallest difference that matters [SI], 0 if not known; the decimals of a shown value follow from
-    it. ``least`` and ``most`` are the values that it can have; ``cut`` stands for all larger ones.
+    ``scope``: "car" for the station, "stop" for a validation, else "". ``unit`` is the displayed
+    one, or "", and ``factor`` converts from SI. ``step``: smallest relevant difference [SI], which
+    gives the displayed decimals, or 0. Possible values are ``least`` to ``most``; ``cut`` stands
+    for all larger ones.
 
     The station fails outside ``low`` to ``high`` and warns outside ``warn_low`` to ``warn_high``;
-    ``judged`` is the place among those that it judges, 0 of all others. ``stop`` are the limits
-    of `validate`, and where the station has none of its own, it has them, too.
+    ``judged`` is the place in its order, 0 if it is not judged. ``stop``: limits of `validate`, and
+    default of the station.
     """
 
     name: str
@@ -120,7 +119,7 @@ class _Plain:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def value(self, value: float | None, digits: int = 4) -> str:
-        """A value in the unit shown, without the unit.
+        """A value in the displayed unit, without that unit.
 
         >>> _Plain("Valid samples", "%", 100.0, 0.002).value(0.9516)
         '95.2'
@@ -134,14 +133,14 @@ class _Plain:
         return f"{shown:z.{places}f}"
 
     def with_unit(self, value: float | None) -> str:
-        """A value with its unit, which stay on one line: `95.2 %`."""
+        """A value with its unit, `95.2 %`, unbroken."""
         text = self.value(value)
         if self.unit and text != "not known":
             text += f"{NBSP}{self.unit}"
         return text + " or more" * (value is not None and value == self.cut)
 
     def bounds(self, low: float | None, high: float | None) -> str:
-        r"""A range in the unit shown, as it was written: `step` rounds no limit.
+        r"""A range in the displayed unit, not rounded to `step`.
 
         >>> _Plain("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
         'at least 12.5\xa0%'
@@ -175,7 +174,6 @@ def _read(row: dict[str, str]) -> _Plain:
 
 
 METRICS: dict[str, _Plain] = {row["key"]: _read(row) for row in rows("metrics.csv")}
-"""Each metric by its key."""
 
 
 def meanings(scope: str) -> dict[str, str]:
@@ -184,10 +182,10 @@ def meanings(scope: str) -> dict[str, str]:
 
 
 def bound(key: str, end: str, *, of_stop: bool = False) -> float:
-    """A limit that another room uses, too: ``end`` the name of its column."""
+    """A limit, by the name of its column."""
     return float(getattr(METRICS[key].stop if of_stop else METRICS[key], end))
 
 
 def plain(key: str, unit: str = "1") -> _Plain:
-    """How a metric is shown; one that is not known by its key with its ``unit``."""
+    """The metric of a key; an unknown one is displayed by its key and ``unit``."""
     return METRICS.get(key) or _Plain(key, "" if unit == "1" else unit)

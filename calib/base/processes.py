@@ -13,15 +13,14 @@ from typing import Protocol, TypeVar
 
 from calib.base.errors import BatchError
 
-_STOPPING = 0.3
-"""Time [s] within which a signal to a group of processes has come to all of them."""
+_STOPPING = 0.3  # time for a signal to reach all processes of a group [s]
 
 T = TypeVar("T")
 R = TypeVar("R")
 
 
 class Mapped(Protocol):
-    """How independent pieces of work are carried out: `map`, or one of `side_by_side`."""
+    """Type of `map`, and of that which `side_by_side` yields."""
 
     def __call__(self, function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
         """Yield the results in the order of the items."""
@@ -35,12 +34,11 @@ def cores() -> int:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Keep the linear algebra of NumPy and SciPy to one thread meanwhile, in this process.
+    """Limit linear algebra in this process to one thread, meanwhile.
 
-    Matrices of some hundred rows take twice as long on two threads as on one. The limit holds for
-    the whole process, thus also for other threads of it; it is taken back at the end.
+    Matrices of some hundred rows take twice as long on two threads as on one.
     """
-    import scipy.linalg.lapack  # noqa: F401  # a library that is loaded later is not limited
+    import scipy.linalg.lapack  # noqa: F401  # a library loaded later is not limited
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1, user_api="blas"):
@@ -50,8 +48,8 @@ def one_blas_thread() -> Iterator[None]:
 def workers(count: int, *preload: str) -> ProcessPoolExecutor:
     """``count`` processes, each with one thread for linear algebra.
 
-    They are forked from a server that has imported the modules ``preload``, where the system can;
-    Windows starts each anew. They ignore interrupts, which the parent handles, and end with it.
+    Except on Windows they are forked from a server that has imported the modules ``preload``. They
+    ignore interrupts, which the parent handles, and end with it.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -64,11 +62,10 @@ def workers(count: int, *preload: str) -> ProcessPoolExecutor:
 
 @contextmanager
 def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
-    """Carry out work in ``count`` processes; one after the other, in this one, if it is 1.
+    """Yield a `map` over ``count`` processes; `map` itself if it is 1.
 
-    Functions must be those of a module; they, their items and results must be picklable. Results
-    are the same as those of `map`. A script that uses it must guard its main part, as for every
-    process that Python starts. Raises BatchError if a process died.
+    Functions must be of a module, their items and results picklable, and a script must guard its
+    main part, as for every process of Python. Raises BatchError if a process died.
     """
     if count <= 1:
         yield map
@@ -92,7 +89,7 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
 
 
 def end(pool: ProcessPoolExecutor) -> None:
-    """End the workers at once; what they are computing is lost."""
+    """Terminate the workers at once."""
     for process in list((pool._processes or {}).values()):
         process.terminate()
     pool.shutdown(wait=True, cancel_futures=True)

@@ -1,16 +1,15 @@
-"""The mean of several measured things that differ among themselves: a random-effects model.
+"""The mean of several measured things that differ: a random-effects model.
 
     x_i = mean + b_i + e_i        b_i ~ N(0, between)        e_i ~ N(0, v_i), v_i known
 
 ``between`` by restricted maximum likelihood (REML), which is hardly biased with few things
 (Viechtbauer 2005, doi:10.3102/10769986030003261; Veroniki et al. 2016, doi:10.1002/jrsm.1164).
 The error of the mean is that of Hartung and Knapp (2001, doi:10.1002/sim.791): from the scatter
-itself, with Student's t of k - 1 degrees of freedom, exact where all v_i are equal. Things that
-agree by chance would make it too narrow: it is never narrower than the normal interval (Jackson et
-al. 2017, doi:10.1002/sim.7411).
+itself, with Student's t of k - 1 degrees of freedom, exact where all v_i are equal. It is never
+narrower than the normal interval, as it would be for things that agree by chance (Jackson et al.
+2017, doi:10.1002/sim.7411).
 
-Not true where the errors e_i of the things are correlated: what they share is no part of v_i, and
-has to be added to the error of the mean.
+Not true where the e_i are correlated: add shared errors to the error of the mean, not to v_i.
 """
 
 from dataclasses import dataclass
@@ -113,9 +112,7 @@ def quantile95(freedom: int) -> float:
 
 
 def as_sigma(t: float, freedom: int) -> float:
-    """The number of sigma of a normal distribution that is as rare as ``t`` of Student's.
-
-    So 3 sigma are as rare with two things as with a hundred.
+    """The quantile of the normal distribution as rare as ``t`` of Student's t.
 
     >>> round(as_sigma(12.706, 1), 2), round(as_sigma(-2.262, 9), 2)
     (1.96, -1.96)
@@ -127,6 +124,6 @@ def as_sigma(t: float, freedom: int) -> float:
 
 
 def _scale(x: Array, v: Array) -> Array:
-    """A variance of the size of the whole, never zero."""
+    """Scale of the variances, never zero."""
     whole = x.var(axis=0) + v.mean(axis=0)
     return np.where(whole > 0.0, whole, 1.0)

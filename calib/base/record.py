@@ -6,8 +6,7 @@
     class ModelFile(FileSchema):                               schema = 1
         pads: PadsSection
 
-All mistakes of a file are one message, and its JSON Schema follows from the same models. It loads
-pydantic: only what reads or writes a file imports it.
+All mistakes of a file are one message, and its JSON Schema follows from the models. Loads pydantic.
 """
 
 import math
@@ -77,7 +76,7 @@ def section(
 ) -> Any:
     """Return the schema of a table from type and default of each key.
 
-    A default of None is that of a key which may be left out, ``...`` of one that must be there.
+    The default is None for an optional key, ``...`` for a required one.
     """
     fields: dict[str, Any] = {
         name: (kind | None if default is None else kind, default)
@@ -168,16 +167,12 @@ class OneOf:
 
 
 def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
-    """Read a TOML file of a schema.
-
-    Raises ``error`` if there is no such file, if it is not TOML or of another version of the
-    schema; else one ``error`` that lists all mistakes in the file.
-    """
+    """Read a TOML file of a schema. Raises one ``error`` with all mistakes in the file."""
     return validated(load_toml(path, error), schema, path, error)
 
 
 def validated(document: object, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
-    """Check a document, plain values or the bytes of JSON. Raises one ``error`` of all mistakes."""
+    """Check a document, plain values or JSON. Raises one ``error`` with all mistakes."""
     try:
         if isinstance(document, bytes):
             return schema.model_validate_json(document)

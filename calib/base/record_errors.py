@@ -1,4 +1,4 @@
-"""The mistakes in a file: pydantic's errors in plain words, all in one message."""
+"""Mistakes in a file: pydantic's errors in plain words, all in one message."""
 
 from dataclasses import is_dataclass
 from types import UnionType
@@ -10,8 +10,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from calib.base.errors import BrakeCalError
 from calib.base.toml import did_you_mean, nearest, shown
 
-_LISTED = 100
-"""Mistakes of a file that a message lists."""
+_LISTED = 100  # most mistakes in a message
 
 _EXPECTED = {
     "string_type": "text in quotes",
@@ -42,7 +41,7 @@ def one_error(
     every = cause.errors(include_url=False)
     details, more = every[:_LISTED], max(len(every) - _LISTED, 0)
     version = [d for d in details if d["loc"] == ("schema",)]
-    # A misspelt key is also reported as missing; only the spelling error is kept.
+    # a misspelt key is also reported as missing: only the spelling counts
     intended = [
         (*d["loc"][:-1], nearest(str(d["loc"][-1]), _keys(schema, d["loc"][:-1])))
         for d in details
@@ -66,7 +65,7 @@ def one_error(
 
 
 def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, str, str]:
-    """Its place, what is wrong, what is expected there, and what to do."""
+    """Place, problem, expected value and remedy of a mistake."""
     kind, loc, value = detail["type"], detail["loc"], shown(detail["input"])
     path, parent = _path(loc), _path(loc[:-1])
     context = detail.get("ctx", {})

@@ -1,7 +1,4 @@
-"""`brake-cal.toml`: the settings of a project; `brake-cal schema settings` has its keys.
-
-It is in the working folder or in one above it; the first one found counts.
-"""
+"""`brake-cal.toml`, the settings of a project, in the working folder or the nearest above it."""
 
 import os
 from contextlib import suppress
@@ -55,10 +52,9 @@ class SettingsFile(FileSchema):
 
 
 def read_settings(path: Path | None) -> dict[str, Any]:
-    """What a settings file says, by key such as ``station.name``; None for what it does not say.
+    """Values of a settings file by key, such as ``station.name``; None for those it does not have.
 
-    Paths are made to lead from the working folder. Raises one SettingsError with all mistakes of
-    the file.
+    Paths lead from the working folder. Raises one SettingsError with all mistakes.
     """
     file = read_toml(path, SettingsFile, SettingsError) if path else SettingsFile(schema=1)
     folder = Path(os.path.relpath(path.absolute().parent)) if path else Path()
@@ -80,11 +76,7 @@ def read_settings(path: Path | None) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Project:
-    """The settings that count here, see `read_settings`.
-
-    ``file`` is None where none was found; ``folders``: the folders that were looked into, none
-    where the environment names the file.
-    """
+    """Settings as by `read_settings`, their ``file`` or None, and the ``folders`` searched."""
 
     settings: dict[str, Any]
     file: Path | None

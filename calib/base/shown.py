@@ -1,4 +1,4 @@
-"""Results that draw themselves. What draws is on a floor above; `calib` names it here."""
+"""Results that draw themselves, by functions of higher rooms that `calib` registers here."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -8,10 +8,7 @@ if TYPE_CHECKING:
 
 
 class Shown:
-    """A result with a picture, and with a page in a notebook.
-
-    ``views`` has the functions of a result that make a figure ("plot") and HTML ("page").
-    """
+    """A result with a picture and a page; ``views`` make the figure ("plot") and HTML ("page")."""
 
     views: ClassVar[dict[str, Callable[["Shown"], Any]]] = {}
 

@@ -15,14 +15,9 @@ from calib.base.units import UnknownUnit, si_of, to_si
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """A number in a quantity, as a regular expression."""
 
-_QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)
-"""A quantity without blanks around it."""
-
-_LONGEST = 60
-"""Characters of a wrong value that a message shows, or of a misspelt word that is looked for."""
-
-_MOST_PARTS = 100
-"""Parts of a dotted key; tomllib takes seconds and gigabytes for thousands of them."""
+_QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)  # without blanks around it
+_LONGEST = 60  # characters of a wrong value in a message, or of a word that is compared
+_MOST_PARTS = 100  # of a dotted key; tomllib takes seconds and gigabytes for thousands of them
 
 _LONG_KEY = re.compile(
     r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{_MOST_PARTS}}}"
@@ -30,10 +25,7 @@ _LONG_KEY = re.compile(
 
 
 def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
-    """Read a TOML file without any check of its content.
-
-    Raises ``error`` if there is no such file, if it cannot be read, or if it is not TOML.
-    """
+    """Read a TOML file without a schema. Raises ``error`` if it is unreadable or not TOML."""
     data = bytes_of(path, TOML, error, "a TOML file")
     try:
         text = data.decode("utf-8-sig")
@@ -48,15 +40,14 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
 def nearest(word: str, words: Collection[str]) -> str | None:
     """Return the known word that is most like ``word``; None if none is similar.
 
-    Of similar words, one of the same letters in another order is nearer: two were exchanged; so is
-    one that has all parts of the word.
+    Words with the same letters, or with all parts of ``word``, come first.
 
     >>> nearest("omega_lf", ["omega_fl", "omega_rl"])
     'omega_fl'
     >>> nearest("pad_fade", ["road_grade", "pad_thermal_fade"])
     'pad_thermal_fade'
     """
-    if len(word) > _LONGEST:  # the comparison takes time with the square of its length
+    if len(word) > _LONGEST:  # comparing takes quadratic time
         return None
     close = difflib.get_close_matches(word, words, n=len(words)) if words else []
     parts = set(word.split("_"))
@@ -76,8 +67,8 @@ def did_you_mean(word: str, words: Collection[str]) -> str:
 def quantity(value: object, si: str | None, where: object, error: type[InputError]) -> float:
     """A number in SI from a quantity in a TOML file, such as ``"28.84 cm^2"``.
 
-    ``si`` is the unit wanted, None for any; only a dimensionless one may be a plain number. Raises
-    ``error`` at ``where`` for what is not finite, has no unit or one of another quantity.
+    ``si`` is the unit wanted, None for any; only a dimensionless quantity may be a plain number.
+    Raises ``error`` at ``where`` for a missing or wrong unit, or a number that is not finite.
     """
     dimensionless = si in ("1", None)
     written = value if isinstance(value, str) else repr(value)

@@ -22,11 +22,7 @@ class UnknownUnit(ValueError):
 
 @dataclass(frozen=True)
 class Unit:
-    """SI value = written * scale / per + offset.
-
-    Two factors instead of one reduce rounding: ``28.84 / 1e4`` is the floating-point number nearest
-    to 0.002884, ``28.84 * 1e-4`` is not.
-    """
+    """SI value = written * scale / per + offset; 28.84 / 1e4 is exact, 28.84 * 1e-4 is not."""
 
     scale: float = 1.0
     per: float = 1.0
@@ -35,8 +31,7 @@ class Unit:
 
 ONE = Unit()
 
-BAR = 1e5
-"""A bar [Pa]."""
+BAR = 1e5  # [Pa]
 
 QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     # SI unit: (quantity, {written unit: meaning})
@@ -123,7 +118,7 @@ def unit_of(unit: str, si: str) -> Unit:
 
 
 def behind(unit: str) -> str:
-    """A unit as it stands behind a number; nothing behind one that has none.
+    """A unit as text behind a number.
 
     >>> f"5{behind('bar')}", f"0.4{behind('1')}"
     ('5 bar', '0.4')
@@ -139,10 +134,7 @@ def spellings(si: str | None) -> list[str]:
 
 
 def si_of(unit: str) -> str:
-    """The SI unit of the quantity that a written unit belongs to: ``"cm^2"`` gives ``"m^2"``.
-
-    For values whose quantity is not known yet. Raises `UnknownUnit`.
-    """
+    """The SI unit of a written one: ``"cm^2"`` gives ``"m^2"``. Raises `UnknownUnit`."""
     written = spelling(unit)
     for si, (_, table) in QUANTITIES.items():
         if written in table:

@@ -1,9 +1,9 @@
-"""One shape for what speaks against a run or a result, and the one list of rules: `rules.csv`.
+"""Warnings on a run or a result, and the list of rules: `rules.csv`.
 
-figure of the run --Measured--> rows of its code that a purpose asks --outside the range--> warning
+figure of the run --Measured--> rows of its code for a purpose --outside the range--> warning
 
 A row refuses the run, makes its result void, or warns. Further rows of a code, for other purposes
-or consequences, leave out what they have from the first one.
+or consequences, inherit empty cells from the first one.
 """
 
 import json
@@ -18,15 +18,15 @@ from calib.base.plain import listed, plain, range_words, rows
 from calib.base.units import behind
 
 REFUSE, VOID, WARN = "refuse", "void", "warn"
-"""What a rule does outside its range: no result, a result of which no sample counts, a warning."""
+"""Consequences of a value outside the range: no result, a void result, a warning."""
 
 
 class _Rule(NamedTuple):
-    """A row: what the ``figure`` named so gives as ``code`` is to lie from ``low`` to ``high``.
+    """A row: the ``code`` that the ``figure`` yields must lie from ``low`` to ``high``.
 
-    The range is no narrower than zero give or take ``sure`` of the sigmas. ``purposes`` that ask;
-    ``needs`` a vehicle, other logs, a table or a fit; "" of a log alone. ``causes`` the most likely
-    first, ``below`` those of what is below the range. It ``makes`` other codes.
+    The range includes zero +- ``sure`` sigmas. ``needs`` a vehicle, other logs, a table, a fit or
+    "". ``causes`` the most likely first, ``below`` those of a value below the range. ``makes``:
+    codes that follow from it.
     """
 
     code: str
@@ -75,23 +75,20 @@ _MEANS = {rule.code: rule.means for rule in reversed(RULES)}
 LIMITS = SimpleNamespace(
     **{row["name"]: json.loads(row["value"]) for row in rows("log_limits.csv")}
 )
-"""Further numbers by which a log is looked at, each with its unit and its reason."""
+"""Further limits for logs, each with its unit and its reason."""
 
 UNITS = {rule.code: rule.unit for rule in reversed(RULES)}
-"""The codes with the unit of what they measure. The ``log`` of those of a vehicle file is the name
-of the vehicle; 1 of a code that measures nothing else says that it is so. A metric past its limit
-has its own name as code, and is a number without unit."""
+"""Unit of each code. A code that measures nothing has the value 1; a metric beyond its limit has
+its own name as code, without unit."""
 
 
 @dataclass(frozen=True)
 class PlausibilityWarning:
     """One warning.
 
-    ``code`` of `UNITS`, or the metric whose limit is not held; ``log`` its name, or that of the
-    table; ``measured`` and ``expected`` (low, high; None where there is no bound) in the unit of
-    the code; ``causes`` the most likely first; ``do`` what to do.
-
-    Raises NotFiniteError for a number that is not finite: it would speak against something else.
+    ``code`` of `UNITS`, or a metric beyond its limit; ``log`` name of the log, table or vehicle;
+    ``measured`` and ``expected`` (low, high; None without a bound) in the unit of the code;
+    ``causes`` the most likely first; ``do`` the remedy. Raises NotFiniteError.
     """
 
     code: str
@@ -111,7 +108,7 @@ class PlausibilityWarning:
 
     @property
     def text(self) -> str:
-        """The warning as a sentence, without the log, and with the most likely cause alone."""
+        """The warning without the log, and with the most likely cause alone."""
         text = f"{self.title} ({self.code})"
         if (UNITS.get(self.code), self.measured, self.expected) != ("1", 1.0, (0.0, 0.0)):
             text = f"{text}: {self.amount}, expected {self.bounds}"
@@ -135,10 +132,9 @@ class PlausibilityWarning:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a run says of a code of `rules.csv`, in the measure of the range of its rows.
+    """Value and sigma of a code of `rules.csv`, in the scale of its range.
 
-    ``value`` with its ``sigma``; ``shown`` that measure as the warning tells it, rising; ``words``
-    for its causes.
+    ``shown`` converts to the scale of the warning, rising; ``words`` are put into its causes.
     """
 
     code: str
@@ -149,7 +145,7 @@ class Measured:
 
 
 def relative(code: str, value: float, usual: float) -> Measured:
-    """A value of which the row bounds the change from what is ``usual`` [1]."""
+    """A value whose row bounds its relative change from the ``usual`` one [1]."""
     return Measured(code, value / usual - 1.0, shown=lambda change: (1.0 + change) * usual)
 
 
@@ -159,10 +155,9 @@ def judged(
     purpose: str | None = None,
     does: Collection[str] = (WARN,),
 ) -> tuple[PlausibilityWarning, ...]:
-    """What the rules say of figures that lie outside their range.
+    """Warnings of the rules of a ``purpose``, or of all, with one of the consequences ``does``.
 
-    Those that a ``purpose`` asks, or all; with one of the consequences ``does``. The gravest row of
-    a code comes first, and is the one that tells.
+    The gravest row of a code comes first, and alone counts.
     """
     warnings = []
     for m in measured:
@@ -191,10 +186,9 @@ def _warned(rule: _Rule, log: str, m: Measured, low: float, high: float) -> Plau
 def unexplained(
     warnings: Iterable[PlausibilityWarning], beside: Iterable[PlausibilityWarning] = ()
 ) -> tuple[PlausibilityWarning, ...]:
-    """The warnings that no other one makes, nor one ``beside`` them, in the order of the rules.
+    """The warnings that follow from no other one, nor from one ``beside`` them, in order of rules.
 
-    Units, signs and zeros stand first there: what a log with a wrong one shows further, as wheels
-    that seem to lock, has that cause and no other.
+    For example, locked wheels that follow from a wrong unit are left out.
     """
     every = tuple(warnings)
     explained = {code for one in (*every, *beside) for code in _made_by(one)}
@@ -203,16 +197,16 @@ def unexplained(
 
 
 def _made_by(warning: PlausibilityWarning) -> tuple[str, ...]:
-    """Codes that follow from a warning: none from one that is within the first row of its code."""
+    """Codes that follow from a warning; none if it is within the first row of its code."""
     first = _OF[warning.code][0]
     return () if first.low <= warning.measured <= first.high else first.makes
 
 
 def bounds_of(code: str) -> tuple[float, float]:
-    """Range of the first row of a code: who needs the number elsewhere asks for it here."""
+    """Range of the first row of a code."""
     return _OF[code][0].low, _OF[code][0].high
 
 
 def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:
-    """A warning as JSON types; a bound that is not there is null."""
+    """A warning as JSON types; a missing bound is null."""
     return {**asdict(warning), "expected": [*warning.expected], "causes": [*warning.causes]}

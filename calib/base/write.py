@@ -4,9 +4,9 @@
     out/.making-<random>.lock    is locked while a run makes its files
     out/.making-<random>/        where it makes them
 
-The old verdict goes first and the new one comes last. A run that is killed leaves its folder, which
-the next one deletes, and the old run, the new one, or no verdict. No file is replaced or removed
-while it is open or locked, which Windows forbids.
+The old verdict is removed first and the new one written last. A killed run leaves the old run, the
+new one, or no verdict, and a folder that the next run deletes. No file is replaced or removed while
+it is open or locked, which Windows forbids.
 """
 
 import errno
@@ -21,15 +21,13 @@ from pathlib import Path, PurePosixPath
 
 _LOCK = ".lock"  # of a folder, and how the lock file of a work folder ends
 _WORK = ".making-"
-_RETRIES = (0.02, 0.1, 0.5, 2.0)
-"""Waits [s] where a file cannot be replaced: on Windows a scanner or a reader holds it."""
+_RETRIES = (0.02, 0.1, 0.5, 2.0)  # waits for a file that a reader or scanner holds on Windows [s]
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write ``content`` to ``path`` in one step; it is on the disk when this returns.
+    """Write ``content`` to ``path`` atomically, and to the disk. Raises OSError.
 
-    A reader gets the old file or the new one, never a part. The new file is made beside it, as
-    ``.<name>.<random>.new``. Raises OSError if the directory cannot be written.
+    The new file is made beside it, as ``.<name>.<random>.new``.
     """
     new = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
     try:
@@ -58,10 +56,9 @@ def _replace(source: Path, target: Path) -> None:
 
 @contextmanager
 def locked_folder(folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder, which is made if it is not there.
+    """Hold the lock of a folder, which is made if missing, and removed if it then stays empty.
 
-    A folder that stays empty and was made here is removed. The lock holds between processes of one
-    computer, and between computers where the file system passes locks on. Raises OSError.
+    It holds between computers if the file system supports that. Raises OSError.
     """
     is_new = not folder.exists()
     try:
@@ -104,10 +101,9 @@ def _locked(path: Path, wait: bool = True) -> Iterator[None]:
 
 
 def _is_open_at(path: Path, handle: int) -> bool:
-    """Whether a handle is of the file that is at ``path`` now, and not of one that was removed.
+    """Whether a handle is of the file that is at ``path`` now, not of one that was removed.
 
-    It is opened anew, since a network file system renames a removed file that is open, and may have
-    the old name in its cache.
+    ``path`` is opened anew, since a network file system may have a removed file in its cache.
     """
     with suppress(FileNotFoundError), path.open("rb") as now:
         return os.path.samestat(os.fstat(now.fileno()), os.fstat(handle))
@@ -138,11 +134,10 @@ def _flush(handle: int) -> None:
 
 @contextmanager
 def workshop(out: Path) -> Iterator[Path]:
-    """Make a hidden work folder in ``out``; it is deleted afterwards.
+    """Make a hidden work folder in ``out``, on the same file system; it is deleted afterwards.
 
-    It is inside ``out``, because the parent folder may be on another file system. Those of killed
-    runs are deleted. If ``out`` did not exist before and stays empty, it is deleted too. Raises
-    OSError at once if ``out`` cannot be written.
+    Those of killed runs are deleted, and a new ``out`` that stays empty. Raises OSError at once if
+    ``out`` cannot be written.
     """
     is_new = not out.exists()
     out.mkdir(parents=True, exist_ok=True)
@@ -173,12 +168,11 @@ def publish(
 
     Parameters
     ----------
-    verdict : name of the file in ``work`` that says what the others are; it is moved last.
-    stale : gives the names of files of earlier runs in ``out``. Those that this run did not make
-        again are removed; other files stay. Called while no other run is published there.
+    verdict : name of the file in ``work`` that is moved last.
+    stale : gives the names of files of earlier runs in ``out``, called under its lock. Those that
+        this run did not make again are removed; other files stay.
 
-    Where a file cannot be moved, those that were moved are removed; the old verdict is gone then.
-    Raises OSError.
+    If a file cannot be moved, all new ones and the old verdict are removed. Raises OSError.
     """
     files = (path for path in work.rglob("*") if not path.is_dir())
     names = sorted(path.relative_to(work).as_posix() for path in files)
@@ -206,14 +200,14 @@ def publish(
 
 
 def _is_inside(out: Path, name: str) -> bool:
-    """Whether a name is a path that stays within the folder ``out``, also where links lead."""
+    """Whether a path stays within the folder ``out``, also through links."""
     path = PurePosixPath(name)
     plain = bool(path.parts) and not path.is_absolute() and ".." not in path.parts
     return plain and (out / name).parent.resolve().is_relative_to(out.resolve())
 
 
 def refuse_obstacles(out: Path, names: Iterable[str]) -> None:
-    """Raise OSError if a folder is where a file of ``names`` goes, or a file where its folder."""
+    """Raise OSError for a folder in the place of a file of ``names``, or a file for its folder."""
     for name in names:
         if (out / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(out / name))
@@ -223,7 +217,7 @@ def refuse_obstacles(out: Path, names: Iterable[str]) -> None:
 
 
 def _remove(out: Path, names: Iterable[str]) -> None:
-    """Delete files, and the folders of theirs that are empty then."""
+    """Delete files, and their folders that are empty then."""
     for name in names:
         if not (out / name).is_dir():
             (out / name).unlink(missing_ok=True)
