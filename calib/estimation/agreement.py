@@ -1,11 +1,10 @@
-"""Whether the stops of one road agree: pad friction of those with like tyres and like pads.
+"""Whether the stops on one road agree on the pad friction.
 
-    tile   basalt  asphalt                        a road ends where a stop differs from its
-     x       x     x xx       ln of stiffness     softest by more than both may err
+    tile   basalt  asphalt                        a road: all stops that differ in stiffness from
+     x       x     x xx       ln of stiffness     its softest stop by less than their errors
 
-Roads that tyres cannot tell apart are one road; on different ones a table errs differently. Pads
-that all brake less in one stop, as wet ones do, are not compared with dry ones: `level_changed`
-tells of them.
+A road is told by the stiffness of the tyres, since the error of a table depends on the road. Wet
+pads are not compared with dry ones: `level_changed` warns of them.
 """
 
 import math
@@ -19,20 +18,16 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.validate import Validation
 
 _PADS = ("pad_friction_f", "pad_friction_r", "pad_level")
-_APART = 2.5
-"""Difference of two stiffnesses from which they are of two roads [sigma]: by chance in one pair of
-eighty on the same road."""
-_OTHER_PADS = 0.15
-"""Difference of ln of the pad level [1] from which pads are not alike: that of one of the stops has
-then changed since the ramp by more than goes without a warning."""
+_OTHER_ROAD = 2.5  # difference of stiffness of two roads [sigma]; one road: 1 of 80 pairs
+_OTHER_PADS = 0.15  # difference of ln of the level [1] at which one of two stops has a warning
 
 
 @dataclass(frozen=True)
 class _Road:
-    """Stops of one road with like pads: names, stiffness of the tyres over the ramp's [1].
+    """Stops on one road with like pads; ``stiffness`` of the tyres over the ramp's [1].
 
     ``mean_f``, ``mean_r`` pad friction; ``spread_f``, ``spread_r`` the largest relative departure
-    from it, the repeatability [1]; None of a single stop.
+    from it [1], None of a single stop.
     """
 
     stops: tuple[str, ...]
@@ -63,24 +58,24 @@ class _Agreement:
 def agreement(results: Iterable[Validation]) -> _Agreement | None:
     """Agreement of the stops; None where no two with an answer are of one road and like pads.
 
-    From the softest road on, each stop that is like the softest one left is of its road.
+    The softest stop without a road begins one, which has all stops that are like it.
     """
     answered = [r for r in results if r.figures["pad_level"] is not None]
     rows = [[*(r.figures[key] for key in _PADS), *stiffness(r.estimate)] for r in answered]
     stops = np.array(rows, dtype=float).reshape(-1, 5)
-    places, roads = np.argsort(stops[:, 3], kind="stable"), []
-    while places.size:
-        _, _, level, tyres, sigma = stops[places].T
-        like = tyres - tyres[0] <= _APART * np.hypot(sigma, sigma[0])
+    ungrouped, roads = np.argsort(stops[:, 3], kind="stable"), []
+    while ungrouped.size:
+        _, _, level, tyres, sigma = stops[ungrouped].T
+        like = tyres - tyres[0] <= _OTHER_ROAD * np.hypot(sigma, sigma[0])
         like &= np.abs(np.log(level / level[0])) < _OTHER_PADS
-        group = stops[places[like]]
+        group = stops[ungrouped[like]]
         pads = group[:, :2].mean(axis=0)
         spread = np.abs(group[:, :2] / pads - 1.0).max(axis=0) if len(group) > 1 else (None, None)
-        names = tuple(answered[i].log for i in places[like])
+        names = tuple(answered[i].log for i in ungrouped[like])
         roads.append(
             _Road(names, math.exp(group[:, 3].mean()), *pads.tolist(), *map(finite, spread))
         )
-        places = places[~like]
+        ungrouped = ungrouped[~like]
     spreads = [(road.spread_f, road.spread_r) for road in roads if road.spread_f is not None]
     if not spreads:
         return None
@@ -91,9 +86,7 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
 
 
 def stiffness(e: Estimate) -> tuple[float, float]:
-    """ln of the tyres' stiffness over that of the ramp [1], by the slip of the last valid sample;
-    its sigma.
-    """
+    """ln of the tyres' stiffness over the ramp's [1], at the last valid sample, and its sigma."""
     i, tyre = int(np.flatnonzero(e.valid)[-1]), e.table.tyre
     z = float(np.clip(e.read.z[i], tyre.force[1], tyre.force[-1]))
     on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z

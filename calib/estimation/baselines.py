@@ -1,14 +1,13 @@
-"""Other ways to the pad friction, shown beside the estimate: the paper's, and what it argues with.
+"""Baselines of the pad friction: the paper's law, and the methods that it compares itself with.
 
-The curves f1(eta), f2(eta) hold on the road of the ramp. A method that cannot be used on a run says
-NaN.
+The curves f1(eta), f2(eta) hold on the road of the ramp. A method that does not apply gives NaN.
 
     y = J d omega/dt - (z + f1) R F_z + mu_n C P = -zeta C P     (23), front; f2 at the rear
     y = theta u,   theta = zeta,   u = -C P                      (24)
 
 (25) as printed lacks the derivative: it is d theta_hat/dt = gamma eps u, eps = y - theta_hat u. In
-steps of dt it is stable while gamma u^2 dt < 2. With theta_err = theta - theta_hat, what always
-decreases is theta_err^2/(2 gamma); the paper's function, (26) to (28), does for constant u only.
+steps of dt it is stable while gamma u^2 dt < 2. A Lyapunov function is
+(theta - theta_hat)^2/(2 gamma); that of the paper, (26) to (28), is one for constant u only.
 """
 
 from collections.abc import Callable
@@ -39,15 +38,14 @@ def nominal(e: Estimate, factor: Array | float = 1.0) -> Pair:
 def mean_gain(e: Estimate) -> Pair:
     """Nominal pads times one factor, the paper's [16].
 
-    Recursive least squares with forgetting over `_MEMORY` of the brake force that the deceleration
-    demands over that of nominal pads; 1 before the first braking. Of [16] the paper only says that
-    its gain is found recursively and rests on the deceleration of the car alone. Here that is the
-    accelerometer's, known resistance taken out. It cannot see a difference between the axles.
+    Recursive least squares of demanded on nominal brake force, forgetting over `_MEMORY`; 1 before
+    the first braking. Of [16] the paper only says that its gain is recursive and rests on the
+    deceleration: here a_x without known resistance. It cannot tell the axles apart.
     """
     u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
     pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
-    above, below = (recursive(x, pole) for x in (u * e.forces.balance.demanded, u * u))
-    factor = np.divide(above, below, out=np.ones_like(u), where=below > 0.0)
+    numerator, denominator = (recursive(x, pole) for x in (u * e.forces.balance.demanded, u * u))
+    factor = np.divide(numerator, denominator, out=np.ones_like(u), where=denominator > 0.0)
     return nominal(e, factor)
 
 
@@ -57,12 +55,11 @@ def mean_gain(e: Estimate) -> Pair:
 def _as_written(e: Estimate) -> Pair:
     """The paper's law (23)-(25) as it is written, with nothing added.
 
-    d omega/dt is the step of the axle's mean wheel speed since the sample before; nothing is
-    smoothed. z is the accelerometer's as read, the loads are (6), (7), no resistance or motor is
-    taken out, and the law is never frozen. What the paper leaves open: gamma is one for both axles,
-    that which gives the front axle `RATE`, so that the rear of the reference car is 7 times slower;
-    mu_n is that of the estimate; P is the axle's where wheel pressures are logged; eta is zeroed
-    like the table's, or both would hold the mismatch of their day's radii.
+    d omega/dt is the difference of the axle's mean wheel speed over one sample, z that of a_x as
+    read, the loads are (6), (7). Nothing is smoothed or taken out, and the law is never frozen. The
+    paper leaves open: gamma, here one for both axles that gives the front axle `RATE`, and the rear
+    one of the reference car a seventh of it; mu_n, that of the estimate; P, that of the axle where
+    it is logged; and the zero of eta, here that of the table.
     """
     car, s = e.car, e.read
     spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
@@ -73,14 +70,14 @@ def _as_written(e: Estimate) -> Pair:
 def _adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
     """Pad friction mu_n + zeta of the axles (n,) by the law on their brake forces [N] (n,).
 
-    Each axle has its own gain and is frozen where no pads bite; with one ``gamma`` it never is.
+    Each axle has its own gain, and is frozen where no pads bite; with one ``gamma`` never.
     """
-    acts = e.forces.active if gamma is None else True
+    active = e.forces.active if gamma is None else True
 
     def adapt(axle: Axle, p: Array, brake: Array) -> Array:
         torque = axle.torque_gain * p
         y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
-        u = np.where(acts, -torque, 0.0)  # (24)
+        u = np.where(active, -torque, 0.0)  # (24)
         return axle.pad_friction + gradient(y, u, gamma or gain(axle), e.read.sample_time)
 
     return adapt(e.car.front, e.read.p_f, brakes[0]), adapt(e.car.rear, e.read.p_r, brakes[1])

@@ -6,9 +6,8 @@
                                                              on, the wheels and v measure it
 
 d is the brake force that the deceleration demands, u that of the nominal pads, both over the
-weight. Rolling resistance, bias of the accelerometer and pitch at rest need not be known: d_0 holds
-them all. Without v the wheels alone measure the speed: what they lose against a_x is slip, and as
-the car gets slow it is an error of a_x.
+weight. d_0 holds rolling resistance, bias of a_x and pitch at rest. Without v only the wheels
+measure the speed; a difference from a_x that remains at low speed is an error of a_x, no slip.
 """
 
 import math
@@ -34,9 +33,9 @@ from calib.estimation.state import (
 class BlockState(NamedTuple, Generic[Number]):
     """Estimate of brakes and tyres after a block."""
 
-    level: Number  # of the pads [1], its variance
+    level: Number  # level of the pads [1], and its variance
     level_variance: Number
-    blocks: Number  # number in the means that forget
+    blocks: Number  # effective number in the means
     z: Number  # means of z, eta - 1 from their zeros and of z squared [1]
     shift: Number
     z_squared: Number
@@ -46,38 +45,38 @@ class BlockState(NamedTuple, Generic[Number]):
     slip_variance: Number
     slip_scale: Number
     scale_variance: Number
-    demand_variance: Number  # of the zeros
+    demand_variance: Number  # variances of the zeros
     eta_variance: Number
-    eta_by_drive: Number  # its mean, as in `Sample`
+    eta_by_drive: Number  # mean of that of `Sample`
     effective_pressure_share: Number  # share of the pressure that acts [1]
     innovation: Number  # of the wheels where they count, in standard deviations
     braked: Number  # time of this stop [s]
-    zero_eta: Number  # as they stand [1]
+    zero_eta: Number  # eta and slip while nothing brakes [1]
     zero_slip: Number
-    counts: Number  # 1 where the wheels tell the speed, else 0
+    counts: Number  # 1 where the wheels measure the speed, else 0
     checks: Number  # `CHECKS` that fail or just did, one bit each
 
 
 class SlipEvidence(NamedTuple):
-    """Slip, one of what was measured and what the map has, and level, of blocks (k,)."""
+    """Slip, by measurement and map together, and level of the pads, of blocks (k,)."""
 
-    slip: Array  # how far ln(slip/z) is from that of the map, in its sigma
+    slip: Array  # ln(slip/z) less that of the map, in its sigma
     slip_sigma: Array
-    scaled: Array  # share of a_x that is deceleration [1], with the slip of the map
-    pads: Array  # level at the pressure of now, with the lag [1]
+    scaled: Array  # share of a_x that is deceleration [1]
+    pads: Array  # level at the present pressure, with the lag [1]
     noise: Array  # variance of the level by noise
-    accelerometer: Array  # and by a_x
+    accelerometer: Array  # variance of the level by a_x
 
 
 def update_zero(zero: Zero, x: float, variance: float) -> None:
-    """Update what a signal reads while nothing brakes by a reading with its variance."""
+    """Update the zero of a signal by a reading with its variance."""
     gain = zero.variance / (zero.variance + variance)
     zero.value += gain * (x - zero.value)
     zero.variance *= 1.0 - gain
 
 
 def zero_fits(c: Constants, s: State, demand: float, eta_less_1: float) -> bool:
-    """Whether readings of a car that rolls are zeros that a car can have."""
+    """Whether the readings of a rolling car are plausible zeros."""
     fits = abs(demand) < c.most_zero and abs(eta_less_1 - c.radii) < c.most_radii
     s.check.refused = 0.0 if fits else s.check.refused + 1.0
     return fits
@@ -89,12 +88,12 @@ def shift(s: State, x: Sample[float]) -> float:
 
 
 def rim_speed(s: State, x: Sample[float]) -> float:
-    """Speed of all wheels' rims [m/s], weighted by load, radii made equal."""
+    """Speed of the rims of all wheels [m/s], weighted by load, with equal radii."""
     return x.rim + x.rim * x.rear_share * shift(s, x)
 
 
 def reset_stop(c: Constants, s: State) -> None:
-    """Forget what is only of the last stop; the lag is the car's."""
+    """Reset the states of a stop; the lag stays, as it is that of the car."""
     f: LevelFilter = s.level
     f.level, f.rate, f.var_level, f.var_rate = 1.0, 0.0, c.var_level, c.var_rate
     f.cov_level_lag, f.cov_level_rate, f.cov_lag_rate = 0.0, 0.0, 0.0
@@ -103,20 +102,20 @@ def reset_stop(c: Constants, s: State) -> None:
     s.braked, s.mean_z = 0.0, 0.0
     e: Check = s.check
     off = s.speed.scale - c.scale
-    if abs(off) > c.far * c.scale_sigma:  # what a fault that is gone has left, is learned again
+    if abs(off) > c.far * c.scale_sigma:  # left by a fault: learn it anew
         s.speed.var_scale = max(s.speed.var_scale, off**2)
     e.level, e.chatter, e.ratio = 1.0, 0.0, 0.0
 
 
 def start(c: Constants, s: State) -> None:
-    """Begin with radii of the car within 1 %, and with pads of any level."""
+    """Begin with radii within 1 % of the car's, and any level of the pads."""
     s.eta_less_1.value, s.lag.value, s.level_then = c.radii, c.lag, 1.0
     s.demand.variance, s.eta_less_1.variance, s.lag.variance = c.var_zero, c.var_zero, c.var_lag
     reset_stop(c, s)
 
 
 def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
-    """Nominal brake force behind its lag, and its slope by the lag, exact for a straight rise."""
+    """Update the force behind the lag, and its slope by the lag; exact for a linear rise."""
     dt, lag = c.block, max(s.lag.value, c.least_lag)
     decay = math.exp(-dt / lag)
     rate = (nominal - s.nominal) / dt
@@ -127,10 +126,7 @@ def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
 
 
 def force_variance(c: Constants, s: State, x: Sample[float]) -> float:
-    """Variance of the brake force less that of level and lag, which h level + k lag are.
-
-    Beside theirs and noise: by road and body, and by what the lag still holds back.
-    """
+    """Innovation variance of the brake force: by states, noise, road, and force still to come."""
     f: LevelFilter = s.level
     h, k = s.acting, f.level * s.by_lag
     rough, to_come = c.r_level * (x.demand - s.demand.value), c.r_lag * f.level * (x.nominal - h)
@@ -139,7 +135,7 @@ def force_variance(c: Constants, s: State, x: Sample[float]) -> float:
 
 
 def update_level(c: Constants, s: State, x: Sample[float]) -> None:
-    """Level and lag by the brake force of a block; means of what goes into the map."""
+    """Update level and lag by the brake force of a block, and the means for the map."""
     f: LevelFilter = s.level
     m: Means = s.means
     y, dt = x.demand - s.demand.value, c.block
@@ -149,7 +145,7 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     f.cov_level_lag += dt * f.cov_lag_rate
     f.cov_level_rate += dt * f.var_rate
     f.var_rate += c.walk_rate * f.level**2
-    h, k = s.acting, f.level * s.by_lag  # of the reading h level + k lag
+    h, k = s.acting, f.level * s.by_lag  # the force is h level + k lag
     p_level = h * f.var_level + k * f.cov_level_lag
     p_lag = h * f.cov_level_lag + k * s.lag.variance
     p_rate = h * f.cov_level_rate + k * f.cov_lag_rate
@@ -159,7 +155,7 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     s.check.chatter += c.share_chatter * (nis - s.check.chatter)
     jump = min(residual**2 - c.jump**2 * spread, c.var_level * h**2)
     keep = c.keep
-    if jump > 0.0:  # pads that change at once: what no noise explains, and the means are of others
+    if jump > 0.0:  # a step of the level: the old means no longer hold
         f.var_level += jump / h**2
         p_level += jump / h
         keep *= spread / (spread + jump)
@@ -190,7 +186,7 @@ def update(
     """Update the speed's filter by a reading of ``h`` v + ``k`` ln(slip/z) with its variance.
 
     Return the ``residual`` in standard deviations. No tyre slips by more than z, or by less than
-    1/3000 of it. ``mean`` of the residual if a_x errs by what the brakes do not explain.
+    1/3000 of it. ``mean`` expected residual if a_x errs by the unexplained brake force.
     """
     f: SpeedFilter = s.speed
     e: Check = s.check
@@ -234,7 +230,7 @@ def reset_speed(c: Constants, s: State) -> None:
 
 
 def unexplained(c: Constants, s: State, x: Sample[float]) -> float:
-    """Brake force that pads as they were do not explain: theirs, or an error of a_x."""
+    """Brake force that the earlier level does not explain: other pads, or an error of a_x."""
     force = x.demand - s.demand.value - s.check.level * s.acting
     return force if abs(force) > c.unexplained else 0.0
 
@@ -242,8 +238,7 @@ def unexplained(c: Constants, s: State, x: Sample[float]) -> float:
 def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
     """Whether a change of a motor's torque shows in the deceleration.
 
-    If the torque is wrong, the demand, of which it is a part, changes by as much, and the brakes
-    do not explain it.
+    A wrong torque changes the demand by as much, which the brakes do not explain.
     """
     e: Check = s.check
     step = x.drive - e.drive
@@ -258,7 +253,7 @@ def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> boo
 
 
 def check_a_x(c: Constants, s: State) -> None:
-    """Ask whether the brake force that is unexplained is an error of a_x, as the wheels tell.
+    """Decide by the wheels whether an unexplained brake force is an error of a_x.
 
     Once it is, it stays one until the force is explained again.
     """
@@ -270,9 +265,9 @@ def check_a_x(c: Constants, s: State) -> None:
     elif e.error == 0.0:
         s.errs = False
     e.ratio = min(e.ratio, c.errs)
-    if e.ratio <= 0.0:  # it begins again
+    if e.ratio <= 0.0:  # start anew
         e.ratio, e.v, e.slip, e.offset, e.scale = 0.0, 0.0, 0.0, 0.0, 0.0
-    if s.errs:  # what was learned of it is of no use
+    if s.errs:  # its zero is no longer known
         s.demand.variance = c.var_zero
         e.failing += 1.0
     if e.failing > 0.0:
@@ -280,7 +275,7 @@ def check_a_x(c: Constants, s: State) -> None:
 
 
 def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, counts: bool) -> None:
-    """Check innovations and states against what cars have; follow the level before a step."""
+    """Check innovations and states for plausibility; follow the level before a step."""
     e: Check = s.check
     y = x.demand - s.demand.value
     check_a_x(c, s)
@@ -305,13 +300,10 @@ def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, cou
 
 
 def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
-    """Predict the speed by a_x.
-
-    ``bends`` is the change of the mean deceleration [1].
-    """
+    """Predict the speed by a_x; ``bends`` is the change of the mean deceleration [1]."""
     f: SpeedFilter = s.speed
     rims = rim_speed(s, x)
-    if not s.anchored:  # radii that are made equal now would look like a speed that jumps
+    if not s.anchored:  # else a new zero of eta would look like a jump of speed
         reset_speed(c, s)
         s.rim = rims
         if braking or s.eta_less_1.variance < 0.5 * c.var_zero:
@@ -343,16 +335,16 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
 
 
 def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
-    """Update the speed by the wheels; what does not fit changes offset, scale and slip."""
+    """Update speed, slip, offset and scale by the wheels."""
     e: Check = s.check
     v, y, per_force = s.rim + s.speed.v, x.demand - s.demand.value, 0.0
     if braking:
         per_force = math.exp(s.speed.slip)
     slip = per_force * max(y, 0.0)
     variance = c.var_rim + (c.r_slip * slip * v) ** 2
-    then = per_force * max(y - e.error, 0.0)  # if a_x errs
-    then /= 1.0 + e.slip + 0.5 * e.slip**2  # is exp(e.slip), nearly
-    mean = (v - e.v) * (1.0 - then) - v * (1.0 - slip)
+    slip_if_errs = per_force * max(y - e.error, 0.0)
+    slip_if_errs /= 1.0 + e.slip + 0.5 * e.slip**2  # is exp(e.slip), nearly
+    mean = (v - e.v) * (1.0 - slip_if_errs) - v * (1.0 - slip)
     s.innovation = update(c, s, 1.0 - slip, -v * slip, v * slip - s.speed.v, variance, mean)
 
 
@@ -388,20 +380,17 @@ def block_state(s: State, *, counts: bool) -> BlockState[float]:
 
 
 def held_variance(c: Constants, s: State, level: float) -> float:
-    """Variance by which the held ratio grew: pads warm up, and those that changed did so unlike."""
+    """Variance that a held ratio gains by age, and by a level that changed, unlike on the axles."""
     return c.walk_held * s.age + (c.unlike * math.log(level / s.level_then)) ** 2
 
 
 def share_of(c: Constants, width: float, held_width: float) -> float:
-    """Share of a reading [1] by how much narrower its ``width`` is than that of what it replaces.
-
-    It grows from none to all: no last digit decides.
-    """
+    """Weight of a reading [1]: rises from 0 to 1 as it gets narrower than the held ratio."""
     return min(max((held_width / width - 1.0) / c.narrower, 0.0), 1.0)
 
 
 def reset_held(c: Constants, s: State, level: float, share: float) -> float:
-    """Variance by which the held ratio grew, once it has its ``share`` of a reading."""
+    """Blend age and level with the ``share`` of a new reading; return `held_variance`."""
     s.age = (1.0 - share) * s.age
     s.level_then = (1.0 - share) * s.level_then + share * level
     return held_variance(c, s, level)
@@ -410,11 +399,10 @@ def reset_held(c: Constants, s: State, level: float, share: float) -> float:
 def slip_evidence(
     c: Constants, s: BlockState[Array], z: Array, by_map: Array, sigma: Array
 ) -> SlipEvidence:
-    """Slip and level (k,); ``by_map`` is its ln(slip/z), with its ``sigma``.
+    """Update slip and level by the map, whose ln(slip/z) is ``by_map`` with its ``sigma``, (k,).
 
-    What the scale of a_x departs by from what its prior trusts may be another error, as of the
-    wheels: the level is in doubt by as much, and the slip by what the scale moves it by. So is the
-    slip by what it departs by from that of the map.
+    Where the scale of a_x departs from its prior, or the slip from the map, by more than is
+    trusted, the excess may come from another fault: it counts as a further error of both.
     """
     residual = by_map - s.log_slip
     doubt = np.maximum(np.abs(s.scale - c.scale) - c.trusted_scale, 0.0)
@@ -443,9 +431,7 @@ def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
     wheels = c.var_rim / (np.maximum(s.blocks, 1.0) * speed * speed)
     # a mean over decelerations that differ is not the curve at their mean
     nonlinearity = s.shift * np.maximum(s.z_squared / z**2 - 1.0, 0.0)
-    of_road = (
-        c.other_road * s.eta_by_drive
-    )  # slips that are known are those of the road of the ramp
+    of_road = c.other_road * s.eta_by_drive  # known slips are those on the road of the ramp
     return np.sqrt(wheels + s.eta_variance + nonlinearity**2 + of_road * of_road)
 
 

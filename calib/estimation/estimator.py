@@ -2,8 +2,7 @@ r"""The estimator on one log: causal, at the log's own rate, what an ECU would g
 
     log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
 
-The step is in `calib.estimation.step`; what the paper argues with, `calib.estimation.baselines`,
-starts from the same.
+The step is in `calib.estimation.step`; `calib.estimation.baselines` has other methods.
 """
 
 from dataclasses import dataclass, replace
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
 
 _SMOOTH = 0.1  # time constant of the causal filter on a load [s], short against the change of a pad
 
-
 COLUMNS = {
     "time": "s",
     **dict.fromkeys(("z", "eta", "normalised_force_f", "normalised_force_r"), "1"),
@@ -60,13 +58,13 @@ Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is 
 
 @dataclass(frozen=True)
 class Estimate(Shown):
-    """The estimator's answer on one log, at its rate, and what it started from.
+    """The estimate of one log, at its rate, and what it rests on.
 
-    ``table`` with the car as it is driven, ``car`` the same with the nominal pads and all known
-    effects; ``run`` the log with its gaps filled; ``ran`` its own samples, known effects taken out,
-    with what they did to the pad friction, which is given without them; ``read`` their signals with
-    their balance of ``forces``; ``noise`` of the sensors; ``best`` what the step
-    makes of all channels, ``ecu`` without a speed; ``unfit`` why no sample counts, if so.
+    ``table`` with the car as driven, ``car`` the same with nominal pads and all known effects;
+    ``run`` the log with its gaps filled; ``ran`` its own samples without known effects, and the
+    factors of these on the pad friction; ``read`` their signals, with the balance of ``forces``;
+    ``noise`` of the sensors; ``best`` the answer by all channels, ``ecu`` that without a speed;
+    ``unfit`` why no sample counts, if so.
     """
 
     table: Table
@@ -121,9 +119,9 @@ class Estimate(Shown):
 
     @property
     def zeros(self) -> tuple[float, float]:
-        """Eta (22) and slip [1] as the step has them before the first bite: the radii of the day.
+        """Eta (22) and slip [1] before the first bite, without known effects: the radii of the day.
 
-        Known effects are not in them. Without rolling those of the car, within one per cent.
+        Without a lead-in those of the car, within one per cent.
         """
         step, last = self.best.step, int(np.argmax(self.bites)) - 1  # without a bite the last one
         return float(step.zero_eta[last]), float(step.zero_slip[last])
@@ -154,7 +152,7 @@ class Estimate(Shown):
         )
 
     def columns(self) -> dict[str, Array | Mask | Index]:
-        """The samples by the names of `COLUMNS`, (n,) each; those of both wheels are the same."""
+        """The samples by the names of `COLUMNS`, (n,) each; both wheels of an axle are alike."""
         best, ecu = self.best.columns() | {"valid": self.valid}, self.ecu.columns()
         columns = self.time, self.read.z, self.eta, *self.normalised, *best.values(), *ecu.values()
         return dict(zip(COLUMNS, (*columns, self.ecu.step.reason), strict=True))
@@ -187,11 +185,10 @@ def estimate(
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
-    exported : the table as an ECU reads it, of which ``ecu`` then is, see `calib.table.exported`.
+    exported : the table as an ECU reads it, for ``ecu``, see `calib.table.exported`.
 
-    Raises StoreError for a table without maps, LogError for a log without a block.
-
-    Without a lead-in the radii are those of the vehicle, within one per cent: eta says little then.
+    Raises StoreError for a table without maps, LogError for a log without a block. Without a
+    lead-in the radii are those of the vehicle, within one per cent, and eta says little.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -211,7 +208,7 @@ def estimate(
 def run_of(
     table: Table, log: Log, vehicle: Vehicle | None = None, mass: float | None = None
 ) -> Run:
-    """A log of a table's car, of which all known effects are taken out; as of `estimate`."""
+    """The run of a log with the table's car and all known effects; arguments as of `estimate`."""
     effects = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     return Run(log, weighed(replace(table.vehicle, effects=effects), mass))
 
@@ -249,7 +246,7 @@ def estimate_run(
 
 
 def _filled(run: Run) -> tuple[Run, Index]:
-    """A run with samples in its gaps, in a straight line (m,), and the places of its own (n,)."""
+    """The run with its gaps filled linearly (m,), and the rows of its own samples (n,)."""
     rows = rows_of(run.log)
     if rows.size > rows[-1]:
         return run, rows

@@ -1,4 +1,4 @@
-"""What a table knows of its car: the nominal pads, the resistance, and the slips that it makes."""
+"""What a table knows of its car: nominal pads, resistance, and the slips by known effects."""
 
 import math
 from dataclasses import replace
@@ -20,7 +20,7 @@ from calib.table.table import Table
 
 @lru_cache(maxsize=4)
 def as_driven(table: Table, car: Vehicle) -> Table:
-    """The table with its ``car`` as driven: one for all logs of a batch, which share its maps."""
+    """The table with its ``car`` as driven, cached so that the logs of a batch share its maps."""
     return replace(table, vehicle=car)
 
 
@@ -35,7 +35,7 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
 
 
 def known_effects(table: Table) -> Effects:
-    """Drag and rolling resistance of the fit, and what the vehicle knows, which goes before it."""
+    """Drag and rolling resistance of the fit; known effects of the vehicle take precedence."""
     return table.effects.with_(table.vehicle.effects)
 
 
@@ -58,12 +58,11 @@ def known_resistance(table: Table) -> Resistance:
 
 
 def known_slips(table: Table, road: ForceBalance) -> Pair:
-    """Slip of both axles [1] (n,) besides that of a car which nothing but its brakes slows.
+    """Slip of both axles [1] (n,) by known effects: the whole slip less that by brakes alone.
 
-    Engine, motor and other known effects slip the wheels, too; by how much the tyre curve of the
-    table says, whose map knows none of them. The force of an axle is that of its pads on the ramp
-    and of these other moments, its load that of the whole deceleration, and what known effects
-    move. Wrong by this slip times what the road's stiffness differs from that of the ramp.
+    Slips follow from the tyre curve of the table. The force of an axle is that of the ramp's pads
+    and of engine, motor and other effects; its load counts the whole deceleration and what known
+    effects move. The relative error is that of the road's stiffness against the ramp's.
     """
     car = table.vehicle
     alone = road.demanded / (1.0 + sum(rotating_shares(car)))

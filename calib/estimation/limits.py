@@ -50,7 +50,7 @@ class Judgement(Limit):
         return {"passed": passed, "warned": self.verdict == WARNING}
 
     def warning(self, log: str) -> PlausibilityWarning:
-        """What is said of a value outside the range without warning."""
+        """The warning of a value outside ``warn_low`` to ``warn_high``."""
         assert self.value is not None
         cause = f"a stop, a sensor or pads that are not as usual: {METRICS[self.figure].meaning}"
         do = "look at this stop with `brake-cal check` and `brake-cal plot`"
@@ -63,9 +63,8 @@ DEFAULTS: tuple[Limit, ...] = tuple(
 )
 """Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`.
 
-They ask of what is handed out, the metrics with ``ecu_``: is it there, does it agree with truth or
-with the estimate with v by its own interval? How large an error or an interval may be is for the
-user to say: pads that differ from those of the ramp are less well known, and are right.
+They judge the answer of an ECU: is it there, and does its interval agree with truth, or with the
+estimate with v? How large an error or an interval may be is for the user to say.
 """
 
 

@@ -67,14 +67,13 @@ class _LimitSection(Section):
         _range([low, high])
         for end in warn:
             if isfinite(end) and not low <= end <= high:
-                raise wrong(
-                    f"warn {end:g} lies outside of fail {low:g} to {high:g}", "warn within fail"
-                )
+                flaw = f"warn {end:g} lies outside of fail {low:g} to {high:g}"
+                raise wrong(flaw, "warn within fail")
         return self
 
 
 def limits_schema(metrics: Collection[str]) -> type[FileSchema]:
-    """Return the schema of a limits file over the ``metrics`` metrics."""
+    """Return the schema of a limits file for the ``metrics``."""
     about = "The allowed range of each metric."
     limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(metrics), _LimitSection), about)
     return create_model("LimitsFile", __base__=FileSchema, __doc__=about, limits=(limits, ...))

@@ -1,7 +1,7 @@
 """Metrics of an estimate: errors against truth where the log has it, else its consistency.
 
-Two answers are scored by the same functions: the best one, of all channels, and with ``ecu_``
-before its metrics what the table gives without a reference speed, which is handed out.
+Two answers are scored alike: the best one, by all channels, and that of an ECU without a speed,
+whose metrics begin with ``ecu_``.
 """
 
 from typing import Any, NamedTuple
@@ -62,7 +62,7 @@ _NAMES = {
     "torque_error_level": "level_error",
     "ecu_truth": "true",
 }
-"""Parts of names that are not those of the metric and the side: truth is of the ECU's samples."""
+"""Words of metrics that are not put together of metric and side."""
 
 
 def score(e: Estimate) -> Figures:
@@ -83,9 +83,9 @@ def score(e: Estimate) -> Figures:
         figures["innovation_colour"] = np.mean(innovation[1:] * innovation[:-1])
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
     bites = counted & np.isfinite(e.best.pads_f.value)
-    for of, answer, holds, told in (("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)):
-        for metric, values in _of_answer(answer, truth, holds, told).items():
-            figures |= {f"{of}{metric}_{s}": x for s, x in zip(_SIDES, values, strict=True)}
+    for who, answer, holds, rows in (("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)):
+        for metric, values in _of_answer(answer, truth, holds, rows).items():
+            figures |= {f"{who}{metric}_{s}": x for s, x in zip(_SIDES, values, strict=True)}
     if valid.any():
         covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
         figures["covered_share"] = share(covered, valid)
@@ -94,8 +94,8 @@ def score(e: Estimate) -> Figures:
     if e.blocks.v is not None and (comparable := valid & by_ecu).any():
         figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, comparable)
         figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
-    for name, told_as in _NAMES.items():
-        figures = {key.replace(name, told_as): x for key, x in figures.items()}
+    for name, word in _NAMES.items():
+        figures = {key.replace(name, word): x for key, x in figures.items()}
     return {key: finite(figures.get(key)) for key in METRICS}
 
 
@@ -147,14 +147,13 @@ def _of_answer(
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
     """Rms of ln(ecu/best) over the standard deviation of this difference [1].
 
-    Both are means over the same draws of the ramp; the second one has seen v, too. So
+    Both are means over the same draws of the ramp, and ``best`` is given v as well. So
 
         var(best - ecu) = var(truth given what the ECU sees) - var(truth given v, too)
 
-    and the errors of the ramp, which both share, drop out: it can show that v and the maps
-    contradict each other, not that the ramp was wrong. Bounds are those of medians between cells,
-    and v need not narrow them: the spread is at least half of the ECU's own, as a difference that
-    is small against the interval that is handed out does no harm.
+    and the common errors of the ramp drop out: v may contradict the maps, but cannot show that the
+    ramp was wrong. The deviation is at least half of the ECU's own: interpolated bounds need not
+    get narrower by v, and a smaller difference does no harm.
     """
     deviation, other = ecu.sigma[valid], best.sigma[valid]
     spread = np.sqrt(np.maximum(deviation**2 - other**2, (0.5 * deviation) ** 2))
@@ -162,15 +161,15 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
 
 
 def _rms(x: Array) -> Array:
-    """Over the last axis."""
+    """Root mean square over the last axis."""
     return np.asarray(np.sqrt(np.mean(np.square(x), axis=-1)))
 
 
 def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
     """Rms relative error of the pad friction by each method, front and rear, over valid samples.
 
-    Without a truth it is against the best estimate, where that has seen v; else there are none. A
-    method that says NaN is left out.
+    Without a truth, against the best estimate with v; without v there are none. A method that
+    gives NaN is left out.
     """
     truth = truth_of(e)
     best, ecu = ((of.pads_f.value, of.pads_r.value) for of in (e.best, e.ecu))
@@ -189,11 +188,9 @@ def budget(e: Estimate) -> tuple[Parts, Parts] | None:
 
         ln mu = ln level + lever ratio        lever: share of the other axle in the brake force
 
-    Of the level: mass and resistance, accelerometer, noise. Of the ratio: what is read of eta, what
-    the ramp left open of tyres and pads, and what a stop may bring. None without a valid sample.
-
-    Of each axle the valid sample whose interval is the median one. The parts add up to the variance
-    of its interval, half of its width.
+    Causes of the level: mass and resistance, accelerometer, noise. Of the ratio: errors of eta, of
+    tyres and pads after the ramp, and changes in a stop. Taken at the valid sample of each axle
+    with the median interval, whose variance the parts add up to. None without a valid sample.
     """
     if not e.valid.any():
         return None
@@ -213,7 +210,7 @@ def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
     parts = {}
     for variance, causes in ((level, of_level), (whole - level, of_ratio)):
         unexplained = max(float(variance), 0.0)
-        for part, known in causes:  # as far as it goes; the last one is the rest
+        for part, known in causes:  # the last one takes the remainder
             parts[part] = min(float(known), unexplained)
             unexplained -= parts[part]
     return deviations(parts)

@@ -1,8 +1,8 @@
-"""What an ECU answers with a table: nothing knows what comes later, and sensors fail.
+"""What an ECU answers with a table: causal, with sensors that may fail.
 
     samples --in range?--> signals --50 ms--> blocks --step of the table--> answer until the next
 
-What `calib.estimation.estimator` has of an ECU, and the reference of its C code.
+It is ``ecu`` of `calib.estimation.estimator`, and the reference of the C code.
 """
 
 from dataclasses import replace
@@ -28,9 +28,8 @@ from calib.table.table import Table
 class Variable(NamedTuple):
     """A number of an ECU, or of its FMU [SI]; a row of `variables.csv`, which lists them by order.
 
-    A sensor that works reads ``low`` to ``high``. From sample to sample it changes by ``jump`` and
-    ``rate`` times their distance in time [s] at most; what changes by more is an error of the bus.
-    ``estimator`` and ``car`` its causality and variability in the FMU of either.
+    A working sensor reads ``low`` to ``high``, and changes by at most ``jump`` + ``rate`` dt over a
+    time dt. ``estimator`` and ``car``: its causality and variability in the FMU of either.
     """
 
     estimator: str
@@ -60,19 +59,18 @@ REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
 """What is answered: (9, 3), each a median with its 95 % bounds, beside a `Reason`."""
 
-
 _LONGEST_GAP = 10.0  # [s]: all but the zeros is forgotten by then
 
 
 def rows_of(log: Log) -> Index:
-    """The place (n,) of each sample of a log in `samples_of` it."""
+    """The row (n,) of each sample of a log in `samples_of`."""
     steps, most = np.diff(log.time) / log.sample_time, _LONGEST_GAP / log.sample_time
     missed = np.where(steps > GAP, np.round(np.minimum(steps, most)), 1.0)
     return np.append(0, np.cumsum(missed)).astype(np.intp)
 
 
 def samples_of(log: Log) -> Array:
-    """What an ECU would read in a log (m, 11), by `CHANNELS`: nothing, so NaN, in its gaps."""
+    """What an ECU would read of a log (m, 11), by `CHANNELS`; NaN in its gaps."""
     rows = rows_of(log)
     samples = np.full((rows[-1] + 1, len(CHANNELS)), np.nan)
     nothing = np.zeros_like(log.time)
@@ -85,9 +83,9 @@ _FASTEST = 110.0  # speed that no car has [m/s]
 
 
 def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
-    """Low and high ends and largest changes of `CHANNELS` (11,) between calls [s].
+    """Least and largest readings of `CHANNELS`, and largest changes between calls, (11,) each.
 
-    No motor has more torque than the tyres of a ``car`` take.
+    ``sample_time`` between calls [s]. No motor has more torque than the tyres of the ``car`` take.
     """
     sensors = CHANNELS.values()
     low, high, jump, rate = np.array([(x.low, x.high, x.jump, x.rate) for x in sensors]).T
@@ -104,8 +102,8 @@ READ_OUT = tuple(FIELDS[name] for name in ANSWERS)
 def online(table: Table, car: Vehicle, log: Log) -> Readout:
     """What an ECU with a ``table`` answers to a ``log``, of which it reads `CHANNELS` alone.
 
-    ``car`` as it is driven, with the known effects that it takes out; the pad frictions are those
-    that act, with them. Where a sensor fails, as in a gap of the log, its last good reading counts.
+    ``car`` as driven, with the known effects that the ECU takes out; pad frictions are with them.
+    While a sensor fails, as in a gap of the log, its last good reading counts.
     """
     rows, step = rows_of(log), log.sample_time
     _, x, works = held_readings(samples_of(log), limits(step, car))
@@ -115,7 +113,7 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     run = Run(replace(log, channels=channels), car, causal=True)
     b, ran = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
-    unsure = fault | np.append(False, fault[:-1])  # of a reading that is held no spin is known
+    unsure = fault | np.append(False, fault[:-1])  # a held reading has no spin
     spin_f = np.where(unsure, -G * b.z / car.front.rolling_radius, b.spin_f)
     spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
     b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, ran.vehicle)
@@ -144,9 +142,9 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
 def held_readings(
     x: Array, bounds: tuple[Array, Array, Array], last_readings: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array, Mask]:
-    """Readings in range and good ones of samples (n, 11), each held, and where a sensor works.
+    """Last readings in range, last good ones, and where a sensor works, of samples (n, 11).
 
-    ``bounds`` as of `limits`; ``last_readings`` both of the sample before (11,), None at first.
+    ``bounds`` by `limits`; ``last_readings`` those before (11,), None at first.
     """
     low, high, jump = bounds
     inside = (x >= low) & (x <= high)

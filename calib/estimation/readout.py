@@ -1,8 +1,6 @@
 """A log through the step of the table: pad friction and torque of both axles, each with its bounds.
 
-    signals --blocks--> step --> level, ratio --samples--> pads, torques, their sum
-
-What is handed out: the same numbers for every command, and for an ECU without a speed.
+signals --blocks--> step --> level, ratio --samples--> pads, torques, their sum
 """
 
 import itertools
@@ -41,9 +39,9 @@ class Bounded(NamedTuple):
         return np.log(self.upper / self.lower) / (2.0 * Z95)
 
     def deviations(self, true: Array) -> Array:
-        """How far its logarithm is from that of ``true``, in standard deviations (n,).
+        """Difference of its logarithm from that of ``true``, in standard deviations (n,).
 
-        By the side that looks there: what is inside the interval is within 1.96 of them.
+        By the half of the interval on that side: at a bound it is 1.96.
         """
         side = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
         return np.log(self.value / true) / (np.log(side) / Z95)
@@ -159,20 +157,19 @@ def of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ..
 
     ``x`` of blocks (k,), ``answer`` before the first and of each, (1 + k,).
     """
-    car, then = table.vehicle, table.calibration
-    front, rear = car.front, car.rear
+    car, calibration = table.vehicle, table.calibration
     share = front_share(car, np.append(x.log_odds[0], x.log_odds))
-    filed = np.array([front.pad_friction, rear.pad_friction])
-    ramp = np.array([then.pad_friction_f.value, then.pad_friction_r.value])
-    # over the ramp's pads: the tyres are those of today, and fall out
-    scaled = (filed, answer.ratio), (filed / ramp, answer.change + then.pad_log_ratio.value)
+    file_pads = np.array([car.front.pad_friction, car.rear.pad_friction])
+    ramp_pads = np.array([calibration.pad_friction_f.value, calibration.pad_friction_r.value])
+    change = answer.change + calibration.pad_log_ratio.value
+    scaled = (file_pads, answer.ratio), (file_pads / ramp_pads, change)
     pads, changed = (by[:, None, None] * _pads_of(share, answer.level, x) for by, x in scaled)
     level, ratio = np.exp(answer.level), np.exp(answer.ratio)
-    return level, filed[0] / filed[1] * ratio, *pads, *changed
+    return level, file_pads[0] / file_pads[1] * ratio, *pads, *changed
 
 
 def with_before(c: Constants, answer: Answer) -> Answer:
-    """Answers (1 + k,), the first one while no block is complete: any pads."""
+    """Answers (1 + k,), the first for the time before a block is complete: any pads."""
     answer = answer.take(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
         x[:, 0] = np.log([1.0, c.least_level, c.most_level])
@@ -181,9 +178,9 @@ def with_before(c: Constants, answer: Answer) -> Answer:
 
 
 def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
-    """Inputs of the step by block (k,), with the resistance and the slips that are known.
+    """Inputs of the step by block (k,), known resistance and slips taken out.
 
-    ``disturbed`` number of a `Reason` of each (k,); the rest as of `read_out`.
+    ``disturbed`` number of a `Reason` of each (k,); the others as of `read_out`.
     """
     car = table.vehicle
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
@@ -212,7 +209,7 @@ def _pads_of(share: Array, level: Array, ratio: Array) -> Array:
     """Front and rear pads over those of the file [1], each with bounds (2, 3, k).
 
     ``share`` of the front axle with the file's pads (k,), ln of ``level`` and ``ratio`` (3, k).
-    These err on their own: their distances to the bounds add up as squares.
+    Their errors are independent: distances to the bounds add up as squares.
     """
     rear = -np.log(share * np.exp(ratio) + 1.0 - share)
     parts = np.stack([ratio + rear, rear[[0, 2, 1]]])

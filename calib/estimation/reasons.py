@@ -1,4 +1,4 @@
-"""Why an answer does not stand: the reasons of the step, and those that its signals alone show."""
+"""Why an answer is not valid: reasons of the step, and those that the signals alone show."""
 
 from enum import IntEnum
 
@@ -53,10 +53,7 @@ CHECKS = {
 
 
 def disturbances(table: Table, log: Log, s: Signals) -> Index:
-    """A `Reason` for each sample (n,): the car is steered, a wheel locks or ABS acts, or just has.
-
-    0 where none is so.
-    """
+    """A `Reason` of each sample (n,): a bend, a locked wheel or ABS, also just before; else 0."""
     car, none = table.vehicle, np.zeros_like(s.time)
     slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
     acceleration = lateral(log, s, car.track_width, slip=slip, height=car.cg_height)

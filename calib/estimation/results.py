@@ -28,10 +28,9 @@ SUMMARY = "summary.json"
 def to_dict(
     stored: Stored, results: list[Validation], how: Precision | None = None
 ) -> dict[str, object]:
-    """`summary.json`: every metric, judgement and baseline of every log, and the verdict.
+    """`summary.json`: metrics, judgements and baselines of every log, and the verdict.
 
-    Its warnings begin with those of the table, which speak against every estimate with it. ``how``
-    the table was taken as exported, if not in full.
+    ``how`` the table was exported; None for its full maps.
     """
     together, ramp = agreement(results), stored.table.calibration
     warnings = [*stored.table.warnings, *(w for r in results for w in r.all_warnings)]

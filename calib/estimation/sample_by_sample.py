@@ -46,10 +46,7 @@ _MEANS = (
 
 
 class Online:
-    """An estimator that remembers, of a ``table``, called every ``sample_time`` [s].
-
-    Raises StoreError as `require_plain`.
-    """
+    """The estimator of a ``table`` with its state, called every ``sample_time`` [s]."""
 
     def __init__(self, table: Table, sample_time: float) -> None:
         require_plain(table)
@@ -68,7 +65,7 @@ class Online:
         self._block_ends(with_answer=False)
 
     def step(self, sample: Mapping[str, float]) -> dict[str, float]:
-        """Take in what the sensors read, SI by the names of a log; what is not there reads 0.
+        """Take in a sample, SI by the names of a log; a channel that is missing reads 0.
 
         Returns the `Reason` and `ANSWERS` with their bounds, by the names of C.
         """
@@ -141,7 +138,9 @@ class Online:
 
 
 def online(table: Table | Stored, sample_time: float) -> Online:
-    """An estimator that takes in one sample after the other, as that of an ECU does.
+    """An estimator that takes in one sample after the other, as in an ECU.
+
+    Raises StoreError as `require_plain`.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"

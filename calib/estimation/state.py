@@ -1,4 +1,4 @@
-"""What the step takes from a table, what it is given of a block, and what it remembers."""
+"""Constants of the step, its input of a block, and its state."""
 
 import math
 from collections import deque
@@ -193,7 +193,7 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
 
 @lru_cache(maxsize=4)
 def _of_table(table: Table) -> dict[str, Any]:
-    """What no log changes."""
+    """Constants that depend on no log."""
     car, draws = table.vehicle, table.draws
     return {
         "pads": Reader(table.map, PADS),
@@ -224,16 +224,14 @@ class Sample(NamedTuple, Generic[Number]):
     v: Number  # [m/s], NaN where not logged
     disturbed: Number  # number of a `Reason` while the car is steered or a wheel locks, else 0
     log_odds: Number  # ln of the front pressure over the rear one
-    driven: Number  # 1 while the accelerator is pressed: thrust and slip are no zeros
+    driven: Number  # 1 while the accelerator is pressed: nothing is zeroed then
     drive: Number  # force of motors in the demand [1]
-    eta_by_drive: (
-        Number  # part of eta by drive and rolling resistance, which is taken out of it [1]
-    )
+    eta_by_drive: Number  # part of eta by drive and rolling resistance, taken out of it [1]
 
 
 @dataclass(slots=True)
 class Zero:
-    """What a signal reads while nothing brakes, or the lag of the brakes: a Gaussian that walks."""
+    """Zero of a signal, or the lag of the brakes: a normal estimate with a random walk."""
 
     value: float = 0.0
     variance: float = 0.0
@@ -288,7 +286,7 @@ class Means:
 
 @dataclass(slots=True)
 class Check:
-    """What the innovations say of the sensors: whether it is the brakes, a_x, a motor or ABS."""
+    """Evidence of the innovations: whether brakes, a_x, a motor or ABS are their cause."""
 
     level: float = 0.0  # before a step [1]
     error: float = 0.0  # of a_x, if the pads did not change [1]

@@ -1,11 +1,11 @@
 r"""The estimator of the table: one step for each block of 50 ms, causal, with fixed memory.
 
-    sample --follow--> what is seen: level, slip, means of z and eta - 1
-           --answer--> level; the map: ln of the pads' ratio, given the slip; with 95 % bounds
-            --keep---> the best informed ratio, which ages as pads that warm up do
+    block --filters--> state: level, slip, means of z and eta - 1
+          ----map----> level, and ln of the pads' ratio given eta and slip, with 95 % bounds
+          ----hold---> the ratio with the narrowest bounds so far, whose variance grows with age
 
-What is recursive stands in `calib.estimation.equations`, but for zeros, v and the held ratio; the
-rest is a function of the state, for any number of blocks: those of a whole log, or one.
+The filters are in `calib.estimation.equations`, but for zeros, v and the held ratio. The rest is
+without memory, for one block or those of a whole log.
 """
 
 import math
@@ -42,9 +42,9 @@ class Answer(NamedTuple):
 
     level: Array  # ln of the pads' level
     ratio: Array  # ln of the ratio of the pads over that of the file's
-    change: Array  # of it since the ramp
+    change: Array  # of this ratio since the ramp
     noise: Array  # variance of the level by noise
-    accelerometer: Array  # and by a_x
+    accelerometer: Array  # variance of the level by a_x
     zeros: Array  # variance of the ratio by errors of eta, of slip, and by age
     slip: Array  # ln(slip/z)
     slip_sigma: Array
@@ -74,13 +74,13 @@ def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
     counts = motor_fits(c, s, x, counts=counts) and counts
     _roll(c, s, x, counts=counts)
     step_filters(c, s, x, counts=counts)
-    if counts and x.v == x.v:  # not where v is missing: NaN is not
+    if counts and x.v == x.v:  # NaN where it is not logged
         _update_speed(c, s, x)
     return block_state(s, counts=counts)
 
 
 def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
-    """Zeros, from blocks that lie far enough before a bite."""
+    """Update the zeros by blocks that lie far enough before a bite."""
     for zero, walk in (
         (s.demand, c.walk_bias),
         (s.eta_less_1, c.walk_radius),
@@ -103,7 +103,6 @@ def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
 
 
 def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
-    """The speed by v."""
     v = s.rim + s.speed.v
     variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.zero_slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
@@ -149,9 +148,9 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array])
 
 
 def widened(x: Array, more: Array) -> Array:
-    """A median with its bounds (3, ...), these farther away by ``more``, added as squares.
+    """A median and its bounds (3, ...), their distances increased by ``more``, added as squares.
 
-    ``more`` may be of both (...), or of the median and each bound (3, ...).
+    ``more`` of both bounds alike (...), or of each, behind that of the median (3, ...).
     """
     away = np.hypot(x - x[0], more)
     return np.stack([x[0], x[0] - away[1], x[0] + away[2]])
@@ -166,8 +165,8 @@ def _ratio(
 ) -> tuple[Array, Array]:
     """Medians and bounds of ln of the ratio and of its change (3, 2, k); variance by reading (k,).
 
-    ``point`` on the three axes of the map, ``errors`` of the last two. A mean of the map and of the
-    ratio before eta is read; that alone where eta is not ``readable``.
+    ``point`` on the three axes of the map, ``errors`` of the last two. The more the map narrows the
+    prior, the more it counts; where eta is not ``readable``, the prior alone.
     """
     steps = np.minimum(errors[0], c.pads.width(1, point[1])), np.minimum(errors[1], 1.0)
     places = np.repeat(np.stack(point)[:, None], 5, axis=1)
@@ -183,8 +182,8 @@ def _ratio(
     share = np.array([share_of(c, width, 1.0) if counts else 0.0 for width, counts in each])
     now, zeros = prior + share * (now - prior), share * zeros
     of_prior = 1.0 + share * (narrowed - 1.0)
-    # the map has the ratio of the brake forces; less log_odds it is that of the pads, and the share
-    # of its variance that is still prior is drawn to the pads of the ramp
+    # less log_odds, the ratio of the brake forces is that of the pads; as far as its variance is
+    # still that of the prior, it moves to the pads of the ramp
     now[:, 0] += of_prior**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
     return now, zeros
 
@@ -192,9 +191,9 @@ def _ratio(
 def _keep(
     c: Constants, s: State, now: Array, zeros: Array, level: Array, flags: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
-    """The best informed ratio so far, at each block, of the shapes of `_ratio`.
+    """The ratio with the narrowest bounds so far, at each block, shaped as by `_ratio`.
 
-    ``flags`` (k,): blocks before a stop, in which it begins anew, and those that add a reading.
+    ``flags`` (k,): blocks before a stop, which reset it, and those that add a reading.
     """
     ratios, more_variance = [], []
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()

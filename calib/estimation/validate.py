@@ -2,8 +2,8 @@
 
 table, log -> estimate -> metrics -> judged against limits
 
-The verdict rests on what an ECU makes of the table, as it is exported. Truth proves it; a reference
-speed can contradict it, but shares the ramp with it; without both it is consistent, not proved.
+The verdict is on the answer of an ECU with the table as exported. True torques prove it; a speed v
+can only contradict it, as both rest on one ramp; without either it is consistent, not proved.
 """
 
 from collections.abc import Callable, Iterable
@@ -29,14 +29,14 @@ from calib.table.table import Table
 HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
 
 TRUTH, REFERENCE, NONE = "truth", "reference", "none"
-"""What a log has to hold against the table, from the strongest: torques, v, or neither."""
+"""What proves a table on a log, from the strongest: true torques, v, or neither."""
 
 _PROOFS = {TRUTH: "ecu_normalised_error_f", REFERENCE: "ecu_reference_f"}
 
 _NAMED = 0.1  # share of the braked samples from which a reason for not being valid is named
 
 Coded = Callable[[Estimate, Log], Readout]
-"""What the code of an ECU makes of a log, in the place of ``ecu`` of its estimate."""
+"""Runs the C code on a log, and returns ``ecu`` of its estimate."""
 
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
@@ -160,10 +160,7 @@ def validate_one(
     exported: Table | None = None,
     coded: Coded | None = None,
 ) -> Validation:
-    """Run, score and judge one log.
-
-    ``coded`` is what the code of an ECU makes of it, if that counts.
-    """
+    """Run, score and judge one log; with ``coded`` the answers of the C code count."""
     run = run_of(table, log, vehicle, mass)
     if vehicle is not None:
         require_same_car(table.vehicle, vehicle, weighed=mass is not None)

@@ -1,13 +1,9 @@
 """What speaks against an estimate although it is valid: the likely sensor or part, by name.
 
-Whether the wheel speeds of a stop are in their columns is told by
-
-    (z, eta - 1) of the braking  against  what each scenario of `calib.fitting.maps` would show
-
-The mean of the likelihoods over the scenarios (pads alike or apart, weak ones too, any road, the
-zero of the day), of eta as given and of 1/eta, as with exchanged axles. A front wheel that has
-changed places with the rear one of the other side leaves eta flat and the sides apart, see
-`calib.run.wheels`; those of one side are refused before a stop is estimated.
+Exchanged axles show 1/eta. The likelihoods of eta and of 1/eta over z are compared, each a mean
+over the scenarios of `calib.fitting.maps`. A front wheel exchanged with the rear one of the other
+side leaves eta flat and the sides apart, see `calib.run.wheels`; wheels of one side are refused
+before a stop is estimated.
 """
 
 import math
@@ -54,8 +50,8 @@ _ASKS = {
 }
 """Warnings after which mistakes are compared: it takes half a second."""
 _FEWEST, _LATE, _BESIDE = 20, 4.0, 0.025
-"""Blocks in which a delay of wheels is looked for, sigmas of it, and share of the usual brake force
-beside the pressure [1], from which mistakes are compared."""
+"""From these on mistakes are compared: blocks of a braking and sigmas of a delay of the wheels,
+share of brake force beside the pressure [1]."""
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
 
 
@@ -94,13 +90,13 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
 
 
 def _beside_pressure(evidence: Evidence) -> bool:
-    """Whether the brakes give a force beside the pressure, less than is warned of."""
+    """Whether some brake force does not follow the pressure, less than a warning needs."""
     response = evidence.response
     return response is not None and abs(response.share) > max(_BESIDE, 1.5 * response.share_sigma)
 
 
 def _goes_with_time(e: Estimate) -> bool:
-    """Whether eta has a part that goes with z over the speed, as wheels make that are late."""
+    """Whether a part of eta goes with z over the speed, as late wheel speeds make it."""
     b = e.blocks
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
     if np.count_nonzero(use) < _FEWEST or not b.lead_in.any():
@@ -128,7 +124,7 @@ def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterat
 def _together(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float]:
     """ln of the brake force over that of the ramp's pads, at a sample; its sigma.
 
-    The mass is not counted in the sigma, since another load is what it would tell.
+    The sigma does not count the mass: another load is what this would show.
     """
     best = e.best
     slowing = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
