@@ -69,7 +69,7 @@ def difference_curves(
 
 
 def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
-    """Eta [1] of the braked blocks (m,); with a torque of motors, that which brakes alone give."""
+    """Eta [1] of the braked blocks (m,); where motors act, the eta that brakes alone would give."""
     b, braked = run.blocks, run.braked
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
         z = run.braking[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
@@ -88,8 +88,7 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
 def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle.
 
-    It goes up to 1.1 times the force at the end of the ramp; the force of a draw ends at
-    `NEAR_PEAK` of its peak.
+    Up to 1.1 times the force at the end of the ramp, and of a draw up to `NEAR_PEAK` of its peak.
     """
     greatest = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
     end = np.median([np.interp(greatest, force, slip) for slip, force in _tyres(e)])
@@ -121,8 +120,8 @@ def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> 
 
     The count is that of the measured blocks near each row; ``measured`` are their places.
     """
-    off = np.abs(np.concatenate(measured) - grid[:, None])
-    count = np.count_nonzero(off < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
+    distance = np.abs(np.concatenate(measured) - grid[:, None])
+    count = np.count_nonzero(distance < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
     enough = count >= SETTINGS.min_count
     flags = np.full(grid.size, EXTRAPOLATED)
     flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED  # 0 at 0 is known

@@ -1,7 +1,6 @@
 """Draws of a car's unknowns (tyres, pads, loads, radii), and eta and slip that each predicts.
 
-Valid for quasi-static loads on the rising branch of the tyre: not while the body pitches, and not
-where a wheel locks.
+Valid for quasi-static loads, not while the body pitches, and below the peak of the tyre.
 """
 
 from dataclasses import dataclass, fields
@@ -74,7 +73,7 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
-    """`TABLE_DRAWS` draws for a table, with a level of the pads as the sum of forces gives it."""
+    """`TABLE_DRAWS` draws for a table, with the level of the pads by the sum of forces."""
     some, scale = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64)), pads.pad_scale
     x = np.random.default_rng(42).standard_normal(TABLE_DRAWS)
     columns = vars(some) | {name: getattr(some, name) * getattr(car, name) for name in _LENGTHS}
@@ -85,7 +84,7 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
     """The ensemble of the draws that a table of ``car`` stores."""
     columns = vars(draws) | {name: getattr(draws, name) / getattr(car, name) for name in _LENGTHS}
-    return Ensemble(**{one.name: columns[one.name] for one in fields(Ensemble)})
+    return Ensemble(**{f.name: columns[f.name] for f in fields(Ensemble)})
 
 
 class _UnitSlips(NamedTuple):

@@ -3,8 +3,8 @@
     brakes = level N(pressure) (1 + discrepancy) + force of the mistake     the sum, (5), (17)
     tyres of the axles -> slips -> eta                                      the split, (13) to (22)
 
-Both evidences are multiplied, averaged over the draws of pads and tyres and over the sizes of the
-mistake, and weighed by its odds before.
+Both are multiplied, averaged over draws of pads and tyres and over sizes of the mistake, and
+multiplied by its prior odds.
 """
 
 import copy
@@ -35,7 +35,7 @@ _DISCREPANCY, _LENGTH = 0.015, 0.15
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
 _LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest with other pads, the first
-SCREENING_ERROR = 4.0  # largest error of ln of the odds by them, where all draws hardly name it
+SCREENING_ERROR = 4.0  # largest error of ln of the odds by these draws, near those that count
 NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
 _NEAR = 6.0  # ln of the odds against a mistake from which no further sizes are tried
 
@@ -53,7 +53,7 @@ class Cause:
     misfit: float
 
 
-def _top(sizes: Sequence[Size], log: Array, best: int) -> float:
+def _refined_size(sizes: Sequence[Size], log: Array, best: int) -> float:
     """The first parameter of the best size, refined by a parabola through its neighbours."""
     first, *others = sizes[best]
     line = sorted(
@@ -148,21 +148,20 @@ class Evidence:
         self.as_read = self._evidence(runs)  # the same whatever the pads
 
     def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
-        """Mistakes by a part of the draws, by which the best ``pads`` have the odds of all draws.
+        """Odds of mistakes by some draws, scaled so that the best ``pads`` have those of all draws.
 
-        The part are the draws by which other pads explain the runs best, and the first of all.
+        These are the likeliest draws with other pads, and the first of all.
         """
         level = float(np.mean([level for _, level, _ in self.as_read[0]]))
         priors = [self._prior(level, self.draws[0].log_pad_ratio, c.hypothesis.pads) for c in pads]
         likely = np.argsort(-self.as_read[1].log_evidence - np.max(priors, axis=0), kind="stable")
         part = self._by(np.union1d(likely[:_LIKELY], np.arange(_FIRST)))
         nothing, *others = (part.cause(c.hypothesis, -math.inf).log_odds for c in pads)
-        more = max(c.log_odds for c in pads) - max(nothing, *others)
+        correction = max(c.log_odds for c in pads) - max(nothing, *others)
         causes = (part.cause(h, nothing - SCREENING_ERROR) for h in mistakes)
-        return [replace(cause, log_odds=cause.log_odds + more) for cause in causes]
+        return [replace(cause, log_odds=cause.log_odds + correction) for cause in causes]
 
     def _by(self, draws: Index) -> "Evidence":
-        """The evidence by some of the draws alone."""
         other, (e, centre, root) = copy.copy(self), self.draws
         other.draws = e.take(draws), centre[draws], root[draws]
         other.loaded = [tyres.take(draws) for tyres in self.loaded]
@@ -180,7 +179,7 @@ class Evidence:
         sizes, each = tuple(fits), np.array([log for log, _ in fits.values()])
         best = int(np.argmax(each))
         log = _log_mean(each) + math.log(h.odds)
-        size = (_top(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
+        size = (_refined_size(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
         log = max(log, NEVER)  # of what no draw explains
         return Cause(h, log, size, fits[sizes[best]][1])
 
@@ -198,14 +197,14 @@ class Evidence:
     def _evidence(
         self, runs: Sequence[RampRun]
     ) -> tuple[list[tuple[float, float, float]], Solution]:
-        """`_Sum.evidence` of each run, and the split of all by the draws."""
+        """`_Sum.evidence` of each run, and the regression of eta and slip of all."""
         regression = self.regression.with_forces_of(runs)
         sums = [of_run.evidence(run) for of_run, run in zip(self.sums, runs, strict=True)]
         return sums, regression.solve(*self.draws, self.loaded)
 
     def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
-        """ln of the density of pads with this ``level`` and ``ratio`` (n,) over the draws'."""
+        """ln of the prior density of this ``level`` and ``ratio`` (n,) over that of the draws."""
         front = (level + (1.0 - self.share) * ratio) / pads[0]
         rear = (level - self.share * ratio) / pads[1]
-        less = 0.5 * (ratio / _BROAD) ** 2 + math.log(_BROAD)
-        return np.asarray(less - 0.5 * (front**2 + rear**2) - math.log(pads[0] * pads[1]))
+        by_draws = -0.5 * (ratio / _BROAD) ** 2 - math.log(_BROAD)
+        return np.asarray(-by_draws - 0.5 * (front**2 + rear**2) - math.log(pads[0] * pads[1]))

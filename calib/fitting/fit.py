@@ -176,9 +176,9 @@ def _mistakes(
 def _ready(
     car: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], stops: Sequence[Run]
 ) -> tuple[list[RampRun], list[RampRun], Resistance]:
-    """Ramps and stops ready to fit, with corrected accelerometers; resistance by ramps and coasts.
+    """Ramps and stops with corrected accelerometers; the resistance by ramps and coasts.
 
-    Accelerometers are judged first, with the usual resistance and its spread.
+    Accelerometers are judged first, by the usual resistance and its spread.
     """
     usual = identify_resistance(car, ())
     judged_by = [(run, run.accelerometer(usual)) for run in (*ramps, *coasts)]
@@ -257,8 +257,8 @@ def _without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
         eta             ~ 1, N, N^2, N^3, dN/dt, t     over the braked blocks, N nominal force
         demanded force  ~ 1, N, N t, dN/dt
 
-    Both follow the pressure smoothly. A deviation that comes and goes, below the pressures that the
-    ramp reaches, would bend the tyre's curve. One that lasts to the end stays in.
+    Both follow the pressure smoothly. A deviation that passes within the ramp would bend the tyre's
+    curve; one that lasts to the end stays in.
     """
     left_out = np.zeros_like(run.use)
     if np.count_nonzero(run.braked) >= SETTINGS.fewest_blocks:
@@ -266,16 +266,12 @@ def _without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
         of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, nominal)
         time, eta, force, N = (x[run.braked] for x in of_run)
         N = N / np.max(N)
-        t, rate, constant = (
-            (time - np.mean(time)) / np.ptp(time),
-            np.gradient(N, time),
-            np.ones_like(N),
-        )
+        t = (time - np.mean(time)) / np.ptp(time)
+        rate, constant = np.gradient(N, time), np.ones_like(N)
         spread = np.subtract(*np.quantile(eta, [0.95, 0.05]))
         wild = _off([constant, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
-        wild |= _off(
-            [constant, N, N * t, rate], force, SETTINGS.disturbance_of_force * np.max(force)
-        )
+        least = SETTINGS.disturbance_of_force * np.max(force)
+        wild |= _off([constant, N, N * t, rate], force, least)
         left_out[run.braked] = _passing(wild, N)
     return replace(run, use=run.use & ~left_out, left_out=left_out)
 
@@ -293,9 +289,9 @@ def _off(terms: list[Array], y: Array, least: float) -> Mask:
 
 
 def _passing(wild: Mask, N: Array) -> Mask:
-    """Groups of ``wild`` blocks (n,) that end, with their neighbours; none where they are many.
+    """Groups of ``wild`` blocks (n,) that pass, with their neighbours; none where they are many.
 
-    A group ends if the run is calm before it, after it, and at more force than it had.
+    A group passes if the run is calm before it, after it, and at more force than it had.
     """
     near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
     left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5

@@ -1,8 +1,7 @@
-"""Mistakes as hypotheses: what each does to a ramp, its sizes, how likely it is beforehand.
+"""Mistakes as hypotheses: what each does to a ramp, its sizes, its prior odds.
 
-A mistake is undone in a run: a force that the log lacks joins the known ones, late wheel speeds are
-put in time, a valve limits the rear pressure. Pads that differ from the vehicle file are hypotheses
-too, with nothing to undo.
+A mistake is undone in a run: a force that the log lacks is added, a delay removed, the rear
+pressure limited. Pads that differ from the vehicle file are hypotheses too, with nothing to undo.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -106,7 +105,7 @@ def _with_force(
 
 
 def _scaled(axle: str, radius: float, run: RampRun, size: Size) -> Array:
-    """Force by which a logged torque is wrong, where it needs a factor."""
+    """Force that a logged torque lacks if it needs a factor."""
     drive: Array = getattr(run.blocks, f"drive_{axle}")
     return np.asarray((1.0 - size[0]) * drive * run.braked / radius)
 
@@ -127,7 +126,7 @@ def _dragging(brake: Axle, run: RampRun, size: Size) -> Array:
 
 
 def _in_time(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
-    """The run with the late wheel speeds of an axle in time: they are those of a faster car."""
+    """The run without the delay of an axle, whose wheel speeds are those of a faster car."""
     radius = (car.front if axle == "f" else car.rear).rolling_radius
     b, name = run.blocks, f"omega_{axle}"
     b = replace(b, **{name: getattr(b, name) - size[0] * G * b.z / radius})

@@ -7,10 +7,9 @@ What a stop brings is the group `stop` of `beliefs.csv`, and is integrated out: 
 road, inflation and a_x as the regression does its linear unknowns; the peak of the road at some
 values and linearly around each; the pads' ratio by Laplace's method.
 
-No stop, and not all together, weigh so much that the effective sample size falls below a half:
-their likelihood is raised to a power below 1, as a model that only few draws save is wrong in
-another way (Holmes and Walker 2017, doi:10.1093/biomet/asx010). `tests/studies/results/learning.md`
-has what stops are worth.
+Where a stop, or all together, would leave an effective sample size below a half, the likelihood is
+tempered by a power below 1: a model that only few draws save is wrong in another way (Holmes and
+Walker 2017, doi:10.1093/biomet/asx010). `tests/studies/results/learning.md`: what stops are worth.
 """
 
 import math
@@ -30,7 +29,7 @@ from calib.model.ramp import RampRun
 
 _GROUPS = 4  # groups of blocks of a stop, whose deceleration hardly changes
 _PEAKS = (-1.5, -0.5, 0.5, 1.5)  # of another road, in standard deviations of its ln
-_WITHIN = 0.3  # standard deviation of a peak around each, as evenly spread ones have it
+_WITHIN = 0.3  # standard deviation around each: they are 1 apart
 _STEP = 0.02  # of ln of a peak or of the pads' ratio, for a derivative
 _SEARCHES, _FAR = 3, 0.3  # steps of Newton's method to the likeliest pads, and the longest
 _MOST = 3.0  # root mean square of the residuals above which no draw explains a stop [1]
@@ -46,9 +45,8 @@ def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posteri
             continue
         power = tempering_step(log, 1.0)
         total += power * log
-        remarks.append(
-            f"{run.name}: a stop, braked within 1 s; alone: {_moved(e, power * log, power)}"
-        )
+        alone = _moved(e, power * log, power)
+        remarks.append(f"{run.name}: a stop, braked within 1 s; alone: {alone}")
     if not np.any(total):
         return e, remarks
     power = tempering_step(total, 1.0)
@@ -57,7 +55,7 @@ def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posteri
 
 
 def _moved(e: Ensemble, log: Array, power: float) -> str:
-    """What weights of ln ``log`` (n,) change of the pads' ratio, in words."""
+    """Change of the pads' ratio by weights of ln ``log`` (n,), in words."""
     weight, ratio = np.exp(log - log.max()), e.log_pad_ratio
     mean = np.average(ratio, weights=weight)
     sigma = math.sqrt(np.average((ratio - mean) ** 2, weights=weight))
@@ -84,7 +82,7 @@ def log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
 
 
 def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, float]]]:
-    """Share of a road; its peak, and ln of its stiffness over the ramp's, (n,); sigmas of ln."""
+    """Yield share of a road, peak, ln of stiffness over the ramp's, (n,) each, and their sigmas."""
     peaks, stiffs = STOP.log_peak, STOP.log_stiffness
     shares = peaks.share / peaks.share.sum()
     for i, case in enumerate(peaks.cases):
@@ -125,7 +123,7 @@ def _on_road(
         slope, bend = (high - low) / (2.0 * _STEP), (2.0 * log - low - high) / _STEP**2
         sharp = np.maximum(bend, np.maximum(np.abs(slope) / _FAR, 1.0))
         change = change + slope / sharp
-    # a normal likelihood of the change, of variance 1/sharp, times the mixture of the list
+    # a normal likelihood of the change, of variance 1/sharp, times the prior mixture
     pads, narrow = STOP.log_pad_ratio, 1.0 / sharp[:, None]
     variance = pads.sigma**2 + narrow
     density = np.exp(-0.5 * (change[:, None] - pads.mean) ** 2 / variance)

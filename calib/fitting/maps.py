@@ -4,8 +4,8 @@ A scenario is one stop: a draw of the car, and a draw of road, load and sensors 
 It predicts eta - 1 and slip at each deceleration. A cell of the map has the quantiles of the pads'
 ratio over the scenarios, each weighed by how likely it is to show eta and slip of this cell.
 
-So the bounds hold what the ramps left open and what a stop may bring. Where two answers are
-possible, a softer road or weak rear pads, they hold both.
+So the bounds include what the ramps left open and what a stop may bring. Where a softer road and
+weak rear pads are both possible, they include both.
 """
 
 from collections.abc import Sequence
@@ -23,9 +23,7 @@ from calib.fitting.ensemble import Ensemble, SlipPrediction, predict_slips, spre
 from calib.model.ramp import RampRun
 from calib.table.maps import LevelMap, PadMap
 
-# --- stops ---------------------------------------------------------------------------------------
-#
-# Each quantity of a stop has random numbers of its own, by its name, so that another row in
+# Each quantity of a stop has its own random numbers, by its name, so that a new row of
 # `beliefs.csv` changes no other quantity. Peak and stiffness of the road share theirs.
 
 _SCENARIOS = 16384
@@ -129,12 +127,12 @@ _SHIFTS = 21  # values of (eta - 1)/z, from the least to the greatest that the s
 _SLIP = np.array([-2.25, -0.75, 0.75, 2.25])  # sigmas of ln(slip/z); 2 is near a peak
 _QUANTILES = (0.025, 0.5, 0.975)
 _DENSE = 0.004  # (eta - 1)/z up to which its values stand evenly, beyond in equal ratios [1]
-_SEEN = (0.005, 0.995)  # quantiles of the scenarios at which the axis of (eta - 1)/z ends
+_AXIS_ENDS = (0.005, 0.995)  # quantiles of the scenarios at which the axis of (eta - 1)/z ends
 _FINEST = 4e-5  # least error of a zeroed eta - 1 [1]
 _FORM = 0.01  # relative error of eta - 1: the discrepancy of the tyre is in the ensemble [1]
 _PER_Z = 6e-4  # error of eta - 1 per deceleration [1]: half the width of a cell
 _NEAR = 0.4  # width of the kernel along the slip, in standard deviations of ln(slip/z)
-_EMPTY = 0.1  # scenarios of the prior in every cell: one that no stop reaches has only these
+_EMPTY = 0.1  # weight of the prior in every cell, in scenarios: all there is where no stop goes
 _GROUPS = 256  # groups of scenarios with similar ratios, in which weights are summed
 _CHUNKS = 32  # parts of the scenarios, so that their weights fit into a processor's cache
 
@@ -176,7 +174,7 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
     s = scenarios(car, e)
     predicted = predict_stops(car, s, _Z, odds)
     each = list(zip(_Z, predicted.eta_rise.T, predicted.slip.T, predicted.rolls.T, strict=True))
-    ends = [np.quantile(np.arcsinh(x[rolls] / z / _DENSE), _SEEN) for z, x, _, rolls in each]
+    ends = [np.quantile(np.arcsinh(x[rolls] / z / _DENSE), _AXIS_ENDS) for z, x, _, rolls in each]
     axis = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), _SHIFTS))
     orders = [np.argsort(x) for x in (s.log_pad_ratio, s.change)]
     columns = []

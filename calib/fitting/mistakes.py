@@ -4,9 +4,8 @@
 
 See `calib.fitting.evidence` for the evidence and `calib.fitting.hypotheses` for the list.
 
-A mistake is named only where it explains more than other pads do. Where even the best hypothesis
-explains badly, none is named. Two mistakes at once are not considered, and a wrong gain of p_mc
-looks like other pads.
+None is named unless it explains the ramp well, and better than other pads. Two mistakes at once
+are not considered, and a wrong gain of p_mc looks like other pads.
 """
 
 import math
@@ -34,8 +33,7 @@ _EXPLAINED = 2.5
 """Mean square of the best residuals of eta, slip and sum over their errors, above which no
 hypothesis explains the ramp."""
 
-_MOSTLY = 8.0
-"""The same where "nothing wrong" leaves 2.5 times as much: few draws fit exactly."""
+_MOSTLY = 8.0  # the same, at most, where "nothing wrong" leaves 2.5 times as much
 
 _IN_WORDS = {
     MOTOR: "a motor that brakes the {axle} wheels by up to {size:.0f} N m, and is not logged",
@@ -63,7 +61,7 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -
 def _least(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -> float:
     """ln of the odds from which a screened mistake may be a candidate.
 
-    On an ``other_road`` there is none unless a mistake explains the run better than other pads do.
+    Infinite on an ``other_road`` where no mistake explains the run better than other pads do.
     """
     best = max(pads, key=lambda cause: cause.log_odds)
     most = max((cause.log_odds for cause in screened), default=NEVER)

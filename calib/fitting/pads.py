@@ -1,8 +1,8 @@
 """Level and ratio of the pads on the ramps, with their uncertainty by part.
 
-A ramp with both axles gives the common level of their pads; one with the front axle only gives that
-of the front pads. Their difference gives the pads' ratio. Ramps with both axles say nothing about
-the ratio here, since it moves all of their levels alike.
+A ramp with both axles gives the common level of their pads, one with the front axle only that of
+the front pads; the difference gives the pads' ratio. Without ramps of one axle, levels say nothing
+about the ratio.
 
 The force counts from the lead-in, so neither the zero of a_x nor a constant resistance moves it.
 """
@@ -47,13 +47,12 @@ def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
 def _levels_of(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[Array, Array]:
-    """Level of the pads of each run over those of the file, (runs,) [1], at a given pads' ratio.
+    """Level of the pads of each run over the file's, (runs,) [1], at a pads' ratio; its errors.
 
-    And its relative standard deviations by noise, resistance and accelerometer, (runs, 3) [1]. The
-    level is sum(z y)/sum(z^2) with the demanded force y, so an error e(z) moves it by
-    sum(z e)/sum(z^2). The scale of the accelerometer is known from v alone; without v it has its
-    prior, as pitch makes it read too much. The noise of the lead-in is part of a resistance that
-    was identified there, and counts separately where the file gives the resistance.
+    These are relative standard deviations by noise, resistance and accelerometer, (runs, 3). The
+    level is sum(z y)/sum(z^2) with the demanded force y: an error e(z) moves it by
+    sum(z e)/sum(z^2). The scale of a_x has its prior, with pitch, where there is no v. The noise of
+    the lead-in counts only with a resistance by the file: else it is in the identified one.
     """
     levels, sigmas = [], []
     for run in runs:
@@ -78,10 +77,10 @@ def ratio_by_levels(
 ) -> Value:
     """ln of the pads' ratio [1] from its ``prior`` and the levels of the runs.
 
-    ln of a level falls with the ratio by the front axle's share of the force, less a half. Its
-    variance is that of the repeatability of pads and that of the run. Errors which the runs share
-    (resistance, accelerometer) count as independent, which makes the result rather too wide.
-    Without a ramp of one axle it is the ``prior``.
+    ln of a level moves with the ratio by a lever, the front axle's share of the force. Its variance
+    is that of the repeatability of pads and that of the run. Common errors of the runs (resistance,
+    accelerometer) count as independent, which is rather too wide. Without a ramp of one axle it is
+    the ``prior``.
     """
     if all(run.only is None for run in runs):
         return prior
@@ -89,10 +88,11 @@ def ratio_by_levels(
     levels, sigmas = _levels_of(vehicle, runs, resistance, prior.value)
     weight = 1.0 / (LOG.pads_repeat.sigma**2 + np.sum(sigmas**2, axis=1))
     shares = np.array([share[run.only] for run in runs])
-    # the common level has no prior: it is the weighted mean
-    off, apart = (x - np.average(x, weights=weight) for x in (np.log(levels), shares))
-    precision = prior.sigma**-2.0 + weight @ apart**2
-    return Value(prior.value + float(weight * apart @ off / precision), float(precision**-0.5))
+    # less the common level, which has no prior
+    log_level, lever = (x - np.average(x, weights=weight) for x in (np.log(levels), shares))
+    precision = prior.sigma**-2.0 + weight @ lever**2
+    moved = float(weight * lever @ log_level / precision)
+    return Value(prior.value + moved, float(precision**-0.5))
 
 
 def level_of(
@@ -100,8 +100,7 @@ def level_of(
 ) -> tuple[float, dict[str, float]]:
     """Common factor on the pads of ramps with both axles [1], and the variance of its ln by part.
 
-    Mass, accelerometer and resistance are common to all ``runs``, so more runs do not reduce them.
-    The scatter between runs counts as noise.
+    More ``runs`` reduce only the noise, of which their scatter is a part.
     """
     levels, sigmas = _levels_of(vehicle, runs, resistance, log_ratio)
     noise, by_resistance, accelerometer = np.mean(sigmas, axis=0) ** 2

@@ -4,9 +4,9 @@ r"""The posterior: draws of a car that explain its ramps.
 
 Tempered sequential Monte Carlo (Del Moral et al. 2006, doi:10.1111/j.1467-9868.2006.00553.x)
 carries the draws from prior to posterior, by the likelihood of `calib.fitting.regression` and the
-user's prior of the pads' ratio. Each step keeps the same effective sample size. Between the steps
-preconditioned Crank-Nicolson moves keep the prior invariant (Cotter et al. 2013,
-doi:10.1214/13-STS421). The sequence of draws is fixed: the same logs give the same table.
+user's prior of the pads' ratio, in steps of equal effective sample size. Preconditioned
+Crank-Nicolson moves between them keep the prior invariant (Cotter et al. 2013,
+doi:10.1214/13-STS421). The random numbers are fixed: the same logs give the same table.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -50,11 +50,10 @@ class Posterior(Ensemble):
     """Draws that explain the ramps.
 
     ``pulls`` (n, m) by part of a budget (`calib.table.budget`): the derivative of a draw's ln
-    probability by each error of that part, in standard deviations. One such error moves the mean
-    of any x by cov(x, pull), and all together make its variance; see `parts_of`.
-    ``prior_support`` (k,) posterior probability that each informative prior holds for this car,
-    against the default one, at even odds before the ramps [1]. ``misfit`` root mean square of the
-    residuals of eta and slip over their errors [1].
+    probability by each standard error of that part, which moves the mean of any x by cov(x, pull);
+    see `parts_of`.
+    ``prior_support`` (k,) posterior probability of each informative prior against the default one,
+    at even odds [1]; ``misfit`` rms of the residuals of eta and slip over their errors [1].
     """
 
     pulls: dict[str, Array]
@@ -99,8 +98,8 @@ def posterior(
 
     def log_evidence(x: Array) -> Array:
         e, centre, root = draw_cars(x, priors)
-        more = log_importance(ratio, e.log_pad_ratio) if ratio != DEFAULT_PRIOR else 0.0
-        return regression.solve(e, centre, root).log_evidence + more
+        by_user = log_importance(ratio, e.log_pad_ratio) if ratio != DEFAULT_PRIOR else 0.0
+        return regression.solve(e, centre, root).log_evidence + by_user
 
     start = ndtri(spread_evenly(draws, DRAWN + bool(priors)))
     x = _tempered(start, log_evidence, rng)
@@ -121,13 +120,13 @@ def posterior(
     for part, names in _CAUSES.items():
         columns = [prior_x[:, PLACES[name]] for name in names]
         pulls[part] = np.hstack([pulls.get(part, prior_x[:, :0]), *columns])
-    field, *others = np.bincount(prior_index(x, priors), minlength=len(priors) + 1)
+    default, *others = np.bincount(prior_index(x, priors), minlength=len(priors) + 1)
     counts = len(priors) * np.array(others, dtype=np.float64)
     return Posterior(
         **vars(e) | regression.discrepancies(residual, rng),
         pulls=pulls,
         misfit=float(np.sqrt(np.mean(residual**2))),
-        prior_support=(counts + 0.5) / (counts + field + 1.0),
+        prior_support=(counts + 0.5) / (counts + default + 1.0),
     )
 
 
@@ -140,14 +139,14 @@ def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.G
         step = tempering_step(log, 1.0 - power)
         rows = survivors(step * (log - log.max()), rng.random())
         x, log, power = x[rows], log[rows], power + step
-        moved = 0.0
+        moves = 0.0
         for _ in range(_MOST_MOVES):
             other = np.sqrt(1.0 - _PCN_STEP**2) * x + _PCN_STEP * rng.standard_normal(x.shape)
-            better = log_evidence(other)
-            take = np.log(rng.random(log.size)) < power * (better - log)
-            x, log = np.where(take[:, None], other, x), np.where(take, better, log)
-            moved += float(np.mean(take))
-            if moved > _ACCEPTED_MOVES:
+            log_other = log_evidence(other)
+            accepted = np.log(rng.random(log.size)) < power * (log_other - log)
+            x, log = np.where(accepted[:, None], other, x), np.where(accepted, log_other, log)
+            moves += float(np.mean(accepted))
+            if moves > _ACCEPTED_MOVES:
                 break
     return x
 
@@ -160,7 +159,7 @@ def survivors(log: Array, place: float) -> Index:
 
 def tempering_step(log: Array, most: float) -> float:
     """Next step of the power of the likelihood, up to ``most``: it leaves `_ESS_FRACTION`."""
-    low, high = 0.0, 2.0 * most  # the first that is tried is the most
+    low, high = 0.0, 2.0 * most  # so that the first trial is ``most``
     for _ in range(41):
         power = min(0.5 * (low + high), most)
         weight = np.exp(power * (log - log.max()))

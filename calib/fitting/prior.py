@@ -3,8 +3,7 @@ r"""The prior of a car before its ramps: the default prior, and informative ones
     standard normal x --a prior--> coordinates, standard normal in the default prior --> a car
 
 A tyre file, or the released cars of the model, give an informative prior: a normal distribution of
-the coordinates. Half of the draws keep the default prior, so that a car which contradicts what the
-user says is still explained.
+the coordinates. Half of the draws keep the default prior, for a car that contradicts the other.
 
     draws of each car --less the default prior--> likelihood of its ramps --> mean of the model
 
@@ -69,10 +68,10 @@ _DEFAULT = Prior("the field", "", np.zeros(len(NAMES)), np.eye(len(NAMES)))
 
 
 def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array]:
-    """Cars of standard normal ``x`` (n, DRAWN + 1), and what the linear parameters are given them.
+    """Cars of standard normal ``x`` (n, DRAWN + 1), and the prior of their linear parameters.
 
-    Those are compliances and ``radius_load``: normal, with centre (n, 3) and root (n, 3, 3) of
-    their covariance. In the cars they are 1.
+    These are compliances and ``radius_load``, 1 in the cars: normal given the other coordinates,
+    with centre (n, 3) and root (n, 3, 3) of the covariance.
     """
     y, centre, root = (np.empty((len(x), *shape)) for shape in ((DRAWN,), (3,), (3, 3)))
     for i, prior in enumerate((_DEFAULT, *priors)):
@@ -192,7 +191,7 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
 
 
 def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Prior:
-    """The prior of one more car of the model of these tables, by name@version."""
+    """The prior of another car of the model, by the tables of the ``fleet`` by name@version."""
     identity = np.eye(_CARS_APART.size)
     precision, pull = np.diag(1.0 / (1.0 - _CARS_APART)), np.zeros(_CARS_APART.size)
     for table in fleet.values():
@@ -201,9 +200,8 @@ def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Prior:
         shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # mean of an inverse Wishart
         Q, sharp = Q[:, v < _UNINFORMED], shrink / v[v < _UNINFORMED]
         information, pull_car = Q @ np.diag(sharp - 1.0) @ Q.T, Q @ (sharp * (Q.T @ x.mean(axis=0)))
-        through = np.linalg.inv(
-            identity + information * _CARS_APART
-        )  # of the mean, less its own scatter
+        # a car tells of the mean of the model less for its own scatter
+        through = np.linalg.inv(identity + information * _CARS_APART)
         precision, pull = precision + through @ information, pull + through @ pull_car
     of_mean: Array = np.linalg.inv(0.5 * (precision + precision.T)).astype(np.float64)
     return Prior("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_CARS_APART))

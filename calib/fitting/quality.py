@@ -1,7 +1,7 @@
 """How well a fit explains its ramps: residuals, metrics, remarks and warnings.
 
-Residuals are those of eta and slip of a ramp, block by block, over their errors. No table is made
-where no draw carries the forces of a ramp, or where the residuals are far above the errors.
+Residuals are those of eta and slip of each block, over their errors. No table is made where no draw
+carries the forces of a ramp, or where the residuals are far above 1.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -103,8 +103,8 @@ def _ramp_residuals(
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
     """Residuals of eta and of slip over their errors, at the braked blocks (k,); no slip without v.
 
-    The noise of z is part of the error, as the forces of a block are those of its z. On a rough
-    road it is five times that of the wheels.
+    The error includes the noise of z, which gives the forces of a block: on a rough road it is five
+    times that of the wheels.
     """
     regression = Regression(car, [run], most=None)
     (ramp,) = regression.ramps
@@ -114,9 +114,8 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
     sigma = np.linalg.norm(np.hstack(errors), axis=1)
     lasting = np.hstack([regression.errors["zeros"], regression.errors["accelerometer"]])
     residual = regression.residuals(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
-    residual -= (
-        residual @ regression.white.T @ regression.white @ lasting @ lasting.T
-    )  # as far as the run determines them
+    # less the lasting errors, as far as the run determines them
+    residual -= residual @ regression.white.T @ regression.white @ lasting @ lasting.T
     eta, slip = np.split(np.median(residual, axis=0) / sigma, 2)
     return eta, slip[:0] if run.slip is None else slip
 
@@ -151,10 +150,9 @@ def remarks(
     runs: list[RampRun],
     prior_support: Sequence[tuple[Prior, float]],
 ) -> Iterator[str]:
-    """Sentences about decisions of the fit that the table's numbers and warnings do not show.
+    """Sentences on decisions of the fit that the table's numbers and warnings do not show.
 
-    ``vehicle`` and ``mass`` as in the logs; ``prior_support`` informative priors with the
-    probability that each holds.
+    ``vehicle`` and ``mass`` as in the logs; ``prior_support`` probabilities of informative priors.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -176,8 +174,8 @@ def warnings_of(
 ) -> Iterator[PlausibilityWarning]:
     """Warnings of vehicle and logs, before the fit; those of the pads come from it.
 
-    ``filed`` the vehicle as its file has it; ``identified`` the resistance of all logs, judged
-    where the file does not give one. Where there are coasts, a ramp is judged by their resistance.
+    ``filed`` the vehicle of the file; ``identified`` the resistance of all logs, judged unless the
+    file gives one. Where there are coasts, a ramp is judged by their resistance.
     """
     yield from (w for w in plausible(filed) if not w.code.startswith("pad_friction"))
     car = ramps[0].car

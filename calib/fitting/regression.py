@@ -40,7 +40,7 @@ def _carried_on(
     """Slip (k,) against the speed that a_x gives from the lead-in on, and its errors by cause.
 
     v = v_0 - g int (1 - e) (z - o) dt with scale e and offset o; the wheels turn at v (1 - slip).
-    Toward standstill the part of the slip vanishes and that of e does not. ``mean`` averages over
+    As the car slows, the part of the slip vanishes and that of e does not. ``mean`` averages over
     groups of blocks, of a ``length`` each [s].
     """
     b, noise, lead, R = run.blocks, run.noise, run.rolling, car.front.rolling_radius
@@ -53,9 +53,9 @@ def _carried_on(
     t, gone, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
     v = u * (1.0 + CAR.compliance.mean * z)
     wheel, rolled = noise.omega * R, lead.size * b.length
-    sooner = np.minimum.outer(t, t)
-    walk = (_GRADE * sooner) ** 2 * (np.maximum.outer(t, t) / 2.0 - sooner / 6.0)
-    off = G**2 * (noise.z**2 * sooner + walk) + np.diag(wheel**2 / length)
+    earlier = np.minimum.outer(t, t)
+    walk = (_GRADE * earlier) ** 2 * (np.maximum.outer(t, t) / 2.0 - earlier / 6.0)
+    off = G**2 * (noise.z**2 * earlier + walk) + np.diag(wheel**2 / length)
     slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
     return (v_0 - (1.0 - LOG.a_x_scale.mean) * gone - u) / v, {
         "noise": np.linalg.cholesky(off / np.outer(v, v)),
@@ -67,11 +67,11 @@ def _carried_on(
 class _Ramp:
     """One ramp: means over its lead-in, which is the zero, and over k groups of blocks.
 
-    Of lead-in and groups, (1 + k,) [1]: ``brake`` brake force of both axles over the weight;
-    ``moments`` other torques of the axles as forces over the weight, (2, 1 + k); ``log_odds`` ln of
-    front over rear pressure. ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip of the
-    groups, (2, k); without v the slip is that against the speed by a_x. ``errors`` of either by
-    cause, (k, m): the columns are errors of one standard deviation.
+    Of lead-in and groups, (1 + k,) [1]: ``brake`` force of both axles over the weight; ``moments``
+    other torques of the axles as forces over the weight, (2, 1 + k); ``log_odds`` ln of front over
+    rear pressure. ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip of the groups,
+    (2, k), without v against the speed by a_x; their ``errors`` by cause, (k, m), a column for each
+    error of one standard deviation.
     """
 
     def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
@@ -96,8 +96,7 @@ class _Ramp:
         pressures = (self._mean(np.maximum(p, 1.0)) for p in (run.blocks.p_f, run.blocks.p_r))
         brake = self._mean(run.brake_sum)
         self.brake = (brake - brake[0]) / car.weight
-        moments = [self._mean(x / car.weight) for x in (run.drag_f, run.drag_r)]
-        self.moments = np.stack(moments)
+        self.moments = np.stack([self._mean(x / car.weight) for x in (run.drag_f, run.drag_r)])
         self.log_odds, self.only = run.log_odds(*pressures), run.only
 
     def _read_wheels(self, car: Vehicle, run: RampRun) -> None:
@@ -126,8 +125,8 @@ class _Ramp:
 class Solution(NamedTuple):
     """Posterior of the linear parameters of draws (n,), in standard normal numbers x.
 
-    ``log_evidence`` (n,); ``mean`` (n, 3) and ``precision`` (n, 3, 3) of x; ``design`` (3, n,
-    k) and ``data`` (n, k) in standard deviations.
+    ``log_evidence`` (n,); ``mean`` (n, 3), ``precision`` (n, 3, 3) of x; ``design`` (3, n, k),
+    ``data`` (n, k) whitened.
     """
 
     log_evidence: Array
