@@ -135,7 +135,9 @@ def slip(e: Evidence) -> Iterator[Measured]:
     run, b = e.run, e.run.blocks
     biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
     end = np.inf if run.alone else 0.8 * biased
-    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > _bitten(b)))
+    braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
+    bitten = float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
+    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > bitten))
     yield Measured("eta_falls", -rise if run.alone == "r" else rise, error, words=_sides(run.alone))
 
 
@@ -154,12 +156,6 @@ def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
     free, braked = (float(np.median(side)) for side in sides)
     variance = sum(np.var(side, ddof=1) / side.size for side in sides)
     return braked - free, float(np.sqrt(0.5 * np.pi * variance))
-
-
-def _bitten(b: Blocks) -> float:
-    """Time from which the brakes are applied and settled [s], or infinity."""
-    braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
-    return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
 
 
 def car_wheels(e: Evidence) -> Iterator[Measured]:

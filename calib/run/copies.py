@@ -56,7 +56,8 @@ def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     for first, other in combinations(names, 2):
         sent, x, y = log, whole[first], whole[other]
         if min(periods[first], periods[other]) >= _HELD:
-            sent = _as_sent(log, first)
+            came = np.flatnonzero(np.diff(log[first])) + 1  # held channels step together
+            sent = replace(log, channels={name: z[came] for name, z in log.channels.items()})
             x, y = (_unit(_rough(sent, name)) for name in (first, other))
         if abs(float(x @ y)) > _ONE_SIGNAL and _is_noise(sent, first):
             far = x**2 + y**2
@@ -65,15 +66,6 @@ def twice(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
             same = abs(float(x[calm] @ y[calm])) / size if size > 0.0 else 0.0
             if same > _ONE_SIGNAL:
                 yield first, other, same
-
-
-def _as_sent(log: Log, channel: str) -> Log:
-    """The log at the samples at which a ``channel`` that is held changes.
-
-    All channels of a message step together, which makes them no copies.
-    """
-    came = np.flatnonzero(np.diff(log[channel])) + 1
-    return replace(log, channels={name: x[came] for name, x in log.channels.items()})
 
 
 def _rough(log: Log, channel: str) -> Array:
