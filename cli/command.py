@@ -3,9 +3,8 @@
     @command("brake-cal fit ramp.csv --vehicle car.toml")
     def fit(logs: list[Path] = logs("Ramps."), *, vehicle: Car, store: Tables) -> Answer:
 
-A shared option is a type of `cli.options`, one of its own is a default. Each command has -q, -v and
---json. What is typed becomes a car, a store or a mass in kg, as its option says. An output that
-cannot be written is refused before any file is read.
+Options that commands share are types in `cli.options`, others are defaults; each says how what is
+typed is converted. Every command has -q, -v and --json. Bad outputs are refused first.
 """
 
 from collections.abc import Callable
@@ -92,9 +91,9 @@ def command(
         kinds: dict[str, Any] = {p.name: p.annotation for p in declared}
         groups: dict[str, Any] = {n: kind for n, kind in kinds.items() if is_dataclass(kind)}
         parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
-        more: dict[str, Any] = {"report": _Report} if report else {}
-        more |= {"quiet": Quiet, "verbose": Verbose, "json": _Json}
-        added = [_added(name, hint) for name, hint in more.items() if name not in parameters]
+        common: dict[str, Any] = {"report": _Report} if report else {}
+        common |= {"quiet": Quiet, "verbose": Verbose, "json": _Json}
+        added = [_added(name, hint) for name, hint in common.items() if name not in parameters]
         every = [*parameters.values(), *added]
         infos = {p.name: get_args(p.annotation)[1] for p in every}
         writes = {name: info for name, info in infos.items() if info.writes is not None}

@@ -28,7 +28,6 @@ STOPS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)
 )
 """Signals that ask a run to stop; SIGBREAK is that of Ctrl-Break on Windows."""
-
 _PIPED_WIDTH = 120
 """Width of tables in characters without a terminal, if COLUMNS is not set."""
 
@@ -37,8 +36,8 @@ _PIPED_WIDTH = 120
 class _CommandRun:
     """Options and state of one run of the program.
 
-    ``inputs`` files that were given, by parameter; ``documents`` number of JSON documents that were
-    printed; ``project`` the settings, once they were read.
+    ``inputs`` are the files that were given, by parameter; ``documents`` counts JSON documents that
+    were printed; ``project`` are the settings, once read.
     """
 
     quiet: bool = False
@@ -64,7 +63,7 @@ def begin() -> None:
 
 
 def this_run() -> _CommandRun:
-    """The current run; a default one where none was begun."""
+    """The current run, or a default one."""
     return _RUN.get(_CommandRun())
 
 

@@ -121,12 +121,11 @@ def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) ->
     """Refuse a place that holds anything but an export of this version."""
     from calib.ecu.code import OURS, files_of
 
-    names = files_of(stored, prefix) if folder else []
+    names, digest = files_of(stored, prefix) if folder else [], stored.digest.encode()
     if folder:
         check_folder(out, names)
     else:
         check_file(out)
-    digest = stored.digest.encode()
     refuse_foreign(out / "README.md" if folder else out, lambda data: digest in data)
     for name in names:
         refuse_foreign(out / name, lambda data: OURS in data)
@@ -150,7 +149,7 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     return Answer(returned_document(*result), returned(*result), DAMAGED * bool(differences.wrong))
 
 
-def _name(name: str) -> str:
+def _table_name(name: str) -> str:
     from calib.base.names import TABLE_NAMES, names_a_table
 
     if not names_a_table(name):
@@ -162,7 +161,7 @@ def _name(name: str) -> str:
 def merge(
     tables: list[str] = argument("name@version or path, one of each car", "CAR@1 CAR@2 ..."),
     *,
-    name: str = option("Name of the mean table.", "NAME", make=_name),
+    name: str = option("Name of the mean table.", "NAME", make=_table_name),
     store: Tables,
 ) -> Answer:
     """Store the mean of several cars as a golden table.

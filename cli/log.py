@@ -84,7 +84,7 @@ def log(
     for path in logs:
         file, data = source_of(path)
         whole = read_whole(file, channel_map, data=data)
-        whole = whole if start is until is None else cut(whole, start, until)
+        whole = whole if (start, until) == (None, None) else cut(whole, start, until)
         whole = in_si(whole) if si else whole
         for name in channel:
             require_known(name, [column.name for column in whole.columns], "column ")

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from calib.logs.log import Log
 
 NAMED = Path("stdin.csv")
-"""What a log from stdin is called in messages and results; it is text."""
+"""Name of a log from stdin in messages and results; such a log is text."""
 
 
 def is_stdin(path: Path) -> bool:

@@ -50,16 +50,16 @@ def qualify(
 
 
 def _qualified(out: Path) -> Answer:
-    """What comes out where the program is tried against known truths."""
+    """Try the program against known truths, and write the results into ``out``."""
     from calib.base.plain import counted
     from calib.help.qualify import SUITE, qualification_facts
-    from calib.help.qualify import qualify as made
+    from calib.help.qualify import qualify as run_checks
     from calib.show.html import page_of
 
     check_folder(out, (DOCUMENT, REPORT))
     task = f"comparing {counted(sum(map(len, SUITE.values())), 'number')} of the sample logs"
     with progress(task, len(SUITE)) as step:
-        document = made(SUITE, datetime.now(UTC).isoformat(timespec="seconds"), step)
+        document = run_checks(SUITE, datetime.now(UTC).isoformat(timespec="seconds"), step)
     facts = qualification_facts(document)
     contents = (REPORT, page_of(facts).encode()), (DOCUMENT, json_text(document).encode())
     write_folder(out, contents, DOCUMENT)

@@ -96,11 +96,11 @@ class Commands(Group):
 def _load(name: str, place: str) -> Any:
     """Import a command or a group from its place."""
     module, _, attribute = place.partition(":")
-    command = group = getattr(import_module(f"cli.{module}"), attribute)
+    command = subject = getattr(import_module(f"cli.{module}"), attribute)
     if not isinstance(command, typer.Typer):
-        group = typer.Typer(rich_markup_mode=None, add_completion=False)
-        add(group, "", command)
-    loaded: Any = typer.main.get_command(group)
+        subject = typer.Typer(rich_markup_mode=None, add_completion=False)
+        add(subject, "", command)
+    loaded: Any = typer.main.get_command(subject)
     loaded.name = name
     return loaded
 
@@ -240,9 +240,8 @@ def _usage(error: Any) -> UsageError:
     return UsageError(message, where=where or None, do=f"see `{command} --help`")
 
 
-# What is printed arrives, or the run says that it did not, for a full disk or a closed pipe. Rich,
-# the parser of the command line and the interpreter each treat an OSError in their own way. So the
-# lowest layer of a stream raises an error that none of them knows.
+# A full disk or a closed pipe must not lose output silently. Rich, typer and the interpreter each
+# treat an OSError in their own way, so the streams raise `_NotWritten`, which none of them knows.
 
 OUT, ERR = 1, 2
 """File descriptors of stdout and stderr."""
@@ -263,11 +262,7 @@ class _Descriptor(io.FileIO):
 
 
 def _delivered(work: Callable[[], int]) -> int:
-    """Exit code of ``work`` once all that it printed is written.
-
-    It is 0 after a closed pipe, as of `head`, and else that of `AnswerError`, with a line on stderr
-    if possible.
-    """
+    """Exit code of ``work`` once its output is written, or that of `_undelivered`."""
     sys.stdout, sys.stderr = _guarded(sys.stdout, OUT), _guarded(sys.stderr, ERR)
     try:
         code = work()
@@ -279,7 +274,8 @@ def _delivered(work: Callable[[], int]) -> int:
 
 
 def _undelivered(lost: _NotWritten) -> int:
-    """Exit code; the streams are discarded, since the interpreter flushes them at its exit."""
+    """Exit code: 0 after a closed pipe, as of `head`; else that of `AnswerError`, and a message."""
+    # what the interpreter flushes at its exit is discarded
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, OUT)
     if isinstance(lost.__cause__, BrokenPipeError):
@@ -294,9 +290,9 @@ def _undelivered(lost: _NotWritten) -> int:
 
 
 def _guarded(stream: Any, number: int) -> Any:
-    """``stream`` on a `_Descriptor`; unchanged if it is not that of the shell.
+    """A ``stream`` of the shell on a `_Descriptor`; another one as it is.
 
-    If the shell has closed it, nothing can be written to stdout, and messages are discarded.
+    If the shell has closed it, writing to stdout fails, and messages are discarded.
     """
     if stream is None:
         nowhere = os.open(os.devnull, os.O_RDONLY if number == OUT else os.O_WRONLY)

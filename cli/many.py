@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from calib.line.fleet.rows import Row
     from calib.line.fleet.work import Job
 
-
 _JobCommand = Annotated[Command, argument("fit, validate, check or diagnose each log.", "COMMAND")]
 _JobTable = Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
 CAR = "fit, validate: vehicle file. Only fit takes it from the settings."
@@ -56,7 +55,7 @@ class Inputs:
     channel_map: options.Map
 
     def job(self, command: Command) -> "Job":
-        """The job for each log. Refuses missing inputs, and unused ones."""
+        """The job for each log. Refuses inputs that are missing or not used."""
         from calib.car.vehicle import require_same_car
         from calib.estimation.limits import DEFAULTS
         from calib.line.fleet.results import NAME

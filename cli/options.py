@@ -26,9 +26,8 @@ if TYPE_CHECKING:
 LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
-
 _LISTED = 60
-"""Most names that are listed after an unknown one; of more, only the nearest are."""
+"""Most names that are listed after an unknown one; of more only the nearest."""
 Make = Callable[[Any], Any] | str
 """A conversion: a function, or "module:NAME" of one that is imported when it is used."""
 
@@ -90,19 +89,19 @@ def _checked(make: Make | None, names: str) -> Callable[[Any], Any]:
             value = [require_known(one, _names(names)) for one in value]
         elif names:
             value = require_known(value, _names(names))
-        convert = _named(make) if isinstance(make, str) else make
+        convert = _imported(make) if isinstance(make, str) else make
         return convert(value) if convert else value
 
     return checked
 
 
-def _named(place: str) -> Any:
+def _imported(place: str) -> Any:
     module, _, name = place.partition(":")
     return getattr(import_module(module), name)
 
 
 def _names(place: str) -> list[str]:
-    names = _named(place)
+    names = _imported(place)
     return [str(one) for one in (names() if callable(names) else names)]
 
 
@@ -110,12 +109,12 @@ def require_known(written: str, names: Collection[str], noun: str = "") -> str:
     """The known name that was written, in capitals or not. Refuses an unknown one."""
     from calib.base.toml import did_you_mean
 
-    same = [written] if written in names else [x for x in names if x.lower() == written.lower()]
-    if not same:
+    match = [written] if written in names else [x for x in names if x.lower() == written.lower()]
+    if not match:
         near = did_you_mean(written, names)
         listing = f"known: {', '.join(names)}" if len(names) <= _LISTED else ""
         raise misuse("; ".join(filter(None, (f"unknown {noun}{written!r}", near, listing))))
-    return same[0]
+    return match[0]
 
 
 def from_settings(key: str) -> Any:

@@ -1,8 +1,7 @@
 """Outputs: one rule for all commands, checked before the work.
 
-A folder is made with its parents; files of the same names in it are replaced, others stay. A file
-is made with its parents; one that exists is replaced if it is empty or this program wrote it, and
-anything else only with --force. No output ever replaces an input.
+Folders are made; of one that exists, files of the same names are replaced. A file is replaced if it
+is empty or this program wrote it, else only with --force. No output replaces an input.
 """
 
 import errno
@@ -19,7 +18,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """Errors of the disk (full, quota, file too large, input or output), not of the command line."""
 PAGES = (".html", ".htm")
 EITHER = "either"
-"""Kind of an output that is a file or a folder, by other options: the command looks at a folder."""
+"""Kind of an output that is a file or a folder, by other options."""
 
 
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
@@ -70,7 +69,7 @@ def _is_sealed(data: bytes) -> bool:
 
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:
-    """Refuse a file where a folder will be written, an input or a folder in the place of a file."""
+    """Refuse a folder that is a file, or in which one of the ``names`` is an input or a folder."""
     from calib.base.write import refuse_obstacles
 
     if out is None:
@@ -92,10 +91,10 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
 
     try:
         data = read_bounded(out, LOG)
-        mine = not data or ours(data)
+        may_replace = not data or ours(data)
     except OSError as error:
-        mine = isinstance(error, FileNotFoundError)
-    if not (mine or this_run().force):
+        may_replace = isinstance(error, FileNotFoundError)
+    if not (may_replace or this_run().force):
         raise misuse(f"{out} exists and is not what is written here; --force replaces it", option)
 
 

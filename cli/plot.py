@@ -97,14 +97,14 @@ def _draw(drawn: "list[Sheet]", out: Path | None, figure: str | None) -> list[Pa
     from calib.base.plain import counted
     from calib.show.sheet import save
 
-    book = out is not None and out.suffix.lower() == ".pdf"
+    is_book = out is not None and out.suffix.lower() == ".pdf"
     files: dict[Path, list[Figure]] = {}
     for sheet in drawn:
         place = Path(f"{sheet.name}-{figure}.png" if figure else f"{sheet.name}.png")
         if out is not None:
-            several = f"-{sheet.name}" if len(drawn) > 1 and not book else ""
+            several = f"-{sheet.name}" if len(drawn) > 1 and not is_book else ""
             place = out.with_name(f"{out.stem}{several}{out.suffix}")
-        while place in files and not book:  # logs from several directories have one name
+        while place in files and not is_book:  # logs from several directories have one name
             place = place.with_name(f"{place.stem}-2{place.suffix}")
         files.setdefault(place, []).append(sheet.figure(figure) if figure else sheet.overview())
     with writing(out), progress(f"drawing {counted(len(drawn), 'page')}", len(drawn)) as step:

@@ -132,18 +132,15 @@ def _limits_file() -> str:
 
 @contextmanager
 def _telling_refusals(out: Path, identity: dict[str, str], logs: list[Path]) -> Iterator[None]:
-    """Write the refusal of a car into ``out``, for the index of the line.
-
-    Not for a usage error or a damaged store.
-    """
+    """Write the refusal of a car into ``out`` for the index; none of a usage error or bad store."""
     from calib.base.errors import InputError, program_failure
     from calib.line.station.files import REFUSED, write_refusal
 
     try:
         yield
     except Exception as error:
-        of_car = isinstance(error, InputError) or not hasattr(error, "exit_code")
-        if this_run().interrupted or not of_car:
+        is_refusal = isinstance(error, InputError) or not hasattr(error, "exit_code")
+        if this_run().interrupted or not is_refusal:
             raise
         refusal = error if isinstance(error, InputError) else program_failure(error)
         with writing(out):

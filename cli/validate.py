@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from calib.table.table import Table
 
 CODES = ("ecu",)
-"""Code that may replace the program's own estimator."""
+"""Exported code that can run in place of the estimator."""
 
 
 @command(
@@ -100,10 +100,7 @@ def validate(
 
 
 def _exported(table: "Table", how: "Precision") -> dict[str, Any]:
-    """The table as it is exported, and its code compiled for this machine, for `validate_one`.
-
-    Ends with 2 where a table or a machine has none.
-    """
+    """The table as exported, and its code compiled here; ends with 2 where one cannot be made."""
     from calib.base.errors import ExchangeError, ProgramError
     from calib.table.exported import as_exported
 
