@@ -1,7 +1,7 @@
 """The data of a car in C, bte_car_NAME.c: its numbers, maps and tyre, and the sum over them.
 
-The maps are on as many breakpoints and in the precision that the export asks for: what is written
-is what `calib.table.exported` reads back. What is the same in every block is computed here.
+Breakpoints and precision of the maps are those of the export, as `calib.table.exported` reads them
+back. What is the same in every block is computed here.
 """
 
 import math
@@ -107,7 +107,7 @@ def _definitions(
 
 
 def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_AXES) -> list[Grid]:
-    """The maps that the code reads, by the labels of every other format, behind ``first``.
+    """The maps that the code reads, by the labels of other formats, behind ``first``.
 
     Sliced where they have more axes. Raises ExchangeError as `Precision`.
     """
@@ -122,7 +122,6 @@ def axes_of(grids: Iterable[Grid]) -> list[Axis]:
 
 
 def _raw_of(grid: Grid) -> list[float] | list[int]:
-    """The cells of a map as they are in the memory."""
     return grid.fixed.raw.tolist() if grid.fixed else grid.numbers
 
 

@@ -76,9 +76,8 @@ def cell(how: Precision) -> str:
 
 def members_of(structure: Member) -> list[tuple[str, Member]]:
     """Members of a structure with their values, in the order of C: booleans come last."""
-    members = [
-        (x.name, getattr(structure, x.name)) for x in fields(structure) if x.name not in _BY_HAND
-    ]
+    names = (x.name for x in fields(structure) if x.name not in _BY_HAND)
+    members = [(name, getattr(structure, name)) for name in names]
     return sorted(members, key=lambda member: isinstance(member[1], bool))
 
 

@@ -6,7 +6,7 @@
     bte_run.c bte_vectors.h     samples with the answers of Python, and a program that compares
     README.md CMakeLists.txt
 
-Nothing is made again in the ECU project: functions are called, and files are replaced.
+An ECU project calls the functions and replaces the files; it edits none.
 """
 
 from collections.abc import Iterator, Sequence
@@ -112,9 +112,8 @@ def write_code(
     compiled : of an FMU alone: with a binary for this machine, too, by FMPy.
     without_effects, unreleased : what may be handed out, see `require_handed_out`.
 
-    Raises ExchangeError for what no code can have, StoreError for a version that is not handed out
-    or has effects that the code does not take out, ProgramError where ``elf`` does not hold the
-    table, OSError.
+    Raises StoreError for a version that is not handed out or has effects that the code cannot take
+    out, ExchangeError for other options, ProgramError where ``elf`` holds another table, OSError.
     """
     require_handed_out(stored, without_effects, unreleased=unreleased)
     car = stored.table.vehicle

@@ -41,7 +41,7 @@ _ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass th
 
 
 def _variables(content: Content) -> Iterator[Variable]:
-    """Those of the FMU, each in the place of its reference."""
+    """Variables of the FMU, in the order of their references."""
     for causality in ("input", "parameter", "output", "independent"):
         ends = _BOUNDS if (content, causality) == ("estimator", "output") else {"": ""}
         for x in (x for x in VARIABLES.values() if causality in getattr(x, content)):
@@ -83,11 +83,9 @@ def write_fmu(
 ) -> None:
     """Write a version of a table as an FMU with a ``content`` to a file, and replace what is there.
 
-    ``how`` the numbers inside are written, those of the variables are in double; ``sample_time`` of
-    the ECU's task, and the fixed step of the FMU [s]. The bytes depend on nothing but these.
-
-    Raises StoreError for a table with known effects that the code does not take out; ExchangeError
-    as `sources`; OSError.
+    ``how`` the numbers inside are written; variables are in double. ``sample_time`` of the ECU's
+    task, the step of the FMU [s]. The bytes depend on these alone. Raises OSError, and as `sources`
+    for a table that the code cannot have.
     """
     car, step = stored.table.vehicle.name, repr(float(sample_time))
     name = f"{prefix(car)}_{content}"

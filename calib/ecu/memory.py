@@ -1,7 +1,7 @@
 """What a calibration tool finds in the memory of an ECU beside the maps: numbers and measurements.
 
-Numbers of the car stand one behind the other in NAME_numbers; counters, inputs, answers and states
-of the filters in a `bte_state`, which the ECU's project calls `bte_estimator`.
+Numbers of the car follow each other in NAME_numbers; counters, inputs, answers and states of the
+filters are in the `bte_state` that the project of the ECU calls `bte_estimator`.
 """
 
 import re
@@ -24,7 +24,7 @@ _ENDS = {"": "median", "_lower": "lower", "_upper": "upper"}
 
 
 def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]:
-    """Each number of a car, of ``size`` bytes, under NAME_c_ and its own; the version is NAME's."""
+    """Numbers of a car, of ``size`` bytes each, as NAME_c_NUMBER; the version is NAME_version."""
     scalars = list[Scalar]()
     for x in numbers:
         values = x.value if isinstance(x.value, list) else [x.value]
@@ -86,7 +86,6 @@ def _numbers(kind: str) -> Iterator[_Row]:
 
 
 def _states(structure: Member, *path: str) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Places of the numbers of the filters, with what the source says of them."""
     for name, x in members_of(structure):
         if is_dataclass(x):
             yield from _states(x, *path, name)

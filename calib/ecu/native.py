@@ -35,10 +35,7 @@ _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-
 
 
 def compiler() -> list[str]:
-    """The C compiler of this machine with its options: $CC, else cc.
-
-    Raises ProgramError where there is none.
-    """
+    """The C compiler with its options: $CC, else cc. Raises ProgramError where there is none."""
     named = shlex.split(os.environ.get("CC") or "cc")
     if shutil.which(named[0]) is None:
         raise ProgramError(
@@ -83,11 +80,10 @@ class Native:
 
 
 def coded(table: Table, how: Precision) -> Coded:
-    """Return what runs the exported code of a table on logs of any rate and mass.
+    """Return a function that runs the exported code of a table on logs of any rate and mass.
 
-    Its answers replace those of the estimate's ECU, but for the change since the ramp, which the
-    code does not have. Raises ProgramError where there is no compiler, StoreError for a table that
-    has no code.
+    It replaces ``ecu`` of an estimate, but for the change since the ramp, which C does not have.
+    Raises ProgramError where there is no compiler, StoreError for a table that has no code.
     """
     compiler()
     require_plain(table)

@@ -2,10 +2,9 @@
 
     calib/estimation/equations.py --ast--> static functions of bte.c
 
-They are of numbers: assignments, if, calls and return. Parts of a tuple are assigned one by one; a
-NamedTuple that is returned is a structure, but a `BlockState` is read where it is made of the
-state; a name with a type is a pointer to a part of the state; a docstring is a comment. What C
-would take in another meaning, as 1/2, is found by the tests, which hold both to the same numbers.
+Statements are assignments, if, calls and return. A tuple is assigned part by part; a returned
+NamedTuple is a structure, but a `BlockState` a view of the state; an annotated name is a pointer to
+a part of the state. Tests compare the numbers of both, as C means another thing by 1/2.
 """
 
 import ast
@@ -22,7 +21,7 @@ _TYPES = {
     "None": "void",
 }  # fmt: skip
 """Of parameters and what is returned; a NamedTuple has a type of its own."""
-_CALLED = {"update", "update_zero", "reset_speed"}  # within others they take their registers
+_CALLED = {"update", "update_zero", "reset_speed"}  # not inlined: they need registers
 _VIEW = "BlockState", "block_state"  # of the state, and the function that makes it
 _NAMES = {
     "G": "GRAVITY", "max": "largest", "min": "smallest",
@@ -50,7 +49,7 @@ def translated(source: str) -> str:
 
 
 def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
-    """Statements without margins; ``new`` how often names are stored that are not declared yet."""
+    """Statements without margins; ``new`` how often each undeclared name is stored."""
     for node in body:
         match node:
             case ast.ClassDef():
@@ -96,7 +95,7 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
 
 
 def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
-    """What is assigned, and what to it; places of an array where only one of both is a tuple."""
+    """Targets with their values; indices of an array where only one side is a tuple."""
     sides = [x.elts if isinstance(x, ast.Tuple) else x for x in (target, value)]
     count = max(len(x) if isinstance(x, list) else 0 for x in sides)
     if not count:
@@ -130,7 +129,7 @@ def _text(node: ast.AST) -> str:
 
 
 class _InC(ast.NodeTransformer):
-    """Makes of an expression one that is written as in C."""
+    """Write an expression as in C."""
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         return ast.Name(_NAMES.get(node.id, node.id))
@@ -164,7 +163,7 @@ class _InC(ast.NodeTransformer):
 
 
 class _View(ast.NodeTransformer):
-    """Reads the members of a `BlockState` ``s`` where the state has them."""
+    """Read members of a `BlockState` ``s`` from the state that it is made of."""
 
     def __init__(self, body: Iterable[ast.ClassDef | ast.FunctionDef]) -> None:
         view, maker = ({x.name: x.body for x in body}.get(name, []) for name in _VIEW)

@@ -1,7 +1,7 @@
 """Where the objects of the C header are in the memory of the ECU, from the linked program.
 
-The names are the labels. An object whose size or bytes in the program differ from those of the
-export is refused: the program holds another table, other points or another width.
+Objects are found by label. One of another size or content than in the export is refused: the
+program holds another table, other points or another width.
 """
 
 from io import BytesIO
@@ -16,8 +16,7 @@ from calib.base.extras import need
 from calib.exports.dataset import Dataset, Object
 from calib.exports.symbols import Addresses, Within
 
-_LARGEST_ADDRESS = 0xFFFF_FFFF
-"""A2L holds addresses of 32 bits."""
+_LARGEST_ADDRESS = 0xFFFF_FFFF  # A2L holds addresses of 32 bits
 
 
 def find_addresses(path: Path, data: Dataset) -> Addresses:
@@ -38,9 +37,9 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
         places = {one.label: one.place for one in data.objects}
         places |= {one.label: one.within for one in data.measured} | {data.epk: Within(data.epk)}
         by_label = {
-            name: int(symbols[at.symbol]["st_value"]) + at.offset
-            for name, at in places.items()
-            if at.symbol in symbols
+            name: int(symbols[place.symbol]["st_value"]) + place.offset
+            for name, place in places.items()
+            if place.symbol in symbols
         }
     except ProgramError:
         raise

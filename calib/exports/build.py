@@ -19,11 +19,10 @@ from calib.table.table import Table
 
 UNIT = "1"  # of every axis and curve: speed ratios, slips and normalised forces
 
-_SHORT = {
+_SHORT = {  # labels of the effects that nearly every table has; others are in full, and cut
     ("aerodynamic_drag", "drag_area"): "drag_area",
     ("rolling_resistance", "coefficient"): "rolling_coeff",
 }
-"""Words for the effects that nearly every table has; other names are in full, and cut."""
 
 _ETA = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
 _G = "normalised force over slip, common tyre curve"
@@ -56,11 +55,11 @@ def build(
     most_axes: int = MOST_AXES,
     first: str | None = None,
 ) -> Dataset:
-    """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
+    """The data set of ``stored``, with ``points`` breakpoints on each axis, or all rows.
 
-    ``most_axes`` of a map that the format can hold: one of more is written in slices; ``first``
-    part of every label, of the table's name if not given. Raises ExchangeError for more points than
-    rows, a width that C does not have, and a rounded axis that does not increase.
+    A map of more than ``most_axes`` is written in slices. ``first`` part of every label, else that
+    of the table's name. Raises ExchangeError for more points than rows, a width that C does not
+    have, and a rounded axis that does not increase.
     """
     table, how = stored.table, Precision(points, bits, single)
     first = prefix(stored.name if first is None else first)
@@ -160,7 +159,7 @@ def _cut(grid: Grid, index: int) -> Grid:
 
 
 def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
-    """A map at values of its last axis, at all if not given: NAME_s1 at the first, and so on."""
+    """A map at some values of its last axis, or at all: NAME_s1 at the first, and so on."""
     return [
         replace(
             _cut(grid, grid.axis.numbers.index(x)), label=label(grid.label, f"s{i}"),

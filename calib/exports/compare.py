@@ -19,7 +19,6 @@ from calib.store.version import Stored
 from calib.table.exported import BITS, Precision
 
 _DIGITS = range(17, 2, -1)  # significant ones or decimals that a tool may have kept
-
 _EDITED = "the numbers do not agree with its checksum"
 
 
@@ -58,10 +57,9 @@ def _rounds(pair: Pair, form: str) -> bool:
 
 
 def parent(file: Returned, store: Store) -> Stored | None:
-    """The version that the file names, None where the store does not have it.
+    """The version that the head of a file names, or its labels; None where the store has none.
 
-    Without a head the labels name it. Raises DamagedTable where that version is damaged,
-    ExchangeError where the names of several tables begin labels alike.
+    Raises DamagedTable, and ExchangeError where several tables have such labels.
     """
     name, _, version = file.table.partition("@")
     if "table" not in file.facts:
@@ -78,7 +76,7 @@ def parent(file: Returned, store: Store) -> Stored | None:
 
 
 class Difference(NamedTuple):
-    """What is wrong in a file, in words, and how its numbers were ``rounded``, "" if not at all."""
+    """Contradictions of a file in words, and how its numbers were ``rounded``, "" if not at all."""
 
     wrong: list[str]
     rounded: str = ""
@@ -88,8 +86,8 @@ class Difference(NamedTuple):
 def difference(file: Returned, stored: Stored | None) -> Difference:
     """Contradictions in a file: to the table of the store, or to its own checksum without one.
 
-    Numbers that a tool has rounded agree, and fewer breakpoints that are rows of the table. Raises
-    ExchangeError where there is neither table nor checksum.
+    Rounded numbers agree, and so does a selection of the rows. Raises ExchangeError where there is
+    neither table nor checksum.
     """
     edited = [_EDITED] if file.unchanged is False else []
     if stored is None:

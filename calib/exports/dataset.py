@@ -1,7 +1,4 @@
-"""A version of a table as calibration tools use it: axes, curves and maps, scalars, their origin.
-
-Every format writes one `Dataset`; `calib.exports.build` makes it of a table.
-"""
+"""A table for calibration tools: axes, curves, maps, scalars; made by `calib.exports.build`."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -30,7 +27,7 @@ Numbers = tuple[float, ...]
 class Content:
     """The bare numbers by label: shared axes, scalars, and ``grids``: curves and maps.
 
-    A grid has its axes, the slowest first, and its values.
+    A grid is its axes, the slowest first, and its values.
     """
 
     axes: dict[str, Numbers]
@@ -74,7 +71,7 @@ class Object:
 
     @property
     def place(self) -> Within:
-        """Where it is: an object of the memory of its own, if nothing else is said."""
+        """Where it is in the memory: by default an object of its own."""
         return self.within or Within(self.label)
 
     @property

@@ -105,10 +105,7 @@ class Exported:
 def require_handed_out(
     stored: Stored, without_effects: Sequence[str] = (), *, unreleased: bool = False
 ) -> None:
-    """Raise StoreError for a version that is not released, or has effects that no ECU senses.
-
-    And ExchangeError, as `export` has it.
-    """
+    """Raise as `export` for a version that is not released, or has effects that no ECU senses."""
     if not (stored.state.released or unreleased):
         raise StoreError(
             f"is {stored.state.words}",
@@ -164,9 +161,9 @@ def export(
     unreleased : write what is not released, too; the file then says so.
     without_effects : known effects of the car that an ECU cannot sense, which are left to it.
 
-    Raises StoreError for a version that is not released, or whose car has such an effect that is
-    not named; ExchangeError where the format is not known or cannot hold the numbers, or for a name
-    of no such effect; ProgramError where ``elf`` does not hold the table; OSError.
+    Raises StoreError for a version that is not released, or with such effects that are not named;
+    ExchangeError for names of no such effect, an unknown format, or one that cannot hold the
+    numbers; ProgramError where ``elf`` does not hold the table; OSError.
 
     >>> import tempfile
     >>> from pathlib import Path

@@ -1,7 +1,6 @@
-"""DCM and CDF files read back, those that another tool has saved too: what is cut off is named.
+"""Read DCM and CDF files back, also those that another tool has saved; refuse damaged ones.
 
-A tool that saves a file keeps labels and numbers, and seldom the head; so a file is an export of
-this program when it names a table, in its head or by its labels.
+Tools keep labels and numbers, but seldom the head: the table is named by the head or the labels.
 """
 
 import math
@@ -18,7 +17,7 @@ from calib.exports.dataset import Content, Numbers
 from calib.exports.symbols import prefix
 
 DCM, CDF = "DCM", "CDF"
-_VERSION = "_version"  # the end of the label of the scalar that holds the version of the table
+_VERSION = "_version"  # end of the label of the version of the table
 _Found = tuple[dict[str, str], dict[str, str], Content]  # facts and units by name, and the numbers
 
 
@@ -72,13 +71,13 @@ def read_back(path: Path) -> Returned:
 _AXIS, _VALUE = "STUETZSTELLENVERTEILUNG", "FESTWERT"
 _GROUP, _LINE, _MAP = "GRUPPENKENNLINIE", "KENNLINIE", "GRUPPENKENNFELD"
 _FORMAT, _FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
-_X, _Y, _Z = "ST/X", "WERT", "ST/Y"
+_X, _W, _Y = "ST/X", "WERT", "ST/Y"
 _ARRAYS = {
     _AXIS: (_X,),
-    _GROUP: (_X, _Y),
-    _LINE: (_X, _Y),
-    _MAP: (_X, _Z, _Y),
-    _VALUE: (_Y,),
+    _GROUP: (_X, _W),
+    _LINE: (_X, _W),
+    _MAP: (_X, _Y, _W),
+    _VALUE: (_W,),
     _FUNCTIONS: (),
 }
 """Arrays that an object of each kind must have."""
@@ -121,13 +120,13 @@ def _read_dcm(path: Path, data: bytes) -> _Found:
     axes = {b.name: b.numbers[_X] for b in blocks if b.kind == _AXIS}
     grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
     for b in (b for b in blocks if b.kind in (_GROUP, _LINE, _MAP)):
-        arrays = [array for array in (_Z, _X) if array in b.numbers]
+        arrays = [array for array in (_Y, _X) if array in b.numbers]
         for array in arrays if b.kind != _LINE else ():
             if axes.get(over := b.over.get(array, "")) != b.numbers[array]:
                 message = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
                 raise _bad(path, message, f"the axis it repeats, as {_AXIS}")
-        grids[b.name] = tuple(b.numbers[array] for array in arrays), b.numbers[_Y]
-    scalars = {b.name: b.numbers[_Y][0] for b in blocks if b.kind == _VALUE}
+        grids[b.name] = tuple(b.numbers[array] for array in arrays), b.numbers[_W]
+    scalars = {b.name: b.numbers[_W][0] for b in blocks if b.kind == _VALUE}
     return facts, units, Content(axes, scalars, grids)
 
 
@@ -154,7 +153,7 @@ def _block(path: Path, part: str) -> _Block:
     if len(sizes) != (2 if kind == _MAP else _X in arrays) or not all(map(str.isdecimal, sizes)):
         raise _bad(where, " ".join(first), "the number of its points along each axis")
     counts = [int(size) for size in sizes]
-    declared = dict(zip((_X, _Z), counts, strict=False)) | {_Y: math.prod(counts)}
+    declared = dict(zip((_X, _Y), counts, strict=False)) | {_W: math.prod(counts)}
     numbers = {word: _floats(where, texts) for word, texts in arrays.items()}
     for word, read in numbers.items():
         if len(read) != declared[word]:

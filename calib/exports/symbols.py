@@ -1,4 +1,4 @@
-"""What tells an object apart: its label, and its place in the memory of an ECU."""
+"""Labels of objects, and their places in the memory of an ECU."""
 
 import re
 import unicodedata
@@ -9,7 +9,6 @@ from calib.base.digest import sha256
 
 LONGEST, LONGEST_PREFIX = 31, 16
 """Characters of a label (significant in every C99 compiler), and of its first part."""
-
 _MARK = 4  # digits of the digest behind a shortened name
 _NONE_GIVEN = (
     "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
@@ -43,7 +42,7 @@ def _marked(word: str, name: str, longest: int) -> str:
 
 
 class Within(NamedTuple):
-    """A place in the object of a ``symbol``: the name of it in C, and the bytes before it."""
+    """A place in the object of a ``symbol``: its member in C, and its offset [bytes]."""
 
     symbol: str
     member: str = ""

@@ -1,8 +1,8 @@
 """A data set as the bytes of each format: JSON and CSV here, the others from templates.
 
     json csv  for programs that know no calibration; a missing value is an empty cell
-    dcm       conservation format 2.0 of ETAS, with German keywords; no range, digest or end mark:
-              they are comments, and the number of objects betrays a file that was cut off
+    dcm       conservation format 2.0 of ETAS, with German keywords; range, digest and number of
+              objects, which shows a file that was cut off, are comments
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
     c-header  constants in C99 by MISRA C:2012: declared for every file (8.4, 8.11), defined only
               where <NAME>_DEFINE is defined before it (8.6)
@@ -143,7 +143,7 @@ def _quoted(text: str) -> str:
 
 
 def _commented(text: str) -> str:
-    """``text`` on one line without marks of a comment: simple readers see them in texts, too."""
+    """``text`` on one line without marks of a comment, which simple readers see in texts, too."""
     plain = printable(text).replace("\\", "/")
     return re.sub(r"/(?=[/*])|\*(?=/)", r"\g<0> ", plain)
 
@@ -190,10 +190,7 @@ def _band(constant: Object) -> Array:
 
 
 def _limits(constant: Object) -> tuple[float, float]:
-    """Range of the numbers and their 95 % band, within that of the type [unit].
-
-    A number of the code is there to be changed, and has none.
-    """
+    """Range of the numbers and their 95 % band, within that of the type [unit]; none in code."""
     if constant.within is not None:
         return -MOST, MOST
     values = constant.values if constant.fixed is None else constant.fixed.values

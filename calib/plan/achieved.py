@@ -1,7 +1,4 @@
-"""How well the torque is known, and what a fit reached of the plan of a file, and why not.
-
-It needs nothing of what makes a plan: a fit with or without one begins as fast.
-"""
+"""What a fit reached of its plan, and why not more; it imports nothing that makes a plan."""
 
 import json
 import math
@@ -21,11 +18,8 @@ from calib.table.table import Table
 DOCUMENT = "plan.json"
 """Name of the document of a plan in a folder."""
 
-_WIDER = 1.15
-"""Half width over the planned one [1] from which on it was not reached: a plan is right to 15 %."""
-
-_SHORT = 0.9
-"""End of a ramp over the planned one [1] below which it ended early."""
+_WIDER = 1.15  # half width over the planned one [1] that misses it: a plan is right to 15 %
+_SHORT = 0.9  # end of a ramp over the planned one [1] below which it ended early
 
 
 class HalfWidths(NamedTuple):
@@ -37,7 +31,7 @@ class HalfWidths(NamedTuple):
 
 
 def widths_of(table: Table) -> HalfWidths:
-    """Half widths of a table: what its pads, and the level of both axles, are known to."""
+    """Half widths by the pads of a table, and by the level of both axles."""
     pads = table.calibration
     axles = (pads.pad_friction_f, pads.pad_friction_r)
     front, rear = (Z95 * pad.sigma / pad.value for pad in axles)
@@ -46,7 +40,7 @@ def widths_of(table: Table) -> HalfWidths:
 
 @dataclass(frozen=True)
 class PlannedRuns:
-    """What a fit asks of a plan: its ``steps`` by name, their largest ``end`` [g], the widths."""
+    """A plan as a fit reads it: names of its ``steps``, their largest ``end`` [g], the widths."""
 
     steps: tuple[str, ...]
     end: float

@@ -2,10 +2,9 @@
 
     car --drive--> logs --noise--> fit --> half widths     of each car; their median is planned
 
-Preposterior analysis by simulation: cars are drawn from what is known, driven through the measures
-with the noise of their sensors, and fitted by `calib.fitting.fit` itself, so a plan promises what a
-fit will say. Chaloner and Verdinelli, Bayesian experimental design: a review, Statistical Science
-10 (1995). Not counted: what the simulated car lacks, such as a bump or a gear shift.
+Preposterior analysis by simulation (Chaloner and Verdinelli, Bayesian experimental design: a
+review, Statistical Science 10, 1995): cars are drawn from the prior, driven with the noise of their
+sensors, and fitted by `calib.fitting.fit` itself. Bumps and gear shifts are not counted.
 """
 
 import math
@@ -32,8 +31,7 @@ from calib.table.budget import axle_parts
 from calib.table.table import Table, Value
 
 _ROLLER_PRESSURES = (10e5, 20e5, 30e5, 40e5)
-_ROLLER_SCATTER = 0.005
-"""Relative scatter of the rows of a roller brake tester [1]: half of its tolerance."""
+_ROLLER_SCATTER = 0.005  # relative, of the rows of a roller brake tester [1]: half its tolerance
 
 
 @dataclass(frozen=True)
@@ -97,11 +95,11 @@ def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
 
 
 _POINTS = ((0.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
-"""Cars that stand for all: ratio of the pads and stiffness of the tyres, in standard deviations."""
+"""Pads' ratio and tyre stiffness of the cars that stand for the prior [sigma]."""
 
 
 def cars(prior: Prior, count: int = len(_POINTS)) -> list[Model]:
-    """The first ``count`` of the cars that stand for what is known: the mean, then two corners.
+    """The first ``count`` of the cars that stand for the prior: the mean, then two corners.
 
     Each has the known effects of the vehicle, and its usual drag and rolling resistance.
     """

@@ -26,19 +26,17 @@ from calib.logs.log import Log
 from calib.model.simulate import simulate
 
 LEAD_IN, HOLD, RELEASE = 3.0, 1.0, 0.5
-"""Times of a run [s]. A fit zeroes eta over the last 3 s before the bite; a pedal that is let go
-takes half a second."""
+"""Times of a run [s]: a fit zeroes eta over the last 3 s before the bite."""
 
 RATE = 100.0
 """Samples per second of a planned run: a fit takes means over blocks of 50 ms or more."""
 
-_SLOWEST = 5.0
-"""Speed [m/s] that a run must still have at the end of its rise: slower blocks take no part."""
+_SLOWEST = 5.0  # speed at the end of a rise, at least [m/s]: a fit leaves out slower blocks
 
 
 @dataclass(frozen=True)
 class Measure:
-    """One row of `measures.csv`; ``axle`` the one that brakes alone, "" for both; nan for none."""
+    """One row of `measures.csv`; ``axle`` that brakes alone, "" for both; nan where empty."""
 
     name: str
     kind: str
@@ -103,9 +101,9 @@ def pressure_trace(car: Vehicle, run: Measure) -> tuple[Array, Array]:
 def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> Log:
     """Simulate a run as it would be driven and logged, without noise.
 
-    Optional channels are those of the ``sensors``. Raises ModelError where it cannot be driven
-    there: it is longer than the track, the car is nearly at rest before the pressure is at its end,
-    a tyre passes its peak, or one axle brakes alone without pressures of the wheels.
+    ``sensors`` the optional channels. Raises ModelError where it cannot be driven: longer than the
+    track, nearly at rest before the end of the rise, a tyre beyond its peak, or one axle alone
+    without logged wheel pressures.
     """
     if run.axle and not sensors >= set(WHEEL_PRESSURES):
         raise ModelError(f"{run.text} needs {', '.join(sorted(WHEEL_PRESSURES))}")

@@ -1,11 +1,10 @@
 """The best sequence of measures: each next one narrows the bounds most for its time.
 
-    gain = sum over front, rear, total of ln(width now / width then), a width as wanted is enough
+    gain = sum over front, rear, total of ln(width now / width then), no width below the wanted one
 
-The first ramp is the one of the greatest mean gain over several cars, each with its own noise. Each
-next measure is that of the greatest gain per second of one car, the mean of the prior. What
-gained next to nothing is not tried again: what measures tell together is less than the sum of what
-each tells. The figures of the steps are medians over several cars, floors those of one.
+The first ramp has the greatest mean gain over several cars, each with its own noise. Each next
+measure has the greatest gain per second for the mean car. One that gained next to nothing is not
+tried again: gains diminish. Widths after the steps are medians over several cars, floors of one.
 """
 
 import math
@@ -25,14 +24,9 @@ from calib.plan.measure import Measure, drive, measures
 SEED = 20
 """Seed of the noise of a plan: the same question has the same plan."""
 
-_CARS = 3
-"""Cars, each with its own noise, over which a figure is the median."""
-
-_TURN = 20.0
-"""Time [s] to turn and to come back up to speed before another run."""
-
-_WORTH = 0.02
-"""Gain [1] below which a measure is not worth its time: 2 % of one width."""
+_CARS = 3  # cars, each with its own noise, of a median
+_TURN = 20.0  # time to turn and to come back up to speed before another run [s]
+_WORTH = 0.02  # gain below which a measure is not worth its time [1]: 2 % of one width
 
 _Sequel = tuple[Measure, ...]
 """Measures in the order in which they are done."""
@@ -50,7 +44,7 @@ class Want(NamedTuple):
         return any(self.widths) and all(width <= goal for width, goal in pairs if goal)
 
     def gain(self, now: HalfWidths, then: HalfWidths) -> float:
-        """What is gained from one set of widths to the next [1]."""
+        """Gain from one set of widths to the next [1]."""
         counts = [goal > 0.0 or not any(self.widths) for goal in self.widths]
         rows = zip(now, then, self.widths, counts, strict=True)
         return sum(math.log(max(a, goal) / max(b, goal)) for a, b, goal, used in rows if used)
@@ -226,7 +220,6 @@ def _medians(
 
 
 def _median(widths: Sequence[HalfWidths]) -> HalfWidths:
-    """The median of each half width over cars."""
     return HalfWidths(*np.median(np.array(widths), axis=0).tolist())
 
 
