@@ -111,7 +111,8 @@ class Constants:
     most_zero: float = 0.1  # of a zero of the demand [1]
     most_radii: float = 0.05  # by which eta - 1 is from that of the file's radii [1]
     refusals: float = 10.0  # of zeros in a row, after which none is known
-    # of those above, what a block needs
+
+    # What a block needs of those above.
     keep: float = field(init=False)  # share of the means that stays [1]
     var_level: float = field(init=False)  # variances before any braking
     var_rate: float = field(init=False)
@@ -298,9 +299,9 @@ class Check:
     drive: float = 0.0  # force of motors, as it was [1]
     chatter: float = 0.0  # mean of the squared innovations
     refused: float = 0.0  # zeros in a row that are none
-    failing: float = 0.0  # `CHECKS` that fail now, one bit each; that failed last, how long ago [s]
-    failed: float = 0.0
-    since: float = 0.0
+    failing: float = 0.0  # `CHECKS` that fail now, one bit each
+    failed: float = 0.0  # `CHECKS` that failed last
+    since: float = 0.0  # time since then [s]
 
 
 @dataclass(slots=True)
@@ -315,12 +316,12 @@ class State:
     speed: SpeedFilter = field(default_factory=SpeedFilter)
     check: Check = field(default_factory=Check)
     rim: float = 0.0  # of all wheels [m/s]
-    anchored: bool = False  # once the speed no longer moves with the zero of eta
-    errs: bool = False  # a_x does, as the innovations say
+    anchored: bool = False  # whether the speed no longer moves with the zero of eta
+    errs: bool = False  # whether a_x is wrong, by the innovations
     waiting: deque[Sample[float]] = field(default_factory=deque)
     nominal: float = 0.0  # brake force of nominal pads over the weight [1]
     acting: float = 0.0  # the same behind the lag [1]
-    by_lag: float = 0.0  # its slope by the lag [1/s]
+    by_lag: float = 0.0  # change of `acting` with the lag [1/s]
     z: float = 0.0
     braked: float = 0.0  # time of this stop [s]
     released: float = 0.0  # [s]
@@ -328,8 +329,9 @@ class State:
     mean_z: float = 0.0
     share: float = 0.0  # of the pressure that acts [1]
     innovation: float = 0.0  # of the wheels where they count, in standard deviations
-    checks: float = 0.0  # `CHECKS` that fail or just did, one bit each
-    # the best informed ratio and its change, their lower and upper bounds, variance by reading
+    checks: float = 0.0  # `CHECKS` that fail or just failed, one bit each
+
+    # The best informed ratio and its change, their lower and upper bounds, variance by reading.
     held_ratio: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
-    age: float = 0.0  # of it [s]
+    age: float = 0.0  # of the held ratio [s]
     level_then: float = 0.0  # [1]
