@@ -254,7 +254,6 @@ def test_the_command_writes_the_code_and_nothing_over_foreign_files(brake_cal, t
     new = ("ecu", "--out", own / "code")
     for more in (
         *((*new, "--sample-time", time) for time in (0.0, 1.0)),
-        new,
         (*new, *step, "--double", "--float"),
         ("ecu", *step, "--out", own),
         ("fmu3", *step, "--out", own / "CMakeLists.txt"),
