@@ -58,17 +58,17 @@ def forest(table: Table) -> Panel:
     lines, texts = list[Line](), []
     for i, quantity in enumerate(shown):
         low, middle, high = np.quantile(quantity.scaled, [0.025, 0.5, 0.975])
-        label = "table, 95 %" * (not i)
+        label = "posterior, 95 %" * (not i)
         lines.append(Line([low, high], [i, i], FRONT, label))
         lines.append(Line([middle], [i], dots(FRONT, 4.0)))
         texts.append((f"{50.0 * (high - low):.0f} % left", _OUTSIDE, i + 0.25))
     return Panel(
         "posterior",
-        "What the ramps told",
-        "in 95 % half widths of the belief [1]",
+        "Prior and posterior",
+        "in 95 % half widths of the prior [1]",
         "",
         lines,
-        [Mark(-1.0, 1.0, {"color": SHADE}, "believed before, 95 %")],
+        [Mark(-1.0, 1.0, {"color": SHADE}, "prior, 95 %")],
         texts,
         xlim=(-_OUTSIDE, _OUTSIDE),
         ylim=(-0.6, len(shown) - 0.4),
