@@ -25,6 +25,7 @@ from calib.estimation.state import LEVEL, PADS, SLIP, Constants, constants
 from calib.exports.build import maps_of
 from calib.exports.dataset import MOST_AXES, Axis, Grid
 from calib.run.blocks import samples_of_block, time_of_block
+from calib.run.filters import samples_in
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise
 from calib.run.resistance import DRAG, ROLLING
@@ -81,7 +82,7 @@ def sources(
         "size": "sizeof(bte_car) + sizeof(bte_numbers)",
         "checksum": f"0x{checksum(summed, how.floating):08X}U",
         "samples": samples_of_block(sample_time),
-        "waiting": max(1, round(Constants.before_bite / time_of_block(sample_time))),
+        "waiting": samples_in(Constants.before_bite, time_of_block(sample_time)),
         "numbers": f"&{first}_numbers",
         **{name: [_places(of), len(of[0].axes), len(of), [x.label for x in of], _steps(of)]
            for name, of in maps.items()},

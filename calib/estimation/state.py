@@ -14,6 +14,7 @@ from calib.base.names import G
 from calib.car.beliefs import CAR, LOG, SENSOR, STOP
 from calib.car.braking import BITE, MOVING
 from calib.run.driving_record import NOMINAL_RADIUS, STEADY
+from calib.run.filters import samples_in
 from calib.run.noise import WALK, SensorNoise
 from calib.table.maps import Reader
 from calib.table.table import Table
@@ -188,7 +189,7 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
         noise_z=float(noise.z),  # Python's numbers are three times as fast
         noise_v=float(noise.v),
         block=block,
-        settle=block * max(1, round(Constants.settle / block)),  # else a rounding could decide it
+        settle=block * samples_in(Constants.settle, block),  # else a rounding could decide it
     )
 
 

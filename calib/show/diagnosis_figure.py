@@ -14,6 +14,7 @@ from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.replays import CHANNELS
+from calib.run.filters import samples_in
 from calib.show.numbers import in_shown, spaced, with_unit
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
@@ -119,7 +120,7 @@ def _errors(
             n = min(replay.time.size, measured.time.size)
             error = sum(w * (replay[c][:n] - measured[c][:n]) for c, w in weights.items())
             time = measured.time[:n] - measured.time[0]
-            stride = max(1, round(_STEP / measured.sample_time))
+            stride = samples_in(_STEP, measured.sample_time)
             shown = smooth(time, np.asarray(error))[::stride]
             lines.append(Line(start + time[::stride], shown, stroke, label * first))
         letters = min(_LETTERS, int(2 * _LETTERS * (end - start) / duration))

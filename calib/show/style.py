@@ -14,7 +14,7 @@ from calib.base.arrays import Array as Array
 from calib.base.arrays import Index as Index
 from calib.base.arrays import Mask as Mask
 from calib.logs.clock import step_of
-from calib.run.filters import centred_mean
+from calib.run.filters import centred_mean, samples_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes
@@ -117,7 +117,7 @@ def styled(outlines: bool = True) -> Iterator[None]:
 
 def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
-    width = max(1, round(window / step_of(time))) | 1
+    width = samples_in(window, step_of(time)) | 1
     is_finite = np.isfinite(values)
     weight = centred_mean(is_finite.astype(float), width)
     total = centred_mean(np.where(is_finite, values, 0.0), width)

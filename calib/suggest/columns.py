@@ -16,7 +16,7 @@ from calib.base.names import AXLES, CHANNELS, TRUTH
 from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of
-from calib.run.filters import centred_mean
+from calib.run.filters import centred_mean, samples_in
 
 SMOOTH = 0.2
 """Width [s] over which a speed is smoothed before it is differentiated."""
@@ -82,7 +82,7 @@ class ColumnClock:
 
     def width(self, seconds: float) -> int:
         """Number of samples in ``seconds`` [s], at least 1."""
-        return max(1, round(seconds / self.step))
+        return samples_in(seconds, self.step)
 
     def smooth(self, x: Array) -> Array:
         """The mean of x (n,) over `SMOOTH`."""

@@ -22,7 +22,7 @@ from calib.base.arrays import Array
 from calib.base.intervals import QUARTILE
 from calib.car.braking import MOVING
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction
-from calib.run.filters import block_mean
+from calib.run.filters import block_mean, samples_in
 
 CHANNELS = ("a_x", "v", "rim", "front_rear", "front_sides", "rear_sides")
 A_X, DRIFT, FRONT_REAR = (CHANNELS.index(name) for name in ("a_x", "v", "front_rear"))
@@ -82,7 +82,7 @@ def of_wheels(run: ObservedRun, omega: Array) -> Array:
 
 def thinned(run: ObservedRun, x: Array) -> Array:
     """Means (..., m) of signals (..., n) at the clock of the evidence, as long as the car moves."""
-    n = max(1, round(STEP / run.step))
+    n = samples_in(STEP, run.step)
     stop = np.flatnonzero(run.v < MOVING)
     length = int(stop[0]) if stop.size else run.time.size
     return block_mean(x[..., :length], n)

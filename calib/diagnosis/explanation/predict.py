@@ -26,7 +26,7 @@ from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.base import FORM_AT, FRONT_HEAT, OWN, REAR_HEAT, SLOPE, ZERO, Base
 from calib.diagnosis.explanation.wheel_lag import WheelLag
 from calib.logs.log import Log
-from calib.run.filters import block_mean, centred_mean
+from calib.run.filters import block_mean, centred_mean, samples_in
 from calib.run.pedal import as_pressed
 
 _GRID = 0.01  # clock on which a run is predicted [s]; a disc turns at most 20 times a second
@@ -107,11 +107,11 @@ def run_of(log: Log) -> ObservedRun:
             expected="v [m/s]",
             do="a diagnosis needs it: wheel speeds alone cannot tell slip from speed",
         )
-    n = max(1, round(_GRID / log.sample_time))
+    n = samples_in(_GRID, log.sample_time)
     step = n * log.sample_time
 
     def smooth(x: Array, seconds: float) -> Array:
-        return centred_mean(x, max(1, round(seconds / step)), held_ends=True)
+        return centred_mean(x, samples_in(seconds, step), held_ends=True)
 
     means = {name: block_mean(log[name], n) for name in log.channels}
     nothing = np.zeros_like(means["v"])
