@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.errors import LogError
-from calib.base.warning import REFUSE, VOID
+from calib.base.warning import REFUSE
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.forces import mean_slip
 from calib.car.vehicle import Vehicle
-from calib.plausibility.rules import COAST, FIT, VALIDATE, require, unusable
+from calib.plausibility.rules import COAST, FIT, VALIDATE, require_none, unusable
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Axle, Blocks, block_balance
 from calib.run.filters import since
@@ -144,15 +144,16 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
     """
     refuse_copies([run.log for run in runs])
     ordered = sorted(runs, key=lambda item: item.log.digest)
+    coasts = [run for run in ordered if not run.events]
     braked = [run for run in ordered if run.events]
-    fast = [run for run in braked if len(braked) > 1 and _brakes_fast(run)]
+    reasons = {run: unusable(run, FIT if run.events else COAST, (REFUSE,)) for run in ordered}
+    fast = [run for run in braked if any(one.code == "ramp_rise" for one in reasons[run])]
     stops = fast if len(fast) < len(braked) else []
-    groups: tuple[list[Run], list[Run], list[Run]] = ([], [], [])
+    reasons |= {run: unusable(run, VALIDATE) for run in stops}
+    ramps = [run for run in braked if run not in stops]
+    purposes = dict.fromkeys(coasts, COAST) | dict.fromkeys(ramps, FIT)
     for run in ordered:
-        purpose = VALIDATE if run in stops else FIT if run.events else COAST
-        require(run, purpose, (REFUSE, VOID) if run in stops else (REFUSE,))
-        groups[(FIT, COAST, VALIDATE).index(purpose)].append(run)
-    ramps = groups[0]
+        require_none(reasons[run], run, purposes.get(run, VALIDATE))
     if not ramps:
         raise LogError(
             "none of the logs holds a braking",
@@ -165,11 +166,7 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
             where=", ".join(run.log.source for run in ramps),
             expected="at least one ramp with both axles; ramps with one axle serve in addition",
         )
-    return ramps, *groups[1:]
-
-
-def _brakes_fast(run: Run) -> bool:
-    return any(warning.code == "ramp_rise" for warning in unusable(run, FIT, (REFUSE,)))
+    return ramps, coasts, stops
 
 
 def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = None) -> RampRun:

@@ -63,10 +63,15 @@ def unusable(
     return _broken(e, first, purpose, does) or _broken(e, second, purpose, does)
 
 
-def require(run: Run, purpose: str, does: Collection[str] = (REFUSE,)) -> None:
+def require(run: Run, purpose: str) -> None:
     """Raise LogError with every reason for a run that will not do for a purpose."""
-    if why := unusable(run, purpose, does):
-        message = f"{_CALLED[purpose]}: {'; '.join(one.text for one in why)}"
+    require_none(unusable(run, purpose, (REFUSE,)), run, purpose)
+
+
+def require_none(reasons: tuple[PlausibilityWarning, ...], run: Run, purpose: str) -> None:
+    """Raise LogError with all ``reasons`` against a run, if there are any."""
+    if reasons:
+        message = f"{_CALLED[purpose]}: {'; '.join(one.text for one in reasons)}"
         raise LogError(message, where=run.log.source, do="see `brake-cal check`")
 
 
