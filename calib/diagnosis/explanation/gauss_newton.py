@@ -22,7 +22,6 @@ ROUGH, FINE = (2.0, 1e-2), (0.1, 1e-4)
 one that is compared, since an effect must take 20 and a twentieth of them, and that is answered."""
 
 _BENT = 0.5  # fall over the promised one below which the linear model is bent along a step [1]
-_ACTIVE_SETS = 5  # for each element that are tried at most; one or two are usual
 _RIDGE = 1e-12  # added to a scaled information matrix, far above rounding [1]
 _FAR, _FAR_EFFECT = 0.3, 1.5  # longest step that a linear model holds: of base and form, effect [1]
 
@@ -115,28 +114,11 @@ def _step(fit: Fit, damping: float) -> tuple[State, float]:
 
 
 def _least(H: Array, g: Array, low: Array, high: Array) -> Array:
-    """Return the s (k,) between ``low`` and ``high``, which hold 0, with the least s' H s + 2 g' s.
+    """Return the s (k,) between ``low`` and ``high`` with the least s' H s + 2 g' s."""
+    from scipy.optimize import lsq_linear
 
-    By active sets: what meets its bound is held there until it would leave it inwards (Nocedal and
-    Wright, ch. 16.5).
-    """
     scale = 1.0 / np.sqrt(np.diag(H))
-    H, g = H * scale * scale[:, None] + _RIDGE * np.eye(g.size), g * scale
-    low, high, s, is_held = low / scale, high / scale, np.zeros(g.size), np.zeros(g.size, bool)
-    for _ in range(_ACTIVE_SETS * g.size):
-        slope, (free,), way = H @ s + g, np.nonzero(~is_held), np.zeros(g.size)
-        way[free] = np.linalg.solve(H[np.ix_(free, free)], -slope[free])
-        bound = np.where(way > 0.0, high, low)
-        share = np.divide(bound - s, way, out=np.full(g.size, np.inf), where=way != 0.0)
-        first = int(np.argmin(share))
-        if share[first] < 1.0:
-            s, is_held[first] = s + share[first] * way, True
-            s[first] = bound[first]
-            continue
-        s = s + way
-        inwards = np.where(s >= high, 1.0, -1.0) * (H @ s + g) * is_held
-        last = int(np.argmax(inwards))
-        if inwards[last] <= _RIDGE:
-            break
-        is_held[last] = False
-    return np.clip(s, low, high) * scale
+    root = np.linalg.cholesky(H * scale * scale[:, None] + _RIDGE * np.eye(g.size))
+    bounds = low / scale, high / scale
+    solved = lsq_linear(root.T, -np.linalg.solve(root, g * scale), bounds, method="bvls")
+    return np.asarray(np.clip(solved.x * scale, low, high))
