@@ -94,7 +94,7 @@ def verify(
     present state, and the journal must hold what was signed and seen before.
     """
     from calib.show.store import verified
-    from calib.store.folders import NEW
+    from calib.store.folders import unplaced
     from calib.store.minisign import read_public_key
     from calib.store.signature import verify_signed
 
@@ -107,7 +107,7 @@ def verify(
     sound = all(verdict.sound for verdict in verdicts)
     if note:
         say(note)
-    unfinished = sorted(store.folder.glob(f"*/{NEW}*"))
+    unfinished = unplaced(store.folder)
     document = {"store": store.folder, "sound": sound, "versions": rows, "unfinished": unfinished}
     none = f"{store.folder} holds no table"
     return Answer(document, verified(verdicts, bool(key)) if rows else none, DAMAGED * (not sound))

@@ -57,6 +57,11 @@ def refuse_link(home: Path) -> None:
         raise StoreError(flaw, where=home, expected="a folder of its own", do=do)
 
 
+def unplaced(folder: Path, name: str = "*") -> list[Path]:
+    """Folders of versions that are not in their place yet, in order."""
+    return sorted(p for p in folder.glob(f"{name}/{NEW}*") if names_a_table(p.parent.name))
+
+
 def signature_files(home: Path, version: int) -> list[Path]:
     """Signature files of a version: first the simple name, then those with the id of a key."""
     first = home / f"{folder_of(version)}{SIGNATURE}"

@@ -22,6 +22,7 @@ from calib.store.folders import (
     path_of,
     place,
     refuse_link,
+    unplaced,
 )
 from calib.store.journal import CHANGED, STORED, Journal, enter, read_journal, write_journal
 from calib.store.snapshot import Snapshot, StoreEntry
@@ -235,7 +236,7 @@ def _tidy(folder: Path, table: str, journal: Journal) -> None:
     """Finish or undo the work of stopped writers, under the lock. Raises OSError."""
     for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
         path.unlink(missing_ok=True)
-    for path in list((folder / table).glob(f"{NEW}*")):
+    for path in unplaced(folder, table):
         final = path.with_name(path.name.removeprefix(NEW))
         if path.is_symlink():
             path.unlink()  # nobody knows where it leads
