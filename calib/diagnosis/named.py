@@ -15,6 +15,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS, G
+from calib.base.units import BAR
 from calib.car.effects.catalogue import definition, every_effect
 from calib.car.effects.effect import AT_WHEELS, acts_on
 from calib.car.effects.effects import Effects
@@ -206,7 +207,7 @@ def manoeuvres(fit: Fit) -> tuple[ObservedRun, ...]:
     warm, out = fit.problem.runs[0].temperature_f is not None, []
     time = 0.01 * np.arange(1200)
     for name, (v0, most, rise, period) in _TESTS.items():
-        p = 1e5 * np.clip(rise * (time % period - 1.0), 0.0, most)
+        p = BAR * np.clip(rise * (time % period - 1.0), 0.0, most)
         z = p / 70e5
         v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)
         channels = {"time": time, "p_mc": p, "a_x": -z * G, "v": v}

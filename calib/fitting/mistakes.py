@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from calib.base.intervals import CERTAIN, SURE
 from calib.base.names import AXLE_NAMES
+from calib.base.units import BAR
 from calib.base.warning import Measured
 from calib.car.vehicle import Vehicle
 from calib.fitting.evidence import NEVER, SCREENING_ERROR, Cause, Evidence
@@ -119,9 +120,9 @@ def measured(causes: Sequence[Cause], beside_pads: bool = True) -> Iterator[Meas
         if code == SCALE:
             words |= {"factor": f"{value:.3g}", "cause": _why(value)}
         elif code == DRAG:
-            value /= 1e5
+            value /= BAR
         elif code in (MOTOR, VALVE):
-            words["bar"] = f"{size[code == MOTOR] / 1e5:.0f}"
+            words["bar"] = f"{size[code == MOTOR] / BAR:.0f}"
         yield Measured(code, 1.0 if code == VALVE else value, words=words)
 
 

@@ -25,6 +25,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import ModelError
 from calib.base.names import AXLES, G
+from calib.base.units import BAR
 from calib.car import forces
 from calib.car.brakes import Brakes
 from calib.car.effects.combined import total_axle_moment, total_body_force, total_load_shift
@@ -236,7 +237,7 @@ def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
         return run.time.size, f"ends with its pressure at {run.time[-1]:.3f} s"
     end = min(met.values())
     reasons = ", ".join(why for why, index in met.items() if index == end)
-    pressure = max(p[end] for p in run.brakes.clamp.values()) / 1e5
+    pressure = max(p[end] for p in run.brakes.clamp.values()) / BAR
     return end, f"ends before {run.time[end]:.3f} s at {pressure:.1f} bar: {reasons}"
 
 

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
 from calib.base.names import CHANNELS
-from calib.base.units import from_si, to_si
+from calib.base.units import BAR, from_si, to_si
 from calib.base.warning import PlausibilityWarning, unexplained
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log, Origin
@@ -177,7 +177,7 @@ def _sensor(sensor: Sensor) -> str:
 
 
 def _event(event: BrakeEvent) -> str:
-    pressure = "" if event.pressure is None else f", to {event.pressure / 1e5:.1f} bar"
+    pressure = "" if event.pressure is None else f", to {event.pressure / BAR:.1f} bar"
     return (
         f"{event.start:.2f} to {event.end:.2f} s{pressure}, to {event.z_high:.2f} g, "
         f"{3.6 * event.speed_start:.0f} to {3.6 * event.speed_end:.0f} km/h, "

@@ -1,6 +1,7 @@
 """Facts of a diagnosis: verdict, effects, gap of the hold-outs; `diagnosis.json` has the rest."""
 
 from calib.base.plain import counted
+from calib.base.units import BAR
 from calib.car.effects.catalogue import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
 from calib.diagnosis.replays import CHANNELS, UNITS
@@ -203,7 +204,7 @@ def unexplained(diagnosis: Diagnosis) -> str:
         )
     if (limit := cause.held_from) is not None and cause.driver != FREQUENCY:
         sentences.append(
-            f"above {limit / 1e5:.0f} bar the brake torque hardly rises: brake control or a valve"
+            f"above {limit / BAR:.0f} bar the brake torque hardly rises: brake control or a valve"
         )
     return "; ".join(sentences)
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
+from calib.base.units import BAR
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.logs.computed import factor_between, is_other_quantity
@@ -213,8 +214,8 @@ def _brake_score(name: str) -> int:
 
 
 def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
-    if item.values.max() > 1e5 * bounds_of("pressure_high")[1]:
-        return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
+    if item.values.max() > BAR * bounds_of("pressure_high")[1]:
+        return f"a pressure of {item.values.max() / BAR:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
         return None if points > 0 else "a pressure, not known to be of the brake"
     delay = pressure_delay(clock.time, braking / G, [item.values], [], np.ones(braking.size, bool))

@@ -7,7 +7,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import WHEEL_SPEEDS, WHEELS
-from calib.base.units import from_si, to_si
+from calib.base.units import BAR, from_si, to_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import REPEATED, TIME_UNITS, check_steps, step_of
@@ -212,7 +212,7 @@ def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
 
 def find_wheel_pressures(search: Search) -> None:
     """Four columns of pressures that are named for the wheels."""
-    fours, most = _fours(search, "Pa"), 1e5 * bounds_of("pressure_high")[1]
+    fours, most = _fours(search, "Pa"), BAR * bounds_of("pressure_high")[1]
     if len(fours) == 1 and all(item.values.max() <= most for item in fours[0].values()):
         for wheel, item in fours[0].items():
             unit = f"unit {item.column.unit}"
