@@ -27,6 +27,11 @@ class Belief(NamedTuple):
     tyre_file: float = 0.0
 
 
+STIFFENING, DRY_PEAK = 0.25, 0.9
+"""ln of the tyres' stiffness on another road rises with this share of ln of its peak over that of
+dry asphalt [1]; the rows `log_stiffness` are what varies beside it."""
+
+
 class Mixture(NamedTuple):
     """A mixture of normal priors: each of its k ``cases`` has a relative share, mean and sigma."""
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index
 from calib.car.balance import brake_forces, front_share
-from calib.car.beliefs import CAR, STOP
+from calib.car.beliefs import CAR, DRY_PEAK, STIFFENING, STOP
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, spread_evenly
 from calib.fitting.hypotheses import Hypothesis, Size
@@ -84,7 +84,7 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
         (_, mean), (_, sigma) = STOP.log_peak.mean, STOP.log_peak.sigma
         place = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
         log_peak = np.where(np.arange(e.size) % 2, mean + sigma * place, np.log(e.peak))
-        stiff = STOP.log_stiffness.mean[1] + 0.25 * (log_peak - math.log(0.9))
+        stiff = STOP.log_stiffness.mean[1] + STIFFENING * (log_peak - math.log(DRY_PEAK))
         softer = np.where(np.arange(e.size) % 2, np.exp(-stiff), 1.0)
         centre[:, :2] *= softer[:, None]
         root[:, :2] *= softer[:, None, None]

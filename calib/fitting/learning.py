@@ -20,7 +20,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.plain import counted
-from calib.car.beliefs import STOP
+from calib.car.beliefs import DRY_PEAK, STIFFENING, STOP
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble
 from calib.fitting.posterior import Posterior, survivors, tempering_step
@@ -92,7 +92,7 @@ def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, floa
         sigmas = float(peaks.sigma[i]) * (_WITHIN if other else 1.0), float(stiffs.sigma[i])
         for place, weight in zip(places, shares[i] * weights / weights.sum(), strict=True):
             peak = np.exp(peaks.mean[i] + peaks.sigma[i] * place) * (1.0 if other else e.peak)
-            stiff = stiffs.mean[i] + 0.25 * other * np.log(peak / 0.9)
+            stiff = stiffs.mean[i] + STIFFENING * other * np.log(peak / DRY_PEAK)
             yield float(weight), peak * np.ones(e.size), stiff * np.ones(e.size), sigmas
 
 

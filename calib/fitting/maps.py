@@ -16,7 +16,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import AXLES
-from calib.car.beliefs import STOP, Mixture
+from calib.car.beliefs import DRY_PEAK, STIFFENING, STOP, Mixture
 from calib.car.mass import WEIGHED
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, SlipPrediction, predict_slips, spread_evenly
@@ -84,7 +84,7 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = _SCENARIOS) -> _Scenarios:
     log_peak, stiff = (drawn(name, "road") for name in ("log_peak", "log_stiffness"))
     other = STOP.log_peak.is_case("other road", uniform("road"))  # it has a peak of its own
     log_peak -= other * np.log(cars.peak)
-    stiff += 0.25 * other * (log_peak + np.log(cars.peak / 0.9))
+    stiff += STIFFENING * other * (log_peak + np.log(cars.peak / DRY_PEAK))
     as_stated = STOP.log_mass.is_case("as stated", uniform("log_mass case"))
     mass = car.mass_tolerance * ndtri(uniform("log_mass"))
     return _Scenarios(
