@@ -192,8 +192,9 @@ def unexplained(
     """
     every = tuple(warnings)
     explained = {code for one in (*every, *beside) for code in _made_by(one)}
+    codes = list(_FIRST)
     unexplained_ones = [one for one in every if one.code not in explained]
-    return tuple(sorted(unexplained_ones, key=lambda one: list(_FIRST).index(one.code)))
+    return tuple(sorted(unexplained_ones, key=lambda one: codes.index(one.code)))
 
 
 def _made_by(warning: PlausibilityWarning) -> tuple[str, ...]:
