@@ -56,7 +56,9 @@ def read_plan(path: Path, vehicle: Path | None = None) -> tuple[PlannedRamp, ...
 def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
-        text = data.decode("utf-8-sig").replace("\0", "\N{REPLACEMENT CHARACTER}")
+        text = data.decode("utf-8-sig")
+        if "\0" in text:
+            raise csv.Error("it holds a NUL")
         delimiter = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
         lines = [line for line in text.splitlines() if line.strip()]
         rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]
