@@ -34,7 +34,6 @@ REAR: Stroke = {"color": "#D55E00", "linestyle": DASHED}
 BODY: Stroke = {"color": "#222222", "linestyle": "-"}
 TRUTH: Stroke = {"color": "#000000", "linestyle": DOTTED, "linewidth": 1.7}
 NOMINAL: Stroke = {"color": "#7A7A7A", "linestyle": DASH_DOT}
-LAW: Stroke = {"color": "#CC79A7", "linestyle": LONG}
 IDENTIFIED: Stroke = {"color": "#009E73", "linestyle": "-"}
 WHEEL_STROKES: dict[str, Stroke] = {
     "fl": FRONT,

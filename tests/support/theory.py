@@ -33,7 +33,7 @@ from calib.run.blocks import BLOCK
 from calib.run.noise import SensorNoise
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet, render
-from calib.show.style import BODY, DOTTED, ETA, FRONT, IDENTIFIED, LAW, LONG, NOMINAL, REAR, TRUTH
+from calib.show.style import BODY, DOTTED, ETA, FRONT, IDENTIFIED, LONG, NOMINAL, REAR, TRUTH
 from calib.store.store import Store
 from calib.table.maps import Reader
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop, without
@@ -42,6 +42,8 @@ ROOT = Path(__file__).parents[2]
 STEP = ROOT / "calib" / "manual" / "step.md"
 COVERAGE = ROOT / "tests" / "studies" / "results" / "coverage.md"
 PICTURES = ROOT / "sample_logs" / "figures" / "theory"
+
+LAW = {"color": "#CC79A7", "linestyle": LONG}
 
 ROADS = {
     "dry asphalt": ((25.0, 0.9), BODY),
