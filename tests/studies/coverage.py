@@ -43,7 +43,7 @@ from tests.studies import plant_r
 from tests.studies.brakings import BeyondPeakError, Braking, Demand, brakings, held
 from tests.studies.plant_r import Car, G
 from tests.studies.scored_stop import QUANTITIES, Truth, answer, estimators
-from tests.studies.study import arguments, carried_out
+from tests.studies.study import arguments, tabulated
 from tests.support.reference_car import without
 
 COMPLIANCE = (1 / 70, 1 / 14)
@@ -273,10 +273,7 @@ def main() -> None:
     jobs: list[Job] = [
         (asked.seed, i, tuple(asked.only)) for i in range(asked.first, asked.first + asked.cars)
     ]
-    found = pd.DataFrame(row for part in carried_out(tried, jobs, asked.jobs) for row in part)
-    if asked.keep:
-        found.to_csv(asked.keep, index=False)
-    printed(found)
+    printed(tabulated(tried, jobs, asked))
 
 
 if __name__ == "__main__":

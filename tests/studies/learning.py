@@ -33,7 +33,7 @@ from calib.table.table import Table
 from tests.studies.coverage import GOLDEN, car_and_runs, limits, ranked, stop
 from tests.studies.recorded_cars import folders, recorded
 from tests.studies.scored_stop import QUANTITIES, Truth, answer
-from tests.studies.study import arguments, carried_out
+from tests.studies.study import arguments, tabulated
 from tests.support.reference_car import without
 
 LEARNT, HELD_OUT = 10, 5
@@ -198,10 +198,7 @@ def main() -> None:
     jobs: list[Job] = [(str(f), 0, 0, tuple(only)) for f in folders(asked.logs)] or [
         ("", asked.seed, i, tuple(only)) for i in range(asked.cars)
     ]
-    figures = pd.DataFrame(row for part in carried_out(tried, jobs, asked.jobs) for row in part)
-    if asked.keep:
-        figures.to_csv(asked.keep, index=False)
-    summary(figures)
+    summary(tabulated(tried, jobs, asked))
 
 
 if __name__ == "__main__":

@@ -2,14 +2,16 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeAlias, TypeVar
 
+import pandas as pd
 from scipy.stats import binomtest
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
+Row: TypeAlias = Mapping[str, Any]
 
 
 def arguments(doc: str | None, *flags: str, **defaults: object) -> argparse.Namespace:
@@ -43,6 +45,16 @@ def carried_out(tried: Callable[[Job], Result], jobs: list[Job], workers: int) -
         return
     with ProcessPoolExecutor(workers) as pool:
         yield from pool.map(tried, jobs)
+
+
+def tabulated(
+    tried: Callable[[Job], Iterable[Row]], jobs: list[Job], asked: argparse.Namespace
+) -> pd.DataFrame:
+    """The rows of all jobs, kept as CSV where ``asked`` names a file."""
+    rows = pd.DataFrame(row for part in carried_out(tried, jobs, asked.jobs) for row in part)
+    if asked.keep:
+        rows.to_csv(asked.keep, index=False)
+    return rows
 
 
 def share(hits: list[bool]) -> str:
