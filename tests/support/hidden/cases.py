@@ -2,18 +2,16 @@
 
     case = draw("single", 7)
     case.calibration, case.holdout, case.vehicle     what the program may see
-    case.answer, case.truth                          what only a score may see
 
 The same seed gives the same case. Nothing in names, order or metadata tells what is hidden.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.car.vehicle import Axle, Vehicle
 from calib.logs.log import Log
 from calib.model.sensor_noise import NoiseLevel, add_noise
@@ -37,8 +35,6 @@ NOISE = {
     **{f"omega_{w}": NoiseLevel(0.0208, 0.25, 0.005) for w in ("fl", "fr", "rl", "rr")},
     **{f"T_disc_{s}": NoiseLevel(1.0, 0.0, 1.0) for s in "fr"},
 }
-
-BAR = 1e5
 
 
 def _car(name: str, values: str) -> Vehicle:
@@ -71,8 +67,7 @@ class HiddenCase:
     vehicle : what the program is told.
     calibration, holdout : noisy logs.
     hidden : all settings of the plant.
-    answer : kind, effects, car, surface, base and settings, as answer.json has them.
-    truth : by hold-out and channel, what perfect sensors of this car would have read.
+    variety : what each run is driven with.
     """
 
     kind: str
@@ -81,8 +76,7 @@ class HiddenCase:
     calibration: tuple[Log, ...]
     holdout: tuple[Log, ...]
     hidden: Hidden
-    answer: dict[str, object]
-    truth: dict[str, dict[str, Array]]
+    variety: Variety
 
 
 @lru_cache(16)
@@ -119,16 +113,13 @@ def draw(
     )
     variety = VARIETIES.get(kind, lambda _: Variety())(rng)
     levels = {k: scaled(level, variety.noise) for k, level in NOISE.items()}
-    logs, truth = {}, {}
+    logs = {}
     for i, name in enumerate((*variety.calibration, *variety.holdout)):
         driven = run_of(on(car, variety.ground(i)), name, rng, variety.rate)
         noise = int(rng.integers(2**31))
         if only and name not in only:
             continue
-        clean = driven()
-        logs[name] = add_noise(clean, noise, levels)
-        if name in variety.holdout:
-            truth[name] = {k: v for k, v in clean.channels.items() if k in TRUTH}
+        logs[name] = add_noise(driven(), noise, levels)
     return HiddenCase(
         kind,
         tuple(effects),
@@ -136,8 +127,7 @@ def draw(
         tuple(logs[n] for n in variety.calibration if n in logs),
         tuple(logs[n] for n in variety.holdout if n in logs),
         hidden,
-        answer(kind, tuple(effects), car, surface) | told_of(variety),
-        truth,
+        variety,
     )
 
 
@@ -156,16 +146,6 @@ def on(car: Car, ground: Ground) -> Car:
     if ground.grade:
         h = replace(h, grade=h.grade + ground.grade, grade_felt=True)
     return replace(car, pad_scale=(front, rear), stiffness_scale=stiffness, hidden=h)
-
-
-def told_of(variety: Variety) -> dict[str, object]:
-    """Variety of a case for its answer; nothing for the usual one."""
-    usual = asdict(Variety())
-    changed = {k: v for k, v in asdict(variety).items() if v != usual[k]}
-    return {"variety": changed} if changed else {}
-
-
-TRUTH = ("time", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
 
 
 def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
@@ -225,20 +205,3 @@ def run_of(car: Car, name: str, rng: np.random.Generator, rate: float) -> Callab
         return Log(name=name, source=f"{name}.csv", digest="", channels=channels)
 
     return driven
-
-
-def answer(kind: str, effects: tuple[str, ...], car: Car, surface: str) -> dict[str, object]:
-    """What is hidden, for the score."""
-    bare = asdict(Hidden())
-    return {
-        "kind": kind,
-        "effects": list(effects),
-        "car": car.vehicle.name,
-        "surface": surface,
-        "base": {
-            "mu_scale_f": car.pad_scale[0],
-            "mu_scale_r": car.pad_scale[1],
-            "stiff_scale": car.stiffness_scale,
-        },
-        "settings": {k: v for k, v in asdict(car.hidden).items() if v != bare[k]},
-    }

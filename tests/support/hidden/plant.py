@@ -130,7 +130,6 @@ def equations(car: Car, lines: Lines) -> Rates:
     omega_n = 2.0 * math.pi * h.pitch_frequency
     omega_s = 2.0 * math.pi * h.slosh_frequency
     pads = pad_law(h)
-    unlike = (1.0, 1.0, 1.0 + h.rear_tyres, 1.0 + h.rear_tyres)
     rear_tyre = car.rear_tyre or car.tyre
     tyres = (car.tyre, car.tyre, rear_tyre, rear_tyre)
     stiffness_scale, slope = car.stiffness_scale, math.sin(math.atan(h.grade))
@@ -156,12 +155,8 @@ def equations(car: Car, lines: Lines) -> Rates:
         def push(z: float) -> tuple[list[float], list[float]]:
             f = 0.5 * weight * (nominal.cg_to_rear_axle + z * height) / length
             load = [f, f, 0.5 * weight - f, 0.5 * weight - f]
-            force = []
-            for k, n, s, tyre in zip(unlike, load, slips, tyres, strict=True):
-                more = 4.0 * n / weight
-                stiff = stiffness * k * (1.0 - h.tyre_load * (more - 1.0))
-                force.append(n * tyre(s, more, stiff, 1.0))
-            return load, force
+            pressed = zip(load, slips, tyres, strict=True)
+            return load, [n * tyre(s, 4.0 * n / weight, stiffness, 1.0) for n, s, tyre in pressed]
 
         load, force = push(y[Z])
         if h.through_springs != 1.0:
@@ -174,7 +169,7 @@ def equations(car: Car, lines: Lines) -> Rates:
         z_tyre = sum(force) / weight
         torque = [gain[i] * k[i // 2] * (p_f if i < 2 else p_r) for i in range(4)]
         if h.thickness:
-            ripple = h.thickness * math.sin(h.thickness_order * y[ANGLE])
+            ripple = h.thickness * math.sin(y[ANGLE])
             torque[0] *= 1.0 + ripple
             torque[1] *= 1.0 + h.thickness_right * ripple
         other = list(resisting(h, load, radius, v))

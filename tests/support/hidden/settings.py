@@ -42,7 +42,6 @@ class Hidden:
     imbalance_rear: float = 1.0  # share of it behind [1]
     thickness: float = 0.0  # torque ripple of the front left disc [1]
     thickness_right: float = 1.0  # that of the right one over it [1]
-    thickness_order: int = 1  # ripples per turn
     mass_error: float = 0.0  # true over nominal mass, less one [1]
     sticking: float = 0.0  # pressure that stays in the rear brakes after the first release [Pa]
     regen_torque: float = 0.0  # while braking, per wheel [N m]
@@ -62,7 +61,5 @@ class Hidden:
     slosh_frequency: float = 0.6  # of that spring [Hz]
     weaker_by: float = 0.0  # loss of brake force with each further application in a run [1]
     seized: float = 0.0  # constant torque on the rear left wheel [N m]
-    rear_tyres: float = 0.0  # true over equal stiffness of the rear tyres, less one [1]
-    tyre_load: float = 0.0  # fall of the stiffness per load when the load of a wheel doubles [1]
     through_springs: float = 1.0  # share of the load transfer that follows the pitch [1]
     flap_area: float = 0.0  # c_d A more while braking [m^2]: opens over 2 to 12 bar

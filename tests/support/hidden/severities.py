@@ -144,9 +144,6 @@ OUTSIDE: dict[str, Draw] = {
 }
 
 ABSORBED: dict[str, Draw] = {
-    "tyre_axle_difference": lambda s, r: {"rear_tyres": sign(r) * s(0.08, 0.25)},
-    "tyre_load_sensitivity": lambda s, r: {"tyre_load": s(0.08, 0.3)},
     "anti_dive": lambda s, r: pitch(s, r) | {"through_springs": float(r.uniform(0.3, 0.8))},
 }
-"""What has no name of its own: pads and tyre take it up, or a parameter of another name. Drawn only
-by name."""
+"""What has no name of its own, but a parameter of another one. Drawn only by name."""
