@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from calib.line.fleet.rows import Row
     from calib.line.fleet.work import Job
 
-_JobCommand = Annotated[Command, argument("fit, validate, check or diagnose each log.", "COMMAND")]
+_JobCommand = Annotated[Command, argument("fit, validate or check each log.", "COMMAND")]
 _JobTable = Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
 CAR = "fit, validate: vehicle file. Only fit takes it from the settings."
 _Car = Annotated[
@@ -92,7 +92,7 @@ class Inputs:
 )
 def batch(
     command: _JobCommand,
-    logs: list[str] = argument("Logs; for diagnose, folders of a car's logs.", "GLOB|DIR|LOG..."),
+    logs: list[str] = argument("Logs, or folders of logs.", "GLOB|DIR|LOG..."),
     *,
     inputs: Inputs,
     scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
@@ -151,8 +151,6 @@ def watch(
     from calib.line.fleet.watch import watch as watch_folder
     from calib.line.fleet.workers import Pool
 
-    if command is Command.DIAGNOSE:
-        raise misuse("diagnose takes folders: use `brake-cal batch`")
     job, out = inputs.job(command), inputs.out
 
     def on_row(row: "Row") -> None:

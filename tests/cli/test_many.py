@@ -82,7 +82,6 @@ def test_fit_check_and_what_cannot_be_read(batch, tmp_path):
         ("batch", "fit", "logs"),
         ("batch", "check", "logs", *TABLE),
         ("batch", "check", "logs", "--workers", "1", "--scheduler", "tcp://127.0.0.1:1"),
-        ("watch", "diagnose", "logs"),
     ],
 )
 def test_usage(brake_cal, batch, tmp_path, words):

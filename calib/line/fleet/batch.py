@@ -19,11 +19,11 @@ from calib.base.errors import BrakeCalError, LogError, printable
 from calib.line.fleet.journal import BatchJournal
 from calib.line.fleet.results import NAME, write_results
 from calib.line.fleet.rows import Command, Row, Status
-from calib.line.fleet.work import CALIBRATION, HOLDOUT, VEHICLE, Job, WorkItem
+from calib.line.fleet.work import Job, WorkItem
 from calib.line.fleet.workers import Executor, Rows
 from calib.logs.read import FORMATS
 
-_CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
+_CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
 
 _CHUNKS_PER_WORKER = 3
@@ -43,7 +43,7 @@ def run_batch(
     BatchError when ``out`` holds another batch or the workers are not of this version, OSError when
     ``out`` cannot be written.
     """
-    logs = {printable(path): path for path in find_logs(arguments, job.command, out)}
+    logs = {printable(path): path for path in find_logs(arguments, out)}
     settings = job.settings()
     with closing(BatchJournal(out, settings)) as journal:
         run = BatchRun(job, journal, executor, len(logs), report)
@@ -168,13 +168,12 @@ def _worker_error(future: Future[Rows]) -> BaseException | None:
     return error
 
 
-def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator[str]:
+def find_logs(arguments: Iterable[str], out: Path) -> Iterator[str]:
     """Paths of the logs, relative where the argument is; one may come twice.
 
-    A folder means all logs in it and below. For DIAGNOSE a log is a folder with calibration/,
-    holdout/ and vehicle.toml. Hidden files, the results in ``out``, and all of an ``out`` within a
-    folder are left out. Raises LogError for an argument without a log; a missing file with the
-    ending of a log is returned, and gets a row with an error.
+    A folder means all logs in it and below. Hidden files, the results in ``out``, and all of an
+    ``out`` within a folder are left out. Raises LogError for an argument without a log; a missing
+    file with the ending of a log is returned, and gets a row with an error.
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:
@@ -182,13 +181,11 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
         paths: list[str] = []
         for path in [argument] if named else sorted(glob.iglob(argument, recursive=True)):
             if os.path.isdir(path):
-                paths += logs_below(path, command, out)
-            elif named or (command != Command.DIAGNOSE and _is_log(path)):
+                paths += logs_below(path, out)
+            elif named or _is_log(path):
                 paths += [path] * (named or os.path.realpath(path) != results)
         if not paths:
             expected = f"files that end in {', '.join(FORMATS)}"
-            if command == Command.DIAGNOSE:
-                expected = f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
             do = "check the path; put a pattern in quotes"
             raise LogError("no log found", where=argument, expected=expected, do=do)
         yield from paths
@@ -199,7 +196,7 @@ def _refuse(error: OSError) -> None:
 
 
 def logs_below(
-    folder: str, command: Command, out: Path, on_error: Callable[[OSError], None] = _refuse
+    folder: str, out: Path, on_error: Callable[[OSError], None] = _refuse
 ) -> Iterator[str]:
     """Paths of the logs in a folder and below, possibly none. Else like `find_logs`.
 
@@ -210,10 +207,6 @@ def logs_below(
         has_results = os.path.realpath(place) == os.path.realpath(out)
         if has_results and place != folder:
             folders.clear()
-        elif command == Command.DIAGNOSE:
-            if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
-                folders.clear()
-                yield place
         else:
             logs = (f for f in sorted(files) if _is_log(f) and not (has_results and f == NAME))
             yield from (os.path.join(place, f) for f in logs)

@@ -13,7 +13,6 @@ class Command(StrEnum):
     FIT = "fit"
     VALIDATE = "validate"
     CHECK = "check"
-    DIAGNOSE = "diagnose"
 
 
 class Status(StrEnum):
@@ -112,10 +111,6 @@ _COLUMNS = {
         *_columns("pressure_max", unit="Pa"),
         *_columns("eta_zero"),
         *_WARNED,
-    ),
-    Command.DIAGNOSE: (
-        *_columns("verdict", "effects", kind=str),
-        *_columns("gap_before", "gap_after", "gap_closed"),
     ),
 }
 

@@ -16,15 +16,10 @@ from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, Limit
 from calib.line.fleet.rows import QUALITY, Cell, Command, Row, Status
 from calib.logs.channel_map import ChannelMap
-from calib.logs.formats import ending_of
 from calib.logs.log import Log
-from calib.logs.read import FORMATS, REQUIRED, log_bytes, read_log
+from calib.logs.read import REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
-VEHICLE = "vehicle.toml"
-CALIBRATION, HOLDOUT = "calibration", "holdout"
-
-Files = dict[str, bytes]
 Outcome = tuple[Status, tuple[Cell, ...]]
 
 
@@ -100,11 +95,15 @@ _unpacked = lru_cache(maxsize=2)(pickle.loads)
 def _run_item(job: Job, item: WorkItem) -> Row | None:
     digest, lost = None, False
     try:
-        files = _contents(job, item)
-        digest = _digest_of(files)
+        data = log_bytes(Path(item.path), item.name)
+        digest = _sha256(data)
         if digest == item.digest:
             return None
-        status, cells = _RUNS[job.command](job, item, files)
+        require = () if job.command == Command.CHECK else REQUIRED
+        log = read_log(
+            Path(item.name), job.channel_map, require=require, data=data, file=Path(item.path)
+        )
+        status, cells = _RUNS[job.command](job, log)
         return Row(item.name, digest, status, None, cells)
     except BrakeCalError as error:
         text = str(error)
@@ -117,42 +116,11 @@ def _run_item(job: Job, item: WorkItem) -> Row | None:
     return Row(item.name, digest, Status.ERROR, text, lost=lost)
 
 
-def _digest_of(files: Files) -> str:
-    """SHA-256 of a log's bytes; of names and digests of its files if it is a folder."""
-    if len(files) == 1:
-        return _sha256(*files.values())
-    lines = (f"{_sha256(data)}  {name}\n" for name, data in files.items())
-    return _sha256("".join(lines).encode())
-
-
-def _contents(job: Job, item: WorkItem) -> Files:
-    """Bytes of the log, which has the name "", or of all files of its folder."""
-    root, names = Path(item.path), [""]
-    if job.command == Command.DIAGNOSE:
-        logs = sorted(p for part in (CALIBRATION, HOLDOUT) for p in (root / part).glob("*"))
-        logs = [p for p in logs if ending_of(p) in FORMATS and not p.name.startswith(".")]
-        names = [VEHICLE, *(p.relative_to(root).as_posix() for p in logs)]
-    where = {name: f"{item.name}/{name}".removesuffix("/") for name in names}
-    return {n: log_bytes(root / n, where[n], any_format=n == VEHICLE) for n in names}
-
-
-def _logs(job: Job, item: WorkItem, files: Files, part: str = "") -> list[Log]:
-    """The logs of a part of the folder; the log itself without one."""
-    require = () if job.command == Command.CHECK else REQUIRED
-    return [
-        read_log(Path(item.name, name), job.channel_map, require=require, data=data,
-                 file=Path(item.path, name))
-        for name, data in files.items()
-        if name.startswith(part)
-    ]  # fmt: skip
-
-
-def _validate(job: Job, item: WorkItem, files: Files) -> Outcome:
+def _validate(job: Job, log: Log) -> Outcome:
     from calib.estimation.metrics import METRICS
     from calib.estimation.validate import validate_one
 
     assert job.table is not None
-    (log,) = _logs(job, item, files)
     result = validate_one(job.table, log, job.vehicle, job.limits)
     not_held = ", ".join(j.figure for j in result.judgements if j.verdict == FAILED)
     metrics = (finite(result.figures[name]) for name in METRICS)
@@ -160,11 +128,11 @@ def _validate(job: Job, item: WorkItem, files: Files) -> Outcome:
     return Status.PASSED if result.passed else Status.FAILED, cells
 
 
-def _fit(job: Job, item: WorkItem, files: Files) -> Outcome:
+def _fit(job: Job, log: Log) -> Outcome:
     from calib.fitting.fit import fit
 
     assert job.vehicle is not None
-    table = fit(job.vehicle, _logs(job, item, files))
+    table = fit(job.vehicle, [log])
     cal, q = table.calibration, table.quality
     pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
     metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in QUALITY)]
@@ -175,11 +143,10 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
     return ", ".join(dict.fromkeys(one.code for one in warnings)) or None
 
 
-def _check(job: Job, item: WorkItem, files: Files) -> Outcome:
+def _check(job: Job, log: Log) -> Outcome:
     from calib.plausibility.check import check
     from calib.run.run import figures
 
-    (log,) = _logs(job, item, files)
     findings = check(log)
     usable = (verdict.usable for verdict in findings.verdicts)
     metrics = map(finite, figures(findings.run).values())
@@ -187,21 +154,8 @@ def _check(job: Job, item: WorkItem, files: Files) -> Outcome:
     return Status.PASSED if findings.usable else Status.FAILED, cells
 
 
-def _diagnose(job: Job, item: WorkItem, files: Files) -> Outcome:
-    from calib.car.vehicle_file import read_vehicle
-    from calib.diagnosis.diagnose import diagnose
-
-    vehicle = read_vehicle(Path(item.path) / VEHICLE)
-    runs, held_out = (_logs(job, item, files, f"{part}/") for part in (CALIBRATION, HOLDOUT))
-    diagnosis = diagnose(vehicle, runs, held_out)
-    gap = (diagnosis.gap.rms_before, diagnosis.gap.rms_after, diagnosis.gap.closed)
-    names = "+".join(effect.name for effect in diagnosis.effects)
-    return Status.DONE, (diagnosis.verdict, names, *map(finite, gap))
-
-
-_RUNS: dict[Command, Callable[[Job, WorkItem, Files], Outcome]] = {
+_RUNS: dict[Command, Callable[[Job, Log], Outcome]] = {
     Command.FIT: _fit,
     Command.VALIDATE: _validate,
     Command.CHECK: _check,
-    Command.DIAGNOSE: _diagnose,
 }

@@ -15,7 +15,7 @@ Rows = list[Row | None]
 _PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
     *("scipy.special", "calib.plausibility.check", "calib.fitting.fit"),
-    *("calib.estimation.validate", "calib.diagnosis.diagnose", "calib.line.fleet.work"),
+    *("calib.estimation.validate", "calib.line.fleet.work"),
 )
 """Late imports of the library, done once in the server from which workers are forked."""
 

@@ -17,8 +17,8 @@ def tree(tmp_path, monkeypatch):
         path.touch()
 
 
-def found(*arguments, command="check", out="out"):
-    return list(find_logs(arguments, command, Path(out)))
+def found(*arguments, out="out"):
+    return list(find_logs(arguments, Path(out)))
 
 
 def test_a_folder_is_all_logs_below_it():
@@ -47,15 +47,3 @@ def test_results_among_the_logs_are_no_logs():
     Path("logs/out/results.parquet").touch()
     assert "logs/out/results.parquet" not in found("logs", out="logs/out")
     assert "logs/out/results.parquet" not in found("logs/**/*.*", "logs", out="logs/out")
-
-
-def test_for_a_diagnosis_a_log_is_a_folder():
-    for car in ("cars/1", "cars/more/2"):
-        for part in ("calibration", "holdout"):
-            Path(car, part).mkdir(parents=True)
-        Path(car, "vehicle.toml").touch()
-    Path("cars/none/calibration").mkdir(parents=True)
-    assert found("cars", command="diagnose") == ["cars/1", "cars/more/2"]
-    assert found("cars/*", command="diagnose") == ["cars/1", "cars/more/2"]
-    assert found("cars/1", command="diagnose") == ["cars/1"]
-    assert {"cars/1", "cars/more/2"} == set(found("cars/**", command="diagnose"))
