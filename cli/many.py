@@ -186,7 +186,7 @@ def _stopped() -> Iterator[Event]:
 
 @command(
     "brake-cal fleet checked/results.parquet --out fleet",
-    "brake-cal fleet validated/results.parquet --order eta_zero --json",
+    "brake-cal fleet validated/results.parquet --json",
     "brake-cal fleet runs",
 )
 def fleet(
@@ -194,12 +194,11 @@ def fleet(
         "Results of `batch`, or a folder of station runs.", "RESULTS.parquet|DIR"
     ),
     *,
-    order: str | None = option("Column that orders the logs, else names.", "COLUMN"),
     out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
 
-    Of RESULTS.parquet of a batch: distributions, outliers and drift. Of a DIR, whose folders are
+    Of RESULTS.parquet of a batch: distributions and outliers. Of a DIR, whose folders are
     runs of `station --out`: DIR/index.html with verdicts, next steps and trends, and DIR/live.html,
     which loads itself again.
     """
@@ -212,16 +211,14 @@ def fleet(
     from calib.show.station_index import write_index
 
     if results.is_dir():
-        if order or out:
-            raise misuse("a DIR takes no option: its pages are written there")
+        if out:
+            raise misuse("the pages of a DIR are written there", "--out")
         with writing(results, "DIR"):
             number = write_index(results)
         files = [results / INDEX, results / LIVE]
         return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")
     check_folder(out, ("fleet.json", "report.html"))
-    opened = open_fleet(results, order)
-    say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
-    summary = summarise(opened)
+    summary = summarise(open_fleet(results))
     if out is not None:
         title = printable(f"{results.absolute().parent.name}/{results.name}")
         with progress("drawing the report"):

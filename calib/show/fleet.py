@@ -1,4 +1,4 @@
-"""Facts of a fleet, and the picture of one metric in the order of the line.
+"""Facts of a fleet, and the picture of one metric, log by log.
 
 Logs are points over their median and the range of 90 %; those beyond the axis are at its end.
 """
@@ -16,13 +16,13 @@ from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Row, Tab
 from calib.show.numbers import number
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, IDENTIFIED, NOMINAL, REAR, Array, Stroke, as_text, dots
+from calib.show.style import BODY, NOMINAL, REAR, Array, Stroke, as_text, dots
 
 _FIRST = 5
 """Number of logs that stand apart in the head of the answer."""
 _NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
-_HEADS = ("metric", "logs", "median", "90 % of the logs", "stand apart", "drift")
+_HEADS = ("metric", "logs", "median", "90 % of the logs", "stand apart")
 _HALF_WIDTHS = {
     "front": "ecu_interval_f",
     "rear": "ecu_interval_r",
@@ -31,7 +31,6 @@ _HALF_WIDTHS = {
 """Half widths of the 95 % interval of a torque over itself, by the part of the car."""
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
-_LEVEL: Stroke = {**IDENTIFIED, "linewidth": 2.0}
 _LINE = 32
 """Letters of an axis' name that fit beside a panel."""
 _NAMED, _LETTERS = 8, 9
@@ -43,10 +42,10 @@ _TAIL, _FEWEST = 6.0, 10
 def fleet_facts(summary: Summary) -> Facts:
     """Facts of a fleet; the logs that stand apart come first."""
     metrics = [metric for metric in summary.metrics if metric.values.size]
-    drawn = [x for x in summary.metrics if x.values.size and (x.drifts or x.outlying.any())]
-    drawn.sort(key=lambda metric: not metric.drifts)
+    drawn = [metric for metric in metrics if metric.outlying.any()]
     apart = [
-        (car.log, "; ".join(_reason(summary, o) for o in car.reasons)) for car in summary.apart
+        (log, "; ".join(_reason(summary, o) for o in reasons))
+        for log, reasons in summary.apart.items()
     ]
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in summary.failures]
     failed = [(log, _limits(why)) for log, why in summary.failed.items()]
@@ -71,7 +70,7 @@ def fleet_facts(summary: Summary) -> Facts:
                     Table(("error", "logs", "such as"), errors, "Without a result."),
                 ],
             ),
-            Facts("All metrics", tables=[Table(_HEADS, [_row(summary, m) for m in metrics])]),
+            Facts("All metrics", tables=[Table(_HEADS, list(map(_row, metrics)))]),
             Facts("Metrics to look at", parts=[_metric(summary, metric) for metric in drawn]),
         ],
     )
@@ -120,28 +119,21 @@ def _shown(metric: MetricSummary) -> Callable[[float], str]:
 
 def _verdict(summary: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
-    calm = not (any(m.drifts for m in summary.metrics) or summary.apart or summary.failures)
-    judged = any(metric.judged for metric in summary.metrics)
-    if not judged or (calm and not summary.drift_tested):
+    if not summary.judged:
         return UNJUDGED
-    return PASSED if calm else WARNING
+    return WARNING if summary.apart or summary.failures else PASSED
 
 
-def _row(summary: Summary, metric: MetricSummary) -> tuple[str, ...]:
-    """One metric: its scatter, the logs that stand apart, and where its level changes."""
-    shown, c = _shown(metric), metric.change
+def _row(metric: MetricSummary) -> tuple[str, ...]:
+    """One metric: its scatter, and the number of logs that stand apart."""
+    shown = _shown(metric)
     low, high = map(shown, metric.inlier_range)
-    drift = "not tested" if c is None else "no"
-    if metric.drifts and c is not None:
-        place = f"{summary.logs[metric.rows[c.first]]}, number {metric.rows[c.first] + 1}"
-        drift = f"from {shown(c.old_level)} to {shown(c.new_level)} about {place} (p {c.p:.1e})"
     return (
         metric.name,
         str(metric.values.size),
         shown(metric.median),
         f"{low} to {high}",
         str(int(metric.outlying.sum())) if metric.judged else "not judged",
-        drift,
     )
 
 
@@ -157,15 +149,6 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
         Line(x, y, dots(NOMINAL, 4.5, ".", alpha=1.0 if few else 0.5)),
         Line(axis, [k * metric.median] * 2, _THIN, f"median, {share}", (low, high)),
     ]
-    if metric.drifts and (change := metric.change) is not None:
-        parts = (
-            (x[: change.first], change.old_level, "level"),
-            (x[change.first :], change.new_level, ""),
-        )
-        lines += [
-            Line(positions[[0, -1]], [k * level] * 2, _LEVEL, label)
-            for positions, level, label in parts
-        ]
     if (outlying := metric.outlying).any():
         lines.append(Line(x[outlying], y[outlying], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
     names = [as_text(Path(log).stem) for log in summary.logs]
@@ -175,7 +158,7 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
     panel = Panel(
         "order",
         as_text(metric.name),
-        f"log, ordered by {as_text(summary.ordered_by)}",
+        "log, in the order of the names",
         textwrap.fill(as_text(shown.heading), _LINE),
         lines,
         texts=[(names[metric.rows[i]], x[i], y[i]) for i in farthest],

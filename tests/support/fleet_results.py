@@ -1,4 +1,4 @@
-"""Results of a batch with a known fleet: a drift, an outlier, errors, a quiet metric; journals."""
+"""Results of a batch with a known fleet: an outlier, errors, a quiet metric; journals."""
 
 import sqlite3
 from pathlib import Path
@@ -9,14 +9,13 @@ import pyarrow.parquet as pq
 
 from calib.line.fleet.journal import NAME
 
-DRIFT_AT, OUTLIER, LOST = 240, 133, (13, 57, 185)
+OUTLIER, LOST = 133, (13, 57, 185)
 
 
-def results(path, n=400, shift=0.01, extra=None):
-    """Write results of ``n`` logs; the pads step by ``shift`` at `DRIFT_AT`."""
+def results(path, n=400, extra=None):
+    """Write results of ``n`` logs."""
     rng = np.random.default_rng(1)
     pads = 0.38 + 0.01 * rng.normal(size=n)
-    pads[DRIFT_AT:] += shift
     if n > OUTLIER:
         pads[OUTLIER] = 0.55
     lost = np.isin(np.arange(n), LOST) & (n > 20)

@@ -3,7 +3,7 @@
     distance       |x - median| over the upper quartile of these on its side of the median
     p of a metric  two-sided, of a mixture of normal and Student distributions
     p of a car     the least p of its metrics, times the number of metrics (Bonferroni)
-    outliers       by the rule of Benjamini and Hochberg (1995) over the cars, `SHARE`
+    outliers       by the rule of Benjamini and Hochberg (1995) over the cars, `_SHARE`
 
 Each side of the median has its own spread and tails, so that a skewed metric has no more false
 outliers than another. Few cars say little of their tails, so the weights of the distributions are
@@ -19,7 +19,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 
-SHARE = 0.03
+_SHARE = 0.03
 """Expected share of false ones among the outliers, and of normal fleets that have one."""
 
 _REASON = 0.01
@@ -62,6 +62,7 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
     ``least`` (m,): differences that matter, in the unit of each metric, 0 for any.
     """
     from scipy.special import stdtr
+    from scipy.stats import false_discovery_control
 
     sides = [
         (i, *side) for i, one in enumerate(zip(values, least, strict=True)) for side in _sides(*one)
@@ -73,23 +74,11 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
     bonferroni = np.where(np.isfinite(p), metrics * p, np.inf)
     least_p = bonferroni.min(axis=0, initial=np.inf)
     p_of_car = np.where(np.isfinite(least_p), np.minimum(least_p, 1.0), np.nan)
-    cars = discoveries(p_of_car, SHARE)
+    known = np.isfinite(p_of_car)
+    cars = known.copy()
+    cars[known] = false_discovery_control(p_of_car[known]) <= _SHARE
     limit = max(_REASON, float(p_of_car[cars].max(initial=0.0)))
     return OutlierTest(p, cars & (bonferroni <= limit), p_of_car)
-
-
-def discoveries(p: Array, share: float) -> Mask:
-    """Which of ``p`` (any shape) are discoveries by Benjamini and Hochberg; NaN never is.
-
-    >>> discoveries(np.array([0.001, 0.02, 0.9, 0.04]), 0.05)
-    array([ True,  True, False, False])
-    """
-    from scipy.stats import false_discovery_control
-
-    finite = np.isfinite(p)
-    out = np.zeros(p.shape, dtype=np.bool_)
-    out[finite] = false_discovery_control(p[finite]) <= share
-    return out
 
 
 def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:

@@ -13,7 +13,6 @@ from calib.base.arrays import Array
 from calib.base.bounded import RESULT, bytes_of
 from calib.base.errors import InputError
 from calib.base.plain import plain
-from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
 
@@ -48,16 +47,13 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
 
 @dataclass(frozen=True)
 class FleetFile:
-    """Results in the order of the column ``order``, ``ordered_by`` in words.
+    """Results in the natural order of the logs' names.
 
     ``logs`` (n,) names; ``metrics`` the columns after the first ones.
     """
 
-    path: Path
     logs: tuple[str, ...]
     metrics: tuple[Column, ...]
-    order: str
-    ordered_by: str
     table: Any
 
     def numbers(self, name: str) -> Array:
@@ -70,51 +66,34 @@ class FleetFile:
         return tuple(self.table.column(name).to_pylist()) if exists else ()
 
 
-def open_fleet(path: Path, order: str | None = None) -> FleetFile:
-    """Read the results of a batch, in the ``order`` of a column, or of the logs' names.
-
-    Raises InputError for another file, an unknown status, or an unknown column.
-    """
-    table, order = _read(path), order or "log"
-    for name in ("log", "status", "error", order):
+def open_fleet(path: Path) -> FleetFile:
+    """Read the results of a batch. Raises InputError for another file, or an unknown status."""
+    table = _read(path)
+    for name in ("log", "status", "error"):
         if name not in table.column_names:
-            raise InputError(
-                f"no column {name!r}",
-                where=path,
-                expected=_EXPECTED if name != order else f"one of {', '.join(table.column_names)}",
-                do=did_you_mean(name, table.column_names),
-            )
+            raise InputError(f"no column {name!r}", where=path, expected=_EXPECTED)
     unknown = sorted(set(map(str, table.column("status").to_pylist())) - {*Status})
     if unknown or not table.num_rows:
         problem = f"status {unknown[0]!r}" if unknown else "no rows"
         raise InputError(problem, where=path, expected=f"rows with {', '.join(Status)}")
-    positions = list(map(_position, table.column(order).to_pylist()))
-    count = sum(is_unknown for is_unknown, _ in positions)
-    note = f" ({count} rows without it at the end)" if count else ""
-    table = table.take(sorted(range(len(positions)), key=positions.__getitem__))
+    logs = [str(log) for log in table.column("log").to_pylist()]
+    order = sorted(range(len(logs)), key=lambda row: _natural(logs[row]))
     head = {column.name for column in HEAD}
     return FleetFile(
-        path,
-        tuple(map(str, table.column("log").to_pylist())),
+        tuple(logs[row] for row in order),
         tuple(_column_of(field) for field in table.schema if field.name not in head),
-        order,
-        "the logs' names" if order == "log" else order + note,
-        table,
+        table.take(order),
     )
 
 
-def _position(value: Any) -> tuple[bool, Any]:
-    """Key that sorts values, text in natural order; an unknown value goes to the end.
+def _natural(text: str) -> list[tuple[int, int, str]]:
+    """Key that sorts by the numbers in a text.
 
-    >>> sorted(["car10", "car9", None, "car1"], key=_position)
-    ['car1', 'car9', 'car10', None]
+    >>> sorted(["car10", "car9", "car1"], key=_natural)
+    ['car1', 'car9', 'car10']
     """
-    if value is None or value != value:
-        return True, 0
-    if not isinstance(value, str):
-        return False, value
-    parts = re.split(r"(\d+)", value)
-    return False, [(1, int(p), "") if p.isdecimal() else (0, 0, p) for p in parts]
+    parts = re.split(r"(\d+)", text)
+    return [(1, int(p), "") if p.isdecimal() else (0, 0, p) for p in parts]
 
 
 def _read(path: Path) -> Any:

@@ -1,8 +1,8 @@
-"""Summary of a fleet: scatter, outliers, drift of the line, errors by kind."""
+"""Summary of a fleet: scatter, outliers, errors by kind."""
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
@@ -11,22 +11,12 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import counted, plain
-from calib.line.fleet.drift import LevelChange, find_change
-from calib.line.fleet.outliers import SHARE, OutlierTest, discoveries, find_outliers
+from calib.line.fleet.outliers import find_outliers
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
-_DRIFT = 0.01
-"""Expected share of false ones among the metrics with a drift [1]."""
-
 _MAD = 0.67449
 """Median absolute deviation of a normal distribution of sigma 1."""
-
-_P_OF_3 = 0.0027
-"""Two-sided p of 3 sigma."""
-
-_MANY = 20
-"""A text column with more different values than this is not a class: names, digests."""
 
 _EXAMPLES = 3
 """Most logs that are named for a kind of error."""
@@ -34,49 +24,32 @@ _EXAMPLES = 3
 
 @dataclass(frozen=True)
 class Outlier:
-    """A metric for which a log is an outlier: ``p`` two-sided, ``z`` normal deviate of that p."""
+    """A metric for which a log is an outlier: its ``value``, and its two-sided ``p``."""
 
     log: str
     figure: str
     value: float
-    z: float
     p: float
-
-
-@dataclass(frozen=True)
-class _OutlyingLog:
-    """An outlier: ``p`` over all metrics of a log, and its reasons, the strongest first."""
-
-    log: str
-    p: float
-    reasons: tuple[Outlier, ...]
 
 
 @dataclass(frozen=True)
 class MetricSummary:
     """One metric, a number, over the k logs of the fleet that have it.
 
-    ``rows`` of these logs, ``values``, two-sided ``p``, NaN if not judged, and ``outlying``, all
-    (k,); ``change`` None for too few; ``drifts`` whether it is significant among all metrics.
+    ``rows`` of these logs, ``values``, and ``outlying``, all (k,); ``judged`` whether there are
+    enough values for outliers.
     """
 
     column: Column
     rows: Index
     values: Array
-    p: Array
     outlying: Mask
-    change: LevelChange | None
-    drifts: bool
+    judged: bool
 
     @property
     def name(self) -> str:
         """The plain name of the metric."""
         return plain(self.column.name, self.column.unit).name
-
-    @property
-    def judged(self) -> bool:
-        """Whether there are enough values for outliers."""
-        return bool(np.isfinite(self.p).any())
 
     @property
     def median(self) -> float:
@@ -124,41 +97,35 @@ class Summary:
     """The whole fleet.
 
     ``status`` number of logs for each; ``failed`` logs that fail, each with the limits that it does
-    not hold, "" where that is not known; ``classes`` of each metric of text or yes/no the number of
-    each value, the most frequent first; ``apart`` outliers, the farthest first; ``copies`` names of
-    logs that are the same recording, by recording.
+    not hold, "" where that is not known; ``apart`` the reasons of each outlier, the strongest first
+    and the farthest log first; ``copies`` names of logs that are the same recording, by recording.
     """
 
     logs: tuple[str, ...]
-    ordered_by: str
     status: dict[Status, int]
     failed: dict[str, str]
     metrics: tuple[MetricSummary, ...]
-    classes: dict[str, dict[str, int]]
-    apart: tuple[_OutlyingLog, ...]
+    apart: dict[str, list[Outlier]]
     failures: tuple[_Failure, ...]
     copies: list[list[str]]
 
     @property
-    def drift_tested(self) -> bool:
-        """Whether any metric has enough logs to test for drift."""
-        return any(metric.change is not None for metric in self.metrics)
+    def judged(self) -> bool:
+        """Whether any metric has enough values for outliers."""
+        return any(metric.judged for metric in self.metrics)
 
     @property
     def headline(self) -> str:
         """The fleet in one sentence."""
         errors = sum(failure.count for failure in self.failures)
         failed = f"; {counted(errors, 'log')} with an error" if errors else ""
-        if not any(metric.judged for metric in self.metrics):
+        if not self.judged:
             some = any(metric.values.size for metric in self.metrics)
-            why = "too few to judge outliers or drift" if some else "none has a metric"
+            why = "too few to judge outliers" if some else "none has a metric"
             return f"{counted(len(self.logs), 'log')}: {why}{failed}."
-        names, logs = [m.name for m in self.metrics if m.drifts], len(self.apart)
-        drift = "No drift" if self.drift_tested else "Drift not tested"
-        if names:
-            drift = f"{', '.join(names)} {'drift' if len(names) > 1 else 'drifts'}"
-        apart = f"{counted(logs, 'log')} {'stands' if logs == 1 else 'stand'}"
-        return f"{drift}; {apart if logs else 'no log stands'} apart{failed}."
+        n = len(self.apart)
+        apart = f"{counted(n, 'log')} {'stands' if n == 1 else 'stand'}" if n else "No log stands"
+        return f"{apart} apart{failed}."
 
 
 def summarise(fleet: FleetFile) -> Summary:
@@ -166,14 +133,18 @@ def summarise(fleet: FleetFile) -> Summary:
     numbers = [m for m in fleet.metrics if m.kind is float]
     every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
     test = find_outliers(every, [plain(m.name).step for m in numbers])
-    rows = [np.flatnonzero(np.isfinite(x)) for x in every]
-    # the column that orders the line increases along it by itself: it is not tested
-    lines = [x[:0] if m.name == fleet.order else x for m, x in zip(numbers, every, strict=True)]
-    changes = drift_tests([x[np.isfinite(x)] for x in lines])
-    metrics = [
-        MetricSummary(m, k, every[i, k], test.p[i, k], test.reasons[i, k], *changes[i])
-        for i, (m, k) in enumerate(zip(numbers, rows, strict=True))
-    ]
+    metrics = []
+    for m, x, p, outlying in zip(numbers, every, test.p, test.reasons, strict=True):
+        rows = np.flatnonzero(np.isfinite(x))
+        judged = bool(np.isfinite(p).any())
+        metrics.append(MetricSummary(m, rows, x[rows], outlying[rows], judged))
+    apart = dict[str, list[Outlier]]()
+    for row in sorted(np.flatnonzero(test.reasons.any(axis=0)), key=test.p_of_car.__getitem__):
+        reasons = [
+            Outlier(fleet.logs[row], numbers[i].name, float(every[i, row]), float(test.p[i, row]))
+            for i in np.flatnonzero(test.reasons[:, row])
+        ]
+        apart[fleet.logs[row]] = sorted(reasons, key=lambda outlier: outlier.p)
     words = fleet.values("status")
     status = Counter(words)
     verdicts = zip_longest(fleet.logs, words, fleet.values("not_held"))
@@ -182,51 +153,13 @@ def summarise(fleet: FleetFile) -> Summary:
         recordings.setdefault(log if digest is None else digest, []).append(log)
     return Summary(
         fleet.logs,
-        fleet.ordered_by,
         {name: status[name] for name in Status if status[name]},
         {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
         tuple(metrics),
-        dict(_classes(fleet)),
-        _outlying_logs(fleet.logs, numbers, every, test),
+        apart,
         failures(fleet.logs, fleet.values("error")),
         [copies for copies in recordings.values() if len(copies) > 1],
     )
-
-
-def drift_tests(lines: Sequence[Array]) -> list[tuple[LevelChange | None, bool]]:
-    """Change of each metric in the order of the line, and whether it is significant among all."""
-    changes = [find_change(x) for x in lines]
-    p = np.array([np.nan if c is None else c.p for c in changes])
-    return list(zip(changes, discoveries(p, _DRIFT).tolist(), strict=True))
-
-
-def _classes(fleet: FleetFile) -> Iterator[tuple[str, dict[str, int]]]:
-    words: dict[object, str] = {True: "yes", False: "no", None: "none"}
-    for metric in (m for m in fleet.metrics if m.kind is not float):
-        counts = Counter(words.get(v, str(v)) for v in fleet.values(metric.name))
-        if metric.kind is bool or len(counts) <= _MANY:
-            yield metric.name, dict(counts.most_common())
-
-
-def _outlying_logs(
-    logs: tuple[str, ...], metrics: Sequence[Column], values: Array, test: OutlierTest
-) -> tuple[_OutlyingLog, ...]:
-    """The outliers, each with its reasons; ``values`` (m, n)."""
-    from scipy.special import ndtri
-
-    if not test.reasons.any():
-        return ()
-    deviation = values - np.nanmedian(values, axis=1, keepdims=True)
-    z = -np.sign(deviation) * ndtri(np.maximum(0.5 * test.p, 1e-19))
-    numbers, cars = np.stack([values, z, test.p]), []
-    for row in np.flatnonzero(test.reasons.any(axis=0)):
-        reasons = [
-            Outlier(logs[row], metrics[i].name, *numbers[:, i, row].tolist())
-            for i in np.flatnonzero(test.reasons[:, row]).tolist()
-        ]
-        reasons.sort(key=lambda o: (o.p, -abs(o.z)))
-        cars.append(_OutlyingLog(logs[row], float(test.p_of_car[row]), tuple(reasons)))
-    return tuple(sorted(cars, key=lambda car: (car.p, car.log)))
 
 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
@@ -255,44 +188,27 @@ def kind_of(error: str, log: str) -> str:
 
 def document(summary: Summary) -> dict[str, Any]:
     """The whole summary as one JSON-able document."""
-    reasons = [reason for car in summary.apart for reason in car.reasons]
     return {
         "schema": 1,
         "logs": len(summary.logs),
-        "ordered_by": summary.ordered_by,
         "status": summary.status,
         "headline": summary.headline,
         "failed": summary.failed,
         "errors": summary.failures,
         "copies": summary.copies,
-        "outliers": sorted(reasons, key=lambda o: (o.p, -abs(o.z), o.log)),
-        "outliers_by_chance": SHARE * len(reasons),
-        "apart": [
-            {"log": car.log, "p": car.p, "figures": [o.figure for o in car.reasons]}
-            for car in summary.apart
-        ],
-        "figures": {m.column.name: _entry(summary, m) for m in summary.metrics},
-        "classes": summary.classes,
-    }
-
-
-def _entry(summary: Summary, metric: MetricSummary) -> dict[str, Any]:
-    c = metric.change
-    return {
-        "unit": metric.column.unit,
-        "count": metric.values.size,
-        "median": metric.median,
-        "scale": metric.scale,
-        "quantiles": metric.quantiles,
-        "beyond_3": int(np.sum(metric.p < _P_OF_3)),
-        "outliers": int(metric.outlying.sum()),
-        "change": c
-        and {
-            "drifts": metric.drifts,
-            "p": c.p,
-            "first_log": summary.logs[metric.rows[c.first]],
-            "number": int(metric.rows[c.first]) + 1,
-            "before": c.old_level,
-            "after": c.new_level,
+        "outliers": sorted(
+            (reason for reasons in summary.apart.values() for reason in reasons),
+            key=lambda outlier: (outlier.p, outlier.log),
+        ),
+        "figures": {
+            m.column.name: {
+                "unit": m.column.unit,
+                "count": m.values.size,
+                "median": m.median,
+                "scale": m.scale,
+                "quantiles": m.quantiles,
+                "outliers": int(m.outlying.sum()),
+            }
+            for m in summary.metrics
         },
     }

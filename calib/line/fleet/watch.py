@@ -80,8 +80,8 @@ def watch(
     ``on_row`` is called with each row after it is on the disk, ``on_error`` once when a folder
     cannot be read; ``clock`` [s]. Returns the number of rows by status.
 
-    A log is repeated only if its digest has changed; one that was deleted keeps its row.
-    Raises like `run_batch`.
+    A log is repeated only if its digest has changed; one that was deleted keeps its row. Raises
+    like `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     files, reported, written, outdated = _CompleteFiles(settle), set[str](), -math.inf, True

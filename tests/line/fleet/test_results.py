@@ -21,15 +21,12 @@ def test_metrics_with_kind_and_unit(tmp_path):
     assert np.flatnonzero(np.isnan(fleet.numbers("pad_friction_f"))).tolist() == list(LOST)
 
 
-def test_the_line_is_in_the_natural_order_of_names_or_of_a_column(tmp_path):
+def test_the_line_is_in_the_natural_order_of_names(tmp_path):
     path = results(tmp_path / "r.parquet", 12)
     fleet = open_fleet(path)
     assert fleet.logs[1:3] == ("line/car2.csv", "line/car3.csv")
     assert fleet.logs[-1] == "line/car12.csv"
-    assert fleet.ordered_by == "the logs' names"
-    turned = open_fleet(path, "built")
-    assert turned.logs == fleet.logs[::-1]
-    assert turned.numbers("built").tolist() == sorted(fleet.numbers("built").tolist())
+    assert fleet.numbers("built").tolist() == list(range(12, 0, -1))
 
 
 def test_what_is_no_results_file_is_refused(tmp_path):
@@ -45,8 +42,6 @@ def test_what_is_no_results_file_is_refused(tmp_path):
     strange = {"status": (["fine"] * 5, pa.string(), None)}
     with pytest.raises(InputError):
         open_fleet(results(path, 5, extra=strange))
-    with pytest.raises(InputError):
-        open_fleet(results(path, 5), "biult")
     pq.write_table(pq.read_table(results(path, 5)).slice(0, 0), path)
     with pytest.raises(InputError):
         open_fleet(path)
