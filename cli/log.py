@@ -53,7 +53,7 @@ def log(
     logs: list[Path] = argument("logs of any format", "LOG..."),
     *,
     out: Path | None = option(
-        "Draw it (.png, .svg, .pdf, .html) or write it (.csv, .parquet, .mf4).",
+        "Draw it (.png, .svg, .pdf, .html) or write it (.csv, .parquet).",
         "FILE",
         writes="log",
     ),

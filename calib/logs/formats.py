@@ -18,7 +18,7 @@ from calib.logs.bus.text_logs import TEXT_LOGS, open_text_log
 from calib.logs.channel_map import Assigned, Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
-from calib.logs.resample import at_times, on_one_clock
+from calib.logs.resample import on_one_clock
 from calib.logs.source import ChannelTrace, ColumnSource, Recording, each_of
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
@@ -104,29 +104,23 @@ def as_table(
 ) -> ColumnSource:
     """All channels of a recording on one clock, like a table.
 
-    The clock is that of the channels, if columns are ``assigned`` by index; the others are put on
-    it, counts held. Reading a column that the recording refuses raises its LogError.
+    Columns that are ``assigned``, by index, have their names. Counts are held. Reading a column
+    that the recording refuses raises its LogError.
     """
     refused, wanted = dict[int, LogError](), dict[int, ChannelTrace]()
     every = range(1, len(opened.columns))
     for i, trace in zip(every, each_of(opened.read, every), strict=True):
         if isinstance(trace, LogError):
             refused[i] = trace
-            continue
-        column, values = opened.columns[i], trace.values[np.isfinite(trace.values)]
-        # no car has the values between counts, as of a gear or a flag
-        counts = not column.unit and bool(np.all(values == np.round(values)))
-        state = trace.state or (assigned is not None and counts)
-        other = replace(trace, name=column.full_name, state=state)
-        wanted[i] = assigned[i].named(trace) if assigned and i in assigned else other
-    clocked = [i for i in wanted if assigned and i in assigned] or list(wanted)
-    resampled = on_one_clock([wanted[i] for i in clocked], where)
-    others = [i for i in wanted if i not in clocked]
-    more = at_times([wanted[i] for i in others], resampled.time, where)
-    arrays = {
-        0: resampled.time,
-        **dict(zip((*clocked, *others), (*resampled.values, *more), strict=True)),
-    }
+        elif assigned and i in assigned:
+            wanted[i] = assigned[i].named(trace)
+        else:
+            column, values = opened.columns[i], trace.values[np.isfinite(trace.values)]
+            # no car has the values between counts, as of a gear or a flag
+            counts = not column.unit and bool(np.all(values == np.round(values)))
+            wanted[i] = replace(trace, name=column.full_name, state=trace.state or counts)
+    resampled = on_one_clock([*wanted.values()], where)
+    arrays = dict(zip((0, *wanted), (resampled.time, *resampled.values), strict=True))
 
     def read(indices: Sequence[int]) -> list[Array]:
         for index in indices:
@@ -135,5 +129,4 @@ def as_table(
         return [arrays[index] for index in indices]
 
     rates = {i: resampled.rates[w.name] for i, w in wanted.items() if w.name in resampled.rates}
-    note = (f"{', '.join(wanted[i].name for i in others)}: on that clock too",) if others else ()
-    return ColumnSource(opened.columns, read, opened.notes + resampled.notes + note, rates)
+    return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)

@@ -2,7 +2,8 @@
 
 import io
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +44,9 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     asammdf = need("asammdf", "mdf", where, LogError)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
     note, counts = check_mdf(path)
-    try:
+    with _readable(where):
         file = io.BytesIO(path.read_bytes()) if note else path
         mdf = asammdf.MDF(file, process_bus_logging=False)
-    except Exception as cause:  # a damaged file makes asammdf raise almost anything
-        raise _unreadable(cause, where) from cause
     try:
         _check_groups(mdf, counts, where)
         return _recording(mdf, dbc, [note] if note else [], where)
@@ -110,7 +109,7 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
     columns, places, notes = [], [], []
-    titles = [_title(mdf, i) for i in range(len(mdf.groups))]
+    titles = _titles(mdf)
     for number, group in enumerate(mdf.groups):
         if number in buses or not (group.channel_group.cycles_nr and group.channels):
             continue
@@ -118,23 +117,24 @@ def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place
         if master is None or getattr(group.channels[master], "sync_type", 1) != _TIME_SYNC:
             notes.append(f"group {number} has no clock in seconds and was left out")
             continue
-        title = titles[number]
-        title = f"{title}#{number}" if titles.count(title) > 1 else title
         for index, channel in enumerate(group.channels):
             if index != master:
                 unit = getattr(channel.conversion, "unit", "") if channel.conversion else ""
                 unit = (channel.unit or unit or "").strip() or None
-                columns.append(Column(channel.name, unit, f"{title}.{channel.name}"))
+                columns.append(Column(channel.name, unit, f"{titles[number]}.{channel.name}"))
                 places.append((number, index))
     return columns, places, notes
 
 
-def _title(mdf: Any, number: int) -> str:
-    return getattr(mdf.groups[number].channel_group, "acq_name", "") or f"group {number}"
+def _titles(mdf: Any) -> list[str]:
+    """Name of each group, with its number where several have that name."""
+    groups = enumerate(mdf.groups)
+    names = [getattr(g.channel_group, "acq_name", "") or f"group {i}" for i, g in groups]
+    return [f"{x}#{i}" if names.count(x) > 1 else x for i, x in enumerate(names)]
 
 
 def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace]:
-    result = []
+    result, titles = [], _titles(mdf)
     for place, signal in zip(places, _select(mdf, places, True, where), strict=True):
         number, index = place
         group = mdf.groups[number]
@@ -143,20 +143,17 @@ def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace
         if not count == signal.timestamps.size == cycles:
             raise _too_few("samples", count, cycles, f"{where}: {channel}")
         values, state = _values(mdf, place, signal, f"{where}: {channel}")
-        name = _title(mdf, number)
-        title = name if name == f"group {number}" else f"group {number} {name!r}"
-        result.append(ChannelTrace(title, signal.timestamps, values, state))
+        result.append(ChannelTrace(titles[number], signal.timestamps, values, state))
     return result
 
 
 def _select(mdf: Any, places: Sequence[_Place], names_as_numbers: bool, where: str) -> list[Any]:
-    wanted = [(None, *place) for place in places]
-    try:
+    with _readable(where):
         signals: list[Any] = mdf.select(
-            wanted, copy_master=False, ignore_value2text_conversions=names_as_numbers
+            [(None, *place) for place in places],
+            copy_master=False,
+            ignore_value2text_conversions=names_as_numbers,
         )
-    except Exception as cause:  # as in `open_mdf`
-        raise _unreadable(cause, where) from cause
     return signals
 
 
@@ -185,17 +182,16 @@ def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Fram
     if not parts:
         return []
     width = max(data.shape[1] for _, _, data, _ in parts)
-    padded = [np.pad(data, ((0, 0), (0, width - data.shape[1]))) for _, _, data, _ in parts]
+    frames = np.concatenate([np.pad(x, ((0, 0), (0, width - x.shape[1]))) for _, _, x, _ in parts])
     codes, time, length = (np.concatenate([part[i] for part in parts]) for i in (0, 1, 3))
-    frames = np.concatenate(padded)
     result = []
     for code in np.unique(codes).tolist():
-        name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
-        if database.find(name, key):
+        bus, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
+        if database.find(bus, key):
             rows = np.flatnonzero(codes == code)
             rows = rows[np.argsort(time[rows], kind="stable")] if len(parts) > 1 else rows
             part = np.ascontiguousarray(frames[rows, : int(length[rows].max())], np.uint8)
-            result.append(Frames(name, key, time[rows], part, length[rows].astype(np.uint16)))
+            result.append(Frames(bus, key, time[rows], part, length[rows].astype(np.uint16)))
     return result
 
 
@@ -205,33 +201,28 @@ def _frame_records(mdf: Any, number: int, where: str) -> tuple[Any, Any, Any, An
     cycles = int(mdf.groups[number].channel_group.cycles_nr)
     if f"{_FRAME}.DataBytes" not in names or not cycles:
         return None
-    try:
-        identifier = mdf.get(f"{_FRAME}.ID", group=number)
-        extended, bus, length = (
-            mdf.get(f"{_FRAME}.{name}", group=number).samples
-            if f"{_FRAME}.{name}" in names
-            else None
-            for name in ("IDE", "BusChannel", "DataLength")
-        )
-        data = mdf.get(f"{_FRAME}.DataBytes", group=number).samples
-    except Exception as cause:  # a damaged file makes asammdf raise almost anything
-        raise _unreadable(cause, where, "frames") from cause
-    ids = identifier.samples
-    if not len(data) == ids.size == cycles:
-        raise _too_few("frames", min(len(data), ids.size), cycles, where)
-    fields = [field for field in (ids, extended, bus, length) if field is not None]
-    if data.ndim != 2 or any(f.ndim != 1 or f.dtype.kind not in "biuf" for f in fields):
+    with _readable(where, "frames"):
+        fields = {
+            name: mdf.get(f"{_FRAME}.{name}", group=number)
+            for name in ("ID", "DataBytes", "IDE", "BusChannel", "DataLength")
+            if f"{_FRAME}.{name}" in names or name == "ID"
+        }
+    time, data = fields["ID"].timestamps, fields.pop("DataBytes").samples
+    numbers = {name: field.samples for name, field in fields.items()}
+    if not len(data) == numbers["ID"].size == cycles:
+        raise _too_few("frames", min(len(data), numbers["ID"].size), cycles, where)
+    if data.ndim != 2 or any(x.ndim != 1 or x.dtype.kind not in "biuf" for x in numbers.values()):
         expected = "identifier, bus, length and bytes of each frame"
         raise damaged(where, "the fields of its frames are not numbers", expected)
-    ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
-    extended = ids > 0x7FF if extended is None else extended.astype(bool)
-    bus = np.zeros(ids.size, int) if bus is None else bus
-    length = np.full(ids.size, data.shape[1]) if length is None else length
+    identifier = numbers["ID"].astype(np.int64)  # loggers store 11 bits of it in 16
+    extended = numbers.get("IDE", identifier > 0x7FF).astype(bool)
+    bus = numbers.get("BusChannel", np.zeros(cycles)).astype(np.int64)
+    length = numbers.get("DataLength", np.full(cycles, data.shape[1]))
     if length.max(initial=0) > data.shape[1]:
         flaw = f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}"
         raise damaged(where, flaw, "frames within their records")
-    codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | ids & 0x1FFFFFFF
-    return codes, identifier.timestamps, data, length
+    codes = bus << 30 | extended.astype(np.int64) << 29 | identifier & 0x1FFFFFFF
+    return codes, time, data, length
 
 
 def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:
@@ -239,6 +230,11 @@ def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:
     return damaged(where, flaw, "all that the group counts")
 
 
-def _unreadable(cause: Exception, where: str, part: str = "file") -> LogError:
-    flaw = f"asammdf cannot read the {part}: {str(cause) or type(cause).__name__}"
-    return damaged(where, flaw, "a complete and undamaged MDF file")
+@contextmanager
+def _readable(where: str, part: str = "file") -> Iterator[None]:
+    """Raise as LogError what asammdf raises for a damaged file, which is almost anything."""
+    try:
+        yield
+    except Exception as cause:
+        flaw = f"asammdf cannot read the {part}: {str(cause) or type(cause).__name__}"
+        raise damaged(where, flaw, "a complete and undamaged MDF file") from cause

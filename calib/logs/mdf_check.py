@@ -52,7 +52,6 @@ class _Group:
     """A channel group: bytes of a record, which may vary, and records promised and counted."""
 
     place: int
-    number: int
     promised: int
     size: int
     variable: bool
@@ -68,19 +67,15 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
     with path.open("rb") as file:
         head = file.read(_HEAD)
         begin, version = head[:8].rstrip(b" \0"), head[8:12].strip(b" \0")
-        flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
-        if begin == b"UnFinMF":
-            may_be_finished = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
-            if not may_be_finished or len(head) < _HEAD or not b"4.10" <= version < b"5":
-                expected = (
-                    "a finished file, or one that lacks only counts and the length of its data"
-                )
-                raise _not_finished(path, "so its counts are not final", expected)
-        elif begin != b"MDF":
+        if begin not in (b"MDF", b"UnFinMF"):
             raise LogError("not an MDF file", where=path, expected="a file that begins with MDF")
         if len(head) < _HEAD:
             raise _short(path, len(head), _HEAD)
-        if not version.isascii() or version[:1] not in (b"2", b"3", b"4"):
+        flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
+        if begin == b"UnFinMF":
+            known = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
+            _require(known and b"4.10" <= version < b"5", path, f"flags {flags} of MDF {version!r}")
+        if version[:1] not in (b"2", b"3", b"4"):
             text = version.decode(errors="replace")
             raise LogError(f"MDF version {text!r}", where=path, expected="3.x or 4.x")
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
@@ -165,22 +160,22 @@ def _counted(
     counts: dict[int, int] = {}
     records = leftover = 0
     for _, data_group in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
-        groups = []
+        groups: dict[int, _Group] = {}
         for place, block in _chain(data, data_group.links[1], b"##CG"):
             number, promised, varies, _, _, size, invalid = _GROUP.unpack_from(data, block.content)
-            groups.append(_Group(place, number, promised, size + invalid, bool(varies & _VARIABLE)))
+            groups[number] = _Group(place, promised, size + invalid, bool(varies & _VARIABLE))
         begin, id_size = data_group.links[2], data[data_group.content]
         if not begin:
             continue
         block = _block_at(data, begin)
-        _require(block.kind == b"##DT", path, f"data in {block.kind.decode(errors='replace')}")
+        _require(block.kind == b"##DT", path, f"data in {block.kind!r}")
         readable = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
         _require(readable, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
         to_the_next = bool(flags & _LAST_LENGTH)
         end = starts[bisect(starts, begin)] if to_the_next else begin + block.length
         last = _count(data, groups, (begin + _START, end), id_size, path)
         leftover += end - last if any(data[last:end]) else 0
-        for group in groups:
+        for group in groups.values():
             if group.count < group.promised:
                 missing = f"{group.promised - group.count} are missing"
                 flaw = f"{group.count} of {group.promised} records are there: {missing}"
@@ -197,18 +192,18 @@ def _counted(
 
 
 def _count(
-    data: mmap.mmap, groups: list[_Group], span: tuple[int, int], id_size: int, path: Path
+    data: mmap.mmap, groups: dict[int, _Group], span: tuple[int, int], id_size: int, path: Path
 ) -> int:
+    """Count the records within a span of bytes by group; return where the last whole one ends."""
     place, end = span
     if not id_size:
-        (only,) = groups
+        (only,) = groups.values()
         _require(not only.variable and only.size > 0, path, "records of no fixed size")
         only.count = (end - place) // only.size
         return place + only.count * only.size
-    by_number = {group.number: group for group in groups}
     while place + id_size <= end:
         number = int.from_bytes(data[place : place + id_size], "little")
-        group = by_number.get(number)
+        group = groups.get(number)
         if group is None:
             if not any(data[place:end]):  # the recorder reserved space
                 break
@@ -230,16 +225,11 @@ def _short(path: Path, size: int, end: int) -> LogError:
     return damaged(path, flaw, "a complete file")
 
 
-def _not_finished(path: Path, why: str, expected: str) -> LogError:
-    return LogError(
-        f"the recorder did not finish the file (UnFinMF), {why}",
-        where=path,
-        expected=expected,
-        do="finish it with the recorder's own tool, or open and save it with an MDF editor",
-    )
-
-
-def _require(condition: bool, path: Path, why: str) -> None:
-    if not condition:
-        expected = "one data block for each group"
-        raise _not_finished(path, f"and it cannot be finished here: {why}", expected)
+def _require(can_be_finished: bool | int, path: Path, why: str) -> None:
+    if not can_be_finished:
+        raise LogError(
+            f"the recorder did not finish the file, and it cannot be finished here: {why}",
+            where=path,
+            expected="MDF 4.1 that lacks only counts and the length of its data",
+            do="finish it with the recorder's own tool, or open and save it with an MDF editor",
+        )

@@ -1,13 +1,14 @@
-"""Parquet with each channel's unit in the field metadata, under the key ``unit``."""
+"""Parquet with each channel's unit in the field metadata, and columns of Arrow as numbers."""
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.bounded import LOG
 from calib.base.errors import LogError
-from calib.logs.arrow import numbers
 from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import column_from_cell, from_first, over_midnight
 from calib.logs.text.encoding import too_large
@@ -112,3 +113,23 @@ def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
     if numeric or of.is_boolean(value) or of.is_null(value) or _clock_unit(value) is not None:
         return
     raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
+
+
+def numbers(column: Any) -> Array:
+    """Return a chunked column of numbers (n,); null is NaN.
+
+    `to_numpy` would import pandas, and `cast` functions, which takes longer than to read a log.
+    """
+    import pyarrow as pa
+
+    column = column if column.type == pa.float64() else column.cast(pa.float64())
+    parts = [np.empty(0)]
+    for chunk in column.chunks:
+        valid, values = chunk.buffers()
+        inside = slice(chunk.offset, chunk.offset + len(chunk))
+        part = np.frombuffer(values or b"", np.float64)[inside]
+        if chunk.null_count:
+            bits = np.unpackbits(np.frombuffer(valid, np.uint8), bitorder="little")
+            part = np.where(bits[inside], part, np.nan)
+        parts.append(part)
+    return np.concatenate(parts)

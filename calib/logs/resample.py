@@ -83,8 +83,9 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
 
     Of clocks about as fast the one with most wheel speeds is chosen. Other channels are
     interpolated, states hold their last value; they are NaN outside their samples and in a gap,
-    unless `calib.logs.gaps` bridges it. Raises LogError if the required channels have no time in
-    common, and for times out of order.
+    unless `calib.logs.gaps` bridges it. Columns that are no channel count only where there is no
+    channel. Raises LogError if the required channels have no time in common, and for times out of
+    order.
     """
     if not wanted:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
@@ -92,22 +93,29 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
     full = [w for w in wanted if w.time.size > 1]
     if not full:
         raise LogError("every channel is empty", where=where, expected="samples")
-    low, high, cut = _span(full, where)
+    known = [w for w in full if w.name in CHANNELS] or full
+    low, high, cut = _span(known, where)
     rasters = {(w.clock, w.time.size): w.time for w in full}
     rate_of = {key: 1.0 / max(step_of(time), INSTANT) for key, time in rasters.items()}
     rates = {w.name: rate_of[w.clock, w.time.size] for w in full}
-    master = _master(full, rates)
+    master = _master(known, rates)
     inside = (master.time >= low) & (master.time <= high)
     time = master.time[inside]
     filled = [
         Filled(w.values[inside]) if _same_times(w, master) and w.time.size > 1 else _on(w, time)
         for w in wanted
     ]
-    gaps = [text for item in filled for text in in_words(item)]
+    names = {w.name for w in known}
+    gaps = [
+        text
+        for w, item in zip(wanted, filled, strict=True)
+        if w.name in names
+        for text in in_words(item)
+    ]
     return Resampled(
         time,
         [item.values for item in filled],
-        (*notes, *_notes(full, master, rates), *gaps, *cut),
+        (*notes, *_notes(known, master, rates), *gaps, *cut),
         tuple(gap for item in filled for gap in item.bridged),
         rates,
         tuple(w.name for w in full if not (w.state or _same_times(w, master))),
@@ -195,11 +203,6 @@ def _master(full: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
         return sum(n.startswith("omega") for n in names), len(names), w.time.size
 
     return max(alike, key=preference)
-
-
-def at_times(wanted: Sequence[ChannelTrace], time: Array, where: str) -> list[Array]:
-    """Values of channels at other times [s], (n,) each, as `on_one_clock` takes them."""
-    return [_on(w, time).values for w in _clean(wanted, where)[0]]
 
 
 def _on(w: ChannelTrace, times: Array) -> Filled:

@@ -2,55 +2,37 @@
 
 CSV        name [unit]; empty for no value
 Parquet    the unit in the metadata of the field; null for no value
-MDF 4      one group with the time of the log in seconds; NaN for no value
 """
 
 import csv
 import io
-import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from calib.base.errors import LogError, one_line
-from calib.base.extras import need
-from calib.base.names import CHANNELS, TRUTH, TRUTH_UNITS
+from calib.base.errors import one_line
+from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.units import from_si
 from calib.base.write import write_whole
 from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.text.cells import column_from_cell
-from calib.logs.whole import TIME, WholeColumn, WholeLog
+from calib.logs.whole import WholeColumn, WholeLog
 
-_DECIMALS = {
-    "time": 6,
-    "p": 4,
-    "a": 5,
-    "omega": 5,
-    "v": 5,
-    "T": 2,
-    "steering": 6,
-    "abs": 0,
-    "true_Tb": 3,
-    "true_Fx": 3,
-    "true_Fz": 3,
-    "true_mu_pad": 6,
-}
-"""Decimals of a CSV file in canonical units: less than a tenth of a usual sensor's resolution."""
+_DECIMALS = 6
+"""Decimals of a CSV file in canonical units: less than the resolution of any sensor."""
 
 
 def write_csv(log: Log, path: Path) -> None:
-    """Write ``log`` as CSV in canonical units, truth channels last, rounded to `_DECIMALS`.
+    """Write ``log`` as CSV in canonical units, truth channels last, with six decimals.
 
     Raises ValueError for a value that is not finite, OSError if ``path`` cannot be written.
     """
     whole = _in_canonical_units(log)
     # Adding 0.0 turns a rounded -0.0 into 0.0.
-    rounded = (
-        replace(c, values=np.round(c.values, _decimals(c.name)) + 0.0) for c in whole.columns
-    )
+    rounded = (replace(c, values=np.round(c.values, _DECIMALS) + 0.0) for c in whole.columns)
     write_whole(Path(path), _to_csv(replace(whole, columns=tuple(rounded))))
 
 
@@ -63,19 +45,13 @@ def _in_canonical_units(log: Log) -> WholeLog:
     """All channels of a run, truth last. Raises ValueError for a value that is not finite."""
     columns = []
     for name, values in ({n: log[n] for n in CHANNELS if n in log} | log.truth).items():
-        if (quantity := CHANNELS.get(name)) is not None:
-            unit, si = quantity.unit, quantity.si
-        else:
-            unit = si = TRUTH_UNITS[name.rpartition("_")[0]]
+        quantity = CHANNELS.get(name)
+        unit = quantity.unit if quantity else TRUTH_UNITS[name.rpartition("_")[0]]
         if not np.isfinite(values).all():
             raise ValueError(f"{name} holds values that are not finite")
-        columns.append(WholeColumn(name, unit, from_si(values, unit, si)))
+        in_unit = from_si(values, unit, quantity.si if quantity else unit)
+        columns.append(WholeColumn(name, unit, in_unit))
     return WholeLog(log.name, log.source, log.digest, tuple(columns))
-
-
-def _decimals(name: str) -> int:
-    stem = name.split("_")[0] if not name.startswith(TRUTH) else name.rpartition("_")[0]
-    return _DECIMALS[stem]
 
 
 def _to_csv(log: WholeLog) -> bytes:
@@ -112,22 +88,5 @@ def _to_parquet(log: WholeLog) -> bytes:
     return bytes(buffer.getvalue().to_pybytes())
 
 
-def _to_mdf(log: WholeLog) -> bytes:
-    asammdf = need("asammdf", "mdf", log.source, LogError)
-    signals = [
-        asammdf.Signal(column.values, log.time, unit=column.unit or "", name=column.name)
-        for column in log.columns
-        if column.name != TIME
-    ]
-    with tempfile.TemporaryDirectory() as folder, asammdf.MDF(version="4.10") as mdf:
-        mdf.append(signals, acq_name=log.name, comment=log.name, common_timebase=True)
-        path = mdf.save(Path(folder) / "log.mf4", overwrite=True)
-        return Path(path).read_bytes()
-
-
-WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
-    ".csv": _to_csv,
-    ".parquet": _to_parquet,
-    ".mf4": _to_mdf,
-}
-"""Makers of the bytes of a file, by its ending. MDF raises LogError without a clock or asammdf."""
+WRITERS: dict[str, Callable[[WholeLog], bytes]] = {".csv": _to_csv, ".parquet": _to_parquet}
+"""Makers of the bytes of a file, by its ending."""

@@ -10,17 +10,18 @@ VAL_ 256 WhlFL 65535 "SNA";  statements that change what is decoded, and long na
 Comments and all other statements are not read.
 """
 
-import hashlib
 import logging
 import re
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from calib.base.bounded import DBC, bytes_of
+from calib.base.digest import sha256
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.extras import need
+from calib.base.plain import quoted
 from calib.logs.channel_map import Databases
 from calib.logs.text.encoding import text_of, to_utf8
 
@@ -43,11 +44,9 @@ _LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")
 """Attributes with the names that are longer than 32 characters."""
 _MOST = 10_000
 """Largest number of messages: each takes about a millisecond."""
-_SHOWN = 5
-"""Number of names that a note lists."""
 _NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"
 """Holds the signals that belong to no message."""
-_LONG = 1 << 31
+_EXTENDED = 1 << 31
 """Marks an identifier of 29 bits."""
 
 _COMMENT = re.compile(r'^[ \t]*CM_ [^"\n]*"(?:\\.|[^"\\])*"\s*;', re.MULTILINE | re.DOTALL)
@@ -61,9 +60,8 @@ _OF_MESSAGE = re.compile(
 _COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
 
 
-@dataclass(frozen=True)
-class FlawedSignal:
-    """Name, unit and a length [bit] of a signal whose message cannot be read."""
+class FlawedSignal(NamedTuple):
+    """A signal whose message cannot be read; its fields have the names of cantools."""
 
     name: str
     unit: str
@@ -127,8 +125,7 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
                         do=f'name the DBC of each bus, as in dbc = {{1 = "{path.name}"}}',
                     )
                 by_key[key] = message
-            digest = hashlib.sha256(content).hexdigest()
-            notes.append(f"{of_bus}frames decoded by {path.name} (SHA-256 {digest[:16]})")
+            notes.append(f"{of_bus}frames decoded by {path.name} (SHA-256 {sha256(content)[:16]})")
             notes += [f"{of_bus}{path.name}: {flaw}" for flaw in flaws]
     return Dbc(buses, tuple(notes))
 
@@ -171,21 +168,16 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
 
 @dataclass
 class _MessageText:
-    """The statements of one message as text, its identifier, name, and signals."""
+    """The statements of one message as text, its identifier and name, and units by signal."""
 
     number: int
     name: str
     text: str
-    signals: dict[str, str]
-
-    @property
-    def unmarked(self) -> bool:
-        """Whether the identifier has more than 11 bits but lacks the mark of 29 bits."""
-        return 0x7FF < self.number < 1 << 29
+    signals: dict[str, str] = field(default_factory=dict)
 
 
 def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described], list[str]]":
-    """The messages of a DBC, and notes on what is wrong in it. Raises ValueError for too many."""
+    """The messages of a DBC, and a note on those that are flawed. ValueError for too many."""
     common, parts = _parts(text)
     if len(parts) > _MOST:
         raise ValueError(f"it has {len(parts)} messages, at most {_MOST} are read")
@@ -194,35 +186,21 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
         message = _read(cantools, part, common, where)
         key = (message.frame_id, message.is_extended_frame)
         if (first := by_key.get(key)) is not None:
-            signals = (*first.signals, *message.signals)
             name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
+            signals = (*first.signals, *message.signals)
             every = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in signals)
             message = Flawed(name, *key, why, every, where)
         by_key[key] = message
     messages = list(by_key.values())
-    wrong = {
-        "message(s) that cannot be read": [
-            f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)
-        ],
-        "identifier(s) past 11 bits, not marked as of 29 bits but read so": [
-            part.name for part in parts if part.unmarked
-        ],
-    }
-    notes = []
-    for flaw, names in wrong.items():
-        more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-        notes += [f"{len(names)} {flaw}: {', '.join(names[:_SHOWN])}{more}"] if names else []
-    return messages, notes
+    flawed = [f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)]
+    note = f"{len(flawed)} message(s) that cannot be read: {quoted(flawed, 5)}"
+    return messages, [note] if flawed else []
 
 
 def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Described":
     """One message by cantools; a `Flawed` one if that fails."""
-    text = part.text
-    if part.unmarked:
-        begin = rf'^(\s*[A-Z_]+_\s+(?:"\w+"\s+\w+_\s+)?){part.number}\b'
-        text = re.sub(begin, rf"\g<1>{part.number | _LONG}", text, flags=re.MULTILINE)
     try:
-        messages = cantools.database.load_string(text + common, "dbc", strict=True).messages
+        messages = cantools.database.load_string(part.text + common, "dbc", strict=True).messages
         if len(messages) == 1:
             return messages[0]  # type: ignore[no-any-return]
         why = f"it holds {len(messages)} messages"
@@ -232,7 +210,8 @@ def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Descr
         why = why.removesuffix(f" in message {part.name}")
         why = re.sub(r" at line \d+, column \d+", "", why)  # of this part of the file
     signals = tuple(FlawedSignal(name, unit) for name, unit in part.signals.items())
-    return Flawed(part.name, part.number & ~_LONG, part.number > 0x7FF, why, signals, where)
+    number, extended = part.number & ~_EXTENDED, part.number > 0x7FF
+    return Flawed(part.name, number, extended, why, signals, where)
 
 
 def _parts(text: str) -> tuple[str, list[_MessageText]]:
@@ -242,7 +221,7 @@ def _parts(text: str) -> tuple[str, list[_MessageText]]:
     common, previous = "", ""
     for statement in _BEGIN.split(_COMMENT.sub("", text))[1:]:
         if message := _MESSAGE.match(statement):
-            parts.append(_MessageText(int(message[1]), message[2], statement, {}))
+            parts.append(_MessageText(int(message[1]), message[2], statement))
         elif (signal := _SIGNAL.match(statement)) and previous in ("BO_", "SG_") and parts:
             parts[-1].text += statement
             parts[-1].signals[signal[1]] = signal[2] or ""

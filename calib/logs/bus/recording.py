@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
+from calib.base.plain import quoted
 from calib.logs.bus.dbc import Dbc, Flawed, FlawedSignal, Key, read_databases
 from calib.logs.channel_map import Databases
 from calib.logs.clock import check_running
@@ -57,9 +58,9 @@ class Frames:
 
 @dataclass
 class Capture:
-    """The frames of a file: times of all [s], number of error frames, and those of the DBC.
+    """The frames of a file: times of all [s], the number of error frames, and those of the DBC.
 
-    ``frames`` holds rows and bytes by bus and identifier; None where the DBC has no description.
+    ``frames``: rows and bytes by bus and identifier; None for frames that the DBC does not have.
     """
 
     times: "array[float]" = field(default_factory=lambda: array("d"))
@@ -98,9 +99,8 @@ def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture
 
 
 def _frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
-    """Make `Frames` from the bytes of each frame."""
     length = np.fromiter(map(len, data), np.uint16, len(data))
-    width = int(length.max(initial=0))
+    width = int(length.max())
     padded = b"".join(d.ljust(width, b"\0") for d in data)
     return Frames(bus, key, time, np.frombuffer(padded, np.uint8).reshape(len(data), width), length)
 
@@ -118,7 +118,7 @@ def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
 
 
 def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
-    """Signals of captured frames, named as in the DBC; time counts from the first frame."""
+    """The signals of captured frames, named as in the DBC; time counts from the first frame."""
     time = np.asarray(capture.times)
     check_running(time, where)
     begin = float(time.min())
@@ -149,11 +149,11 @@ def require_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, wher
     """Raise LogError if the DBC describes none of the frames; ``buses`` are those of the log."""
     if not any(dbc.find(item.bus, item.key) for item in frames):
         names = f" (its buses are {', '.join(buses)})" if buses and set(dbc.buses) - {""} else ""
-        names_in_dbc = [m.name for messages in dbc.buses.values() for m in messages.values()]
+        messages = [m.name for by_key in dbc.buses.values() for m in by_key.values()]
         raise LogError(
             f"no frame of the log{names} is in the DBC",
             where=where,
-            expected="one of " + ", ".join(names_in_dbc[:10]),
+            expected=f"one of {quoted(messages)}",
             do="is it the DBC of this bus?",
         )
 
@@ -180,7 +180,7 @@ def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], lis
 def decode(
     frames: Frames, message: "Message | Flawed", signal: "Signal | FlawedSignal"
 ) -> ChannelTrace:
-    """The samples of one signal; a state if every value has a name, NaN where the name is invalid.
+    """The samples of one signal, NaN where their name says invalid; a state if all have a name.
 
     Raises LogError if the message is flawed in the DBC.
     """
@@ -188,72 +188,57 @@ def decode(
         raise message.error(signal.name)
     signal = cast("Signal", signal)
     chosen = _present(frames, message, signal)
-    data = frames.data if chosen.all() else frames.data[chosen]
+    data, time = frames.data[chosen], frames.time[chosen]
     clock = f"message {message.name} of bus {frames.bus}"
     if not chosen.all():
         clock += f", frames with {signal.name}"
     if not len(data):
-        return ChannelTrace(clock, frames.time[chosen], np.zeros(0))
-    little = signal.byte_order == "little_endian"
-    bits = _raw(data, signal.start, signal.length, little)
-    codes = _number(bits, signal.length, signal.is_signed, signal.is_float)
+        return ChannelTrace(clock, time, np.zeros(0))
+    codes = _number(_raw(data, signal), signal)
     values = codes * float(signal.scale) + float(signal.offset)
     names = {float(code): str(name) for code, name in (signal.choices or {}).items()}
     state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
     none = [code for code, name in names.items() if _INVALID.search(name)]
     if none:
         values[np.isin(codes, none)] = np.nan
-    return ChannelTrace(clock, frames.time[chosen], values, state)
+    return ChannelTrace(clock, time, values, state)
 
 
-def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np.bool_]:
+def _present(frames: Frames, message: "Message", signal: "Signal") -> Mask:
     """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
-    little = signal.byte_order == "little_endian"
-    present: NDArray[np.bool_] = frames.length > _last_byte(signal.start, signal.length, little)
+    present: Mask = 8 * frames.length.astype(np.int64) >= _first(signal) + signal.length
     if not signal.multiplexer_ids or signal.multiplexer_signal is None:
         return present
     selector = message.get_signal_by_name(signal.multiplexer_signal)
     present &= _present(frames, message, selector)
-    if not present.any():
-        return present
-    ends = selector.byte_order == "little_endian"
-    codes = _raw(frames.data, selector.start, selector.length, ends)
-    present &= np.isin(codes, np.asarray(signal.multiplexer_ids, np.uint64))
+    if present.any():
+        codes = np.asarray(signal.multiplexer_ids, np.uint64)
+        present &= np.isin(_raw(frames.data, selector), codes)
     return present
 
 
-def _raw(data: NDArray[np.uint8], start: int, length: int, little: bool) -> NDArray[np.uint64]:
-    """Unsigned integers of ``length`` bits, (n,), from frames (n, bytes); ``start`` as in a DBC.
-
-    >>> _raw(np.array([[0x34, 0x12]], np.uint8), 0, 16, little=True)
-    array([4660], dtype=uint64)
-    >>> _raw(np.array([[0x12, 0x34]], np.uint8), 7, 16, little=False)
-    array([4660], dtype=uint64)
-    """
-    begin = _first(start, little)
-    byte, bit = divmod(begin, 8)
-    part = data[:, byte : _last_byte(start, length, little) + 1]
+def _raw(data: NDArray[np.uint8], signal: "Signal") -> NDArray[np.uint64]:
+    """Unsigned integers (n,) of a signal in frames (n, bytes)."""
+    little = signal.byte_order == "little_endian"
+    byte, bit = divmod(_first(signal), 8)
+    part = data[:, byte : (_first(signal) + signal.length + 7) // 8]
     bits = np.unpackbits(part, axis=1, bitorder="little" if little else "big")
-    place = np.uint64(1) << np.arange(length, dtype=np.uint64)
-    return bits[:, bit : bit + length] @ (place if little else place[::-1])
+    place = np.uint64(1) << np.arange(signal.length, dtype=np.uint64)
+    return bits[:, bit : bit + signal.length] @ (place if little else place[::-1])
 
 
-def _last_byte(start: int, length: int, little: bool) -> int:
-    """Index of the last byte of a frame that a signal uses."""
-    return (_first(start, little) + length - 1) // 8
+def _first(signal: "Signal") -> int:
+    """The first bit, counted from the lowest one of each byte, in big endian from the highest."""
+    start = signal.start
+    return start if signal.byte_order == "little_endian" else 8 * (start // 8) + 7 - start % 8
 
 
-def _first(start: int, little: bool) -> int:
-    """The first bit of a signal, counted from the lowest one of each byte, or from the highest."""
-    return start if little else 8 * (start // 8) + 7 - start % 8
-
-
-def _number(value: NDArray[np.uint64], length: int, signed: bool, real: bool) -> Array:
-    """Values of raw integers of ``length`` bits: unsigned, two's complement or IEEE 754."""
-    if real:
-        integer, floating = _REAL[length]
+def _number(value: NDArray[np.uint64], signal: "Signal") -> Array:
+    """Values of raw integers: unsigned, in two's complement or IEEE 754."""
+    if signal.is_float:
+        integer, floating = _REAL[signal.length]
         return value.astype(integer).view(floating).astype(np.float64)
-    if not signed:
+    if not signal.is_signed:
         return value.astype(np.float64)
-    unused = np.uint64(64 - length)
-    return ((value << unused).view(np.int64) >> np.int64(64 - length)).astype(np.float64)
+    unused = 64 - signal.length
+    return ((value << np.uint64(unused)).view(np.int64) >> np.int64(unused)).astype(np.float64)

@@ -6,14 +6,9 @@ from dataclasses import dataclass, replace
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.logs.arrow import numbers
+from calib.logs.parquet import numbers
 from calib.logs.source import Column, ColumnSource, damaged
-from calib.logs.text.cells import (
-    clock_seconds,
-    column_from_cell,
-    is_clock,
-    with_unit_row,
-)
+from calib.logs.text.cells import clock_seconds, column_from_cell, is_clock, with_unit_row
 from calib.logs.text.dialect import (
     EMPTY,
     LOOKED,
@@ -25,10 +20,6 @@ from calib.logs.text.dialect import (
     sample_of,
 )
 from calib.logs.text.encoding import GZIP, gunzip, text_of, to_utf8
-
-_FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
-_FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}
-"""Names of columns, in lower case: a table with one of each has frames in its rows."""
 
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
@@ -72,14 +63,6 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
 def _header(names: list[str], units: list[str], more: list[str], where: str) -> list[Column]:
     """The columns of a header of up to three rows."""
     columns = [column_from_cell(cell) for cell in names]
-    words = {column.name.lower() for column in columns}
-    if words & _FRAME_ID and words & _FRAME_LENGTH:
-        raise LogError(
-            "the rows are frames of a bus, not samples of channels",
-            where=where,
-            expected="a column for each channel",
-            do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
-        )
     if units:
         columns = with_unit_row(columns, units, where)
     return [
@@ -90,7 +73,7 @@ def _header(names: list[str], units: list[str], more: list[str], where: str) -> 
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table: from ``start`` of the whole ``data``, which a slice would copy."""
+    """The rows of a table, from ``start`` on in ``data``, of which a slice would be a copy."""
 
     data: bytes
     start: int
@@ -129,9 +112,10 @@ class TextRows:
         return None if ended else "no end of line after the last row, which looks complete"
 
     def _shorter(self, cell: str, earlier: list[str]) -> bool:
-        """Whether a cell has fewer decimals, or is shorter, than all earlier ones.
+        """Whether a last cell looks cut off, which not every cut one does.
 
-        Decimals decide if all others have as many; not every cut is detected.
+        It has fewer decimals than the earlier ones, where these all have as many; else it is
+        shorter than all of them.
         """
         decimals = [len(c.partition(self.decimal)[2]) for c in (cell, *earlier)]
         if len(set(decimals[1:])) == 1:

@@ -119,9 +119,9 @@ _RUN = 3
 
 @dataclass(frozen=True)
 class Layout:
-    """Lines of the header: ``names``, ``units`` and ``more``, and where the first sample begins.
+    """Lines of the header, ``names``, ``units`` and ``more``, and the byte of the first sample.
 
-    ``above`` lines stand over them; ``numbers`` are the indices of columns of numbers.
+    ``above``: number of lines over the header; ``numbers``: indices of the columns of numbers.
     """
 
     separator: str
@@ -191,7 +191,7 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
 def _layout(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
 ) -> Layout | None:
-    """The layout by a separator; None without a header over two columns of numbers."""
+    """The layout by a separator; None without two columns of numbers and a header over them."""
     rows = [row for line in sample if (row := cells_of(line, separator))]
     ((width, _),) = Counter(map(len, rows)).most_common(1) or [(0, 0)]
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
@@ -229,7 +229,10 @@ def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
 
 
 def _block(table: Sequence[Sequence[str]], first: int, widths: tuple[int, int]) -> list[int]:
-    """The lines of the header above the ``first`` row: names, or names over a blank and units."""
+    """Indices of the lines of the header above the ``first`` row of samples.
+
+    Blank lines may stand below it, and above a row of units.
+    """
     block: list[int] = []
     for index in range(first - 1, -1, -1):
         row = table[index]

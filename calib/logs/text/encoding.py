@@ -1,4 +1,4 @@
-"""Unpack a text log, and convert text to UTF-8: byte order marks, UTF-16, Western encodings."""
+"""Unpack a text log, and convert its text to UTF-8."""
 
 import codecs
 import gzip
@@ -45,15 +45,14 @@ _HEAD = 4096
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
     """Convert text to UTF-8 without a byte order mark. Raises LogError for what is no text.
 
-    Other bytes are not changed: numbers are the same in all 8-bit encodings.
+    Text in another 8-bit encoding stays as it is, since numbers are the same in all of them.
     """
     for mark, name in _MARKS.items():
         if data.startswith(mark):
             data, encoding = data[len(mark) :], name
             break
-    head = data[:_HEAD]
-    encoding = encoding or _unmarked_utf16(head)
     if encoding is None or codecs.lookup(encoding).name == "utf-8":
+        head = data[:_HEAD]
         lines = head.rstrip(b"\0") if b"\n" in head else head  # a short log may end with zeros
         if b"\0" in lines:
             raise LogError("not text", where=where, expected="text with separated columns")
@@ -65,16 +64,8 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
         raise damaged(where, f"not {encoding}: {cut}", "complete text") from cause
 
 
-def _unmarked_utf16(head: bytes) -> str | None:
-    odd, even = head[1::2], head[: len(head) // 2 * 2 : 2]
-    for ending, zeros, letters in (("le", odd, even), ("be", even, odd)):
-        if len(head) >= 16 and not any(zeros) and all(letters):
-            return f"utf-16-{ending}"
-    return None
-
-
 def text_of(data: bytes) -> tuple[str, str | None]:
-    """UTF-8 or, with a note, Windows-1252, which has all signs of ISO 8859-1, as text."""
+    """Text in UTF-8, or with a note in Windows-1252, which has all signs of ISO 8859-1."""
     try:
         return data.decode("utf-8"), None
     except UnicodeDecodeError:

@@ -1,8 +1,8 @@
 """Racelogic VBO: text in sections with satellite speed and channels of the car's bus.
 
 [header]           one name a line; standard names may have a unit: ``velocity kmh``
-[channel units]    one line for each name that is not standard; it may be empty. Fewer lines belong
-                   to the last names: the channels of input modules come last
+[channel units]    one line for each name that is not standard; it may be empty. Where there are
+                   fewer lines, they are of the last names, the channels of input modules
 [column names]     one word for each column, in the order of [header]
 [data]             samples, separated by blanks; time is HHMMSS.ss
 
@@ -112,8 +112,8 @@ def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...
 def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], list[str]]:
     """Units by position in the header, and a note if the number of lines does not fit.
 
-    The lines belong to all names that are not standard, to those without a unit, or to the last
-    ones: the first choice that contradicts no unit in a name is taken.
+    Tried in turn, until no unit in a name is contradicted: the lines are of all names that are not
+    standard, of those that have no unit, of the last ones.
     """
     channels = [
         i
@@ -145,7 +145,7 @@ def _unit_in_name(name: str) -> str | None:
 
 
 def _seconds(written: Array, where: str) -> Array:
-    """Seconds since the midnight before the first sample, from HHMMSS.ss, shape (n,).
+    """Seconds since the midnight before the first sample (n,), from HHMMSS.ss.
 
     >>> _seconds(np.array([235959.5, 0.5]), "run.vbo")
     array([86399.5, 86400.5])

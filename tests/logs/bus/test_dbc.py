@@ -137,13 +137,6 @@ def test_a_flaw_costs_its_message(tmp_path, flaw):
         decode(*places[0])
 
 
-def test_an_identifier_past_11_bits_is_of_29(tmp_path):
-    text = MUX.replace(" 1 ", " 419360256 ")
-    ((key, message),) = known(tmp_path, text).buses[""].items()
-    assert key == (419360256, True)
-    assert message.get_signal_by_name("Speed").choices
-
-
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
 def test_the_encodings_of_a_dbc(tmp_path, encoding):
     path = tmp_path / "a.dbc"

@@ -18,7 +18,7 @@ from tests.support.made_runs import made_run
 
 UNITS = {"time": "s", "p_mc": "bar", "a_x": "m/s²", "v": "km/h", "T_disc_f": "°C"}
 STYLES = ("square", "round", "underscore", "row", "row in brackets")
-ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1", "cp1252")
+ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "latin-1", "cp1252")
 ENDINGS = {"m/s²": "m_s2", "°C": "degC", "km/h": "kmh", "rad/s": "rad_s"}
 FACTORS = {"p_mc": 1e-5, "v": 3.6}
 

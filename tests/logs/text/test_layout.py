@@ -75,12 +75,6 @@ def test_zero_bytes_at_the_end_and_old_line_ends():
         open_csv(text[:-3] + bytes(100), "run.csv")
 
 
-def test_a_table_of_bus_frames_is_no_log():
-    rows = "".join(f"{10 * i},0000013B,false,Rx,0,2,{i % 90:02d},00\n" for i in range(60))
-    with pytest.raises(LogError, match="frames of a bus"):
-        open_csv(("Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2\n" + rows).encode(), "run.csv")
-
-
 TWO = "time [s],p_mc [bar]\n"
 SAMPLES = "".join(f"{i / 200:.3f},{i / 10:.2f}\n" for i in range(60))
 
