@@ -25,11 +25,11 @@ _SETTLED = 1e-12  # last step over the whole variance
 
 @dataclass(frozen=True)
 class RandomEffects:
-    """Mean of k things, for each of n quantities. Shapes (n,), in the quantities' units.
+    """Mean of k things (n,), for each of n quantities, in their units.
 
-    ``sigma`` standard error of the mean, to be used with Student's t of ``freedom`` = k - 1;
-    ``between`` variance between the things; ``within`` mean of their own variances; ``weights``
-    (k, n), their sum is 1.
+    ``sigma`` (n,): standard error, to be used with Student's t of ``freedom`` = k - 1. ``between``
+    (n,): variance between the things; ``within`` (n,): mean of their own; ``weights`` (k, n) add up
+    to 1.
     """
 
     mean: Array
@@ -40,16 +40,10 @@ class RandomEffects:
     freedom: int
 
     @property
-    def half_width(self) -> Array:
-        """Half width of the 95 % interval of the mean."""
-        return np.asarray(quantile95(self.freedom) * self.sigma)
-
-    @property
     def one_more(self) -> Array:
-        """Standard deviation of one more thing, measured like these, about the mean found.
+        """Standard deviation about the mean of one more thing that is measured like these.
 
-        With Student's t of ``freedom`` it is exact where all v_i are equal. For the true value of
-        the thing it is too wide: how much of the scatter is noise is not well known.
+        To be used with Student's t; exact where all v_i are equal, too wide for its true value.
         """
         return np.sqrt(self.between + self.sigma**2 + self.within)
 

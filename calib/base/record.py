@@ -10,7 +10,6 @@ All mistakes of a file are one message, and its JSON Schema follows from the mod
 """
 
 import math
-import re
 from collections.abc import ItemsView, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,8 +32,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from calib.base.errors import BrakeCalError, InputError
 from calib.base.record_errors import one_error, wrong
-from calib.base.toml import NUMBER, did_you_mean, load_toml, quantity, shown
-from calib.base.units import behind, spellings
+from calib.base.toml import did_you_mean, load_toml, quantity, shown
+from calib.base.units import behind
 
 S = TypeVar("S", bound="Section")
 
@@ -123,25 +122,10 @@ class QuantityMark:
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        number: JsonSchemaValue = {"type": "number"}
-        if math.isfinite(self.low):
-            number["minimum"] = self.low
-        if math.isfinite(self.high):
-            number["maximum"] = self.high
-        text: JsonSchemaValue = {"type": "string", "pattern": quantity_pattern(self.si)}
         bounded = {"description": self._range} if math.isfinite(self.high) else {}
         if self.si in ("1", None):
-            return {"anyOf": [number, text]} | bounded
-        return text | bounded | {"examples": [f"1.5 {self.si}"]}
-
-
-def quantity_pattern(*si: str | None) -> str:
-    """Regular expression for a quantity in any unit of these SI units; None for any quantity."""
-    units = "|".join(re.escape(unit) for one in si for unit in spellings(one))
-    # every accepted sign for product and power
-    units = units.replace(r"\*", "[*·⋅×]").replace(r"\^2", r"(?:\^2|\*\*2|²)")
-    may_be_left_out = "?" if {"1", None} & set(si) else ""
-    return rf"^\s*{NUMBER}\s*(?:{units}){may_be_left_out}\s*$"
+            return {"type": ["number", "string"]} | bounded
+        return {"type": "string", "examples": [f"1.5 {self.si}"]} | bounded
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,7 @@
 """Mistakes in a file: pydantic's errors in plain words, all in one message."""
 
-from dataclasses import is_dataclass
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
@@ -21,9 +20,7 @@ _EXPECTED = {
     "list_type": "a list",
     "tuple_type": "a list",
 }
-_NO_TABLE = ("model_type", "dict_type", "dataclass_type", "model_attributes_type")
-_MISSING = ("missing", "missing_argument", "missing_keyword_only_argument")
-_UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
+_NO_TABLE = ("model_type", "dict_type", "model_attributes_type")
 
 _Place = tuple[int | str, ...]
 """Keys and indices from the top of a file to a value."""
@@ -45,12 +42,12 @@ def one_error(
     intended = [
         (*d["loc"][:-1], nearest(str(d["loc"][-1]), _keys(schema, d["loc"][:-1])))
         for d in details
-        if d["type"] in _UNKNOWN
+        if d["type"] == "extra_forbidden"
     ]
     mistakes = [
         _mistake(detail, schema)
         for detail in version or details
-        if detail["type"] not in _MISSING or detail["loc"] not in intended
+        if detail["type"] != "missing" or detail["loc"] not in intended
     ]
     if len(mistakes) == 1:
         place, problem, expected, do = mistakes[0]
@@ -70,7 +67,7 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, s
     path, parent = _path(loc), _path(loc[:-1])
     context = detail.get("ctx", {})
     if loc == ("schema",):
-        if kind in _MISSING:
+        if kind == "missing":
             return parent, "no schema", "a line 'schema = 1' at the top", ""
         return parent, f"schema {value}", "schema = 1", ""
     if kind == "wrong":
@@ -79,12 +76,12 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, s
         return "", f"not JSON ({context['error']})", "", ""
     if kind == "literal_error":
         return path, value, context["expected"], ""
-    if kind in _MISSING:
+    if kind == "missing":
         return parent, f"key {loc[-1]!r} is missing", f"a value for {loc[-1]!r}", ""
-    if kind in _UNKNOWN:
+    if kind == "extra_forbidden":
         keys = _keys(schema, loc[:-1])
         hint = did_you_mean(str(loc[-1]), keys)
-        expected = "" if hint else f"one of {', '.join(keys)}"
+        expected = "" if hint or not keys else f"one of {', '.join(keys)}"
         return parent, f"unknown key {shown(loc[-1])}", expected, hint
     wanted = _kind_at(schema, loc)
     if kind in _NO_TABLE:
@@ -104,9 +101,8 @@ def _path(loc: _Place) -> str:
 def _keys(schema: type[BaseModel], loc: _Place) -> list[str]:
     """The allowed keys of the table at ``loc``."""
     kind = _kind_at(schema, loc)
-    if _is_section(kind):
-        return [field.alias or name for name, field in kind.model_fields.items()]
-    return list(get_type_hints(kind)) if is_dataclass(kind) else []
+    fields = kind.model_fields.items() if _is_section(kind) else ()
+    return [field.alias or name for name, field in fields]
 
 
 def _kind_at(schema: type[BaseModel], loc: _Place) -> Any:
@@ -115,8 +111,6 @@ def _kind_at(schema: type[BaseModel], loc: _Place) -> Any:
     for key in loc:
         if _is_section(kind):
             kind = kind.model_fields[str(key)].annotation
-        elif is_dataclass(kind):
-            kind = get_type_hints(kind)[str(key)]
         else:  # an item of a list, a tuple of any length or a dict
             kind = next((a for a in reversed(get_args(kind)) if a is not Ellipsis), None)
         kind = _plain(kind)

@@ -126,13 +126,6 @@ def behind(unit: str) -> str:
     return "" if unit == "1" else f" {unit}"
 
 
-def spellings(si: str | None) -> list[str]:
-    """Return all spellings of the units of one quantity, or of all if ``si`` is None."""
-    tables = [table for key, (_, table) in QUANTITIES.items() if si in (key, None)]
-    units = [unit for table in tables for unit in table]
-    return [*units, *(other for other, unit in _SPELLINGS.items() if unit in units)]
-
-
 def si_of(unit: str) -> str:
     """The SI unit of a written one: ``"cm^2"`` gives ``"m^2"``. Raises `UnknownUnit`."""
     written = spelling(unit)

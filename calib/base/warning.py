@@ -46,38 +46,28 @@ class _Rule(NamedTuple):
 
 
 def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
-    ends = row if row["low"] or row["high"] else first
-    words = row if row["causes"] or row["below"] else first
-    return _Rule(
-        row["code"],
-        row["means"] or first["means"],
-        row["figure"],
-        first["unit"],
-        tuple(row["purposes"].split()),
-        row["does"],
-        row["needs"],
-        float(ends["low"] or -math.inf),
-        float(ends["high"] or math.inf),
-        float(row["sure"] or 0.0),
-        listed(words["causes"]),
-        listed(words["below"]),
-        row["do"] or first["do"],
-        tuple(first["makes"].split()),
-    )
+    cells: dict[str, Any] = {**first, **{name: cell for name, cell in row.items() if cell}}
+    del cells["reason"]
+    for name, default in (("low", -math.inf), ("high", math.inf), ("sure", 0.0)):
+        cells[name] = float(cells[name] or default)
+    for name in ("purposes", "makes"):
+        cells[name] = tuple(cells[name].split())
+    return _Rule(**cells | {name: listed(cells[name]) for name in ("causes", "below")})
 
 
 _ROWS = rows("rules.csv")
-_FIRST: dict[str, dict[str, str]] = {}
-for _row in _ROWS:
-    _FIRST.setdefault(_row["code"], _row)
+_FIRST = {row["code"]: row for row in reversed(_ROWS)}
 RULES = tuple(_read(row, _FIRST[row["code"]]) for row in _ROWS)
-_MEANS = {rule.code: rule.means for rule in reversed(RULES)}
+_OF = {
+    code: [rule for rule in RULES if rule.code == code]
+    for code in dict.fromkeys(r.code for r in RULES)
+}
 LIMITS = SimpleNamespace(
     **{row["name"]: json.loads(row["value"]) for row in rows("log_limits.csv")}
 )
 """Further limits for logs, each with its unit and its reason."""
 
-UNITS = {rule.code: rule.unit for rule in reversed(RULES)}
+UNITS = {code: of_code[0].unit for code, of_code in _OF.items()}
 """Unit of each code. A code that measures nothing has the value 1; a metric beyond its limit has
 its own name as code, without unit."""
 
@@ -117,7 +107,7 @@ class PlausibilityWarning:
     @property
     def title(self) -> str:
         """What was measured, in words."""
-        return _MEANS.get(self.code) or plain(self.code).name
+        return _OF[self.code][0].means if self.code in _OF else plain(self.code).name
 
     @property
     def amount(self) -> str:
@@ -172,9 +162,6 @@ def judged(
     return tuple(warnings)
 
 
-_OF: dict[str, list[_Rule]] = {code: [r for r in RULES if r.code == code] for code in UNITS}
-
-
 def _warned(rule: _Rule, log: str, m: Measured, low: float, high: float) -> PlausibilityWarning:
     shown = [m.shown(end) if math.isfinite(end) else None for end in (low, high)]
     cells = rule.below if m.value < low and rule.below else rule.causes
@@ -192,9 +179,8 @@ def unexplained(
     """
     every = tuple(warnings)
     explained = {code for one in (*every, *beside) for code in _made_by(one)}
-    codes = list(_FIRST)
     unexplained_ones = [one for one in every if one.code not in explained]
-    return tuple(sorted(unexplained_ones, key=lambda one: codes.index(one.code)))
+    return tuple(sorted(unexplained_ones, key=lambda one: [*_OF].index(one.code)))
 
 
 def _made_by(warning: PlausibilityWarning) -> tuple[str, ...]:

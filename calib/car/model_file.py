@@ -26,7 +26,6 @@ from calib.base.record import (
     QuantityMark,
     Section,
     by_name,
-    quantity_pattern,
     section,
     validated,
 )
@@ -86,7 +85,7 @@ class _SurfaceSection(Section):
     start: Annotated[
         tuple[float, str],
         BeforeValidator(_start),
-        WithJsonSchema({"type": "string", "pattern": quantity_pattern("m", "s")}),
+        WithJsonSchema({"type": "string", "description": "a distance or a time"}),
     ]
     stiffness: _Factor
     peak: _Factor

@@ -73,8 +73,9 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
             raise _short(path, len(head), _HEAD)
         flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
         if begin == b"UnFinMF":
-            known = flags and not flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
-            _require(known and b"4.10" <= version < b"5", path, f"flags {flags} of MDF {version!r}")
+            lacks_more = not flags or flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
+            can_be_finished = not lacks_more and b"4.10" <= version < b"5"
+            _require(can_be_finished, path, f"flags {flags} of MDF {version!r}")
         if version[:1] not in (b"2", b"3", b"4"):
             text = version.decode(errors="replace")
             raise LogError(f"MDF version {text!r}", where=path, expected="3.x or 4.x")
@@ -225,7 +226,7 @@ def _short(path: Path, size: int, end: int) -> LogError:
     return damaged(path, flaw, "a complete file")
 
 
-def _require(can_be_finished: bool | int, path: Path, why: str) -> None:
+def _require(can_be_finished: bool, path: Path, why: str) -> None:
     if not can_be_finished:
         raise LogError(
             f"the recorder did not finish the file, and it cannot be finished here: {why}",

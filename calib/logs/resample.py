@@ -8,6 +8,7 @@ time         |----|----|----|              only where all required channels have
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 import numpy as np
 
@@ -93,29 +94,24 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
     full = [w for w in wanted if w.time.size > 1]
     if not full:
         raise LogError("every channel is empty", where=where, expected="samples")
-    known = [w for w in full if w.name in CHANNELS] or full
-    low, high, cut = _span(known, where)
+    channels = [w for w in full if w.name in CHANNELS] or full
+    low, high, cut = _span(channels, where)
     rasters = {(w.clock, w.time.size): w.time for w in full}
     rate_of = {key: 1.0 / max(step_of(time), INSTANT) for key, time in rasters.items()}
     rates = {w.name: rate_of[w.clock, w.time.size] for w in full}
-    master = _master(known, rates)
+    master = _master(channels, rates)
     inside = (master.time >= low) & (master.time <= high)
     time = master.time[inside]
     filled = [
         Filled(w.values[inside]) if _same_times(w, master) and w.time.size > 1 else _on(w, time)
         for w in wanted
     ]
-    names = {w.name for w in known}
-    gaps = [
-        text
-        for w, item in zip(wanted, filled, strict=True)
-        if w.name in names
-        for text in in_words(item)
-    ]
+    names = {w.name for w in channels}
+    gaps = [in_words(x) for w, x in zip(wanted, filled, strict=True) if w.name in names]
     return Resampled(
         time,
         [item.values for item in filled],
-        (*notes, *_notes(known, master, rates), *gaps, *cut),
+        (*notes, *_notes(channels, master, rates), *chain(*gaps), *cut),
         tuple(gap for item in filled for gap in item.bridged),
         rates,
         tuple(w.name for w in full if not (w.state or _same_times(w, master))),

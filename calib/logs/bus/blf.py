@@ -65,7 +65,7 @@ def _check_whole(path: Path) -> int:
             missing = f"{size} of {promised} bytes: {promised - size} are missing ({share})"
             raise damaged(path, f"the file has {missing}", "as much as the header states")
         file.seek(first)
-        content = first + sum(_object_sizes(file, size, path))
+        content: int = first + sum(_object_sizes(file, size, path))
     if content < unpacked:
         missing = f"it unpacks to {content} of {unpacked} bytes: some objects are missing"
         raise damaged(path, missing, "as much as the header states")
