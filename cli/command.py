@@ -58,23 +58,20 @@ class Answer:
         return facts_of(self.result).written(self.out)
 
 
-def _set_flag(context: typer.Context, option: typer.CallbackParam, is_set: bool) -> None:
-    run = this_run()
-    if is_set and not context.resilient_parsing:
-        setattr(run, str(option.name), True)
-    if run.quiet and run.verbose:
-        raise misuse("-q and -v exclude each other", "--quiet, --verbose")
-
-
 def _flag(text: str, *flags: str) -> Any:
-    return option(text, None, *flags, callback=_set_flag, expose_value=False)
+    return Annotated[bool, option(text, None, *flags)]
 
 
-Quiet = Annotated[bool, _flag("Print the verdict alone, warnings and errors.", "--quiet", "-q")]
-Verbose = Annotated[bool, _flag("Print all details of the answer.", "--verbose", "-v")]
-Force = Annotated[bool, _flag("Replace a file that exists, whatever it holds.", "--force")]
-_Json = Annotated[bool, option("Print one JSON document on stdout.", None, "--json")]
-_Report = Annotated[Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")]
+_COMMON: dict[str, Any] = {
+    "report": Annotated[
+        Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")
+    ],
+    "quiet": _flag("Print the verdict alone, warnings and errors.", "--quiet", "-q"),
+    "verbose": _flag("Print all details of the answer.", "--verbose", "-v"),
+    "json": _flag("Print one JSON document on stdout.", "--json"),
+    "force": _flag("Replace a file that exists, whatever it holds.", "--force"),
+}
+"""Options of every command; --report where it is declared, --force where a file is written."""
 
 
 def command(
@@ -91,26 +88,30 @@ def command(
         kinds: dict[str, Any] = {p.name: p.annotation for p in declared}
         groups: dict[str, Any] = {n: kind for n, kind in kinds.items() if is_dataclass(kind)}
         parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
-        common: dict[str, Any] = {"report": _Report} if report else {}
-        common |= {"quiet": Quiet, "verbose": Verbose, "json": _Json}
-        added = [_added(name, hint) for name, hint in common.items() if name not in parameters]
-        every = [*parameters.values(), *added]
-        infos = {p.name: get_args(p.annotation)[1] for p in every}
+        infos = {p.name: get_args(p.annotation)[1] for p in parameters.values()}
+        infos |= {"report": get_args(_COMMON["report"])[1]} if report else {}
         writes = {name: info for name, info in infos.items() if info.writes is not None}
-        if any(i.writes != "folder" for i in writes.values()):
-            every.append(_added("force", Force))
+        is_file = any(info.writes != "folder" for info in writes.values())
+        common = {"report": report, "quiet": True, "verbose": True, "json": True, "force": is_file}
+        every = [*parameters.values()]
+        every += [_common(n) for n, wanted in common.items() if wanted and n not in parameters]
 
         @wraps(body)
         def run(**values: Any) -> None:
+            this = this_run()
+            this.quiet, this.verbose = values["quiet"], values["verbose"]
+            this.force = values.get("force", False)
+            if this.quiet and this.verbose:
+                raise misuse("-q and -v exclude each other", "--quiet, --verbose")
             for name, info in infos.items():
                 if info.setting and not values[name]:
                     setting = from_settings(info.setting) if info.when(values) else None
                     default = info.built_in if values[name] is None else values[name]
                     values[name] = default if setting is None else setting
-            for name in values.keys() - writes:
+            for name in infos.keys() - writes:
                 value = values[name] if isinstance(values[name], list) else [values[name]]
                 if files := [one for one in value if isinstance(one, Path)]:
-                    this_run().inputs[name] = files
+                    this.inputs[name] = files
             for name, info in writes.items():
                 if values[name] is not None and info.writes != "folder":
                     check_file(values[name], info.writes, _flag_of(name, info))
@@ -131,7 +132,8 @@ def command(
     return declare
 
 
-def _added(name: str, hint: Any) -> Parameter:
+def _common(name: str) -> Parameter:
+    hint = _COMMON[name]
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
 
 
@@ -202,8 +204,8 @@ def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -
     return app
 
 
-def _nothing(quiet: Quiet = False, verbose: Verbose = False) -> None:
-    """Do nothing: a group needs a callback for its options."""
+def _nothing() -> None:
+    """Do nothing: a group needs a callback for its help."""
 
 
 def example(*lines: str) -> str:

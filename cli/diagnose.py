@@ -7,7 +7,7 @@ from typer.core import TyperCommand
 
 from cli.command import Answer, command
 from cli.console import progress, say
-from cli.logs import named, read_all
+from cli.logs import read_all
 from cli.options import Car, Map, OwnEffects, Workers, argument, option
 from cli.outputs import check_folder, stems_of, writing
 
@@ -58,7 +58,7 @@ def diagnose(
     from calib.show.facts import facts_of
     from calib.show.html import page_of
 
-    files = files_of(stems_of(named([*logs, *holdout])[len(logs) :], "--holdout"))
+    files = files_of(stems_of(holdout, "--holdout"))
     check_folder(out, [file.as_posix() for file in files])
     car = with_own(vehicle, effect)
     # a function of one's own acts in one process only

@@ -66,7 +66,6 @@ def export(
     prefix: str | None = option("First part of all labels; else the table's name.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     compiled: bool = option("With a binary for this machine in an FMU; needs FMPy and cmake."),
-    validation: Path | None = option("summary.json of `validate --out`, for the state.", "SUMMARY"),
     without_effect: list[str] = option("Known effect that no ECU senses; repeatable.", "NAME"),
     unreleased: bool = option("Also a version that is not released; the file then says so."),
     signed: Signed,
@@ -82,15 +81,13 @@ def export(
     from calib.ecu.code import FOLDER, write_code
     from calib.exports.export import CODES
     from calib.exports.export import export as write
-    from calib.store.evidence import UNPROVED, read_quality
     from calib.table.exported import Precision
 
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
     kind = (form or "").lower()
     _check_out(out, stored, prefix, kind == FOLDER)
-    quality = read_quality(validation, stored) if validation else UNPROVED
-    choices: dict[str, Any] = {"elf": elf, "quality": quality, "unreleased": unreleased}
+    choices: dict[str, Any] = {"elf": elf, "unreleased": unreleased}
     choices["without_effects"] = without_effect
     written: WrittenCode | Exported
     options = (

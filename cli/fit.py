@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from cli.command import Answer, command
 from cli.console import progress, say, this_run
 from cli.logs import read_all
-from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, logs_by_name, option
+from cli.options import Car, KnownModel, Map, Mass, OwnEffects, Tables, argument, option
 
 if TYPE_CHECKING:
     from calib.car.tyre_file import TyreFile
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     report=True,
 )
 def fit(
-    logs: list[Path] = logs_by_name("Ramps, also with one axle only, coast logs and stops."),
+    logs: list[Path] = argument("Ramps, also with one axle only, coast logs and stops.", "LOG..."),
     *,
     vehicle: Car,
     model: KnownModel,

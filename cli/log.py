@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, misuse, progress, say
-from cli.logs import named, read, source_of
+from cli.logs import read
 from cli.options import Map, argument, option, require_known
 from cli.outputs import PAGES, write_file, write_page
 
@@ -30,8 +30,8 @@ def check(logs: list[Path] = argument("logs to check", "LOG..."), *, channel_map
     findings: list[Findings] = []
     failed: list[tuple[Path, InputError]] = []
     with progress() as step:  # a log that cannot be read does not stop the check of the others
-        for i, (path, name) in enumerate(zip(logs, named(logs), strict=True)):
-            step(f"reading {name.name}", i, len(logs))
+        for i, path in enumerate(logs):
+            step(f"reading {path.name}", i, len(logs))
             try:
                 findings.append(look_at(read(path, channel_map, require=())))
             except InputError as error:
@@ -82,8 +82,7 @@ def log(
         raise misuse("takes one log", "--out")
     looked: list[tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]] = []
     for path in logs:
-        file, data = source_of(path)
-        whole = read_whole(file, channel_map, data=data)
+        whole = read_whole(path, channel_map)
         whole = whole if (start, until) == (None, None) else cut(whole, start, until)
         whole = in_si(whole) if si else whole
         for name in channel:

@@ -4,7 +4,6 @@ import io
 import os
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable
 from importlib import import_module
@@ -15,7 +14,7 @@ import typer
 
 from calib.base.errors import AnswerError, BrakeCalError, FolderGone, UsageError, program_failure
 from calib.base.names import PROGRAM
-from cli.command import Group, Quiet, Row, Verbose, add, group
+from cli.command import Group, Row, add, group
 from cli.console import STOPS, begin, complain, emit_json, say, this_run
 
 _UsageError: Any = typer.BadParameter.__base__
@@ -76,21 +75,11 @@ class Commands(Group):
 
     def get_command(self, ctx: Any, name: str) -> Any:
         """The command of a name, None for an unknown one."""
-        place = next((place for row, place in _PLACES.items() if row.name == name), None)
-        if name not in self.commands and place is not None:
-            self.commands[name] = _load(name, place)
+        places = {row.name: place for row, place in _PLACES.items()}
+        for known in {name} & {*places} or places:  # all, so that typer suggests one
+            if known not in self.commands:
+                self.commands[known] = _load(known, places[known])
         return super().get_command(ctx, name)
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """The command that was typed; the error for one of a group names the group."""
-        typed = args[0]
-        if typed not in self.list_commands(ctx):
-            every = [self.get_command(ctx, row.name) for row in self.rows()]
-            groups = [group.name for group in every if typed in getattr(group, "commands", ())]
-            if groups:
-                within = " or ".join(f"'{name} {typed}'" for name in groups)
-                ctx.fail(f"No such command {typed!r}. Did you mean {within}?")
-        return super().resolve_command(ctx, args)
 
 
 def _load(name: str, place: str) -> Any:
@@ -133,8 +122,6 @@ def options(
             "--version", callback=_print_version, is_eager=True, help="Print the version."
         ),
     ] = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
 ) -> None:
     """Calibrate and validate a brake-torque estimator from one ramped braking run.
 
@@ -153,7 +140,6 @@ def main() -> None:
     for number in STOPS:
         if signal.getsignal(number) != signal.SIG_IGN:  # as for a job of a shell's background
             signal.signal(number, _interrupt)
-    sys.unraisablehook = _interrupt_again
     code = _delivered(_run)
     if code == _INTERRUPTED:
         # CPython ends by the signal, not with the exit code, if an interrupt met code made from
@@ -165,14 +151,6 @@ def main() -> None:
 def _interrupt(number: int, frame: object) -> None:
     this_run().interrupted = True
     raise KeyboardInterrupt
-
-
-def _interrupt_again(raised: Any) -> None:
-    """Interrupt again after an interrupt in code from which nothing is raised, as a `__del__`."""
-    if isinstance(raised.exc_value, KeyboardInterrupt):
-        threading.Timer(0.01, signal.raise_signal, [signal.SIGTERM]).start()
-    else:
-        sys.__unraisablehook__(raised)
 
 
 def _run() -> int:

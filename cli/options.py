@@ -4,8 +4,7 @@
 option is what the command gets, to typer what is typed.
 """
 
-from collections.abc import Callable, Collection, Sequence
-from datetime import date
+from collections.abc import Callable, Collection
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -161,11 +160,6 @@ def _mass(written: str) -> float:
     return mass
 
 
-def day(written: str) -> str:
-    """A day as 2025-03-31. Raises ValueError for what is none."""
-    return date.fromisoformat(written).isoformat()
-
-
 def words(written: str) -> str:
     """A text that is not empty."""
     if not written.strip():
@@ -177,18 +171,6 @@ def _version(table: str) -> str:
     if "@" not in table:
         raise misuse(f"{table!r} names no version; give {table}@N, see `brake-cal tables list`")
     return table
-
-
-def _files(paths: Sequence[Path]) -> Sequence[Path]:
-    """Logs that a table will name, so that they can be found again: none from stdin."""
-    if any(str(path) == "-" for path in paths):
-        raise misuse("a table names the logs that it is made of: give a file, not -")
-    return paths
-
-
-def logs_by_name(text: str, metavar: str = "LOG...") -> Any:
-    """Argument for logs that a table will name."""
-    return argument(text, metavar, make=_files)
 
 
 # Shared options. A quoted type is what the command gets; typer reads the path of a file.

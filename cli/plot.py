@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from cli import options
 from cli.command import Answer, command
 from cli.console import misuse, progress, say
-from cli.logs import is_stdin, read
+from cli.logs import read
 from cli.options import argument, option, require_known
 from cli.outputs import PAGES, write_page, writing
 
@@ -80,7 +80,7 @@ def _read(
 
     files = [Path(name) for name in sources]
     results = [p for p in files if is_result(p)]
-    logs = [p for p in files if p not in results and (is_stdin(p) or ending_of(p) in FORMATS)]
+    logs = [p for p in files if p not in results and ending_of(p) in FORMATS]
     names = [w for w, p in zip(sources, files, strict=True) if p not in results and p not in logs]
     if len(names) > 1:
         raise misuse("give one table; `tables compare` compares two", "TABLE")

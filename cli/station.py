@@ -10,7 +10,7 @@ from cli import options
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress, say, this_run
 from cli.logs import read
-from cli.options import argument, day, logs_by_name, option, words
+from cli.options import argument, option, words
 from cli.outputs import check_folder, stems_of, write_file, write_folder, writing
 from cli.sign import Signed
 
@@ -41,7 +41,7 @@ class Identifiers:
 )
 def station(
     ramp: Path = argument("Ramp for the fit of the table.", "RAMP"),
-    holdouts: list[Path] = logs_by_name("Stops to validate it on.", "HOLDOUT..."),
+    holdouts: list[Path] = argument("Stops to validate it on.", "HOLDOUT..."),
     *,
     vehicle: options.Car,
     out: Path = option("Write all files here.", "DIR", writes="folder"),
@@ -63,7 +63,6 @@ def station(
         names="calib.exports.export:ENDINGS",
         setting="station.export",
     ),
-    date: str | None = option("Date of the report and in a cdfx.", "YYYY-MM-DD", make=day),
     store: options.Tables,
     channel_map: options.Map,
     signed: Signed,
@@ -113,7 +112,7 @@ def station(
                 limits_file=_limits_file(),
             )
         with writing(out), workshop(out) as work:
-            stored, document = store_and_write(outcome, store, forms, date or "", work)
+            stored, document = store_and_write(outcome, store, forms, work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
     unsigned = "what is stored now is not signed; sign it, then `brake-cal tables export`"

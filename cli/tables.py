@@ -8,7 +8,7 @@ from cli import options
 from cli.command import DAMAGED, Answer, add, command, group
 from cli.console import misuse, say
 from cli.exchange import compare, export, merge
-from cli.options import argument, day, option
+from cli.options import argument, option
 from cli.sign import sign
 
 
@@ -20,14 +20,13 @@ def list_(
     ),
     serial: str | None = option("Serial number.", "S"),
     vin: str | None = option("Vehicle identification.", "V"),
-    since: str | None = option("Stored on this day or later.", "YYYY-MM-DD", make=day),
     store: options.Tables,
 ) -> Answer:
     """List every version of every table, or those of a car."""
     from calib.show.store import listed
     from calib.store.figures import chosen, row_of
 
-    rows = chosen(map(row_of, store.entries(state)), since, serial=serial, vin=vin)
+    rows = chosen(map(row_of, store.entries(state)), serial=serial, vin=vin)
     none = f"{store.folder} holds no {'such table' if store.now().names else 'table'}"
     return Answer({"store": store.folder, "tables": rows}, listed(rows) if rows else none)
 

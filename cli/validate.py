@@ -8,7 +8,7 @@ from cli.command import FAILED, Answer, command
 from cli.console import at_option, progress, say, this_run
 from cli.exchange import Shape
 from cli.fit import files_of
-from cli.logs import named, read
+from cli.logs import read
 from cli.options import argument, option
 from cli.outputs import check_folder, stems_of, writing
 from cli.sign import Signed
@@ -66,9 +66,8 @@ def validate(
     from calib.run.same_run import refuse_copy
     from calib.show.validation import Validated
 
-    names = named(logs)
     if out is not None:
-        check_folder(out, [*(f"{stem}.parquet" for stem in stems_of(names, "LOG")), SUMMARY])
+        check_folder(out, [*(f"{stem}.parquet" for stem in stems_of(logs, "LOG")), SUMMARY])
     stored = store.load(table)
     signed.check(table, stored)
     if vehicle is not None:

@@ -11,7 +11,6 @@ An ECU project calls the functions and replaces the files; it edits none.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -37,7 +36,6 @@ from calib.exports.write import FORMATS, as_comment
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import simulate
 from calib.run.blocks import samples_of_block
-from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
@@ -94,7 +92,6 @@ def write_code(
     first: str | None = None,
     *,
     elf: Path | None = None,
-    quality: Quality = UNPROVED,
     without_effects: Sequence[str] = (),
     unreleased: bool = False,
     compiled: bool = False,
@@ -106,9 +103,8 @@ def write_code(
     form : ``ecu``, a folder; ``fmu2`` or ``fmu3``, the same in an FMU; ``car-fmu2`` or
         ``car-fmu3``, an FMU of the car whose sensors that one reads.
     sample_time : of the ECU's task, from call to call [s].
-    first, elf, quality : of a folder alone: first part of the labels of the data, of the table's
-        name if not given; the linked program with the code, for the addresses in the A2L; result
-        of a validation, for the state in the CDF.
+    first, elf : of a folder alone: first part of the labels of the data, of the table's name if
+        not given; the linked program with the code, for the addresses in the A2L.
     compiled : of an FMU alone: with a binary for this machine, too, by FMPy.
     without_effects, unreleased : what may be handed out, see `require_handed_out`.
 
@@ -122,8 +118,8 @@ def write_code(
     if form == FOLDER and compiled:
         raise ExchangeError("only an FMU is compiled", expected="fmu2, fmu3 and those of the car")
     if form != FOLDER:
-        if elf or first is not None or quality is not UNPROVED:
-            raise ExchangeError("an FMU has no --elf, --prefix, --validation")
+        if elf or first is not None:
+            raise ExchangeError("an FMU has no --elf, --prefix")
         version: Version = 2 if form.endswith("2") else 3
         content: Content = "car" if form.startswith("car") else "estimator"
         write_fmu(stored, out, how, sample_time, version, content)
@@ -131,7 +127,7 @@ def write_code(
             compile_fmu(out)
         return WrittenCode(stored, out, form, how, sample_time, (out.name,))
     first = prefix(stored.name if first is None else first)
-    files = _write_bundle(stored, out, how, sample_time, first, quality, elf)
+    files = _write_bundle(stored, out, how, sample_time, first, elf)
     axes = axes_of(code_grids(stored.table, first, how))
     notes = tuple(f"{axis.label}: {axis.placed}" for axis in axes if axis.reduced)
     names = tuple(path.name for path in files)
@@ -144,7 +140,6 @@ def _write_bundle(
     how: Precision,
     sample_time: float,
     first: str,
-    quality: Quality,
     elf: Path | None,
 ) -> list[Path]:
     texts = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
@@ -159,10 +154,9 @@ def _write_bundle(
         "inputs": "\n".join(_inputs(sample_time, stored.table.vehicle)),
         "answers": "\n".join(f"| `{x.name}` | {x.unit} | {x.meaning} |" for x in ANSWERS.values()),
     }  # fmt: skip
-    date, single = datetime.now(UTC).date().isoformat(), how.floating == 32
-    whole = build(stored, how.points, quality, how.bits, date, first=first)
+    whole = build(stored, how.points, how.bits, first=first)
     version = replace(whole.scalars[0], fixed=None)
-    shown = replace(whole, curves=(), scalars=(version,), single=single)
+    shown = replace(whole, curves=(), scalars=(version,), single=how.floating == 32)
     with workshop(folder) as work:
         for name, text in texts.items():
             write_whole(work / name, Template(text).safe_substitute(facts).encode())

@@ -9,7 +9,6 @@ import numpy as np
 from calib.base.names import AXLE_NAMES
 from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Scalar
 from calib.exports.symbols import label, prefix
-from calib.store.evidence import PRELIMINARY, UNPROVED, Quality
 from calib.store.figures import effect_figures
 from calib.store.version import Stored
 from calib.table.breakpoints import misfit
@@ -47,9 +46,7 @@ _FLAT = {"log_slip", "log_slip_sigma", "share"}  # written without the last axis
 def build(
     stored: Stored,
     points: int | None = None,
-    quality: Quality = UNPROVED,
     bits: int | None = None,
-    date: str = "",
     *,
     single: bool = False,
     most_axes: int = MOST_AXES,
@@ -72,10 +69,8 @@ def build(
         curves=tuple(chain.from_iterable(curves)),
         maps=tuple(chain.from_iterable(table_maps)),
         scalars=tuple(_scalars(table, stored.version, first, how)),
-        quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
         bits=bits,
         single=single,
-        date=date,
     )
 
 

@@ -1,13 +1,13 @@
 """A table for calibration tools: axes, curves, maps, scalars; made by `calib.exports.build`."""
 
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any
 
 from calib.base.arrays import Array
 from calib.base.digest import sha256
 from calib.car.effects.combined import sensed
 from calib.exports.symbols import Addresses, Measured, Within
-from calib.store.evidence import Quality
 from calib.store.version import Stored
 from calib.table.breakpoints import Misfit, misfit
 from calib.table.exported import LEAST_BITS, Fixed
@@ -172,7 +172,7 @@ class Scalar(Object):
 class Dataset:
     """The exported data of ``stored``, in integers of ``bits``, in ``single`` precision or double.
 
-    ``date`` of the export, for CDF: a table has none. ``addresses`` and ``measured`` for A2L.
+    ``addresses`` and ``measured`` for A2L.
     """
 
     stored: Stored
@@ -181,10 +181,8 @@ class Dataset:
     curves: tuple[Grid, ...]
     maps: tuple[Grid, ...]
     scalars: tuple[Scalar, ...]
-    quality: Quality
     bits: int | None
     single: bool
-    date: str
     addresses: Addresses = field(default_factory=Addresses)
     measured: tuple[Measured, ...] = ()
 
@@ -221,6 +219,18 @@ class Dataset:
         wide = "; scalars and axes of maps int16_t" * (self.bits < LEAST_BITS)
         return f"int{self.bits}_t, value = origin + step * raw{wide}"
 
+    @property
+    def date(self) -> str:
+        """The day [UTC] on which the table was stored, today for one that is not."""
+        return self.stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
+
+    @property
+    def quality(self) -> str:
+        """State of CDF 2.0: a table that is not released is preliminary, evidence makes it more."""
+        if not self.stored.state.released:
+            return "prelimCalibrated"
+        return "checked" if self.stored.state.verdict else "calibrated"
+
     def content(self) -> Content:
         """The bare numbers."""
         grids = (*self.curves, *self.maps)
@@ -248,8 +258,8 @@ class Dataset:
             **{key: text for key, text in may_be_empty.items() if text},
             "ends": _CLAMP,
             **{f"breakpoints {a.label}": a.placed for a in self.axes},
-            "validation": self.quality.words,
-            "state": self.quality.state,
+            "validation": stored.state.verdict or "none",
+            "state": self.quality,
             "release": ("" if stored.state.released else _NOT) + stored.state.why,
             "objects": str(len(content)),
             "checksum": content.checksum,

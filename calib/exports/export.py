@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.dataset import Dataset, Grid
 from calib.exports.write import FORMATS
-from calib.store.evidence import UNPROVED, Quality
 from calib.store.version import Stored, unstored
 from calib.table.table import Table
 
@@ -140,8 +138,6 @@ def export(
     single: bool = False,
     prefix: str | None = None,
     elf: Path | str | None = None,
-    quality: Quality = UNPROVED,
-    date: str | None = None,
     unreleased: bool = False,
     without_effects: Sequence[str] = (),
 ) -> Exported:
@@ -156,8 +152,6 @@ def export(
     single : in single precision; for c-header and a2l.
     prefix : first part of every label, that of the table's name if not given.
     elf : linked program with the C header (ELF), for the addresses of an a2l.
-    quality : result of a validation, see `calib.store.evidence.read_quality`.
-    date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
     unreleased : write what is not released, too; the file then says so.
     without_effects : known effects of the car that an ECU cannot sense, which are left to it.
 
@@ -189,9 +183,8 @@ def export(
         if is_given and not getattr(FORMATS[form], feature):
             fit = [name for name, one in FORMATS.items() if getattr(one, feature)]
             raise ExchangeError(f"{form} has no {name}", expected=", ".join(fit))
-    date = date or datetime.now(UTC).date().isoformat()
     most = FORMATS[form].most_axes
-    data = build(stored, points, quality, bits, date, single=single, most_axes=most, first=prefix)
+    data = build(stored, points, bits, single=single, most_axes=most, first=prefix)
     if elf is not None:
         data = replace(data, addresses=find_addresses(Path(elf), data))
     content = FORMATS[form].write(data)

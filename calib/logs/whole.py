@@ -60,14 +60,12 @@ class WholeLog:
         return replace(self, columns=tuple(part))
 
 
-def read_whole(
-    path: Path, channel_map: ChannelMap | None = None, *, data: bytes | None = None
-) -> WholeLog:
+def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
     """Read every column of a log; of several sample rates on the clock that `read_log` takes.
 
     Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
     """
-    with open_log(path, channel_map, data=data) as opened:
+    with open_log(path, channel_map) as opened:
         assigned, _, _ = assign(opened.source.columns, channel_map, (), str(path))
         by_index = {item.index: item for item in assigned}
         if isinstance(opened.source, Recording):

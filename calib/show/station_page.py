@@ -3,13 +3,12 @@
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, WARNING
-from calib.estimation.results import SUMMARY, fill, unseen_in
+from calib.estimation.results import fill, unseen_in
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import export
 from calib.line.station.files import (
@@ -31,7 +30,6 @@ from calib.show.origin import origin
 from calib.show.stop import torque_and_pads
 from calib.show.table import table_sheet
 from calib.show.validation import beside_best
-from calib.store.evidence import read_quality
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
@@ -45,11 +43,10 @@ _MISSED = "What fails the car, and what lets it pass with a warning."
 
 @dataclass(frozen=True)
 class StationRun:
-    """A car that was judged, its stored table, and the ``date`` that was stated, "" for none."""
+    """A car that was judged, and its stored table."""
 
     outcome: StationOutcome
     stored: Stored
-    date: str = ""
 
 
 def station_facts(run: StationRun) -> Facts:
@@ -57,7 +54,8 @@ def station_facts(run: StationRun) -> Facts:
 
     Equal inputs give equal bytes of the page: no path and no clock is in it.
     """
-    outcome, stored, date = run.outcome, run.stored, run.date
+    outcome, stored = run.outcome, run.stored
+    date = stored.state.stored_at[:10]
     identity = outcome.identity
     curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
     of_car = [[check.judgement] for check in outcome.checks if check.stop is None]
@@ -116,7 +114,7 @@ def _run(outcome: StationOutcome, date: str) -> list[Row]:
         ("Vehicle", outcome.table.vehicle.name),
         *((TITLES[name], value) for name, value in outcome.identity.items()),
         ("Mass", str(outcome.results[0].mass)),
-        ("Date", date or "not stated (--date)"),
+        ("Date", date),
         ("Operator", outcome.by or "not stated (--by)"),
         ("Limits file", outcome.limits_file or "none: those of the program"),
         ("Golden table", f"{outcome.golden.id}{mean}" if outcome.golden else "none given"),
@@ -124,28 +122,22 @@ def _run(outcome: StationOutcome, date: str) -> list[Row]:
 
 
 def store_and_write(
-    outcome: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
+    outcome: StationOutcome, store: Store, forms: Sequence[str], work: Path
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and `station.json`.
 
-    ``date`` is that of a cdfx and of the report; "" for the day [UTC] on which the version is
-    stored, so that a repeated run gives the same bytes. The version is stored with its state in one
-    step; where another run has taken its number meanwhile, the files are written again. Raises
-    OSError, ExchangeError, StoreError.
+    The version is stored with its state in one step; where another run has taken its number
+    meanwhile, the files are written again. Raises OSError, ExchangeError, StoreError.
     """
     results = list(outcome.results)
     while True:
         stored = store.foreseen(outcome.table, outcome.decision("to be written"))
-        day = date or stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
         fill(results, validation_dict(stored, results), work)
         if not why_not_exported(stored):
-            quality = read_quality(work / SUMMARY, stored)
             for form in dict.fromkeys(forms):
-                export(stored, work / export_name(form), form, quality=quality, date=day)
+                export(stored, work / export_name(form), form)
         write_whole(work / JUNIT, junit_xml(outcome, stored))
-        write_whole(
-            work / REPORT, page_of(station_facts(StationRun(outcome, stored, day))).encode()
-        )
+        write_whole(work / REPORT, page_of(station_facts(StationRun(outcome, stored))).encode())
         names = sorted(path.name for path in work.iterdir() if path.name != DOCUMENT)
         document = to_dict(outcome, stored, names)
         written = to_text(document).encode()

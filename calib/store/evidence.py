@@ -1,36 +1,15 @@
 """Evidence on a version: the files of a validation, or of a car at the station."""
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 
 from calib.base.bounded import VALIDATION, bytes_of
 from calib.base.digest import sha256
-from calib.base.errors import ExchangeError, printable
-from calib.base.plain import counted
+from calib.base.errors import ExchangeError
 from calib.store.state import Evidence
 from calib.store.version import Stored
 
-_CALIBRATED, _CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"  # of CDF 2.0
-
-
-@dataclass(frozen=True)
-class Quality:
-    """``state`` of CDF 2.0 and its text; ``verdict`` None without a validation."""
-
-    state: str
-    words: str
-    verdict: str | None = None
-
-
 CONSISTENT = "consistent, not proved"  # without truth and v no error of the table would show
-
-UNPROVED = Quality(_CALIBRATED, "none given with this export")
-
-
-def read_quality(path: Path, stored: Stored) -> Quality:
-    """Quality of a version from the summary.json of `validate --out`. Raises ExchangeError."""
-    return _quality(_read(path), path, stored)
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
@@ -39,19 +18,12 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
     Raises ExchangeError for a file that is neither a `summary.json` of `validate --out` nor a
     `station.json`, is of another table, or has no hold-out.
     """
-    data = _read(path)
-    verdict = _station_verdict(data, path, stored) or _quality(data, path, stored).verdict
-    if verdict is None:
-        flaw = "is a validation on logs that the table was fitted on, which proves nothing"
-        raise ExchangeError(flaw, where=path, expected="a validation on hold-out logs")
+    data = bytes_of(path, VALIDATION, ExchangeError, "a summary.json or a station.json")
+    verdict = _station_verdict(data, path, stored) or _verdict(data, path, stored)
     return Evidence(path.name, sha256(data)), verdict
 
 
-def _read(path: Path) -> bytes:
-    return bytes_of(path, VALIDATION, ExchangeError, "a summary.json or a station.json")
-
-
-def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
+def _verdict(data: bytes, path: Path, stored: Stored) -> str:
     from calib.base.record import validated
     from calib.store.record_file import SummaryFile
 
@@ -62,13 +34,11 @@ def _quality(data: bytes, path: Path, stored: Stored) -> Quality:
         raise ExchangeError(f"no summary of a validation: {error}", where=path, do=do) from error
     if (summary.table, summary.digest) != (stored.id, stored.digest):
         raise _other(summary.table, summary.digest, path, stored)
-    holdouts = [log for log in summary.logs if log.role == "hold-out"]
-    if not holdouts:
-        return Quality(_CALIBRATED, "only on logs that the table was fitted on: proves nothing")
-    passed, outcomes = summary.verdict == "passed", [f"{log.log} {log.verdict}" for log in holdouts]
-    verdict = CONSISTENT if passed and summary.proof == "none" else summary.verdict
-    words = f"{verdict} on {counted(len(holdouts), 'hold-out log')}: {', '.join(outcomes)}"
-    return Quality(_CHECKED if passed else PRELIMINARY, printable(words), verdict)
+    if all(log.role != "hold-out" for log in summary.logs):
+        flaw = "is a validation on logs that the table was fitted on, which proves nothing"
+        raise ExchangeError(flaw, where=path, expected="a validation on hold-out logs")
+    unproved = summary.verdict == "passed" and summary.proof == "none"
+    return CONSISTENT if unproved else summary.verdict
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:

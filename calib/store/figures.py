@@ -165,14 +165,7 @@ def row_of(entry: StoreEntry) -> ListedVersion:
     }
 
 
-def chosen(
-    rows: Iterable[ListedVersion], since: str | None, **equal: str | None
-) -> list[ListedVersion]:
-    """The rows since a day (2025-03-31) with ``equal`` texts in any case; None matches all."""
+def chosen(rows: Iterable[ListedVersion], **equal: str | None) -> list[ListedVersion]:
+    """The rows with ``equal`` texts in any case; None matches all."""
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
-    return [
-        row
-        for row in rows
-        if all(row[key].lower() == value for key, value in wanted.items())
-        and (since is None or row["date"][:10] >= since)
-    ]
+    return [row for row in rows if all(row[key].lower() == x for key, x in wanted.items())]

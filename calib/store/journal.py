@@ -130,7 +130,7 @@ class Journal:
         document = {
             **decided,
             "number": len(self.entries) + 1,
-            "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+            "at": now_in_utc(),
             "by": decision.by or user(),
             "program": PROGRAM,
             "event": event,
@@ -153,6 +153,11 @@ class Journal:
     def head_line(self) -> bytes:
         """The bytes of the head's file."""
         return f"{self.head} {len(self.entries)}\n".encode()
+
+
+def now_in_utc() -> str:
+    """The present time, as an entry has it."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def read_journal(folder: Path) -> Journal:

@@ -73,9 +73,7 @@ class _LogOutcome(Section):
 
     model_config = ConfigDict(extra="ignore")
 
-    log: str
     role: str
-    verdict: str
 
 
 class SummaryFile(FileSchema):

@@ -24,7 +24,15 @@ from calib.store.folders import (
     refuse_link,
     unplaced,
 )
-from calib.store.journal import CHANGED, STORED, Journal, enter, read_journal, write_journal
+from calib.store.journal import (
+    CHANGED,
+    STORED,
+    Journal,
+    enter,
+    now_in_utc,
+    read_journal,
+    write_journal,
+)
 from calib.store.snapshot import Snapshot, StoreEntry
 from calib.store.state import StateDecision, VersionState, is_new, user
 from calib.store.version import Stored, read_version, write_version
@@ -80,7 +88,7 @@ class Store:
         path = self.folder / table.name / folder_of(version)
         base = same or Stored(table, table.name, version, table.digest, path)
         reasons = {key: getattr(decision, key) for key in ("reason", "verdict", "evidence")}
-        by, stored_at = decision.by or user(), base.state.stored_at
+        by, stored_at = decision.by or user(), base.state.stored_at or now_in_utc()
         return replace(
             base, state=VersionState(decision.state, by=by, stored_at=stored_at, **reasons)
         )

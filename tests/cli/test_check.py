@@ -1,19 +1,12 @@
-"""`brake-cal check`, and a log from stdin."""
+"""`brake-cal check`: one line for each log."""
 
-import io
-import sys
 from pathlib import Path
-from types import SimpleNamespace
-
-import pytest
 
 from calib.logs.write import write_csv
 from tests.cli.conftest import parsed
 from tests.support.made_runs import changed, made_run
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
-STOP = SEDAN / "basalt_wet_pads.csv"
-CAR = ("--vehicle", SEDAN / "vehicle.toml")
 
 
 def test_a_log_is_usable_useless_or_unreadable(brake_cal, tmp_path, monkeypatch):
@@ -27,32 +20,3 @@ def test_a_log_is_usable_useless_or_unreadable(brake_cal, tmp_path, monkeypatch)
         assert len(document["logs"]) + len(document["unreadable"]) == len(logs)
         assert ("error" in document) == (code == 3)
         assert len(brake_cal("check", *logs).out.splitlines()) == len(document["logs"])
-
-
-@pytest.fixture
-def piped(brake_cal, monkeypatch):
-    def run(*words, data=None, terminal=False):
-        monkeypatch.setattr(
-            sys,
-            "stdin",
-            SimpleNamespace(buffer=io.BytesIO(data or STOP.read_bytes()), isatty=lambda: terminal),
-        )
-        return brake_cal(*words)
-
-    return run
-
-
-def test_a_piped_log_is_read_as_its_file(piped, tmp_path):
-    (found,) = parsed(piped("check", "-", "--json"))["logs"]
-    (file,) = parsed(piped("check", STOP, "--json"))["logs"]
-    assert (found.pop("log"), found.pop("source")) == ("stdin", "stdin.csv")
-    assert {**found, "warnings": 0} == {k: file[k] for k in found} | {"warnings": 0}
-    assert piped("log", "-", "--until", 2, "--out", tmp_path / "a.csv").code == 0
-    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
-
-
-def test_a_terminal_another_format_and_too_much_are_no_log(piped, monkeypatch):
-    assert piped("check", "-", terminal=True).code == 3
-    assert piped("check", "-", data=b"(1700000000.0004) can0 101#0000D4FF5F750000\n").code == 3
-    monkeypatch.setenv("BRAKE_CAL_MOST_LOG", "0.001")
-    assert "BRAKE_CAL_MOST_LOG" in piped("check", "-").err

@@ -42,8 +42,7 @@ COMMANDS = {
     "plan": f"repeatability --vehicle {CAR} --plan",
     "key": f"tables verify --store {ROOT / 'tables'} --key",
     "import": "tables compare",
-    "validation": f"tables export {TABLE} --format dcm --out o.dcm --store {ROOT / 'tables'} "
-    "--unreleased --validation",
+    "validation": f"tables reject {TABLE} --store {ROOT / 'tables'} --reason r --evidence",
     "log": "check",
     "map": "map",
 }

@@ -15,10 +15,7 @@ from calib.estimation.baselines import _by_curves
 from calib.exports.build import build
 from calib.exports.symbols import LONGEST, LONGEST_PREFIX, label, prefix
 from calib.exports.write import printable
-from calib.store.evidence import Quality
-from calib.store.store import Store
 from calib.table.exported import BITS, Precision
-from tests.support.tables import made_table
 
 # C99, 6.4.2.1, without the names that C and C++ keep for themselves.
 IDENTIFIER = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
@@ -42,13 +39,6 @@ def test_ends_are_clamped_as_the_look_up_does(stored):
     F_f, F_r = (brake_f + b.drag_f) / b.load_f, (brake_r + b.drag_r) / b.load_r
     assert (F_f - z).tolist() == pytest.approx(curves["sedan_f1"][[0, -1]].tolist())
     assert (F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())
-
-
-def test_a_draft_is_preliminary_also_where_a_validation_passed(stored, tmp_path):
-    passed = Quality("checked", "a validation", "passed")
-    draft = Store(tmp_path / "drafts").save(made_table())
-    assert build(draft, quality=passed).quality.state == "prelimCalibrated"  # ASAM CDF 2.0
-    assert build(stored, quality=passed).quality.state == "checked"
 
 
 def test_18_holds_on_the_breakpoints_too(real):

@@ -14,10 +14,9 @@ import pytest
 from lxml import etree
 
 from calib.exports.write import FORMATS
-from calib.store.evidence import UNPROVED, Quality
+from calib.store.state import VersionState
 from tests.support.curves import built
 
-DATE = "2026-05-04"
 TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
 DCM_READER = """
 import json, logging, sys
@@ -55,13 +54,6 @@ def from_dcm(data, folder):
     return seen["curves"], seen["scalars"]
 
 
-def from_json(data, folder):
-    document = json.loads(FORMATS["json"].write(data))
-    axes = {a["label"]: a["values"] for a in document["axes"]}
-    curves = {c["label"]: (axes[c["axis"]], c["values"]) for c in document["curves"]}
-    return curves, {s["label"]: [s["value"], s["unit"]] for s in document["scalars"]}
-
-
 NUMBERS = ("x", "value", "lower", "upper", "count", "flag", "x_2", "x_3")
 
 
@@ -83,7 +75,7 @@ def by_label(frame):
 
 
 def cdf_of(data):
-    root = etree.fromstring(FORMATS["cdfx"].write(replace(data, date=DATE)))
+    root = etree.fromstring(FORMATS["cdfx"].write(data))
     return root, {i.findtext("SHORT-NAME"): i for i in root.findall(f"{TREE}/SW-INSTANCE")}
 
 
@@ -108,7 +100,6 @@ def from_cdf(data, folder):
 
 
 READERS = {
-    "json": from_json,
     "csv": lambda data, folder: by_label(frame_of(data)),
     "dcm": from_dcm,
     "cdfx": from_cdf,
@@ -205,15 +196,17 @@ def test_elements_of_a_cdf_stand_in_the_order_of_the_standard(stored):
 
 
 @pytest.mark.parametrize(
-    ("quality", "states"),
+    ("state", "verdict", "states"),
     [
-        (UNPROVED, ["calibrated"]),
-        (Quality("prelimCalibrated", "failed", "failed"), ["calibrated", "prelimCalibrated"]),
+        ("released", "", ["calibrated"]),
+        ("released", "passed", ["calibrated", "checked"]),
+        ("draft", "passed", ["calibrated", "prelimCalibrated"]),  # ASAM CDF 2.0
     ],
 )
-def test_every_object_of_a_cdf_has_its_history(stored, quality, states):
-    for instance in cdf_of(built(stored, None, quality))[1].values():
+def test_every_object_of_a_cdf_has_its_history(stored, state, verdict, states):
+    decided = VersionState(state, verdict=verdict, stored_at="2025-03-31T07:08:09Z")
+    for instance in cdf_of(built(replace(stored, state=decided)))[1].values():
         entries = instance.findall("SW-CS-HISTORY/CS-ENTRY")
         assert [e.findtext("STATE") for e in entries] == states
-        assert {e.findtext("DATE") for e in entries} == {DATE}
+        assert {e.findtext("DATE") for e in entries} == {"2025-03-31"}
         assert {e.findtext("SD[@GID='digest']") for e in entries} == {stored.digest}
