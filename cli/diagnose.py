@@ -54,7 +54,7 @@ def diagnose(
     from calib.base.processes import cores, side_by_side
     from calib.car.effects.catalogue import with_own
     from calib.diagnosis.diagnose import diagnose as find
-    from calib.diagnosis.diagnosis import files_of, text_of, to_dict, write_folder
+    from calib.diagnosis.diagnosis import files_of, to_dict, write_folder
     from calib.show.facts import facts_of
     from calib.show.html import page_of
 
@@ -72,6 +72,6 @@ def diagnose(
     with progress("drawing the report"):
         page = page_of(facts_of(diagnosis))
     with writing(out):
-        write_folder(diagnosis, text_of(diagnosis), page, out)
+        write_folder(diagnosis, page, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
     return Answer(to_dict(diagnosis), diagnosis, out=out)

@@ -11,11 +11,9 @@ from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import SLOWING, acts_on
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.diagnosis import Diagnosis
-from calib.diagnosis.explanation.base import OWN
-from calib.diagnosis.explanation.fit import runs_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Tell, problem_of, silent
-from calib.diagnosis.named import base_estimates, drives, named
+from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.replays import Replayed, gap_of, model_of, remainder_of
 from calib.diagnosis.runs import (
     LARGEST,
@@ -78,7 +76,7 @@ def diagnose(
     recorded, n = [without_holds(log) for log in recorded], len(calibration)
     known_to_all = map if vehicle.effects.user_defined else mapped
     for largest in (LARGEST, USUAL):
-        logs, sides = with_even_sides(recorded, largest)
+        logs, taken_out = with_even_sides(recorded, largest)
         runs = [run_of(log) for log in logs[:n]]
         search = run_search(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
         require_right_axles(search, logs, warnings)
@@ -87,14 +85,12 @@ def diagnose(
         slowed = any(
             acts_on(definition(vehicle.effects, name), SLOWING) for name in verdict.best.names
         )
-        if max(map(abs, sides.values())) <= USUAL or not (slowed or verdict.terms):
+        if taken_out <= USUAL or not (slowed or verdict.term):
             break  # else it may be a brake that drags on one wheel
-    best, last = verdict.best, _with_term(verdict) if verdict.terms else verdict.after
-    unexplained = unexplained_of(best, verdict.terms) if verdict.terms else None
-    tell("asking what these logs could not show", 0, 1)
+    best, last = verdict.best, _with_term(verdict)
+    unexplained = unexplained_of(best, verdict.term) if verdict.term else None
     accepted = [set(step.names) for step in search.steps]
     withdrawn = (names for names in search.withdrawn.values() if set(names) not in accepted)
-    every_run = (*best.runs, *runs_of(search.holdouts.problem, verdict.after.random_effects))
     return Diagnosis(
         verdict=verdict.word,
         effects=named(verdict),
@@ -111,13 +107,6 @@ def diagnose(
         remainder=remainder_of(search.gap(verdict.after), verdict.after.logs, search.holdouts.logs),
         withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
-        noise=search.problem.noise,
-        random_effects={
-            run.source: dict(zip(OWN, run.random_effects.tolist(), strict=True))
-            for run in every_run
-        },
-        drives=drives(best),
-        sides=sides,
         warnings=unexplained_warnings(
             warnings, unexplained=unexplained is not None, grouped=bool(best.hypothesis.kinds)
         ),
@@ -125,9 +114,11 @@ def diagnose(
 
 
 def _with_term(verdict: Verdict) -> Replayed:
-    """The replays with the best empirical term; without it where it does not help."""
+    """The replays with the empirical term; without it where there is none, or it does not help."""
+    if verdict.term is None:
+        return verdict.after
     try:
-        last = verdict.search.replayed(verdict.terms[0])
+        last = verdict.search.replayed(verdict.term)
     except ModelError:  # such a term need not have an equilibrium
         return verdict.after
     helped = gap_of(verdict.after.logs, last.logs, verdict.search.holdouts.logs).closed > 0.0

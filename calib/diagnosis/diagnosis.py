@@ -14,10 +14,7 @@ from calib.base.shown import Shown
 from calib.base.units import behind
 from calib.base.warning import PlausibilityWarning
 from calib.base.write import publish, workshop, write_whole
-from calib.car.effects.effects import DefinedIn
-from calib.car.effects.empirical import DRIVERS
 from calib.car.model import Model
-from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.replays import CHANNELS, UNITS, Gap, Remainder
 from calib.diagnosis.search import SearchStep
 from calib.diagnosis.verdict import Unexplained
@@ -70,7 +67,7 @@ class Named:
     """An effect that was accepted, with its evidence.
 
     ``indistinguishable_from`` names that fit the data as well; ``separate_by`` the feasible test
-    that would distinguish them; ``defined_in`` its file, where the catalogue does not have it.
+    that would distinguish them.
     """
 
     name: str
@@ -80,30 +77,6 @@ class Named:
     runner_up: RunnerUp | None
     indistinguishable_from: tuple[str, ...]
     separate_by: str
-    defined_in: DefinedIn | None = None
-
-
-@dataclass(frozen=True)
-class Size:
-    """A size of a parameter in ``unit``."""
-
-    value: float
-    unit: str
-
-
-@dataclass(frozen=True)
-class ShowingDrive:
-    """The manoeuvre ``drive`` in which an ``effect`` shows most; ``usual_size`` by parameter.
-
-    ``sigma`` is what no other parameter can imitate there, over the noise; ``clear`` whether the
-    drive would show the effect, and not only show it best.
-    """
-
-    effect: str
-    usual_size: dict[str, Size]
-    drive: str
-    sigma: float
-    clear: bool
 
 
 @dataclass(frozen=True)
@@ -111,11 +84,9 @@ class Diagnosis(Shown):
     """The whole answer.
 
     ``replays_before`` and ``replays_after`` are the hold-outs replayed open loop; ``unexplained``
-    is None where nothing significant is left; ``sides`` by how much the right wheel of an axle
-    rolled faster than the left one before that was taken out [1], by axle; ``random_effects`` by
-    log, by the names and in the units of `calib.diagnosis.explanation.base`; ``withdrawn`` names of
-    effects that fit the calibration logs and not the hold-outs; ``drives`` of effects that these
-    logs could not have shown; ``warnings`` what speaks against the logs and is not explained.
+    is None where nothing significant is left; ``reduced_before`` and ``reduced_after`` the mean
+    squared innovation [1]; ``withdrawn`` names of effects that fit the calibration logs and not the
+    hold-outs; ``warnings`` what speaks against the logs and is not explained.
     """
 
     verdict: str
@@ -133,10 +104,6 @@ class Diagnosis(Shown):
     remainder: Remainder
     withdrawn: tuple[tuple[str, ...], ...]
     steps: tuple[SearchStep, ...]
-    noise: ChannelNoise
-    random_effects: Mapping[str, Mapping[str, float]]
-    drives: tuple[ShowingDrive, ...]
-    sides: Mapping[str, float]
     warnings: tuple[PlausibilityWarning, ...]
 
     def __repr__(self) -> str:
@@ -153,55 +120,23 @@ class Diagnosis(Shown):
 
 
 def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
-    """The whole diagnosis, JSON-able, most of it field by field; null for what is not finite."""
-    names = [effect.name for effect in diagnosis.effects]
-    unexplained, gap = diagnosis.unexplained, diagnosis.gap
-    whole = {
-        "schema": 1,
-        "verdict": diagnosis.verdict,
-        "effects": diagnosis.effects,
-        "own_effects": [
-            {"name": name, "file": one.file, "sha256": one.sha256, "named": name in names}
-            for name, one in diagnosis.model_after.effects.user_defined.items()
-        ],
-        "known": diagnosis.model_before.vehicle.effects.parameters,
-        "unexplained": unexplained
-        and {
-            **_plain(unexplained),
-            "beside": names,
-            "in_model": diagnosis.model_after.effects.terms != (),
-            "replays": diagnosis.remainder,
-            "innovation": diagnosis.reduced_after if names else diagnosis.reduced_before,
-            "term": _plain(unexplained.term) | {"driver_unit": DRIVERS[unexplained.term.driver]},
-            "runners_up": [
-                {"place": place, "driver": driver, "explained": share}
-                for place, driver, share in unexplained.runners_up
-            ],
-        },
-        "own_states": diagnosis.random_effects,
-        "sides": diagnosis.sides,
-        "not_resolved": [drive.effect for drive in diagnosis.drives],
-        "would_show": diagnosis.drives,
-        "base": diagnosis.base,
-        "innovation": {"before": diagnosis.reduced_before, "after": diagnosis.reduced_after},
-        "noise": {"from": diagnosis.noise.source, "at_floor": diagnosis.noise.at_floor},
-        "left": diagnosis.remainder,
-        "steps": diagnosis.steps,
-        "withdrawn": diagnosis.withdrawn,
-        "gap": {
-            **_gap(gap),
-            "closed": gap.closed,
-            "unit": "rms over the noise of the sensors",
-            "by_log": {log: _gap(gap, log) for log in gap.logs},
-        },
-        "warnings": diagnosis.warnings,
-    }
-    return {key: _plain(value) for key, value in whole.items()}
-
-
-def text_of(diagnosis: Diagnosis) -> str:
-    """The text of diagnosis.json."""
-    return json.dumps(to_dict(diagnosis), indent=2, allow_nan=False) + "\n"
+    """The document diagnosis.json, most of it field by field; null for what is not finite."""
+    unexplained = diagnosis.unexplained
+    whole: dict[str, Any] = _plain(
+        {
+            "schema": 1,
+            "verdict": diagnosis.verdict,
+            "effects": diagnosis.effects,
+            "unexplained": unexplained and {**vars(unexplained), "replays": diagnosis.remainder},
+            "base": diagnosis.base,
+            "innovation": {"before": diagnosis.reduced_before, "after": diagnosis.reduced_after},
+            "steps": diagnosis.steps,
+            "withdrawn": diagnosis.withdrawn,
+            "gap": _gap(diagnosis.gap),
+            "warnings": diagnosis.warnings,
+        }
+    )
+    return whole
 
 
 def _plain(value: Any) -> Any:
@@ -220,11 +155,11 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _gap(gap: Gap, log: str | None = None) -> dict[str, Any]:
-    """The gap of one log or all, over the noise; of each channel in its unit."""
+def _gap(gap: Gap) -> dict[str, Any]:
+    """The gap over the noise, and that of each channel in its unit."""
     channels = {}
     for channel, noise in zip(CHANNELS, gap.noise.tolist(), strict=True):
-        rms_before, rms_after = gap.rms(log, channel)
+        rms_before, rms_after = gap.rms(channel=channel)
         channels[channel] = {
             "before": noise * rms_before,
             "after": noise * rms_after,
@@ -232,8 +167,8 @@ def _gap(gap: Gap, log: str | None = None) -> dict[str, Any]:
             "closed": 1.0 - rms_after / rms_before if rms_before > 0.0 else None,
             "unit": UNITS[channel],
         }
-    rms_before, rms_after = gap.rms(log)
-    return {"before": rms_before, "after": rms_after, "by_channel": channels}
+    ends = {"before": gap.rms_before, "after": gap.rms_after, "closed": gap.closed}
+    return {**ends, "by_channel": channels}
 
 
 def files_of(stems: list[str]) -> list[Path]:
@@ -242,7 +177,7 @@ def files_of(stems: list[str]) -> list[Path]:
     return [Path(_DOCUMENT), Path(_MODEL), Path(_REPORT), *sims]
 
 
-def write_folder(diagnosis: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
+def write_folder(diagnosis: Diagnosis, report: str, out: Path) -> list[Path]:
     """Write everything to ``out``, the document last, and return the paths.
 
     Replays of an earlier run that are not made again are removed. Other files in ``out`` stay.
@@ -250,15 +185,14 @@ def write_folder(diagnosis: Diagnosis, document: str, report: str, out: Path) ->
     """
     from calib.car.model_file import write_model
 
+    document = json.dumps(to_dict(diagnosis), indent=2, allow_nan=False) + "\n"
+    sims = (*diagnosis.replays_before, *diagnosis.replays_after)
     with workshop(out) as work:
         write_whole(work / _DOCUMENT, document.encode())
         write_model(diagnosis.model_after, work / _MODEL)
         write_whole(work / _REPORT, report.encode())
-        sims, paths = (
-            (*diagnosis.replays_before, *diagnosis.replays_after),
-            files_of([sim.name for sim in diagnosis.replays_before]),
-        )
-        for sim, path in zip(sims, paths[-len(sims) :], strict=True):
+        _, _, _, *paths = files_of([sim.name for sim in diagnosis.replays_before])
+        for sim, path in zip(sims, paths, strict=True):
             (work / path).parent.mkdir(parents=True, exist_ok=True)
             channels = {name: sim[name] for name in ("time", *CHANNELS)}
             write_csv(replace(sim, channels=channels, truth={}), work / path)

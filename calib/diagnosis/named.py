@@ -1,33 +1,23 @@
-"""What a fit says: its effects by name, its base, and what the logs cannot tell.
+"""What a fit says: its effects by name, its base, and the drive that would tell it from a rival.
 
-For each question that they leave, the drive that would tell it best, by one linear step, which is
-right for small effects, and the order of magnitude for large ones:
+The drive is chosen by one linear step, which is right for small effects, and the order of magnitude
+for large ones:
 
     columns of the logs + columns of a manoeuvre --> less what pads, tyres, effects do --> sigma
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
-from itertools import compress
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS, G
 from calib.base.units import BAR
-from calib.car.effects.catalogue import definition, every_effect
+from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import AT_WHEELS, acts_on
 from calib.car.effects.effects import Effects
-from calib.diagnosis.diagnosis import (
-    Evidence,
-    Named,
-    ParameterEstimate,
-    RunnerUp,
-    ShowingDrive,
-    Size,
-    Where,
-)
+from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
 from calib.diagnosis.explanation.base import OWN, PADS, Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
 from calib.diagnosis.explanation.fit import Fit, innovations, linearised, runs_of
@@ -37,9 +27,6 @@ from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
 from calib.diagnosis.replays import range_of
 from calib.diagnosis.verdict import Verdict
 from calib.logs.log import Log
-
-_SHOWN = 5.0  # size [sigma] from which logs show an effect: ln of the odds is 7, its price is 5
-_CLEAR = 10.0  # size [sigma] from which a drive shows it surely
 
 _TESTS = {
     # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
@@ -84,7 +71,7 @@ def named(verdict: Verdict) -> tuple[Named, ...]:
     ends = [effects for _, effects in _intervals(best)]
     logs = (best.runs, runs_of(search.holdouts.problem, verdict.after.random_effects))
     others = sorted({n for e in verdict.rivals for n in e.names} - set(best.names))
-    apart = best_drives(best, [(e.base, e.effects) for e in verdict.rivals[:1]])
+    apart = (best_drive(best, rival) for rival in verdict.rivals[:1])
     separate = "".join(f"{drive} ({sigma:.0f} sigma apart)" for drive, sigma in apart)
     out = []
     for name in best.names:
@@ -107,7 +94,6 @@ def named(verdict: Verdict) -> tuple[Named, ...]:
                 runner_up=next(runners_up, None),
                 indistinguishable_from=tuple(others),
                 separate_by=separate,
-                defined_in=whole.defined_in.get(name),
             )
         )
     return tuple(out)
@@ -155,51 +141,27 @@ def _where(fit: Fit, name: str, without: Effects) -> Where:
     return Where(channel, axle, pressure, speed, temperature if warm else None)
 
 
-def drives(fit: Fit) -> tuple[ShowingDrive, ...]:
-    """The best drive for each effect that the logs could not have shown at its usual size.
-
-    On top of what explains them. Effects that the vehicle file has are known, and not among them.
-    """
-    every = every_effect(fit.problem.vehicle.effects)
-    cards = [effect.card for name, effect in every.items() if name not in fit.effects]
-    others = [(fit.base, fit.effects.with_(Effects({card.name: card.usual}))) for card in cards]
-    unseen = _sizes(fit, _products(fit, others)) < _SHOWN
-    out = []
-    best = best_drives(fit, [*compress(others, unseen)])
-    for card, (drive, sigma) in zip(compress(cards, unseen), best, strict=True):
-        size = {name: Size(value, card.units[name]) for name, value in card.usual.items()}
-        out.append(ShowingDrive(card.name, size, drive, sigma, clear=sigma > _CLEAR))
-    return tuple(out)
-
-
-def best_drives(fit: Fit, others: Sequence[tuple[Base, Effects]]) -> list[tuple[str, float]]:
-    """For each of the ``others`` the manoeuvre that tells it best from ``fit``.
+def best_drive(fit: Fit, other: Fit) -> tuple[str, float]:
+    """The manoeuvre that best tells another fit from this one.
 
     And how far apart they are in the logs and in that together [sigma].
     """
-    if not others:
-        return []
     problem = replace(fit.problem, runs=manoeuvres(fit))
     state = replace(fit.state, random_effects=np.zeros((len(problem.runs), len(OWN))))
-    driven, logs = linearised(problem, fit.hypothesis, state), _products(fit, others)
-    shown = np.stack([_sizes(fit, [*logs, test]) for test in _products(driven, others)])
-    best = [problem.runs[i].source for i in np.argmax(shown, axis=0)]
-    return list(zip(best, np.max(shown, axis=0).tolist(), strict=True))
+    driven = linearised(problem, fit.hypothesis, state)
+    logs, tests = (_products(one, other) for one in (fit, driven))
+    sizes = [fit.marginal([*logs, test]).beyond()[0].item() for test in tests]
+    best = int(np.argmax(sizes))
+    return problem.runs[best].source, float(np.sqrt(max(sizes[best], 0.0)))
 
 
-def _products(fit: Fit, others: Sequence[tuple[Base, Effects]]) -> list[Products]:
-    """Inner products of each log, with what the ``others`` change behind its own columns."""
+def _products(fit: Fit, other: Fit) -> list[Products]:
+    """Inner products of each log, with what another fit changes behind its own columns."""
     changes = [
-        np.stack([innovations(fit.problem, *other, run, lag) - r for other in others])
+        innovations(fit.problem, other.base, other.effects, run, lag) - r
         for run, lag, r in zip(fit.runs, fit.lags, fit.innovations, strict=True)
     ]
-    return fit.products_with(changes)
-
-
-def _sizes(fit: Fit, products: list[Products]) -> Array:
-    """Sizes of the columns behind those of ``fit``, beyond what these can imitate [sigma]."""
-    E, _ = fit.marginal(products).beyond()
-    return np.sqrt(np.maximum(np.diag(E), 0.0))
+    return fit.products_with([change[None] for change in changes])
 
 
 def manoeuvres(fit: Fit) -> tuple[ObservedRun, ...]:

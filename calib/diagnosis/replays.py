@@ -100,7 +100,6 @@ class Remainder:
     pressure: tuple[float, float]
     speed: tuple[float, float]
     time: tuple[float, float]
-    unit: str = "rms of replay errors over the noise of the sensors"
 
 
 def gap_of(

@@ -139,17 +139,17 @@ def _exchanged(log: Log) -> Log:
     return replace(log, channels=log.channels | other)
 
 
-def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], dict[str, float]]:
+def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], float]:
     """The logs with left and right wheel speeds of each axle equal on the mean while unbraked.
 
     Radii are of the day, and differ by ten times what a sensor of speed shows over a log, which
     would hide every other effect. One ratio for each axle from all logs, so they must be of one car
     with one set of tyres. An axle stays as it is where its sides differ by more than ``largest``
     [1]: a brake that drags on one wheel looks alike. Radii of the axles are not touched: their
-    mismatch is an effect. Also returns right over left less one [1] by axle, zero where it stays.
+    mismatch is an effect. Also returns the largest difference that was taken out [1].
     """
     rolling = [driving_record(log).unbraked for log in logs]
-    even, sides = list(logs), dict.fromkeys(AXLES, 0.0)
+    even, taken_out = list(logs), 0.0
     for axle in AXLES:
         left, right = (
             sum(
@@ -159,9 +159,9 @@ def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], dic
             for side in "lr"
         )
         if 0.0 < abs(right - left) <= largest * left:
-            sides[axle] = right / left - 1.0
+            taken_out = max(taken_out, abs(right / left - 1.0))
             even = [_scaled(log, axle, np.sqrt(right / left)) for log in even]
-    return even, sides
+    return even, taken_out
 
 
 def _scaled(log: Log, axle: str, factor: float) -> Log:

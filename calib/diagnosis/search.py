@@ -40,16 +40,13 @@ _WRONG = 0.5  # share of a gain by which a linear model is wrong at most, of a m
 class SearchStep:
     """One step: the effects present, the mean squared innovation [1], ln of the odds it gained.
 
-    ``calibration`` by the logs that are searched, ``holdout`` by those held out. And what it
-    ``added`` and ``removed``.
+    ``calibration`` by the logs that are searched, ``holdout`` by those held out.
     """
 
     names: tuple[str, ...]
     innovation: float
     calibration: float
     holdout: float
-    added: tuple[str, ...] = ()
-    removed: tuple[str, ...] = ()
 
 
 def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
@@ -150,12 +147,7 @@ class Search:
         self.best = new
         self.accepted.append(after)
         if not same:
-            last = self.steps[-1]
-            added = tuple(name for name in new.names if name not in last.names)
-            removed = tuple(name for name in last.names if name not in new.names)
-            self.steps.append(
-                SearchStep(new.names, new.reduced, more, holdout_gain, added, removed)
-            )
+            self.steps.append(SearchStep(new.names, new.reduced, more, holdout_gain))
             self.further = self._trials(new)
         return True
 

@@ -60,14 +60,14 @@ does, is in all of them; a swing of 0.5 Hz or more has at most a fifth at 0.25 H
 class Verdict:
     """What a ``search`` comes to: the fit whose hold-outs are ``after``.
 
-    ``rivals`` as likely; ``terms`` fits with the best empirical terms beside it, where
-    something is left, the one that describes it first.
+    ``rivals`` as likely; ``term`` the fit with the best empirical term beside it, where something
+    is left.
     """
 
     search: Search
     after: Replayed
     rivals: tuple[Fit, ...]
-    terms: tuple[Fit, ...]
+    term: Fit | None
 
     @property
     def best(self) -> Fit:
@@ -79,7 +79,7 @@ class Verdict:
         """The verdict as in diagnosis.json."""
         if self.best.names:
             return AMBIGUOUS if self.rivals else NAMED
-        return UNKNOWN if self.terms else NO_GAP
+        return UNKNOWN if self.term else NO_GAP
 
 
 def verdict_of(search: Search) -> Verdict:
@@ -94,7 +94,7 @@ def verdict_of(search: Search) -> Verdict:
         if alone[0].log_evidence > best.log_evidence + SURE:
             best, after, beside = base, search.base_replayed, alone
     rivals = search.rivals if best is search.best else ()
-    return Verdict(search, after, rivals, tuple(plainest_first(best, beside)))
+    return Verdict(search, after, rivals, plainest(best, beside) if beside else None)
 
 
 def _standing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
@@ -156,7 +156,7 @@ class Unexplained:
     ``place`` where it acts, one of `PLACES`, that of the term but of what swings, and the ``axle``;
     ``held_from`` the pressure [Pa] from which a brake torque is held; ``explained`` share of the
     excess, at most 1; ``wheel`` the one that is slower than the other wheel of its axle, where that
-    is most of the excess; ``runners_up`` as (place, driver, share).
+    is most of the excess.
     """
 
     place: str
@@ -168,7 +168,6 @@ class Unexplained:
     oscillation: Oscillation
     held_from: float | None
     term: EmpiricalTerm
-    runners_up: tuple[tuple[str, str, float], ...]
 
 
 def held_from(term: EmpiricalTerm) -> float | None:
@@ -186,8 +185,8 @@ def held_from(term: EmpiricalTerm) -> float | None:
     return None
 
 
-def plainest_first(fit: Fit, terms: Sequence[Fit]) -> list[Fit]:
-    """The best of ``terms`` first, but one of a single number before what is hardly better.
+def plainest(fit: Fit, terms: Sequence[Fit]) -> Fit:
+    """The best of ``terms``, which is the first, or one of a single number that is hardly worse.
 
     Such a term is constant, or holds a torque.
     """
@@ -198,7 +197,7 @@ def plainest_first(fit: Fit, terms: Sequence[Fit]) -> list[Fit]:
         plain = term.driver == "constant" or held_from(term) is not None
         return not plain or described.reduced >= terms[0].reduced + hardly
 
-    return sorted(terms, key=is_behind)
+    return min(terms, key=is_behind)
 
 
 def _excess(fit: Fit) -> float:
@@ -206,18 +205,17 @@ def _excess(fit: Fit) -> float:
     return max((fit.reduced - 1.0) * fit.count, float(np.sqrt(2.0 * fit.count)))
 
 
-def unexplained_of(fit: Fit, terms: Sequence[Fit]) -> Unexplained:
-    """Describe what is left on top of ``fit``, by fits with ``terms`` beside it, plainest first."""
-    excess = _excess(fit)
-    shares = [min((fit.reduced - one.reduced) * fit.count / excess, 1.0) for one in terms]
-    term, *others = (one.effects.terms[0] for one in terms)
+def unexplained_of(fit: Fit, with_term: Fit) -> Unexplained:
+    """Describe what is left on top of ``fit``, by the fit with a term beside it."""
+    excess, (term,) = _excess(fit), with_term.effects.terms
+    explained = min((fit.reduced - with_term.reduced) * fit.count / excess, 1.0)
     pressure = held_from(term)
     whitened = [by_channel(r) for r in fit.innovations]
     turning, turned = _turning(fit, whitened, excess)
     swing = oscillation_of(whitened, excess)
     slips = pressure is not None and PLACES[term.place] != "rear"
     causes = (
-        (max(shares[0], _NO_TERM), SLIP if slips else term.driver, term.place),
+        (max(explained, _NO_TERM), SLIP if slips else term.driver, term.place),
         (turning, WHEEL_ANGLE, term.place),
         (swing.share, FREQUENCY, "body" if swing.body else "brakes"),
     )
@@ -227,12 +225,11 @@ def unexplained_of(fit: Fit, terms: Sequence[Fit]) -> Unexplained:
         axle=turned if driver == WHEEL_ANGLE else PLACES[place],
         wheel=_one_sided(whitened, excess),
         driver=driver,
-        explained=shares[0],
+        explained=explained,
         turning=turning,
         oscillation=swing,
         held_from=pressure,
         term=term,
-        runners_up=tuple((t.place, t.driver, s) for t, s in zip(others, shares[1:], strict=True)),
     )
 
 

@@ -8,7 +8,7 @@ from calib.diagnosis.replays import CHANNELS, UNITS
 from calib.diagnosis.verdict import FREQUENCY, SLIP, WHEEL_ANGLE
 from calib.show.diagnosis_figure import diagnosis_sheet, moved, worst
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
-from calib.show.numbers import estimate, in_shown, listed, spaced, span, with_unit
+from calib.show.numbers import estimate, listed, spaced, span
 
 KINDS = {
     "no_gap": ("No gap", PASSED),
@@ -35,7 +35,6 @@ _DRIVERS = {
 """Drivers of an unknown cause in words; any other driver is its own word."""
 _WITHIN = 1.0
 """Largest gap, over the noise of the sensors [1], that does not show an unknown cause."""
-_UNSEEN = "The drive in which each shows most."
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
 _GAP = "By log and channel, in units of the noise, which is taken out."
@@ -52,7 +51,6 @@ _INNOVATION = "mean squared innovation (1 = noise)"
 def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
     """The verdict on a car, a part for each effect that is named, and what the verdict rests on."""
     word, verdict = KINDS[outcome(diagnosis)]
-    named = {effect.name for effect in diagnosis.effects}
     gap, has_gap = diagnosis.gap, diagnosis.verdict != "no_gap"
     closed = f" to {gap.rms_after:.1f}" * has_gap + " times the noise, "
     closed += f"{100.0 * gap.closed:.1f} % closed, " * has_gap
@@ -68,10 +66,6 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         ("Left over", _something_else(diagnosis)),
         ("Not named", _withdrawn(diagnosis)),
         ("Unexplained", unexplained(diagnosis)),
-        *(
-            ("Own effect", f"{spaced(name)} of {one.file}, {'' if name in named else 'not '}named")
-            for name, one in diagnosis.model_after.effects.user_defined.items()
-        ),
     )  # fmt: skip
     term = [Picture(_TERM, lambda: diagnosis_sheet(diagnosis), ["term"])]
     separating = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
@@ -87,7 +81,6 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         pictures=[Picture(_SPEED, lambda: diagnosis_sheet(diagnosis), ["speed"])],
         parts=[
             *(_effect(effect, diagnosis) for effect in diagnosis.effects),
-            Facts("What these logs could not show", tables=[_unseen(diagnosis)]),
             Facts("What no effect explains", pictures=term if diagnosis.unexplained else ()),
             _gap(diagnosis),
             Facts("What it rests on", tables=[_base(diagnosis)]),
@@ -207,19 +200,6 @@ def unexplained(diagnosis: Diagnosis) -> str:
             f"above {limit / BAR:.0f} bar the brake torque hardly rises: brake control or a valve"
         )
     return "; ".join(sentences)
-
-
-def _unseen(diagnosis: Diagnosis) -> Table:
-    """Effects that the logs could not show, and the drive that would."""
-    rows = []
-    for drive in diagnosis.drives:
-        name, size = next(iter(drive.usual_size.items()))
-        usual = with_unit(f"{in_shown(size.value, size.unit):.3g}", size.unit)
-        manoeuvre = drive.drive if drive.clear else f"none clearly; best: {drive.drive}"
-        rows.append(
-            (spaced(drive.effect), f"{spaced(name)} {usual}", manoeuvre, f"{drive.sigma:.0f} sigma")
-        )
-    return Table(("effect", "usual size", "drive", "size there"), rows, _UNSEEN)
 
 
 def _gap(diagnosis: Diagnosis) -> Facts:

@@ -45,7 +45,6 @@ def test_the_commands_of_the_page_work_as_printed_and_find_the_effect(brake_cal,
     (effect,) = json.loads(Path("found/diagnosis.json").read_text())["effects"]
     low, high = effect["parameters"]["flap_area"]["ci95"]
     assert low < 0.8 < high
-    assert effect["defined_in"]["file"] == FLAP.name
     model = ("--model", "found/model.toml")
     again = ("simulate", "step.csv", *VEHICLE, *model, "--out", "again.csv")
     ran = brake_cal(*again)

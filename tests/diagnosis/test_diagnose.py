@@ -69,7 +69,6 @@ def test_a_cause_outside_the_catalogue_beside_an_effect_is_told():
     assert found.verdict in ("named", "unknown")
     assert {effect.name for effect in found.effects} <= {"aerodynamic_drag"}
     told = to_dict(found)["unexplained"]
-    assert told["beside"] == [effect.name for effect in found.effects]
     assert told["replays"]["size"] > 0.0
     assert told["replays"]["log"] in {log.name for log in found.measured}
 
@@ -98,7 +97,6 @@ def in_words(found: Diagnosis) -> tuple[object, ...]:
         found.verdict,
         found.unexplained,
         [(one.name, one.where.channel, one.where.axle) for one in found.effects],
-        [(one.effect, one.drive) for one in found.drives],
         [one.code for one in found.warnings],
     )
 
@@ -126,19 +124,13 @@ def test_the_order_of_the_logs_does_not_matter(drag, told):
 
 
 @pytest.mark.slow
-def test_what_each_log_has_of_its_own_is_told_and_is_no_effect():
+def test_what_each_log_has_of_its_own_is_no_effect():
     """Pads of each log beside a cause; slopes and zeros of each are in `test_verdict.py`."""
     case = draw("unlike", 3, ("pad_speed_dependence",), severity=1)
-    found, logs = diagnosed(case), (*case.calibration, *case.holdout)
+    found = diagnosed(case)
     assert [effect.name for effect in found.effects] == ["pad_speed_dependence"]
     assert (found.verdict, found.unexplained, found.warnings) == ("named", None, ())
     assert found.gap.rms_after < 2.0
-    assert to_dict(found)["own_states"].keys() == {log.name for log in logs}
-    true = np.log([case.variety.ground(i).pad_scale for i in range(len(logs))])
-    told = [[found.random_effects[log.name][f"{axle}_pads"] for axle in ("front", "rear")]
-            for log in logs]  # fmt: skip
-    off = (np.array(told) - true)[[log["p_mc"].max() > 5e5 for log in logs]]
-    assert np.abs(off - off.mean(axis=0)).max() < 0.02
 
 
 LATE = {

@@ -1,4 +1,4 @@
-"""What the logs cannot tell: the drive that is proposed tells it, and another does so less.
+"""The drive that is proposed tells rivals apart, and another does so less.
 
 Drives are simulated by `calib.model.simulate`, which integrates the motion and shares no step with
 the prediction that chose them.
@@ -13,10 +13,10 @@ from calib.diagnosis.explanation.base import OWN
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
-from calib.diagnosis.named import best_drives, drives, manoeuvres
+from calib.diagnosis.named import best_drive, manoeuvres
 from calib.diagnosis.replays import model_of, without_form
 from calib.model.simulate import simulate
-from tests.support.explained import asked_of, based, fitted
+from tests.support.explained import asked_of, fitted
 from tests.support.hidden.cases import draw
 
 NAMES = ("aerodynamic_drag", "rolling_resistance")
@@ -52,7 +52,7 @@ def refitted(rivals: list[Fit], made: Fit, run: ObservedRun) -> float:
 
 def test_the_test_that_is_proposed_separates_most(rivals):
     one, other = rivals
-    ((name, sigma),) = best_drives(one, [(other.base, other.effects)])
+    name, sigma = best_drive(one, other)
     made = without_form(one)
     runs = [run for run in manoeuvres(one) if run.source == name or run.source.startswith("light")]
     shown = {run.source: refitted(rivals, made, run) for run in runs}
@@ -60,12 +60,3 @@ def test_the_test_that_is_proposed_separates_most(rivals):
     assert sigma > 10.0
     assert shown[name] > 0.8 * max(shown.values())
     assert shown[name] > 1.5 * shown["light stop at 8 bar from 60 km/h"]
-
-
-def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():
-    base = based(draw("none", 42, only=("coast", "step_low")))
-    silent = {one.effect: one for one in drives(base)}
-    assert {"pad_thermal_fade", "mass_error"} <= set(silent)
-    assert not {"aerodynamic_drag", "accelerometer_bias"} & set(silent)
-    assert silent["pad_thermal_fade"].clear
-    assert not silent["mass_error"].clear

@@ -84,9 +84,9 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibrati
     found = verdict_of(search)
     assert (found.word, found.best.names) == (UNKNOWN, ())
     # what the calibration logs have and no effect may explain is told with its driver
-    assert found.terms[0].effects.terms[0].place == "body"
-    assert found.terms[0].effects.terms[0].driver == "speed"
-    assert found.terms[0].reduced < 1.1 < search.base.reduced
+    assert found.term.effects.terms[0].place == "body"
+    assert found.term.effects.terms[0].driver == "speed"
+    assert found.term.reduced < 1.1 < search.base.reduced
 
 
 FEW = ("ramp", "release", "coast", "step_high")

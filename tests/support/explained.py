@@ -15,7 +15,7 @@ from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, problem_of
 from calib.diagnosis.search import Search, run_search
 from calib.diagnosis.terms import ranked_terms, with_terms
-from calib.diagnosis.verdict import Unexplained, plainest_first, unexplained_of
+from calib.diagnosis.verdict import Unexplained, plainest, unexplained_of
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase
 
@@ -57,4 +57,4 @@ def diagnosed(case: HiddenCase) -> Diagnosis:
 def left_in(case: HiddenCase) -> Unexplained:
     """What the calibration logs have beyond the vehicle without effects."""
     at = based(case)
-    return unexplained_of(at, plainest_first(at, with_terms(at, ranked_terms(at))))
+    return unexplained_of(at, plainest(at, with_terms(at, ranked_terms(at))))

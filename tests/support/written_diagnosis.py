@@ -10,7 +10,6 @@ from calib.car.model import Model
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstimate, Where
-from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.replays import CHANNELS, Gap, Remainder
 from calib.diagnosis.search import SearchStep
 from calib.diagnosis.verdict import Oscillation, Unexplained
@@ -55,12 +54,8 @@ def named_drag():
         withdrawn=(),
         steps=(
             SearchStep((), 3.5, 0.0, 0.0),
-            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25, ("aerodynamic_drag",), ()),
+            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25),
         ),
-        noise=ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900),
-        random_effects={},
-        drives=(),
-        sides={},
         warnings=(),
     )
 
@@ -79,7 +74,6 @@ def unknown(named):
         oscillation=Oscillation(0.0, 0.0, body=False),
         held_from=None,
         term=term,
-        runners_up=(("body", "speed", 0.5),),
     )
     after = replace(model, effects=replace(model.effects, terms=(term,)))
     return replace(named, verdict="unknown", effects=(), unexplained=rest, model_after=after)

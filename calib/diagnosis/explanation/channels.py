@@ -53,19 +53,12 @@ _PARABOLA = 3  # coefficients of the parabola that is taken out of every unbrake
 class ChannelNoise:
     """AR coefficients (6, ORDER), of the oldest sample first, and innovation sd (6,), in its units.
 
-    ``source`` says what it was taken from, ``freedom`` from how many independent samples.
+    ``freedom`` is the number of independent samples that it was taken from.
     """
 
     coefficients: Array
     sigma: Array
-    source: str
     freedom: int
-
-    @property
-    def at_floor(self) -> tuple[str, ...]:
-        """Channels whose noise is `_FLOOR`, as they show less."""
-        pairs = zip(CHANNELS, self.sigma, _FLOOR, strict=True)
-        return tuple(name for name, sigma, floor in pairs if sigma <= floor)
 
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
@@ -102,7 +95,7 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
             [lstsq(c[:, :-1], c[:, -1], rcond=None)[0] for c in np.concatenate(rows, axis=1)]
         )
         freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in long) - ORDER
-        unit = ChannelNoise(coefficients, np.ones(len(CHANNELS)), "unbraked parts", freedom)
+        unit = ChannelNoise(coefficients, np.ones(len(CHANNELS)), freedom)
         squares = sum(np.sum(by_channel(whiten(part, unit)) ** 2, axis=1) for part in long)
         each = np.full(len(CHANNELS), float(freedom))
         each[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in long)
@@ -111,8 +104,7 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     # the median over the runs: a bite or a release does not move it
     sigma = np.maximum(np.median(scatter, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
     freedom = sum(x.shape[1] for x in wholes) // 4  # a third difference joins four samples
-    white = np.zeros((len(CHANNELS), ORDER))
-    return ChannelNoise(white, sigma, "differences between samples", freedom)
+    return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, freedom)
 
 
 def _parabola(size: int) -> Array:
