@@ -1,4 +1,4 @@
-"""A model as a TOML file: pads, tyre, effects, roads; `brake-cal manual diagnosis` shows one.
+"""A model as a TOML file: pads, tyre, effects; `brake-cal manual diagnosis` shows one.
 
 Pads and effects default to those of the vehicle, the tyre to wet asphalt. ``[effects]`` replaces
 the effects of the vehicle. ``[own_effects.NAME]`` has file and SHA-256 of an effect of the user.
@@ -10,15 +10,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    WithJsonSchema,
-    create_model,
-    model_validator,
-)
+from pydantic import Field, create_model, model_validator
 
-from calib.base.errors import InputError, ModelError
+from calib.base.errors import ModelError
 from calib.base.record import (
     ByName,
     FileSchema,
@@ -30,7 +24,7 @@ from calib.base.record import (
     validated,
 )
 from calib.base.record_errors import wrong
-from calib.base.toml import load_toml, quantity, written_quantity
+from calib.base.toml import load_toml, written_quantity
 from calib.base.write import write_whole
 from calib.car.effects.catalogue import (
     CATALOGUE,
@@ -43,11 +37,10 @@ from calib.car.effects.catalogue import (
 from calib.car.effects.effect import Effect
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS, PLACES
-from calib.car.model import WET_ASPHALT, Model, Surface, default_model
+from calib.car.model import WET_ASPHALT, Model, default_model
 from calib.car.vehicle import Vehicle
 
 _Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
-_Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]
 
 
 class PadsSection(Section):
@@ -68,27 +61,6 @@ class _TyreSection(Section):
     bend: Annotated[float, QuantityMark("1", 0.0, 1.0)] | None = None
     relaxation: Annotated[float, QuantityMark("m", 0.0, 2.0)] | None = None
     peak_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
-
-
-def _start(written: object) -> tuple[float, str]:
-    for unit in ("m", "s"):
-        try:
-            return quantity(written, unit, None, InputError), unit
-        except InputError:
-            continue
-    raise wrong(f"{written!r} is neither a distance nor a time", '"60 m" or "3 s"')
-
-
-class _SurfaceSection(Section):
-    """A change of road: factors on the tyre, from a distance or a time on."""
-
-    start: Annotated[
-        tuple[float, str],
-        BeforeValidator(_start),
-        WithJsonSchema({"type": "string", "description": "a distance or a time"}),
-    ]
-    stiffness: _Factor
-    peak: _Factor
 
 
 class _EmpiricalSection(Section):
@@ -142,7 +114,6 @@ class ModelFile(FileSchema):
     tyre: _TyreSection = _TyreSection()
     effects: _effects_section(CATALOGUE) | None = None  # type: ignore[valid-type]
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
-    surfaces: list[_SurfaceSection] = Field(default_factory=list)
     empirical: list[_EmpiricalSection] = Field(default_factory=list)
 
 
@@ -176,7 +147,6 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
         pad_friction_r=file.pads.rear or base.pad_friction_r,
         tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
         effects=Effects(named, terms or base.effects.terms, user_defined=own_effects),
-        surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
     )
 
 
@@ -214,14 +184,10 @@ def write_model(model: Model, path: Path) -> None:
             for name, values in effects.parameters.items()
         },
         "own_effects": {name: asdict(one) for name, one in effects.defined_in.items()},
-        "surfaces": [
-            {"start": written_quantity(s.start, s.unit), "stiffness": s.stiffness, "peak": s.peak}
-            for s in model.surfaces
-        ],
         "empirical": [
             {**asdict(t), "knots": list(t.knots), "values": list(t.values)} for t in effects.terms
         ],
     }
-    optional = ("own_effects", "surfaces", "empirical")
+    optional = ("own_effects", "empirical")
     document = {key: part for key, part in document.items() if part or key not in optional}
     write_whole(Path(path), tomlkit.dumps(document).encode())

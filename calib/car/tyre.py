@@ -30,7 +30,7 @@ from calib.car.braking import MOVING
 
 @dataclass(frozen=True)
 class MagicFormula:
-    """A tyre; stiffness and peak are scalars or broadcast with the slip.
+    """A tyre.
 
     Attributes
     ----------
@@ -42,8 +42,8 @@ class MagicFormula:
     relaxation : sigma [m], not negative.
     """
 
-    stiffness: float | Array
-    peak: float | Array
+    stiffness: float
+    peak: float
     shape: float = 1.65
     load_exponent: float = 0.0
     bend: float = 0.0
@@ -100,13 +100,10 @@ class MagicFormula:
         bx = np.tan(0.5 * np.pi * fraction / self.shape)
         return self._with_bend(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 
-    def on_surface(self, stiffness_factor: Array | float, peak_factor: Array | float) -> Self:
+    def on_surface(self, stiffness_factor: float, peak_factor: float) -> Self:
         """Return the tyre on another surface: stiffness and peak times these factors [1]."""
-        return replace(
-            self,
-            stiffness=self.stiffness * stiffness_factor,
-            peak=self.peak * peak_factor,
-        )
+        stiffness, peak = self.stiffness * stiffness_factor, self.peak * peak_factor
+        return replace(self, stiffness=stiffness, peak=peak)
 
     def _b(self, peak: Array | float) -> Array | float:
         return self.stiffness / (self.shape * peak)

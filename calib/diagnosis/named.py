@@ -57,7 +57,7 @@ def base_estimates(fit: Fit) -> dict[str, ParameterEstimate]:
     """Pads and tyre with intervals; ``rolling_radius`` over that of the file."""
     names = ("pad_friction_f", "pad_friction_r", "tyre_stiffness", "tyre_peak", "rolling_radius")
     ends = [
-        (b.pad_friction_f, b.pad_friction_r, float(b.tyre.stiffness), float(b.tyre.peak), b.radius)
+        (b.pad_friction_f, b.pad_friction_r, b.tyre.stiffness, b.tyre.peak, b.radius)
         for b, _ in _intervals(fit)
     ]
     return {name: _estimate(of, "1") for name, *of in zip(names, *ends, strict=True)}

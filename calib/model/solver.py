@@ -19,6 +19,7 @@ The left side falls with slip and the right side rises, so it always has a solut
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -32,9 +33,7 @@ from calib.car.effects.combined import total_axle_moment, total_body_force, tota
 from calib.car.effects.effect import Pair
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import integral
-from calib.car.model import tyres_along
 from calib.car.tyre import MagicFormula
-from calib.car.vehicle import Axle
 
 TOLERANCE = 1e-9
 """Largest change of v (relative to the first speed) and of slip in the last iteration."""
@@ -61,15 +60,6 @@ class WheelDemand:
 
 
 @dataclass(frozen=True)
-class Travel:
-    """Motion of the car; arrays (n,): ``time`` [s], ``v`` [m/s] above zero, ``z`` [1]."""
-
-    time: Array
-    v: Array
-    z: Array
-
-
-@dataclass(frozen=True)
 class RisingTyre:
     """A tyre at the load of every sample, continued linearly beyond the end of its rising branch.
 
@@ -79,7 +69,7 @@ class RisingTyre:
     tyre: MagicFormula
     relative_load: Array
 
-    @property
+    @cached_property
     def edge(self) -> Array:
         """Slip [1] at the end of the rising branch (n,)."""
         return self.tyre.slip_at(_EDGE, self.relative_load)
@@ -97,29 +87,6 @@ class RisingTyre:
     def slope(self, slip: Array) -> Array:
         """Slope d force/d slip [1], above zero everywhere."""
         return self.tyre.slope(np.clip(slip, -self.edge, self.edge), self.relative_load)
-
-
-def next_slip(
-    axle: Axle, tyre: RisingTyre, demand: WheelDemand, travel: Travel, slip: Array
-) -> Array:
-    """One Newton step from ``slip`` [1] (n,) towards the slip that solves (1) in all samples."""
-    from scipy.linalg.lapack import dtbtrs
-
-    omega, step = forces.wheel_speed(axle, slip, travel.v), np.diff(travel.time)
-    first = -G * travel.z[0] * omega[0] / travel.v[0]  # at constant slip
-    spin = np.concatenate([[first], np.diff(omega) / step])
-    residual = forces.tyre_force(axle, demand.torque, spin, demand.moment)  # (1)
-    residual = residual - demand.load * tyre.force(slip)
-    # d(J_w/R d omega/dt)/d lambda: omega = v (1 - lambda)/R enters its own sample and the next.
-    inertia = axle.wheel_inertia / axle.rolling_radius**2 * travel.v
-    bands = np.zeros((2, slip.size))
-    bands[0] = demand.load * tyre.slope(slip)
-    bands[0, 1:] += inertia[1:] / step
-    bands[1, :-1] = -inertia[:-1] / step
-    change, info = dtbtrs(bands, residual[:, None], uplo="L")
-    if info:
-        raise ArithmeticError(f"no slip solves sample {info - 1}")
-    return np.asarray(slip + change[:, 0])
 
 
 @dataclass(frozen=True)
@@ -152,8 +119,7 @@ class Drive:
 
     def speed(self, z: Array) -> Array:
         """V [m/s] (n,): v0 minus the integral of g z, by the trapezoidal rule."""
-        lost = 0.5 * G * (z[1:] + z[:-1]) * np.diff(self.time)
-        return self.v0 - np.concatenate([[0.0], np.cumsum(lost)])
+        return self.v0 - integral(self.time, G * z)
 
     def moving(self, v: Array) -> Array:
         """V [m/s] with a positive lower bound: after the stop only its sign matters."""
@@ -247,7 +213,7 @@ def _first(run: Drive) -> SolverState:
     torque = run.brakes.torques(run.inputs)
     force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
     z = run.total(force) / vehicle.weight
-    straight = np.clip(z / np.mean(run.brakes.model.tyre.stiffness), -0.02, 0.02)
+    straight = np.clip(z / run.brakes.model.tyre.stiffness, -0.02, 0.02)
     demand = {w: WheelDemand(T_b, zero, zero) for w, T_b in torque.items()}
     loads = forces.axle_loads(vehicle, z)
     return SolverState(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
@@ -256,23 +222,45 @@ def _first(run: Drive) -> SolverState:
 def _iterate(run: Drive, old: SolverState) -> SolverState:
     """Loads (6), (7), effects, one step of (1) for every wheel, (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
-    history = history_of(run, old)
-    travel = Travel(run.time, run.moving(old.v), old.z)
+    history, v = history_of(run, old), run.moving(old.v)
     loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
-    motion = Motion(travel.v, loads[0], loads[1], history)
+    motion = Motion(v, loads[0], loads[1], history)
     moments = np.subtract(total_axle_moment(vehicle, model.effects, motion), run.drive_torque)
-    tyres = tyres_along(model, run.time, travel.v)
     slip, demand, force, used = {}, {}, {}, {}
     for w, torque in run.brakes.torques(history).items():
         i = AXLES.index(w[0])
-        tyre = RisingTyre(tyres[i], 2.0 * loads[i] / vehicle.weight)
+        tyre = RisingTyre(model.tyre, 2.0 * loads[i] / vehicle.weight)
         demand[w] = WheelDemand(torque, 0.5 * moments[i], 0.5 * loads[i])
-        slip[w] = next_slip(run.brakes.axle(w), tyre, demand[w], travel, old.slip[w])
+        slip[w] = _next_slip(run, w, tyre, demand[w], old)
         force[w] = demand[w].load * tyre.force(slip[w])
         used[w] = tyre.used(slip[w])
     body = total_body_force(vehicle, model.effects, motion)
     z = (run.total(force) + body) / vehicle.weight  # (5)
     return SolverState(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
+
+
+def _next_slip(
+    run: Drive, w: str, tyre: RisingTyre, demand: WheelDemand, old: SolverState
+) -> Array:
+    """One Newton step from the ``old`` slip [1] (n,) to the one that solves (1) in all samples."""
+    from scipy.linalg.lapack import dtbtrs
+
+    axle, slip, v, step = run.brakes.axle(w), old.slip[w], run.moving(old.v), np.diff(run.time)
+    omega = forces.wheel_speed(axle, slip, v)
+    first = -G * old.z[0] * omega[0] / v[0]  # at constant slip
+    spin = np.concatenate([[first], np.diff(omega) / step])
+    residual = forces.tyre_force(axle, demand.torque, spin, demand.moment)  # (1)
+    residual = residual - demand.load * tyre.force(slip)
+    # d(J_w/R d omega/dt)/d lambda: omega = v (1 - lambda)/R enters its own sample and the next.
+    inertia = axle.wheel_mass * v
+    bands = np.zeros((2, slip.size))
+    bands[0] = demand.load * tyre.slope(slip)
+    bands[0, 1:] += inertia[1:] / step
+    bands[1, :-1] = -inertia[:-1] / step
+    change, info = dtbtrs(bands, residual[:, None], uplo="L")
+    if info:
+        raise ArithmeticError(f"no slip solves sample {info - 1}")
+    return np.asarray(slip + change[:, 0])
 
 
 def _loads(run: Drive, z: Array, history: RunHistory) -> Pair:

@@ -70,7 +70,7 @@ def prior_of(
     if table is None:
         level = Value(0.0, USUAL_PADS)
         ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
-        stiff = Value(math.log(float(WET_ASPHALT.stiffness)), 0.2)
+        stiff = Value(math.log(WET_ASPHALT.stiffness), 0.2)
         return Prior(vehicle, track, sensors, level, ratio, stiff, LEVELS)
     pads, noise = table.calibration, noise_of(table.noise)
     level, stiff = _logarithm(pads.pad_scale), _logarithm(pads.slip_stiffness)

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,9 +12,7 @@ from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.model import (
     WET_ASPHALT,
     Model,
-    Surface,
     default_model,
-    tyres_along,
 )
 from calib.car.model_file import read_model, write_model
 from calib.car.tyre import MagicFormula
@@ -40,14 +37,6 @@ relaxation = "25 cm"
 peak_exponent = 0.04
 [effects.aerodynamic_drag]
 drag_area = "6600 cm^2"
-[[surfaces]]
-start = "60 m"
-stiffness = 0.8
-peak = 0.5
-[[surfaces]]
-start = "4500 ms"
-stiffness = 1.0
-peak = 1.0
 """
 
 
@@ -67,7 +56,6 @@ def test_reads_every_section_in_si(tmp_path):
     assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3, 0.25, 0.04)
     drag = {"drag_area": pytest.approx(0.66), "load_share": 1.0}  # (6) where it is not given
     assert model.effects == Effects({"aerodynamic_drag": drag})
-    assert model.surfaces == (Surface(60.0, "m", 0.8, 0.5), Surface(4.5, "s", 1.0, 1.0))
 
 
 def test_what_is_left_out_is_the_default(tmp_path):
@@ -81,7 +69,6 @@ TERMS = (
     EmpiricalTerm("rear_brakes", "temperature", (20.0, 1e2 / 3), (0.0, -1e-7)),
     EmpiricalTerm("body", "constant", (0.0,), (0.01,)),
 )
-SURFACES = (Surface(60.0, "m", 0.8, 0.5), Surface(1e2 / 3, "s", 1.0, 1.0))
 
 
 @given(st.lists(st.floats(0.05, 0.9), min_size=9, max_size=9), st.integers(0, 2))
@@ -92,7 +79,7 @@ def test_written_and_read_back_it_is_the_same(tmp_path_factory, x, parts):
         "aerodynamic_drag": {"drag_area": x[8], "load_share": 1.0},
     }
     effects = Effects(named if parts else {}, TERMS[:parts])
-    model = Model(KNOWN, x[7], x[8], tyre, effects, SURFACES[:parts])
+    model = Model(KNOWN, x[7], x[8], tyre, effects)
     path = tmp_path_factory.mktemp("model") / "model.toml"
     write_model(model, path)
     assert read_model(path, KNOWN) == model
@@ -112,20 +99,3 @@ def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
     message = refused(tmp_path, WHOLE.replace(old, new, 1))
     assert says in message
     assert "model.toml" in message
-
-
-# The road ----------------------------------------------------------------------------------------
-
-TIME = np.arange(401) * 0.01
-ROAD = replace(default_model(SEDAN), surfaces=(Surface(20.0, "m", 0.7, 0.5),))
-
-
-def test_the_rear_axle_meets_it_a_wheelbase_later():
-    front, rear = tyres_along(ROAD, TIME, 10.0 + 0.0 * TIME)
-    for tyre, behind in ((front, 0.0), (rear, SEDAN.wheelbase)):
-        into = (10.0 * TIME - behind - 20.0) / 0.3
-        assert np.all(tyre.peak[into < 0.0] == ROAD.tyre.peak)
-        assert tyre.peak[into > 1.0] == pytest.approx(0.5 * ROAD.tyre.peak)
-        assert tyre.stiffness[into > 1.0] == pytest.approx(0.7 * ROAD.tyre.stiffness)
-        inside = (into > 0.0) & (into < 1.0)
-        assert np.all(np.diff(tyre.peak[inside]) < 0.0)
