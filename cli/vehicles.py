@@ -17,9 +17,9 @@ def init(
     The comments say unit, meaning, how to measure it, and the usual range. The values are those of
     the reference car.
     """
-    from calib.car.keys import REFERENCE, vehicle_text
+    from calib.car.keys import vehicle_text
 
-    write_file(file, vehicle_text(REFERENCE).encode(), "FILE")
+    write_file(file, vehicle_text().encode(), "FILE")
     say(f"next: edit it, then `brake-cal vehicle check {file}`")
     return Answer({"out": file, "warnings": []})
 
@@ -28,14 +28,13 @@ def init(
 def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> Answer:
     """Judge vehicle files: mistakes, then plausibility.
 
-    All mistakes of a file are listed, then what no usual car has, and what only some cars have, for
-    you to confirm. Exit code 0 if all is plausible, 1 if a figure is outside its usual range, 3 if
-    a file cannot be used.
+    All mistakes of a file are listed, then what no usual car has. Exit code 0 if all is plausible,
+    1 if a figure is outside its usual range, 3 if a file cannot be used.
     """
     from calib.base.errors import InputError
     from calib.base.plain import counted
     from calib.base.warning import to_dict
-    from calib.car.plausible import plausible, to_confirm
+    from calib.car.plausible import plausible
     from calib.car.vehicle_file import read_vehicle
 
     judged, failed, lines, code = [], [], [], 0
@@ -46,15 +45,14 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
             failed.append({"source": path, "error": str(error)})
             complain(str(error))
             continue
-        warnings, questions = plausible(car), to_confirm(car)
+        warnings, verdict = plausible(car), "plausible"
         warn(warnings)
-        details = {"warnings": [to_dict(one) for one in warnings], "to_confirm": questions}
-        judged.append({"source": path, "vehicle": car.name, "plausible": not warnings, **details})
-        verdict = "plausible, if you can confirm this" if questions else "plausible"
+        details = {"plausible": not warnings, "warnings": [to_dict(one) for one in warnings]}
+        judged.append({"source": path, "vehicle": car.name, **details})
         if warnings:
             code = FAILED
             verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"
-        lines += [f"{path}: {car.name}: {verdict}", *(f"to confirm: {x}" for x in questions)]
+        lines.append(f"{path}: {car.name}: {verdict}")
     document = {"vehicles": judged, "unreadable": failed}
     return Answer(document, "\n".join(lines), UNREADABLE if failed else code)
 
@@ -70,9 +68,8 @@ def show(
 ) -> Answer:
     """Show what follows from a vehicle file.
 
-    Loads, torque per bar, distribution of the brake force, and up to which deceleration the front
-    axle locks first. With the nominal pads, in a straight line, one pressure on both axles, without
-    drag.
+    Loads, torque per bar, share of the front axle, and up to which deceleration it locks first.
+    With the nominal pads, in a straight line, one pressure on both axles, without drag.
     """
     from calib.base.warning import to_dict
     from calib.car.characteristics import characteristics

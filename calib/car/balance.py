@@ -162,21 +162,6 @@ def front_biased_up_to(vehicle: Vehicle) -> float:
     return math.inf if share == 1.0 else max(z, 0.0)
 
 
-def ideal_front_share(vehicle: Vehicle, z: Array) -> Array:
-    """Share of the front axle [1] (n,) at which both use the same friction at z [1], (6)."""
-    return np.asarray(axle_loads(vehicle, z)[0] / vehicle.weight)
-
-
-def friction_used(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
-    """Friction that the front and the rear axle use at z [1] (n,) each; infinite when lifted."""
-    share = front_share(vehicle, 0.0)
-    front, rear = (
-        np.where(load > 0.0, part * z * vehicle.weight / np.where(load > 0.0, load, 1.0), math.inf)
-        for part, load in zip((share, 1.0 - share), axle_loads(vehicle, z), strict=True)
-    )
-    return front, rear
-
-
 def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
     """z at which the first axle locks over the ``friction`` of the road [1]; at most 1."""
     share, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height

@@ -11,15 +11,12 @@ decimal point.
 """
 
 import json
-import re
 import textwrap
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 from calib.base.plain import listed, rows
-from calib.base.toml import NUMBER
 from calib.base.units import behind, from_si, si_of
 from calib.car.vehicle import Axle, Vehicle
 
@@ -80,9 +77,6 @@ def _read(row: dict[str, str]) -> VehicleKey:
 KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
 """The keys in the order of the file."""
 
-REFERENCE = {key.path: key.example for key in KEYS if not (key.optional and key.default is None)}
-"""Values in the file of the reference car, by path of the key."""
-
 _HEAD = """\
 # A vehicle for brake-cal. Values of an axle are for one wheel; quantities have a unit, in quotes.
 # Judge it with `brake-cal vehicle check`, see what follows from it with `brake-cal vehicle show`.
@@ -98,32 +92,21 @@ _TAIL = """
 """
 
 
-def vehicle_text(values: Mapping[str, str]) -> str:
-    """The file with ``values`` by path of the key, as written: "1744 kg" or "2".
-
-    An optional key without a value is a comment. Raises KeyError for another one.
-    """
+def vehicle_text() -> str:
+    """The file of the reference car; an optional key without a default is a comment."""
     text = _HEAD
     for section, keys in groupby(KEYS, lambda key: key.section):
         head = f"[{section}]\n" if section else ""
-        text += f"\n{head}" + "\n".join(_commented(key, values) for key in keys)
+        text += f"\n{head}" + "\n".join(map(_commented, keys))
     return text + _TAIL
 
 
-def _commented(key: VehicleKey, values: Mapping[str, str]) -> str:
+def _commented(key: VehicleKey) -> str:
     measure = f"measure: {key.measure}" if key.unit else key.measure
     usual = [f"usual: {key.usual}"] if key.unit else []
     about = (*textwrap.wrap(key.meaning, 96), *textwrap.wrap(measure, 96), *usual)
-    if key.optional and key.path not in values:
-        line = f"# {key.name} = {key.example}"
-    else:
-        line = f"{key.name} = {_written(key, values[key.path])}"
-    return "".join(f"{part}\n" for part in (*(f"# {text}" for text in about), line))
-
-
-def _written(key: VehicleKey, value: str) -> str:
-    """The value in TOML: without quotes if it is a number without unit."""
-    if key.unit != "1" or re.fullmatch(NUMBER, value) is None:
-        return json.dumps(value, ensure_ascii=False)  # a text of JSON is one of TOML
-    number = float(value)
-    return str(int(number) if number == int(number) else number)
+    # a text of JSON is one of TOML; a number without a unit has no quotes
+    value = key.example if key.unit == "1" else json.dumps(key.example, ensure_ascii=False)
+    is_comment = key.optional and key.default is None
+    lines = [*(f"# {text}" for text in about), f"{'# ' * is_comment}{key.name} = {value}"]
+    return "".join(f"{line}\n" for line in lines)

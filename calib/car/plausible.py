@@ -24,12 +24,6 @@ LEAST_FRONT_BIASED = bound("front_biased_up_to", "low")
 Cars that control the rear pressure (EBD) have 0.4 or more by design. Pads that scatter by 3 %
 between the axles take up to 0.1 of it in one car of a thousand."""
 
-_WITHOUT_EBD = bound("front_biased_up_to", "warn_low")
-"""Least value of cars without EBD [g]."""
-
-_FRONT_ENGINE = 0.46
-"""Front share of the load at rest [1], below which the engine or a load is at the rear."""
-
 _VALUES: dict[str, Callable[[Vehicle], float]] = {
     "wheelbase": lambda car: car.wheelbase,
     "static_load_f": lambda car: car.static_loads[0] / car.weight,
@@ -91,21 +85,3 @@ def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
                 PlausibilityWarning(figure.code, vehicle.name, value, ends, causes, figure.do)
             )
     return tuple(warnings)
-
-
-def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
-    """Sentences on values that are right for some cars only, for the user to confirm."""
-    share, rear_locks_at = vehicle.static_loads[0] / vehicle.weight, front_biased_up_to(vehicle)
-    sentences = []
-    if share < _FRONT_ENGINE:
-        sentences.append(
-            f"{100 * share:.0f} % of the load is on the front axle, as with the engine at the rear "
-            "or in a laden van; in any other car cg_to_front_axle and cg_to_rear_axle are swapped"
-        )
-    if LEAST_FRONT_BIASED <= rear_locks_at < _WITHOUT_EBD:
-        sentences.append(
-            f"the rear axle locks first beyond {rear_locks_at:.2f} g, as in cars that control the "
-            "rear pressure (EBD); in any other car the brakes or the load are not those of the "
-            f"file. `brake-cal station` fails a car below {LEAST_FRONT_BIASED:g} g"
-        )
-    return tuple(sentences)

@@ -30,7 +30,7 @@ _KNM = 1e3
 
 
 def vehicle_facts(vehicle: Vehicle) -> Facts:
-    """Loads, torques and distribution of a vehicle with its nominal pads."""
+    """Loads and torques of a vehicle with its nominal pads."""
     consequences = characteristics(vehicle)
     biased = consequences.front_biased_up_to
     always = {None: "front always", 0.0: "rear always"}
@@ -49,15 +49,6 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
     if tolerances != [None, None]:
         shares = ("" if share is None else f"{100 * share:.2g}" for share in tolerances)
         axles.append(("pad friction known to [%]", *shares))
-    brakes = [
-        (
-            *(f"{b.deceleration:.1f}", f"{b.pressure:.1f}"),
-            *(f"{100 * share:.1f}" for share in (b.front_share, b.ideal_front_share)),
-            *("lifted" if x is None else f"{x:.2f}" for x in (b.friction_f, b.friction_r)),
-            *(f"{b.torque_f:.0f}", f"{b.torque_r:.0f}"),
-        )
-        for b in consequences.distribution
-    ]
     return Facts(
         headline=f"{vehicle.name}, {vehicle.mass:g} kg",
         rows=[
@@ -67,15 +58,9 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
             ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
             ("rear lifts at", f"{consequences.rear_lifts_at:.2f} g"),
         ],
-        parts=[
-            Facts("Axles and brake force", tables=[
-            Cells(("axle", "front", "rear"), axles),
-            Cells(("g", "pressure [bar]", "front [%]", "ideal [%]", "friction front",
-                   "friction rear", "torque front [N m]", "torque rear [N m]"), brakes),
-            ]),
-        ],
+        parts=[Facts("Axles", tables=[Cells(("axle", "front", "rear"), axles)])],
         warnings=plausible(vehicle),
-    )  # fmt: skip
+    )
 
 
 def cards(effects: Sequence[Card]) -> Facts:

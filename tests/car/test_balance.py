@@ -10,14 +10,14 @@ from calib.base.names import G
 from calib.car.balance import (
     brake_forces,
     force_balance,
-    friction_used,
     front_biased_up_to,
     front_share,
-    ideal_front_share,
     lock_efficiency,
     pressure_per_g,
 )
 from calib.car.effects.effects import Effects
+from calib.car.forces import axle_loads
+from calib.car.vehicle import Vehicle
 from tests.support.reference_car import CAR
 from tests.support.tables import VEHICLE
 
@@ -58,6 +58,13 @@ def test_a_motor_takes_its_part_from_the_brakes_of_its_axle():
 MU = 0.8
 
 
+def friction_used(car: Vehicle, z: float) -> tuple[float, float]:
+    """Force over load of the axles where the brakes alone slow the car."""
+    share, (load_f, load_r) = front_share(car, 0.0), axle_loads(car, np.array([z]))
+    force = z * car.weight
+    return share * force / float(load_f[0]), (1.0 - share) * force / float(load_r[0])
+
+
 def test_the_reference_car_needs_70_bar_per_g():
     # 2 wheels x 2 faces x 0.38 x (28.84e-4 x 0.1309 + 11.34e-4 x 0.124) / 0.322, per Pa
     newton_per_pa = 4 * 0.38 * (28.84e-4 * 0.1309 + 11.34e-4 * 0.124) / 0.322
@@ -75,18 +82,20 @@ def test_better_front_pads_take_their_share():
 
 def test_an_axle_locks_where_it_uses_the_friction_of_the_road():
     z = MU * lock_efficiency(VEHICLE, MU)
-    assert max(used[0] for used in friction_used(VEHICLE, np.array([z]))) == pytest.approx(MU)
+    assert max(friction_used(VEHICLE, z)) == pytest.approx(MU)
 
 
 def test_both_axles_lock_at_once_where_the_bias_turns():
     z = front_biased_up_to(VEHICLE)
     assert lock_efficiency(VEHICLE, z) == pytest.approx(1.0, rel=1e-12)
-    assert ideal_front_share(VEHICLE, np.array([z]))[0] == pytest.approx(front_share(VEHICLE, 0.0))
+    assert axle_loads(VEHICLE, np.array([z]))[0] == pytest.approx(
+        front_share(VEHICLE, 0.0) * VEHICLE.weight
+    )
 
 
 def test_an_axle_may_never_lock():
     low = replace(VEHICLE, cg_height=1.1, rear=replace(VEHICLE.rear, piston_area=0.2))
     assert front_share(low, 0.0) < 0.1
-    used = friction_used(low, np.array([lock_efficiency(low, 1.0)]))
-    assert used[1][0] == pytest.approx(1.0)
-    assert used[0][0] < 1.0
+    front, rear = friction_used(low, lock_efficiency(low, 1.0))
+    assert rear == pytest.approx(1.0)
+    assert front < 1.0
