@@ -9,8 +9,7 @@
 
     [rear]
     p_mc = ["10 bar", "20 bar", "30 bar"]
-    brake_force_left = ["0.41 kN", "0.83 kN", "1.26 kN"]
-    brake_force_right = ["0.40 kN", "0.85 kN", "1.25 kN"]
+    brake_force = ["0.81 kN", "1.68 kN", "2.51 kN"]
 
 A pressure and the forces at the same place of their lists are one row.
 """
@@ -37,27 +36,17 @@ _Force = Annotated[float, QuantityMark("N", 1.0, 2e5)]
 
 
 class _AxleRows(Section):
-    """The rows of one axle: forces of both wheels together, or of each."""
+    """The rows of one axle: pressures, and forces of both wheels together."""
 
     p_mc: list[_Pressure]
-    brake_force: list[_Force] | None = None
-    brake_force_left: list[_Force] | None = None
-    brake_force_right: list[_Force] | None = None
+    brake_force: list[_Force]
 
     @model_validator(mode="after")
     def _are_rows(self: Any) -> Any:
-        forces = (self.brake_force, self.brake_force_left, self.brake_force_right)
-        columns = [force for force in forces if force is not None]
-        if len(columns) != (2 if self.brake_force is None else 1):
+        if len(self.p_mc) != len(self.brake_force):
             raise wrong(
-                f"{counted(len(columns), 'list')} of brake forces",
-                "brake_force of both wheels, or brake_force_left and brake_force_right",
-            )
-        counts = [len(one) for one in (self.p_mc, *columns)]
-        if len(set(counts)) > 1:
-            raise wrong(
-                f"{counts[0]} pressures and {' and '.join(map(str, counts[1:]))} forces",
-                "a force for each pressure",
+                f"{len(self.p_mc)} pressures and {len(self.brake_force)} forces",
+                "a force of both wheels for each pressure",
             )
         if len(set(self.p_mc)) < _FEWEST:
             raise wrong(
@@ -76,9 +65,7 @@ class _AxleRows(Section):
     @property
     def rows(self) -> AxleOnRollers:
         """Pressure, and force of both wheels."""
-        sides = zip(self.brake_force_left or (), self.brake_force_right or (), strict=True)
-        force = self.brake_force or [left + right for left, right in sides]
-        return AxleOnRollers(tuple(self.p_mc), tuple(force))
+        return AxleOnRollers(tuple(self.p_mc), tuple(self.brake_force))
 
 
 class RollerBenchFile(FileSchema):

@@ -15,8 +15,7 @@ p_mc = ["10 bar", "20 bar", "3 MPa"]
 brake_force = ["1.75 kN", "353 daN", "5310 N"]
 [rear]
 p_mc = ["10 bar", "20 bar", "30 bar"]
-brake_force_left = ["310 N", "640 N", "972 N"]
-brake_force_right = ["312 N", "644 N", "970 N"]
+brake_force = ["622 N", "1284 N", "1942 N"]
 """
 
 
@@ -30,7 +29,7 @@ def write(tmp_path, *changes):
     return path
 
 
-def test_units_and_wheels_come_to_forces_of_axles(tmp_path):
+def test_units_come_to_forces_of_axles(tmp_path):
     path = write(tmp_path)
     bench = read_roller_bench(path)
     assert (bench.name, bench.source, bench.tolerance) == ("rollers", str(path), 0.015)
@@ -52,8 +51,7 @@ def test_units_and_wheels_come_to_forces_of_axles(tmp_path):
         ('"10 bar"', '"1 bar"', "front"),  # below the bite
         ('"10 bar"', '"20 bar"', "front"),  # two pressures
         (', "5310 N"', "", "front"),  # a force too few
-        ('brake_force_right = ["312 N", "644 N", "970 N"]', "", "rear"),  # one wheel
-        ("brake_force_left", "brake_force", "rear"),
+        ("brake_force", "brake_force_left", "front"),
         (TEXT[TEXT.index("[rear]") :], "", "'rear'"),  # one axle
         ("[rear]", "[axle_2]", "axle_2"),
         ("schema = 1", "schema = 2", "schema"),
