@@ -4,6 +4,7 @@ Four groups: a `CAR`, a `SENSOR`, how one `LOG` differs from others, how a `STOP
 ramp. A quantity with two priors stands in two groups; the sources say why.
 """
 
+from collections import Counter
 from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 import numpy as np
@@ -114,35 +115,32 @@ def beliefs_of(group: type[Group], table: list[Row]) -> Group:
     quantity with two units, and a cell that is not a number.
     """
     kinds, lines = get_type_hints(group), [r for r in table if r["group"] == group.__name__.lower()]
+    if unlike := kinds.keys() ^ {row["quantity"] for row in lines}:
+        raise ValueError(f"a row without a field, or a field without a row: {', '.join(unlike)}")
     units = {(row["quantity"], row["unit"]) for row in table}
-    for row in lines:
-        if row["quantity"] not in kinds:
-            raise ValueError(f"unknown quantity in {row}; known are {', '.join(kinds)}")
-        if len([unit for name, unit in units if name == row["quantity"]]) > 1:
-            raise ValueError(f"two units of {row['quantity']}")
+    if twice := [name for name, n in Counter(name for name, _ in units).items() if n > 1]:
+        raise ValueError(f"two units of {', '.join(twice)}")
     read: dict[str, Any] = {}
     for name, kind in kinds.items():
-        cases = [row for row in lines if row["quantity"] == name]
-        read[name] = _belief(name, cases) if kind is Belief else _mixture(name, cases)
+        # in the order of their cases: no draw depends on the order of rows
+        rows_of = sorted((r for r in lines if r["quantity"] == name), key=lambda row: row["case"])
+        cases = tuple(row["case"] for row in rows_of)
+        has_cases = kind is Mixture and all(cases) and len(set(cases)) == len(cases)
+        if not (has_cases or (kind is Belief and cases == ("",))):
+            raise ValueError(f"{name} is one row, or each of its rows a case of its own: {cases}")
+        read[name] = _mixture(cases, rows_of) if has_cases else _belief(*rows_of)
     return group(**read)
 
 
-def _belief(name: str, cases: list[Row]) -> Belief:
-    if [row["case"] for row in cases] != [""]:
-        raise ValueError(f"{name} is one row without a case, not {len(cases)}: {cases}")
-    row, mean, sigma = cases[0], float(cases[0]["mean"]), float(cases[0]["sigma"])
+def _belief(row: Row) -> Belief:
+    mean, sigma = float(row["mean"]), float(row["sigma"])
     return Belief(mean, sigma, float(row["model"] or 1.0), float(row["tyre_file"] or sigma))
 
 
-def _mixture(name: str, cases: list[Row]) -> Mixture:
-    cases = sorted(cases, key=lambda row: row["case"])  # no draw depends on the order of rows
-    names = tuple(row["case"] for row in cases)
-    if not all(names) or len(set(names)) != len(cases) or not cases:
-        raise ValueError(f"each row of {name} is a case of its own: {cases}")
-    share, mean, sigma = (
-        np.array([float(row[key]) for row in cases]) for key in ("share", "mean", "sigma")
-    )
-    return Mixture(names, share, mean, sigma)
+def _mixture(cases: tuple[str, ...], rows_of: list[Row]) -> Mixture:
+    columns = ("share", "mean", "sigma")
+    share, mean, sigma = (np.array([float(row[key]) for row in rows_of]) for key in columns)
+    return Mixture(cases, share, mean, sigma)
 
 
 _TABLE = rows("beliefs.csv", "calib.car")

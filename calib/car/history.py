@@ -8,19 +8,13 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.lag import first_order
 
+HEAT_CAPACITY = {"f": 3700.0, "r": 2300.0}
+"""Of the discs of a medium sedan [J/K]: 8 kg vented in front, 5 kg solid behind, of grey cast iron
+with 460 J/(kg K)."""
 
-@dataclass(frozen=True)
-class Disc:
-    """One brake disc: ``heat_capacity`` C [J/K] and ``cooling_time`` tau [s]."""
-
-    heat_capacity: float
-    cooling_time: float
-
-
-DISCS = {"f": Disc(3700.0, 300.0), "r": Disc(2300.0, 300.0)}
-"""Discs assumed, of a medium sedan: 8 kg vented in front, 5 kg solid behind, of grey cast iron with
-460 J/(kg K). The cooling time follows from 0.13 m^2 and 60 to 100 W/(m^2 K), 280 to 470 s in front;
-in a stop of 10 s it takes 2 % of the rise."""
+_COOLING_TIME = 300.0
+"""Time constant [s] by 0.13 m^2 and 60 to 100 W/(m^2 K), 280 to 470 s in front; in a stop of 10 s
+it takes 2 % of the rise."""
 
 START_TEMP = 100.0
 """Temperature of a disc at the first sample [degC] if not logged: the upper end of cold brakes in
@@ -115,8 +109,8 @@ _AIR = 20.0
 """Temperature of the air [degC]."""
 
 
-def disc_temperature(time: Array, energy: Array, disc: Disc, start: float = START_TEMP) -> Array:
-    """Temperature of one disc [degC] (n,), ``start`` [degC] at the first sample.
+def disc_temperature(time: Array, energy: Array, heat_capacity: float, start: float) -> Array:
+    """Temperature of one disc of ``heat_capacity`` C [J/K] [degC] (n,), ``start`` [degC] at first.
 
     C dT/dt = P - (C/tau) (T - T_air): heated by the whole braking power, cooled by the air
     (Limpert, Brake Design and Safety, ch. 3, lumped disc). ``time`` [s] (n,); ``energy`` E [J] (n,)
@@ -124,6 +118,6 @@ def disc_temperature(time: Array, energy: Array, disc: Disc, start: float = STAR
     less its first-order lag. Not valid for the surface of the disc in a hard stop, nor over minutes
     of changing speed: pads take no heat, and cooling does not depend on speed.
     """
-    stored = energy - first_order(time, energy, disc.cooling_time)
-    initial = np.exp(-(time - time[0]) / disc.cooling_time)
-    return np.asarray(_AIR + (start - _AIR) * initial + stored / disc.heat_capacity)
+    stored = energy - first_order(time, energy, _COOLING_TIME)
+    initial = np.exp(-(time - time[0]) / _COOLING_TIME)
+    return np.asarray(_AIR + (start - _AIR) * initial + stored / heat_capacity)

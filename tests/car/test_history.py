@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.car.history import Disc, constant_speed, disc_temperature
+from calib.car.history import constant_speed, disc_temperature
 
 
 @given(st.integers(1, 5), st.floats(0.0, 2.5), st.floats(-3.0, 3.0))
@@ -21,7 +21,7 @@ def test_a_ripple_is_the_mean_of_its_samples(m, turn, phase):
     assert history.ripple(phase) == pytest.approx(means, abs=1e-9)
 
 
-DISC = Disc(heat_capacity=4000.0, cooling_time=60.0)
+C, TAU = 4000.0, 300.0
 TIME = np.linspace(2.0, 32.0, 301)
 SINCE = TIME - TIME[0]
 
@@ -30,7 +30,7 @@ SINCE = TIME - TIME[0]
 @pytest.mark.parametrize("power", [0.0, 20e3])
 def test_constant_power_gives_the_exponential(start, power):
     """T = T_e + (T_0 - T_e) exp(-t/tau), T_e = T_air + P tau/C."""
-    end = 20.0 + power * 60.0 / 4000.0
-    expected = end + (start - end) * np.exp(-SINCE / 60.0)
-    found = disc_temperature(TIME, power * SINCE, DISC, start)
+    end = 20.0 + power * TAU / C
+    expected = end + (start - end) * np.exp(-SINCE / TAU)
+    found = disc_temperature(TIME, power * SINCE, C, start)
     assert found == pytest.approx(expected, rel=1e-10)

@@ -7,12 +7,15 @@
 The values of its parameters are in `Effects`: one object serves simulation, analysis and diagnosis.
 """
 
+import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from calib.base.arrays import Array
 from calib.base.plain import rows
+from calib.base.units import QUANTITIES
 from calib.car.beliefs import SENSOR
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
@@ -39,6 +42,17 @@ class Parameter:
     default: float | None = None
     share: bool = False
 
+    def __post_init__(self) -> None:
+        """Raise ValueError for what no fit can search."""
+        usual = (self.typical, self.typical if self.default is None else self.default)
+        is_range = all(self.low <= value <= self.high for value in usual)
+        if self.unit not in QUANTITIES:
+            raise ValueError(f"{self.name}: unit {self.unit!r} is none of {', '.join(QUANTITIES)}")
+        if not (is_range and 0.0 < self.spread < self.high - self.low < math.inf):
+            raise ValueError(
+                f"{self.name}: not low <= typical, default <= high and 0 < spread < high - low"
+            )
+
 
 @dataclass(frozen=True)
 class Card:
@@ -56,6 +70,17 @@ class Card:
     parameters: tuple[Parameter, ...]
     neutral: float = 0.0
     not_sensed: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise ValueError for what is missing, or named in two ways."""
+        texts = (self.cause, self.equation, self.source, self.looks_like)
+        if not (re.fullmatch("[a-z][a-z0-9_]*", self.name) and all(map(str.strip, texts))):
+            raise ValueError(f"{self.name!r} is no name_of_words, or a text of the card is empty")
+        if len(self.units) < len(self.parameters):
+            raise ValueError(f"{self.name}: two parameters of one name")
+        for one in self.parameters[:1]:
+            if not one.low <= self.neutral <= one.high or one.typical == self.neutral:
+                raise ValueError(f"neutral {self.neutral:g}: no strength, or the typical one")
 
     @property
     def units(self) -> dict[str, str]:

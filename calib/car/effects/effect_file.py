@@ -12,72 +12,18 @@ from dataclasses import fields, replace
 from hashlib import sha256
 from inspect import signature
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Any
 
 import numpy as np
-from pydantic import Field, StringConstraints, model_validator
 
 from calib.base.bounded import EFFECT, bytes_of
 from calib.base.errors import ModelError
 from calib.base.names import WHEELS, G
-from calib.base.record import OneOf, Section, validated
-from calib.base.record_errors import wrong
-from calib.base.units import QUANTITIES
 from calib.car.effects.catalogue import CATALOGUE, OwnEffect
 from calib.car.effects.effect import Effect
 from calib.car.forces import axle_loads
 from calib.car.history import Motion, constant_speed
 from calib.car.vehicle import Axle, Vehicle
-
-_Name = Annotated[str, StringConstraints(pattern="^[a-z][a-z0-9_]*$")]
-_Sentence = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
-_Number = Annotated[float, Field(allow_inf_nan=False)]
-
-
-class _ParameterSection(Section, from_attributes=True):
-    """A `Parameter` of the user."""
-
-    name: _Name
-    unit: Annotated[str, OneOf(tuple(QUANTITIES))]
-    low: _Number
-    high: _Number
-    typical: _Number
-    spread: _Number
-    default: _Number | None
-    share: bool
-
-    @model_validator(mode="after")
-    def _is_a_range(self) -> Self:
-        default = self.typical if self.default is None else self.default
-        inside = all(self.low <= value <= self.high for value in (self.typical, default))
-        if not (inside and 0.0 < self.spread < self.high - self.low):
-            expected = "low <= typical, default <= high and 0 < spread < high - low"
-            raise wrong(f"{self.name} from {self.low:g} to {self.high:g}", expected)
-        return self
-
-
-class _CardSection(Section, from_attributes=True):
-    """A `Card` of the user."""
-
-    name: _Name
-    cause: _Sentence
-    equation: _Sentence
-    source: _Sentence
-    looks_like: _Sentence
-    parameters: Annotated[tuple[_ParameterSection, ...], Field(min_length=1)]
-    neutral: _Number
-
-    @model_validator(mode="after")
-    def _is_an_effect(self) -> Self:
-        strength = self.parameters[0]
-        if self.name in CATALOGUE:
-            raise wrong(f"the catalogue has an effect {self.name!r}", "another name")
-        if len({p.name for p in self.parameters}) < len(self.parameters):
-            raise wrong("two parameters of one name", "other names")
-        if not strength.low <= self.neutral <= strength.high or strength.typical == self.neutral:
-            expected = f"a strength of {strength.name} that is not its typical one"
-            raise wrong(f"neutral {self.neutral:g}", expected)
-        return self
 
 
 def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
@@ -100,7 +46,12 @@ def _read(path: Path) -> OwnEffect:
             expected="EFFECT = Effect(card=Card(...), ...) at the top level",
             do="see `brake-cal manual own_effects`",
         )
-    validated(effect.card, _CardSection, path, ModelError)
+    if effect.card.name in CATALOGUE or not effect.card.parameters:
+        raise ModelError(
+            f"{effect.card.name!r} is an effect of the catalogue, or has no parameter",
+            where=path,
+            expected="another name, and a first parameter that is its strength",
+        )
     return OwnEffect(path.name, sha256(source).hexdigest(), effect=checked(effect, str(path)))
 
 
@@ -192,9 +143,9 @@ def _guarded(name: str, hook: Callable[..., Any], path: str) -> Callable[..., An
             return _like(nothing, result)
         except (AttributeError, KeyError, TypeError, ValueError):
             raise ModelError(
-                f"{name} returns {_form(result)}",
+                f"{name} returns another form, or numbers that are not finite",
                 where=_begin(path, hook),
-                expected=f"finite numbers in the form of {_form(nothing)}",
+                expected="what `help(calib.car.effects.effect.Effect)` says",
             ) from None
 
     return call
@@ -216,14 +167,6 @@ def _like(nothing: Any, result: Any) -> Any:
     if array.shape != np.shape(nothing) or not np.all(np.isfinite(array)):
         raise ValueError
     return array if array.shape else float(array)
-
-
-def _form(value: Any) -> str:
-    if isinstance(value, tuple | list):
-        return f"({', '.join(map(_form, value))})"
-    if isinstance(value, dict):
-        return f"a dict of {', '.join(map(str, value))}"
-    return f"shape {np.shape(value)}" if isinstance(value, np.ndarray) else repr(value)
 
 
 _CAR = Vehicle(

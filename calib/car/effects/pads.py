@@ -14,7 +14,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.effects.effect import Pair, Parameters, effect
-from calib.car.history import DISCS, RunHistory, disc_temperature
+from calib.car.history import HEAT_CAPACITY, RunHistory, disc_temperature
 
 _REFERENCE_PRESSURE = 20e5
 """Pressure [Pa] at which the pad friction is that of the model: the middle of usual braking."""
@@ -37,9 +37,9 @@ def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) 
     start_f, start_r = history.start_heat
     T_f, T_r = history.temperature_f, history.temperature_r
     if T_f is None:
-        T_f = disc_temperature(history.time, history.energy_f, DISCS["f"], start_f)
+        T_f = disc_temperature(history.time, history.energy_f, HEAT_CAPACITY["f"], start_f)
     if T_r is None:
-        T_r = disc_temperature(history.time, history.energy_r, DISCS["r"], start_r)
+        T_r = disc_temperature(history.time, history.energy_r, HEAT_CAPACITY["r"], start_r)
     front, rear = (1.0 - slope * np.maximum(T - onset, 0.0) for T in (T_f, T_r))
     return front, rear
 
