@@ -38,6 +38,9 @@ _LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest with other
 SCREENING_ERROR = 4.0  # largest error of ln of the odds by these draws, near those that count
 NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
 _NEAR = 6.0  # ln of the odds against a mistake from which no further sizes are tried
+_STEP, _TRIALS, _CHANGE = 0.05, 40, 0.1
+"""First step from the best of these sizes, over their range [1], most further sizes, and change of
+ln of the evidence at which they end."""
 
 
 @dataclass(frozen=True)
@@ -51,22 +54,6 @@ class Cause:
     log_odds: float
     size: Size
     misfit: float
-
-
-def _refined_size(sizes: Sequence[Size], log: Array, best: int) -> float:
-    """The first parameter of the best size, refined by a parabola through its neighbours."""
-    first, *others = sizes[best]
-    line = sorted(
-        (size[0], each)
-        for size, each in zip(sizes, log.tolist(), strict=True)
-        if [*size[1:]] == others
-    )
-    middle = line.index((first, float(log[best])))
-    near = np.array(line[max(middle - 1, 0) : middle + 2])
-    if len(near) < 3:
-        return first
-    bend, slope, _ = np.polyfit(near[:, 0] - first, near[:, 1], 2)
-    return float(first - 0.5 * slope / bend) if bend < 0.0 else first
 
 
 @cache
@@ -176,12 +163,31 @@ class Evidence:
         fits = {size: self._size_evidence(h, size) for size in h.first}
         if h.sizes != h.first and max(fits.values())[0] > nothing - _NEAR:
             fits = {size: fits.get(size) or self._size_evidence(h, size) for size in h.sizes}
-        sizes, each = tuple(fits), np.array([log for log, _ in fits.values()])
-        best = int(np.argmax(each))
-        log = _log_mean(each) + math.log(h.odds)
-        size = (_refined_size(sizes, each, best), *sizes[best][1:]) if sizes[best] else ()
-        log = max(log, NEVER)  # of what no draw explains
-        return Cause(h, log, size, fits[sizes[best]][1])
+        size = max(fits, key=lambda size: fits[size][0])
+        if h.undo and fits[size][0] > nothing:
+            del fits[size]  # its cell is as probable as the best size there
+            size = self._best_near(h, size)
+            fits[size] = self._size_evidence(h, size)
+        log = _log_mean(np.array([log for log, _ in fits.values()])) + math.log(h.odds)
+        return Cause(h, max(log, NEVER), size, fits[size][1])  # no draw may explain it
+
+    def _best_near(self, h: Hypothesis, size: Size) -> Size:
+        """The most probable size near ``size``, in the range of all: a ridge of two is narrow."""
+        from scipy.optimize import minimize
+
+        start, low, high = np.array(size), np.min(h.sizes, axis=0), np.max(h.sizes, axis=0)
+
+        def unlikely(x: Array) -> float:
+            inside = np.all((x >= low) & (x <= high))
+            return -self._size_evidence(h, tuple(x.tolist()))[0] if inside else math.inf
+
+        inward = np.where(start > 0.5 * (low + high), -_STEP, _STEP) * (high - low)
+        first = np.vstack([start, start + np.diag(inward)])
+        ends = {"maxfev": _TRIALS, "fatol": _CHANGE, "xatol": math.inf}
+        nearest = minimize(
+            unlikely, start, method="Nelder-Mead", options={"initial_simplex": first, **ends}
+        )
+        return tuple(nearest.x.tolist())
 
     def _size_evidence(self, h: Hypothesis, size: Size) -> tuple[float, float]:
         """ln of the evidence of one size, and the mean square residual of its best draw."""

@@ -89,7 +89,7 @@ def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> I
         factors = tuple((factor,) for factor in _FACTORS)
         undo = partial(_with_force, axle, partial(_scaled, axle, radius))
         yield Hypothesis(SCALE, 0.1, factors, _FIRST_FACTORS, undo, axle=axle)
-    if car.motor_odds > 0.0:
+    elif car.motor_odds > 0.0:
         torques = tuple((torque, full) for torque in _TORQUES for full in _FULL)
         undo = partial(_with_force, axle, partial(_motor, radius))
         yield Hypothesis(MOTOR, car.motor_odds, torques, _FIRST_MOTORS, undo, axle=axle)

@@ -73,6 +73,18 @@ def test_a_motor_that_is_not_logged_is_named_with_its_torque():
     assert not others
 
 
+def test_a_motor_of_any_size_is_told_from_a_valve():
+    """Its torque and the pressure at which it has that lie between those that are tried first."""
+    motor = lambda t: (0.0, -250.0 * min(pressure(t) / 12e5, 1.0))  # noqa: E731
+    run = drive(replace(REAL, motor=motor), pressure, 33.0, duration=9.5, stop_speed=8.0)
+    log = noisy(as_log(run, "ramp"), 12)
+    log = replace(log, channels={k: x for k, x in log.channels.items() if k[:7] != "T_drive"})
+    first, *others = named(causes(log))
+    assert (first.hypothesis.code, first.hypothesis.axle) == ("motor_not_logged", "r")
+    assert first.size == pytest.approx((250.0, 12e5), rel=0.2)
+    assert not others
+
+
 def test_a_car_without_motors_is_not_asked_for_one():
     car = replace(CAR, motor_odds=0.0)
     codes = {c.hypothesis.code for c in causes_of(car, [prepared(scaled(None))])}
