@@ -13,7 +13,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
 from calib.base.intervals import QUARTILE
 from calib.base.names import PROGRAM
-from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged
+from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged, unexplained
 from calib.car.balance import front_biased_up_to
 from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE
@@ -110,7 +110,7 @@ def fit(
     ramps, coasts, stops = sort_runs([Run(log, driven) for log in logs])
     car = ramps[0].car
     runs, braked, resistance = _ready(car, ramps, coasts, stops)
-    warnings = tuple(warnings_of(vehicle, ramps, coasts, resistance))
+    warnings = unexplained(warnings_of(vehicle, ramps, coasts, resistance))
     where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
     ratio_prior = ratio_by_levels(car, runs, resistance, pad_prior)

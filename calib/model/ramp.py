@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.errors import LogError
-from calib.base.warning import REFUSE
+from calib.base.warning import REFUSE, unexplained
 from calib.car.balance import brake_forces
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
@@ -152,7 +152,10 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
     reasons |= {run: unusable(run, VALIDATE) for run in stops}
     ramps = [run for run in braked if run not in stops]
     purposes = dict.fromkeys(coasts, COAST) | dict.fromkeys(ramps, FIT)
-    for run in ordered:
+    if every := [(one, run) for run in ordered for one in reasons[run]]:
+        # a mistake that all logs share may show itself in one of them alone
+        first = unexplained(one for one, _ in every)[0]
+        run = next(run for one, run in every if one is first)
         require_none(reasons[run], run, purposes.get(run, VALIDATE))
     if not ramps:
         raise LogError(

@@ -197,6 +197,15 @@ def test_logs_that_are_no_ramp(run, coast):
         assert said in refused(*logs)
 
 
+def test_a_mistake_of_all_logs_is_named_by_the_one_that_shows_it(run, coast):
+    """In a short coast the offset of the wheel speeds looks like another radius."""
+    logs = (cut(coast, 0.0, 10.0), run)
+    wheels = [f"omega_{w}" for w in ("fl", "fr", "rl", "rr")]
+    off = [replace(x, channels={**x.channels, **{w: x[w] + 6.0 for w in wheels}}) for x in logs]
+    assert "(rolling_radius_f)" in refused(off[0], run)
+    assert "(wheel_offset)" in refused(*off)
+
+
 @pytest.mark.parametrize("hidden", [(), ("v",)])
 @pytest.mark.parametrize("samples", [20, 40])
 def test_a_wheel_speed_too_coarse_for_a_tyre_curve(clean, samples, hidden):
