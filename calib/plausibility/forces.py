@@ -14,6 +14,7 @@ from calib.base.names import G
 from calib.base.warning import Measured
 from calib.car.braking import MOVING
 from calib.plausibility.evidence import Evidence
+from calib.run.blocks import BLOCK
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import lateral, sides
 
@@ -52,7 +53,9 @@ def accelerometer(e: Evidence) -> Iterator[Measured]:
         scale = sensor.scale / (1.0 - sensor.scale)
         yield Measured("a_x_scale", scale, math.sqrt(sensor.variance_scale))
     if sensor.wanders > _WANDERS:
-        yield Measured("a_x_against_v", sensor.disagrees)
+        noise = e.run.noise  # of means over 1 s, as they are compared
+        sigma = math.hypot(noise.z, math.sqrt(2.0 / BLOCK) * noise.v / G)
+        yield Measured("a_x_against_v", sensor.disagrees, sigma)
     yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
     yield Measured("unexplained_drag", G * sensor.drag)
     yield Measured("a_x_late", sensor.lag, math.sqrt(sensor.variance_lag))

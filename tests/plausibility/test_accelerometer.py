@@ -24,8 +24,9 @@ def sensor(**values):
     return Accelerometer(**fields)
 
 
-def warned(sensor, other_scale=0.0):
-    run = SimpleNamespace(other_scale=other_scale)
+def warned(sensor, other_scale=0.0, noise=0.002):
+    """``noise`` of a_x, as means over 1 s have it [g]."""
+    run = SimpleNamespace(other_scale=other_scale, noise=SimpleNamespace(z=noise, v=0.0))
     return broken((v_scale, accelerometer), Evidence(run, sensor))
 
 
@@ -79,3 +80,4 @@ def test_what_is_not_sure_is_not_warned_about():
     assert codes(sensor(lag=0.15, variance_lag=2.5e-3)) == []
     assert codes(sensor(wanders=0.2, disagrees=0.03)) == []
     assert codes(sensor(wanders=0.9, disagrees=0.005)) == []
+    assert not warned(sensor(wanders=0.9, disagrees=0.02), noise=0.008)
