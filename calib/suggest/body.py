@@ -36,8 +36,8 @@ _ACCELERATED = 0.5
 """Smallest range of the derivative of speed [m/s^2] to check an acceleration with."""
 _PRESSED = 2e5
 """Smallest range of a brake pressure [Pa] in a log with braking."""
-_SLOPES = (0.7, 1.4)
-"""Allowed a_x over the derivative of speed [1]: slope, pitch and slip change it less than this."""
+_SLOPES = (0.4, 2.5)
+"""Allowed a_x over the derivative of speed [1]: g in the place of m/s^2 is a factor of 9.8."""
 _WITH_WHEELS = 0.98
 """Lowest correlation [1] of the speed of the car with that of its wheels."""
 _NAMED = 99
@@ -87,13 +87,9 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
     return None if chosen is None else chosen.values
 
 
-def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, metres: bool) -> None:
-    """Find a_x by its unit, and as the derivative of speed up to its sign.
-
-    ``rate`` is that derivative, (n,) [m/s^2]; without ``metres`` that of the wheels [rad/s^2].
-    """
-    varies = rate is not None and float(np.ptp(rate)) > (_ACCELERATED if metres else 2.0)
-    checked = rate if varies else None
+def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) -> None:
+    """Find a_x by its unit, and as the derivative of speed ``rate`` [m/s^2] (n,) up to its sign."""
+    checked = rate if rate is not None and float(np.ptp(rate)) > _ACCELERATED else None
     passed = []
     for item in search.free():
         if item.si != "m/s^2":
@@ -111,33 +107,21 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock, me
     if chosen is None:
         return
     named = chosen.name == "a_x" or score(chosen.name, LONG) > 0
-    reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
+    reasons = ["name"] * named + [f"unit {chosen.column.unit}"]
     if checked is None:
         sign = -1 if DECELERATION & set(words(chosen.name)) else 1
         reasons.append("the speed changes too slowly, or is not known, to check its sign with")
-    elif _wrong_size(search, chosen, checked, clock, metres):
-        return
     else:
+        ratio = np.cov(clock.smooth(chosen.values), checked)[0, 1] / np.var(checked, ddof=1)
+        if not _SLOPES[0] <= abs(ratio) <= _SLOPES[1]:
+            why = f"in {chosen.column.unit} it is {abs(ratio):.3g} times the derivative of speed"
+            search.doubt("a_x", [chosen], why, "give its unit: --take 'a_x=NAME [UNIT]'")
+            return
         agrees = follows(chosen.values, checked, clock)
         sign = 1 if agrees > 0 else -1
         reasons.append(f"is the derivative of speed (correlation {abs(agrees):.2f})")
-    reasons += ["positive when the car slows down: sign reversed"] if sign < 0 else []
+    reasons += ["positive when the car slows down: sign reversed"] * (sign < 0)
     search.propose("a_x", Mapping(chosen.name, sign=sign), named and checked is not None, *reasons)
-
-
-def _wrong_size(
-    search: Search, item: Series, rate: Array, clock: ColumnClock, metres: bool
-) -> bool:
-    slope = np.cov(clock.smooth(item.values), rate)[0, 1] / np.var(rate, ddof=1)
-    ratio, derivative_of = abs(float(slope)), "speed" if metres else "the wheel speed [m]"
-    low, high = _SLOPES if metres else bounds_of("a_x_unit")
-    if low <= ratio <= high:
-        return False
-    units = [u for u, f in (("g", 1 / G), ("m/s^2", G)) if _SLOPES[0] < ratio / f < _SLOPES[1]]
-    hint = f": is it in {units[0]}?" if units else ""
-    why = f"in {item.column.unit} it is {ratio:.3g} times the derivative of {derivative_of}{hint}"
-    search.doubt("a_x", [item], why, "give its unit: --take 'a_x=NAME [UNIT]'")
-    return True
 
 
 def refuse_computed(search: Search) -> None:
@@ -155,17 +139,18 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 
     A column without a unit is a doubt if it is named a brake pressure: it could be a torque.
     """
+    checked = braking if braking is not None and np.ptp(braking) >= _ACCELERATED else None
     passed, unnamed = [], []
     for item in search.free():
         points = _NAMED if item.name == "p_mc" else _brake_score(item.name)
         if corner(item.name) or points < 0:
             continue
-        if item.si in (None, "?") and points >= 2 and PRESSURE & set(words(item.name)):
+        if item.si is None and points >= 2 and PRESSURE & set(words(item.name)):
             unnamed.append(item)
         elif item.si == "N*m" and points >= 1:
             search.refuse(item, "a torque, not a pressure")
         elif item.si == "Pa":
-            if reason := _no_brake(item, points, braking, clock):
+            if reason := _no_brake(item, points, checked, clock):
                 search.refuse(item, reason)
             else:
                 passed.append((item, points))
@@ -177,19 +162,51 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
             search.doubt("p_mc", unnamed, why, "give its unit: --take 'p_mc=NAME [bar]'")
         return
     named = chosen.name == "p_mc" or _brake_score(chosen.name) > 0
-    reasons = [*(["name"] if named else []), f"unit {chosen.column.unit}"]
-    sure = False
-    if braking is None or np.ptp(chosen.values) <= _PRESSED or np.ptp(braking) < _ACCELERATED:
-        reasons.append("no braking is known to check it with")
-    else:
-        agrees = follows(chosen.values, braking, clock)
+    reasons = ["name"] * named + [f"unit {chosen.column.unit}"]
+    is_checked = checked is not None and bool(np.ptp(chosen.values) > _PRESSED)
+    if checked is not None and is_checked:
+        agrees = follows(chosen.values, checked, clock)
         reasons.append(f"goes with the deceleration (correlation {agrees:.2f})")
-        sure = named
-    search.propose("p_mc", Mapping(chosen.name), sure, *reasons)
+    else:
+        reasons.append("no braking is known to check it with")
+    search.propose("p_mc", Mapping(chosen.name), named and is_checked, *reasons)
+
+
+def _brake_score(name: str) -> int:
+    return score(name, BRAKE) + max(0, 2 * score(name, MASTER))
+
+
+def _no_brake(item: Series, points: int, checked: Array | None, clock: ColumnClock) -> str | None:
+    """Why a pressure cannot be that of the brake; None if it can."""
+    if item.values.max() > BAR * bounds_of("pressure_high")[1]:
+        return f"a pressure of {item.values.max() / BAR:.0f} bar is too high for a brake"
+    if checked is None or not np.ptp(item.values) > 0.0:
+        return None if points > 0 else "a pressure, not known to be of the brake"
+    every = np.ones(checked.size, bool)
+    delay = pressure_delay(clock.time, checked / G, [item.values], [], every)
+    if delay and abs(delay.surely) > bounds_of("pressure_late")[1]:
+        return (
+            f"a pressure that is {delay.words} against the deceleration: take it with --take, "
+            f"and put it in time with {delay.entry}"
+        )
+    if (agrees := follows(item.values, checked, clock)) < _FOLLOWS:
+        return f"a pressure that does not agree with the deceleration (correlation {agrees:.2f})"
+    return None
+
+
+_BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
+    "steering": ("rad", None, (STEERING,)),
+    "abs_active": ("1", None, (ABS,)),
+    "T_disc_f": ("degC", "f", (DISC,)),
+    "T_disc_r": ("degC", "r", (DISC,)),
+    "T_drive_f": ("N*m", "f", (TORQUE, DRIVE)),
+    "T_drive_r": ("N*m", "r", (TORQUE, DRIVE)),
+}
+"""SI unit, axle and words of the channels that have no physical test."""
 
 
 def find_by_name(search: Search) -> None:
-    """Find the channels that have no physical test."""
+    """Find the channels of `_BY_NAME`."""
     for channel, (si, side, quantities) in _BY_NAME.items():
         free = search.free()
         fitting = [s for s in free if s.name == channel] or [
@@ -207,34 +224,3 @@ def find_by_name(search: Search) -> None:
             if channel.startswith("T_drive"):
                 reasons.append("it must be that at the wheels, negative when it slows the car")
             search.propose(channel, Mapping(fitting[0].name), False, *reasons)
-
-
-def _brake_score(name: str) -> int:
-    return score(name, BRAKE) + max(0, 2 * score(name, MASTER))
-
-
-def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
-    if item.values.max() > BAR * bounds_of("pressure_high")[1]:
-        return f"a pressure of {item.values.max() / BAR:.0f} bar is too high for a brake"
-    if braking is None or np.ptp(braking) < _ACCELERATED or not np.ptp(item.values) > 0.0:
-        return None if points > 0 else "a pressure, not known to be of the brake"
-    delay = pressure_delay(clock.time, braking / G, [item.values], [], np.ones(braking.size, bool))
-    if delay and abs(delay.surely) > bounds_of("pressure_late")[1]:
-        return (
-            f"a pressure that is {delay.words} against the deceleration: take it with --take, "
-            f"and put it in time with {delay.entry}"
-        )
-    if (agrees := follows(item.values, braking, clock)) < _FOLLOWS:
-        return f"a pressure that does not agree with the deceleration (correlation {agrees:.2f})"
-    return None
-
-
-_BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
-    "steering": ("rad", None, (STEERING,)),
-    "abs_active": ("1", None, (ABS,)),
-    "T_disc_f": ("degC", "f", (DISC,)),
-    "T_disc_r": ("degC", "r", (DISC,)),
-    "T_drive_f": ("N*m", "f", (TORQUE, DRIVE)),
-    "T_drive_r": ("N*m", "r", (TORQUE, DRIVE)),
-}
-"""SI unit, axle and words of the channels that a column is by name and unit alone."""

@@ -57,11 +57,7 @@ def find_clock(search: Search) -> None:
 def _propose_clock(search: Search) -> None:
     timed = [s for s in search.free() if s.si in ("s", None)]
     gapped = [s for s in search.gapped if s.si in ("s", None)]
-    running = []
-    for item in timed:
-        steps = np.diff(item.values)
-        few = np.count_nonzero(steps == 0.0) <= REPEATED * item.values.size
-        running += [item] if steps.size and np.all(steps >= 0.0) and few else []
+    running = [s for s in timed if _runs(s.values)]
     named = [s for s in running if _is_time(s.name)]
     fit = [s for s in named if s.name == "time"] or named
     unread = [(name, why) for name, why in search.unused.items() if _is_time(name)]
@@ -79,6 +75,13 @@ def _propose_clock(search: Search) -> None:
         candidates = [s for s in running if s.si == "s"] or running
         do = "choose one and give its unit: --take 'time=NAME [s]'"
         search.doubt("time", candidates, "no column is named a time", do)
+
+
+def _runs(values: Array) -> bool:
+    """Whether values never fall, and few stand still, as those of a clock."""
+    steps = np.diff(values)
+    standing = np.count_nonzero(steps == 0.0)
+    return bool(steps.size and np.all(steps >= 0.0) and standing <= REPEATED * values.size)
 
 
 def _take_clock(search: Search, item: Series) -> None:
@@ -188,19 +191,19 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     mean = np.mean([x.values for x in chosen], axis=0)
     unit, si = chosen[0].column.unit, chosen[0].si
     if si is None or (si == "m/s" and search.radii is None):
-        why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
-        do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
-        why, do = ("the file gives no unit", do) if si is None else (why, GIVE_RADIUS)
+        why, do = f"speeds at the rim, in {unit}, need a radius to become wheel speeds", GIVE_RADIUS
+        if si is None:
+            why = "their unit is not known"
+            do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
         _doubt_wheels(search, [item.name for item in chosen], why, do)
         return mean, False
-    if not set(WHEEL_SPEEDS) & set(search.user_specified):
-        for channel, wheel in zip(WHEEL_SPEEDS, chosen, strict=True):
-            at_rim = rim_mapping(channel, wheel.name, unit, search.radii) or Mapping(wheel.name)
-            reasons = ["name", f"unit {unit}", "the four wheels agree"]
-            if wheel.name in mirrored:
-                at_rim = replace(at_rim, sign=-1)
-                reasons.append("counts backwards: sign reversed")
-            search.propose(channel, at_rim, True, *reasons)
+    for channel, wheel in zip(WHEEL_SPEEDS, chosen, strict=True):
+        at_rim = rim_mapping(channel, wheel.name, unit, search.radii) or Mapping(wheel.name)
+        reasons = ["name", f"unit {unit}", "the four wheels agree"]
+        if wheel.name in mirrored:
+            at_rim = replace(at_rim, sign=-1)
+            reasons.append("counts backwards: sign reversed")
+        search.propose(channel, at_rim, True, *reasons)
     return mean / float(np.mean(search.radii)) if si == "m/s" and search.radii else mean, True
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import AXLES, CHANNELS, TRUTH
-from calib.base.units import UnknownUnit, from_si, is_unit, si_of, to_si
+from calib.base.units import from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of
 from calib.run.filters import centred_mean, samples_in
@@ -28,7 +28,7 @@ _TOGETHER, _RATIO = 0.99, 0.1
 
 @dataclass(frozen=True)
 class Series:
-    """A numeric column, (n,), in SI; ``si`` is None without a unit, ``?`` for an unknown one.
+    """A numeric column (n,) in SI, or as written where ``si`` is None: its unit is not known.
 
     ``name`` is the address that only this column has, ``rate`` [Hz] None if that of the rows.
     """
@@ -54,15 +54,12 @@ def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[
         elif np.isinf(values).any():
             unused[name] = "has infinite values"
         else:
-            si, channel = None, CHANNELS.get(column.name)
-            if column.unit:
-                # of a canonical channel: `Hz` on a wheel is an angular speed
-                fits = channel is not None and is_unit(column.unit, channel.si)
-                try:
-                    si = channel.si if channel and fits else si_of(column.unit)
-                    values = to_si(values, column.unit, si)
-                except UnknownUnit:
-                    si = "?"
+            si, unit, channel = None, column.unit or "", CHANNELS.get(column.name)
+            if channel and is_unit(unit, channel.si):  # `Hz` on a wheel is an angular speed
+                si = channel.si
+            elif is_unit(unit):
+                si = si_of(unit)
+            values = to_si(values, unit, si) if si else values
             item = Series(name, column, values, si, source.rates.get(index))
             (gapped if np.isnan(values).any() else complete).append(item)
     return complete, gapped, unused
@@ -204,10 +201,9 @@ class Search:
         item = next((s for s in self.series if s.name == source), None)
         if proposal is None or item is None:
             return None
-        mapping, written = proposal.mapping, item.values
+        mapping, values = proposal.mapping, item.values
         if mapping.unit is None:
-            return written
+            return values
         # A given unit overrides the file's: undo that conversion, then apply the given one.
-        if item.column.unit and item.si not in (None, "?"):
-            written = from_si(written, item.column.unit, str(item.si))
-        return mapping.to_si(written, mapping.unit, CHANNELS[channel].si)
+        written = from_si(values, str(item.column.unit), item.si) if item.si else values
+        return to_si(mapping.written(written), mapping.unit, CHANNELS[channel].si)

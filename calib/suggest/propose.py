@@ -106,11 +106,11 @@ def _find(search: Search, clock: ColumnClock) -> None:
     speed = find_speed(search, mean)
     metres = speed is not None or not (angular or "omega_fl" in search.user_specified)
     rate = while_moving(search, speed if speed is not None else mean, clock)
+    rate = rate if rate is None or metres else NOMINAL_RADIUS * rate
     clock = search.clock or clock
-    find_acceleration(search, rate, clock, metres)
+    find_acceleration(search, rate, clock)
     refuse_computed(search)
-    size = 1.0 if metres else NOMINAL_RADIUS
-    find_pressure(search, None if rate is None else -size * rate, clock)
+    find_pressure(search, None if rate is None else -rate, clock)
     find_wheel_pressures(search)
     find_by_name(search)
 
