@@ -52,6 +52,8 @@ _QUANTITIES = (
 CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 """The canonical channels, in the order in which a log is written."""
 
+FLAGS = ("abs_active",)  # 0 or 1 and nothing between
+
 TRUTH = "true_"  # prefix of the truth channels of a simulation
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
 """SI unit of each truth channel of a simulation, by prefix. Fit, estimator and diagnosis never read

@@ -9,7 +9,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import ChannelMapError, LogError
-from calib.base.names import CHANNELS, TRUTH, TRUTH_UNITS
+from calib.base.names import CHANNELS, FLAGS, TRUTH, TRUTH_UNITS
 from calib.base.plain import quoted
 from calib.base.toml import nearest
 from calib.base.units import UnknownUnit, is_unit, si_of, to_si, unit_of
@@ -21,15 +21,13 @@ MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` propose
 
 Databases = Named[str, tuple[Path, ...]]
 """Files that describe frames (DBC, ARXML, KCD or SYM), by their bus; "" is every bus."""
-METHODS = ("linear", "hold")
 
 
 @dataclass(frozen=True)
 class Mapping:
     """Source of one channel: value = sign * (scale * written + offset), in ``unit``.
 
-    ``unit`` None is that of the header, ``method`` None the interpolation of the file; ``delay``
-    time by which the channel was recorded late [s].
+    ``unit`` None is that of the header; ``delay`` time by which it was recorded late [s].
     """
 
     source: str
@@ -37,15 +35,10 @@ class Mapping:
     sign: int = 1
     scale: float = 1.0
     offset: float = 0.0
-    method: str | None = None
     delay: float = 0.0
 
-    def to_si(self, written: Array, unit: str, si: str) -> Array:
-        """Values in SI, shape (n,), from the values in the file. Raises UnknownUnit."""
-        return to_si(self.written(written), unit, si)
-
     def written(self, written: Array) -> Array:
-        """Values in the unit of the mapping, shape (n,), from the values in the file."""
+        """Values in the unit of the mapping (n,), from those in the file."""
         return self.sign * (self.scale * written + self.offset)
 
 
@@ -72,14 +65,12 @@ class Assigned:
     source: str = ""
 
     def to_si(self, written: Array) -> Array:
-        """Values in SI, shape (n,)."""
-        return self.mapping.to_si(written, self.unit, self.si)
+        """Values in SI (n,)."""
+        return to_si(self.mapping.written(written), self.unit, self.si)
 
     def named(self, trace: ChannelTrace) -> ChannelTrace:
-        """The trace under the name of its channel, held or interpolated as map or file say."""
-        method = self.mapping.method
-        state = trace.state if method is None else method == "hold"
-        return replace(trace, state=state, name=self.channel)
+        """The trace under the name of its channel; a flag is a state."""
+        return replace(trace, state=trace.state or self.channel in FLAGS, name=self.channel)
 
     def origin(self) -> Origin:
         """Source, unit, factor and offset of the channel; every conversion is linear."""

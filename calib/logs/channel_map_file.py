@@ -1,6 +1,7 @@
 """A channel map as a TOML file: `brake-cal manual logs` shows each key."""
 
 import codecs
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -26,7 +27,7 @@ from calib.base.record import (
 from calib.base.record_errors import wrong
 from calib.base.toml import shown
 from calib.base.units import UnknownUnit, unit_of
-from calib.logs.channel_map import METHODS, ChannelMap, Mapping
+from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 
 _Name = Annotated[str, Field(pattern=r"\S")]
@@ -34,12 +35,10 @@ _Name = Annotated[str, Field(pattern=r"\S")]
 
 def _expected(form: str) -> WrapValidator:
     def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
-        if isinstance(written, bool):  # which Python takes for 0 or 1
-            raise wrong(shown(written), form)
-        try:
-            return handler(written)
-        except ValidationError as cause:
-            raise wrong(shown(written), form) from cause
+        with suppress(ValidationError):
+            if not isinstance(written, bool):  # which Python takes for 0 or 1
+                return handler(written)
+        raise wrong(shown(written), form)
 
     return WrapValidator(checked)
 
@@ -64,7 +63,6 @@ class _MappingSection(Section):
     sign: Annotated[Literal[1, -1], _expected("1 or -1 (use scale for factors)")] = 1
     scale: Annotated[float, QuantityMark("1"), AfterValidator(_factor)] = 1.0
     offset: Annotated[float, QuantityMark("1")] = 0.0
-    method: Annotated[str, OneOf(METHODS)] | None = None
     delay: Annotated[float, QuantityMark("s")] = 0.0
 
 
@@ -135,15 +133,12 @@ def read_channel_map(path: Path) -> ChannelMap:
         except UnknownUnit as cause:
             raise ChannelMapError(str(cause), where=f"{path}: channels.{name}.unit") from cause
     by_bus = file.dbc if isinstance(file.dbc, dict) else {"": file.dbc or []}
-    lists = {bus: [one] if isinstance(one, str) else one for bus, one in by_bus.items()}
     databases = {
-        bus.strip(): tuple((path.parent / name).absolute() for name in names)
-        for bus, names in lists.items()
+        bus.strip(): tuple(
+            (path.parent / name).absolute()
+            for name in ([files] if isinstance(files, str) else files)
+        )
+        for bus, files in by_bus.items()
     }
-    return ChannelMap(
-        where=str(path),
-        channels=channels,
-        text=TextFormat(**dict(file.text or _TextSection())),
-        ignore=tuple(file.ignore or ()),
-        databases=databases,
-    )
+    text = TextFormat(**dict(file.text or _TextSection()))
+    return ChannelMap(str(path), channels, text, tuple(file.ignore or ()), databases)

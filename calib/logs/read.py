@@ -131,7 +131,7 @@ def read_log(
         sampled, resampled = _sampled(source, assigned, where)
         refuse_absurd(sampled, where)
         possible, marked, bridged = without_impossible(sampled, where)
-        undelayed, delay_notes = _without_delays(possible, assigned, where)
+        undelayed, delay_notes = _without_delays(possible, assigned)
         trimmed, trim_notes = without_open_ends(undelayed)
         values, gap_notes = complete_channels(trimmed, needed, where)
         unit = next(item.unit for item in assigned if item.channel == "time")
@@ -169,20 +169,19 @@ def _sampled(
     else:
         written = source.read([item.index for item in assigned])
         channels = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
-        states = [item.channel for item in assigned if item.mapping.method == "hold"]
-        resampled = rows_on_one_clock(channels.pop("time"), channels, where, states)
+        resampled = rows_on_one_clock(channels.pop("time"), channels, where)
         channels = dict(zip(channels, resampled.values, strict=True))
     return {"time": resampled.time} | channels, resampled
 
 
 def _without_delays(
-    channels: dict[str, Array], assigned: list[Assigned], where: str
-) -> tuple[dict[str, Array], tuple[str, ...]]:
+    channels: dict[str, Array], assigned: list[Assigned]
+) -> tuple[dict[str, Array], list[str]]:
     """The channels moved by the delays of the map, in the rows that all have, and notes."""
     time = channels["time"]
     late = {item.channel: item.mapping.delay for item in assigned if item.mapping.delay}
     if not late or not is_ascending(time):
-        return channels, ()
+        return channels, []
     moved = {name: np.interp(time + delay, time, channels[name]) for name, delay in late.items()}
     notes = [
         f"{name} was put {abs(delay):g} s {'earlier' if delay > 0.0 else 'later'}"
@@ -190,14 +189,7 @@ def _without_delays(
     ]
     shifts = [0.0, *late.values()]
     inside = (time + min(shifts) >= time[0]) & (time + max(shifts) <= time[-1])
-    if not inside.any():
-        raise LogError(
-            f"no time has all channels: {', '.join(notes)}",
-            where=where,
-            expected=f"delays within the {np.ptp(time):.3g} s of the log",
-            do="correct the delay in the channel map",
-        )
-    return {name: x[inside] for name, x in (channels | moved).items()}, tuple(notes)
+    return {name: x[inside] for name, x in (channels | moved).items()}, notes
 
 
 def recorded_clock(assigned: list[Assigned], channel_map: ChannelMap | None) -> Assigned:

@@ -6,7 +6,7 @@ v        .........|...................      10 Hz   linear
 time         |----|----|----|              only where all required channels have values
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.names import CHANNELS
+from calib.base.names import CHANNELS, FLAGS
 from calib.logs.clock import check_running, is_ascending, on_line, step_of
 from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, fill_rows, in_words
 from calib.logs.source import ChannelTrace
@@ -44,12 +44,10 @@ class Resampled:
     interpolated: tuple[str, ...] = ()
 
 
-def rows_on_one_clock(
-    time: Array, columns: Mapping[str, Array], where: str, states: Collection[str] = ()
-) -> Resampled:
+def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> Resampled:
     """The columns (n,) of a table with rows at ``time`` [s] (n,): short gaps are bridged.
 
-    Rows of several clocks are resampled as by `on_one_clock`; ``states`` keep their last value.
+    Rows of several clocks are resampled as by `on_one_clock`.
     """
     if not _of_several_clocks(time, columns):
         time, rounded = on_line(time) if is_ascending(time) else (time, ())
@@ -60,7 +58,7 @@ def rows_on_one_clock(
     for name, x in columns.items():
         present = ~np.isnan(x)
         clock = clocks.setdefault(present.tobytes(), f"rows of {name}")
-        traces.append(ChannelTrace(clock, time[present], x[present], name in states, name))
+        traces.append(ChannelTrace(clock, time[present], x[present], name in FLAGS, name))
     note = "the rows are those of several clocks: each channel was put on one clock"
     resampled = on_one_clock(traces, where)
     return replace(resampled, notes=(note, *resampled.notes))
