@@ -14,6 +14,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
+from calib.base.plain import counted
 from calib.logs.clock import GAP, check_increasing, is_ascending, step_of
 
 BRIDGE = 0.2
@@ -29,6 +30,8 @@ INSTANT = 1e-9
 damaged times are nearer."""
 _SMOOTH = 0.01
 """Largest error of a bridge beside the noise, over the range of the channel [1]."""
+ENDS = 1.0
+"""Longest time [s] at the start or the end of a log for which a channel may have no value."""
 ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
 """Which gaps are bridged, in words."""
 
@@ -79,10 +82,10 @@ def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
 def fill_rows(
     channels: Mapping[str, Array], time: Array
 ) -> tuple[dict[str, Array], list[str], list[ChannelHole]]:
-    """Fill the rows in which a channel is NaN, as `fill` does; ``time`` [s] and channels are (n,).
+    """Fill the rows (n,) in which a channel is NaN, as `fill` does; ``time`` in s.
 
-    Returns channels, notes and bridged gaps. A channel with infinite values or fewer than two stays
-    as it is; all do if the times do not increase.
+    Returns channels, notes and bridged gaps. Channels with infinite values or fewer than two stay
+    as they are; all do if the times do not increase.
     """
     values, notes, bridged = dict(channels), [], list[ChannelHole]()
     if not is_ascending(time):
@@ -103,21 +106,17 @@ def fill_rows(
     return values, notes, bridged
 
 
-def in_words(filled: Filled) -> tuple[str, ...]:
+def in_words(filled: Filled) -> list[str]:
     """Notes on the gaps of a channel that were bridged and left open; empty if there are none."""
-    longest = max(filled.bridged, key=lambda gap: gap.length, default=None)
-    first = next(iter(filled.left_open), None)
     notes = []
-    for gaps, gap, result, rank in (
-        (filled.bridged, longest, "bridged with a straight line", "longest"),
-        (filled.left_open, first, "not bridged", "first"),
+    for gaps, result in (
+        (filled.bridged, "bridged with a straight line"),
+        (filled.left_open, f"not bridged, which is done {ONLY}"),
     ):
-        if gap:
-            were = "gaps were" if len(gaps) > 1 else "gap was"
-            place = f"the {rank} of {gap.length:.3f} s at {gap.start:.3f} s"
-            only = "" if gap is longest else f": {ONLY}"
-            notes.append(f"{gap.channel}: {len(gaps)} {were} {result}, {place}{only}")
-    return tuple(notes)
+        if longest := max(gaps, key=lambda gap: gap.length, default=None):
+            place = f"the longest of {longest.length:.3f} s at {longest.start:.3f} s"
+            notes.append(f"{longest.channel}: {counted(len(gaps), 'gap')} {result}, {place}")
+    return notes
 
 
 def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
@@ -153,15 +152,10 @@ def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
     return straight and abs(mean - slope * centre) <= allowed + 3.0 * sigma
 
 
-ENDS = 1.0
-"""Longest time [s] at the start or the end of a log for which a channel may have no value."""
-
-
 def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The rows in which all channels have begun and none has ended, (m,) each, and a note.
+    """The rows (m,) of ``channels`` (n,) in which all have begun and none has ended, and a note.
 
-    ``channels`` by name, (n,) each, are NaN where they have no value. One without a value for more
-    than `ENDS` [s] at an end counts as one with a gap.
+    A channel without a value for more than `ENDS` [s] at an end counts as one with a gap.
     """
     time = channels["time"]
     begin, end, trimmed = 0, time.size, list[str]()
@@ -195,27 +189,28 @@ def complete_channels(
         check_increasing(channels["time"], where)
     for name, values in channels.items():
         bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size == 0:
+        if not bad.size:
             complete[name] = values
-            continue
-        first, empty = int(bad[0]), bool(np.isnan(values).all())
-        flaw = f"no value in {bad.size} of {values.size} rows, first in row {first + 1}"
-        if empty and name in require:
-            raise LogError(
-                f"the channel is empty: no value in {values.size} rows",
-                where=f"{where}: {name}",
-                expected="a value in every row",
-                do="run `brake-cal check`: it lists the remaining uses of the log",
-            )
-        if not empty and name in CHANNELS and CHANNELS[name].required:
-            flaw = flaw if np.isnan(values[first]) else flaw.replace("no", "an infinite", 1)
-            start = channels["time"][first] - channels["time"][0]
-            raise LogError(
-                f"{flaw}, {start:.3f} s after the start",
-                where=f"{where}: {name}",
-                expected="a finite value in every row",
-                do="export all channels on one clock, or cut the log before the gap: a gap is "
-                f"bridged {ONLY}",
-            )
-        notes.append(f"{name} {'is empty' if empty else f'has {flaw},'} and was left out")
+        elif np.isnan(values).all():
+            if name in require:
+                raise LogError(
+                    f"the channel is empty: no value in {values.size} rows",
+                    where=f"{where}: {name}",
+                    expected="a value in every row",
+                    do="run `brake-cal check`: it lists the remaining uses of the log",
+                )
+            notes.append(f"{name} is empty and was left out")
+        else:
+            kind = "no" if np.isnan(values[bad[0]]) else "an infinite"
+            flaw = f"{kind} value in {bad.size} of {values.size} rows, first in row {bad[0] + 1}"
+            if name in CHANNELS and CHANNELS[name].required:
+                start = channels["time"][bad[0]] - channels["time"][0]
+                raise LogError(
+                    f"{flaw}, {start:.3f} s after the start",
+                    where=f"{where}: {name}",
+                    expected="a finite value in every row",
+                    do="export all channels on one clock, or cut the log before the gap: a gap is "
+                    f"bridged {ONLY}",
+                )
+            notes.append(f"{name} has {flaw}, and was left out")
     return complete, tuple(notes)
