@@ -16,14 +16,7 @@ from pydantic import (
 
 from calib.base.errors import ChannelMapError
 from calib.base.names import CHANNELS, TRUTH
-from calib.base.record import (
-    FileSchema,
-    OneOf,
-    QuantityMark,
-    Section,
-    by_name,
-    read_toml,
-)
+from calib.base.record import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
 from calib.base.record_errors import wrong
 from calib.base.toml import shown
 from calib.base.units import UnknownUnit, unit_of

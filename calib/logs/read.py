@@ -9,14 +9,7 @@ from typing import Self
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.bounded import (
-    LOG,
-    RECORDING,
-    FileKind,
-    errors_as,
-    open_bounded,
-    read_bounded,
-)
+from calib.base.bounded import LOG, RECORDING, FileKind, errors_as, open_bounded, read_bounded
 from calib.base.errors import ChannelMapError, LogError
 from calib.base.names import CHANNELS, TRUTH
 from calib.base.plain import quoted
