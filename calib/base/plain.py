@@ -15,11 +15,7 @@ NBSP = "\xa0"  # no-break space
 
 
 def counted(number: int, noun: str) -> str:
-    """A number of things.
-
-    >>> counted(1, "log"), counted(2, "log")
-    ('1 log', '2 logs')
-    """
+    """A number with its noun: `2 logs`."""
     return f"{number} {noun}{'s' * (number != 1)}"
 
 

@@ -118,11 +118,7 @@ def unit_of(unit: str, si: str) -> Unit:
 
 
 def behind(unit: str) -> str:
-    """A unit as text behind a number.
-
-    >>> f"5{behind('bar')}", f"0.4{behind('1')}"
-    ('5 bar', '0.4')
-    """
+    """A unit as text behind a number."""
     return "" if unit == "1" else f" {unit}"
 
 
@@ -160,11 +156,7 @@ def from_si(values: Number, unit: str, si: str) -> Number:
 
 
 def is_unit(text: str, si: str | None = None) -> bool:
-    """Whether ``text`` is a known unit of the quantity with SI unit ``si``, or of any if None.
-
-    >>> is_unit("bar"), is_unit("bar", "m/s"), is_unit("front")
-    (True, False, False)
-    """
+    """Whether ``text`` is a known unit of the quantity with SI unit ``si``, or of any if None."""
     try:
         unit_of(text, si if si is not None else si_of(text))
     except UnknownUnit:

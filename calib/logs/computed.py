@@ -44,11 +44,7 @@ def computed_pressures(
 
 
 def factor_between(channel: Array, other: Array) -> float | None:
-    """The factor with which ``other`` gives ``channel``, or None; both of shape (n,).
-
-    >>> factor_between(np.array([0.0, 1.0, 3.0, 2.0]), np.array([0.0, 100.0, 300.0, 200.0]))
-    0.01
-    """
+    """The factor with which ``other`` gives ``channel``, or None; both of shape (n,)."""
     extent = float(np.ptp(channel))
     if extent == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
         return None

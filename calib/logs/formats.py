@@ -81,11 +81,7 @@ def ending_of(path: Path) -> str:
 
 
 def stem_of(path: Path) -> str:
-    """The name of a log: the file name without the ending, safe to print.
-
-    >>> stem_of(Path("runs/ramp.2.csv.gz")), stem_of(Path("ramp.2.csv"))
-    ('ramp.2', 'ramp.2')
-    """
+    """The name of a log: ``ramp.2`` of ``runs/ramp.2.csv.gz``, safe to print."""
     path = Path(path)
     ending = ending_of(path)
     return printable(path.name[: -len(ending)] if ending else path.name)

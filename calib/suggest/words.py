@@ -95,29 +95,17 @@ _WHOLE = 5
 
 
 def words(name: str) -> list[str]:
-    """The words of a name in lower case.
-
-    >>> words("WheelSpeed_FL"), words("Brake pressure MC")
-    (['wheel', 'speed', 'fl'], ['brake', 'pressure', 'mc'])
-    """
+    """The words of a name in lower case."""
     return [word.lower() for word in _WORD.findall(name)]
 
 
 def corner(name: str) -> str | None:
-    """The wheel in a name, ``fl``, ``fr``, ``rl`` or ``rr``, or None.
-
-    >>> corner("nRad_VL"), corner("rear right speed"), corner("AVy_R2"), corner("speed")
-    ('fl', 'rr', 'rr', None)
-    """
+    """The wheel in a name, ``fl``, ``fr``, ``rl`` or ``rr``, or None."""
     return _corner(words(name))
 
 
 def loose_corner(name: str) -> tuple[str | None, str]:
-    """The wheel in a name or at its end, and the name without it: the same for all four wheels.
-
-    >>> loose_corner("WSFL"), loose_corner("WheelSpeed_RR")
-    (('fl', 'ws'), ('rr', 'wheel speed'))
-    """
+    """The wheel in a name or at its end, as in ``WSFL``, and the name without it: ``ws``."""
     wheel_by_words = corner(name)
     if wheel_by_words is not None or not words(name):
         return wheel_by_words, " ".join(word for word in words(name) if word not in _SIDES)
@@ -149,11 +137,7 @@ def axle(name: str) -> str | None:
 
 
 def score(name: str, quantity: Words) -> int:
-    """Twice the wanted words in a name, less one if it is computed; -1 with an unwanted one.
-
-    >>> score("a_x", LONG), score("a_y", LONG), score("a_x_est", LONG)
-    (2, -1, 1)
-    """
+    """Twice the wanted words in a name, less one if it is computed; -1 with an unwanted one."""
     in_name = set(words(name))
     if _matching(in_name, quantity.unwanted):
         return -1

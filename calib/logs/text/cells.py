@@ -27,11 +27,7 @@ from calib.logs.source import Column
 
 
 def column_from_cell(cell: str) -> Column:
-    """Split a header cell into name and unit.
-
-    >>> column_from_cell("Druck_HZ_bar")
-    Column(name='Druck_HZ', unit='bar', full='Druck_HZ_bar')
-    """
+    """Split a header cell into name and unit."""
     cell = cell.strip()
     parts = _split(cell, "[", "]")
     if parts is None and "|" in cell:
@@ -122,11 +118,6 @@ def is_clock(cell: str) -> bool:
     """Whether a cell is a time of day with seconds, or a number with a unit of time.
 
     Without hours a time of day has parts of a second.
-
-    >>> [is_clock(cell) for cell in ("14:03:07,120", "2026-03-14T14:03:07Z", "03:07.1", "14:03")]
-    [True, True, True, False]
-    >>> is_clock("0.12 sec"), is_clock("0.12 bar")
-    (True, False)
     """
     match = _TIME.fullmatch(cell)
     of_day = match is not None and (match["h"] is not None or not match["s"].isdigit())
@@ -150,11 +141,7 @@ def _seconds(cell: str) -> tuple[float, float] | None:
 
 
 def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str) -> Array:
-    """Seconds from the first row, (n,); NaN for a cell in ``empty``. Raises LogError for others.
-
-    >>> clock_seconds(["23:59:59.5", "0:00:00.5"], (), "run.csv")
-    array([0., 1.])
-    """
+    """Seconds from the first row, (n,); NaN for a cell in ``empty``. Raises LogError for others."""
     values, period = np.full(len(cells), np.nan), HOUR
     for row, cell in enumerate(cells):
         text = (cell or "").strip()
@@ -171,11 +158,7 @@ def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str)
 
 
 def over_midnight(time: Array, period: float = DAY) -> Array:
-    """``time`` [s], (n,), without the restarts of a clock that begins again after ``period`` [s].
-
-    >>> over_midnight(np.array([86399.5, 0.5]))
-    array([86399.5, 86400.5])
-    """
+    """``time`` [s] (n,) without the restarts of a clock that begins again after ``period`` [s]."""
     present = time[~np.isnan(time)]
     restarts = np.cumsum(np.diff(present, prepend=present[:1]) < -period / 2)
     result = time.copy()

@@ -145,11 +145,7 @@ def _unit_in_name(name: str) -> str | None:
 
 
 def _seconds(written: Array, where: str) -> Array:
-    """Seconds since the midnight before the first sample (n,), from HHMMSS.ss.
-
-    >>> _seconds(np.array([235959.5, 0.5]), "run.vbo")
-    array([86399.5, 86400.5])
-    """
+    """Seconds since the midnight before the first sample (n,), from HHMMSS.ss."""
     # Rounded to the file's resolution: 120000.05 and its binary neighbours differ by 1e-11.
     hours, minutes_seconds = np.divmod(written, 10000.0)
     minutes, seconds = np.divmod(minutes_seconds, 100.0)
