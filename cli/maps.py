@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import complain, emit, misuse, this_run
 from cli.options import argument, channel_map, option
-from cli.outputs import write_file
+from cli.outputs import sealed, write_file
 
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
@@ -40,7 +40,7 @@ def map_(
     channel_map: "ChannelMap | None" = channel_map(
         "Its file format and DBC; not that of the settings."
     ),
-    out: Path | None = option("Map file to write.", "M.toml", writes=""),
+    out: Path | None = option("Map file to write.", "M.toml", writes="map"),
 ) -> Answer:
     """Propose a channel map for a log of foreign names.
 
@@ -63,7 +63,7 @@ def map_(
     toml = to_toml(proposal, channel_map, None if out is None else out.absolute().parent)
     certain = not proposal.doubts and bool(proposal.proposals)
     if certain and out is not None:
-        write_file(out, toml.encode())
+        write_file(out, sealed(toml), kind="map")
     if not this_run().quiet:
         emit(Facts(rows=list(to_lines(proposal))), sys.stderr)
     for doubt in proposal.doubts:

@@ -48,9 +48,24 @@ def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
     from calib.show.html import is_page
     from calib.show.sheet import ENDINGS, is_picture
 
-    by_kind = {"simulation": lambda data: b"true_" in data}
+    by_kind = {"simulation": lambda data: b"true_" in data, "map": _is_sealed}
     by_ending = dict.fromkeys(PAGES, is_page) | dict.fromkeys(ENDINGS, is_picture)
     return by_ending.get(out.suffix.lower()) or by_kind.get(kind)
+
+
+_SEAL = "# unedited: "
+
+
+def sealed(text: str) -> bytes:
+    """A text that people edit, with a line by which it is known as long as nobody did."""
+    from calib.base.digest import sha256
+
+    return f"{text}{_SEAL}{sha256(text.encode())[:16]}\n".encode()
+
+
+def _is_sealed(data: bytes) -> bool:
+    text, seal, _ = data.decode(errors="replace").rpartition(_SEAL)
+    return bool(seal) and sealed(text) == data
 
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:

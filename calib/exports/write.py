@@ -1,6 +1,6 @@
-"""A data set as the bytes of each format: CSV here, the others from templates.
+"""A data set as the bytes of each format: JSON and CSV here, the others from templates.
 
-    csv       for programs that know no calibration; a missing value is an empty cell
+    json csv  for programs that know no calibration; a missing value is an empty cell
     dcm       conservation format 2.0 of ETAS, with German keywords; range, digest and number of
               objects, which shows a file that was cut off, are comments
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
@@ -15,6 +15,7 @@ number is written so that it reads back to the last bit.
 
 import csv
 import io
+import json
 import math
 import re
 import string
@@ -53,6 +54,47 @@ _A2L_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # by width of the fixed poi
 _DIGITS = 7  # significant ones that a tool shows of the largest number of an object in double
 _MOST_DECIMALS = 15
 MOST = 1e30  # of a number without limits, in any floating point [its unit]
+
+
+def _write_json(data: Dataset) -> bytes:
+    named = ("label", "meaning", "unit")
+
+    def fields_of(constant: Object, *keys: str) -> dict[str, Any]:
+        return {key: getattr(constant, key) for key in keys}
+
+    document = {
+        "schema": 1,
+        **data.facts(),
+        "version": data.stored.version,
+        "axes": [fields_of(axis, *named, "values", "shared", "origin", "rows", "misfit")
+                 for axis in data.axes],
+        "curves": [
+            {"label": c.label, "axis": c.axis.label} | fields_of(c, *named[1:], "values")
+            | _bounds(c) | fields_of(c, "count", "flag")
+            for c in data.curves
+        ],
+        **({"maps": [_map(m) for m in data.maps if not m.is_bound]} if data.maps else {}),
+        "scalars": [fields_of(s, *named) | {"value": s.numbers[0], "sigma": s.sigma}
+                    for s in data.scalars],
+        "record": data.stored.table.content()[0],
+    }  # fmt: skip
+
+    def plain(value: Any) -> Any:
+        return value.tolist() if isinstance(value, np.ndarray) else vars(value)
+
+    return (json.dumps(document, indent=1, allow_nan=False, default=plain) + "\n").encode()
+
+
+def _map(grid: Grid) -> dict[str, Any]:
+    """A map with its bounds, nested as its axes are."""
+    head = {"label": grid.label, "axes": [axis.label for axis in grid.axes]}
+    values = {"values": grid.values} | _bounds(grid)
+    nested = {name: x.reshape(grid.shape) for name, x in values.items()}
+    return {**head, "meaning": grid.meaning, "unit": grid.unit, **nested}
+
+
+def _bounds(grid: Grid) -> dict[str, Array]:
+    return dict(zip(("lower", "upper"), grid.bounds or (), strict=False))
 
 
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
@@ -233,6 +275,7 @@ class _Format:
 
 
 FORMATS = {
+    "json": _Format("json", _write_json),
     "csv": _Format("csv", _write_csv),
     "dcm": _Format("dcm", partial(_filled, "dcm", _quoted), most_axes=2),
     "cdfx": _Format("cdfx", partial(_filled, "cdfx", lambda x: escape(printable(x)))),

@@ -52,12 +52,13 @@ def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
     assert pressure["factor"] == pytest.approx(1e5)
 
 
-def test_a_map_is_only_replaced_by_itself_or_by_force(brake_cal, foreign, tmp_path):
+def test_a_map_is_replaced_until_somebody_edits_it(brake_cal, foreign, tmp_path):
     out = tmp_path / "map.toml"
     take = ("--take", "p_mc=Brake pressure [bar]")
-    for _ in range(2):
-        assert brake_cal("map", foreign, *take, "--out", out).code == 0
+    assert brake_cal("map", foreign, *take, "--out", out).code == 0
     first = out.read_text()
+    assert brake_cal("map", foreign, *take, "--take", "v=", "--out", out).code == 0
+    assert out.read_text() != first
     out.write_text(first + "# mine\n")
     assert brake_cal("map", foreign, *take, "--out", out).code == 2
     assert out.read_text() == first + "# mine\n"

@@ -54,6 +54,13 @@ def from_dcm(data, folder):
     return seen["curves"], seen["scalars"]
 
 
+def from_json(data, folder):
+    document = json.loads(FORMATS["json"].write(data))
+    axes = {a["label"]: a["values"] for a in document["axes"]}
+    curves = {c["label"]: (axes[c["axis"]], c["values"]) for c in document["curves"]}
+    return curves, {s["label"]: [s["value"], s["unit"]] for s in document["scalars"]}
+
+
 NUMBERS = ("x", "value", "lower", "upper", "count", "flag", "x_2", "x_3")
 
 
@@ -100,6 +107,7 @@ def from_cdf(data, folder):
 
 
 READERS = {
+    "json": from_json,
     "csv": lambda data, folder: by_label(frame_of(data)),
     "dcm": from_dcm,
     "cdfx": from_cdf,

@@ -3,6 +3,7 @@
 ln of the pads' ratio is A + B_Z z + B_SHIFT shift + B_SLIP slip; the axes have 4, 5 and 3 values.
 """
 
+import json
 from dataclasses import replace
 from itertools import product
 
@@ -103,6 +104,20 @@ def test_lxml_sees_maps_and_a_cuboid_in_a_cdf(mapped):
     assert near({(Z[i], SHIFT[j], SLIP[k]): cells[i][j][k] for i, j, k in at}, "change")
     true = np.array(Z)[:, None] - 3.0 - np.array(SHIFT)
     np.testing.assert_allclose(nested(flat.find(value)), true, atol=1e-12)
+
+
+def test_json_has_maps_nested_with_their_bounds(mapped):
+    document = json.loads(written(mapped, "json")[1])
+    maps = {one["label"]: one for one in document["maps"]}
+    axes = {one["label"]: one["values"] for one in document["axes"]}
+    one = maps["sedan_ratio"]
+    assert [axes[axis] for axis in one["axes"]] == [[*Z], [*SHIFT], [*SLIP]]
+    for name, column in (("values", "ratio"), ("lower", "ratio_lower"), ("upper", "ratio_upper")):
+        flat = np.ravel(one[name]).tolist()
+        assert near(dict(zip(product(Z, SHIFT, SLIP), flat, strict=True)), column)
+    assert np.shape(maps["sedan_log_slip"]["values"]) == (4, 5)
+    assert maps["sedan_change_0"]["axes"] == maps["sedan_level"]["axes"] == ["sedan_z_level"]
+    assert "lower" not in maps["sedan_prior"]
 
 
 def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped):
