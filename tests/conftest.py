@@ -1,4 +1,6 @@
+import os
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +17,7 @@ from calib.table.table import Table
 from cli.main import main
 from tests.support.browser import started
 from tests.support.reference_car import CAR, REAL, noisy, ramp
+from tests.support.shared import FOLDER
 from tests.support.tables import made_table
 
 # The first example of a test imports what it needs, on any machine: no deadline is fair.
@@ -22,6 +25,14 @@ settings.register_profile("brake-cal", deadline=None, max_examples=30, derandomi
 settings.load_profile("brake-cal")
 
 threadpool_limits(1, user_api="blas")  # as `cli.main` has it
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the folder of `shared` results, which the workers inherit."""
+    if FOLDER not in os.environ:
+        folder = tempfile.TemporaryDirectory()
+        os.environ[FOLDER] = folder.name
+        config.add_cleanup(folder.cleanup)
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from scipy.integrate import solve_ivp
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from tests.support.cornering import GRAVITY, STRAIGHT, Tyre, along, cornering
+from tests.support.shared import shared
 
 AIR = 1.2
 
@@ -158,8 +159,8 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     if plant.curvature:
         turn = cornering(car, plant.tyre, plant.curvature(t), v)
     motor = [0.5 * torque for torque in (plant.motor(t) if plant.motor else (0.0, 0.0))]
-    z = state[TRANSFER]
-    for _ in range(1 if plant.pitch_frequency else 8):
+    z, before = state[TRANSFER], None
+    for _ in range(8):
         half = [
             0.5 * weight * (car.cg_to_rear_axle + z * car.cg_height) / length,
             0.5 * weight * (car.cg_to_front_axle - z * car.cg_height) / length,
@@ -178,9 +179,12 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
             n * along(plant.tyre, s, turn.across, 4.0 * n / weight, road[i])
             for i, s, n in zip(SIDES, carried, loads, strict=True)
         ]
-        last, z = z, (sum(forces) + drag + turn.resistance * 2.0 * half[0]) / weight
-        if abs(z - last) < 1e-13:
+        felt = (sum(forces) + drag + turn.resistance * 2.0 * half[0]) / weight
+        if plant.pitch_frequency or abs(felt - z) < 1e-13:
             break
+        # Steffensen: the force is nearly a straight line in the transferred load
+        slope = (felt - before[1]) / (z - before[0]) if before else 0.0
+        before, z = (z, felt), z + (felt - z) / (1.0 - slope)
     torque = [
         mu[i] * axles[i].friction_faces * axles[i].piston_area * axles[i].effective_radius * q
         for i, q in zip(SIDES, p, strict=True)
@@ -197,7 +201,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     if plant.relaxation:
         deflecting = [v / plant.relaxation * (s - c) for s, c in zip(slips, carried, strict=True)]
     by_wheel = (loads, forces, torque, spin, slips, deflecting)
-    return Moment(z, *(tuple(values) for values in by_wheel))
+    return Moment(felt, *(tuple(values) for values in by_wheel))
 
 
 def per_pascal(vehicle: Vehicle) -> float:
@@ -209,6 +213,7 @@ def per_pascal(vehicle: Vehicle) -> float:
     return gain / vehicle.weight
 
 
+@shared
 def drive(
     plant: Plant,
     pressure: Pressure,

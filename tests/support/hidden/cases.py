@@ -22,6 +22,7 @@ from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
 from tests.support.hidden.variety import Ground, Variety, unlike, varied
 from tests.support.plant import Tyre, brush, burckhardt, dugoff, magic
+from tests.support.shared import shared
 
 KINDS = ("single", "double", "none", "outside", "triple", "varied", "unlike")
 """``varied``: nothing hidden, other numbers of logs, rates, noise. ``unlike``: one effect, and each
@@ -80,6 +81,7 @@ class HiddenCase:
 
 
 @lru_cache(16)
+@shared
 def draw(
     kind: str,
     seed: int,
