@@ -1,5 +1,4 @@
 import os
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,13 +8,12 @@ import scipy.linalg.lapack  # noqa: F401  # so that its linear algebra is limite
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
-from calib.fitting.fit import fit
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.table import Table
-from cli.main import main
 from tests.support.browser import started
+from tests.support.command import fit_once, typed
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 from tests.support.shared import FOLDER
 from tests.support.tables import made_table
@@ -43,7 +41,7 @@ def table() -> Table:
 @pytest.fixture(scope="session")
 def fitted() -> Table:
     """The table of the reference car from one ramp."""
-    return fit(CAR, [noisy(ramp(REAL), 1)])
+    return fit_once(CAR, [noisy(ramp(REAL), 1)])
 
 
 @pytest.fixture
@@ -71,16 +69,15 @@ class Ran:
 
 @pytest.fixture
 def brake_cal(capsys, monkeypatch):
-    """Run the command line in this process, as the shell would, 120 columns wide."""
+    """Run the command line in this process, as the shell would, 120 columns wide.
+
+    The panels of its pages are blank: drawing takes longer than all else, and tests/show does it.
+    """
     monkeypatch.setenv("COLUMNS", "120")
+    monkeypatch.setattr("calib.show.html._panel", lambda sheet, name: "data:image/svg+xml,")
 
     def run(*arguments: object) -> Ran:
-        monkeypatch.setattr(sys, "argv", ["brake-cal", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        code = end.value.code
-        captured = capsys.readouterr()
-        return Ran(code if isinstance(code, int) else int(bool(code)), captured.out, captured.err)
+        return Ran(typed(*arguments), *capsys.readouterr())
 
     return run
 

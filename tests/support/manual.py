@@ -9,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from calib.help.samples import sample_logs
-from cli.main import main
+from tests.support.command import typed
 from tests.support.tyre_files import written
 
 FOLDER = Path(__file__).parents[2] / "calib" / "manual"
@@ -68,12 +67,7 @@ def run(folder: Path, line: str) -> int:
         quoted = as_typed.startswith(("'", '"'))
         found = sorted(str(p.relative_to(folder)) for p in folder.glob(word)) if "*" in word else []
         arguments += found if found and not quoted else [word]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        patch.setattr("sys.argv", ["brake-cal", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            main()
-    return int(ended.value.code or 0)
+    return typed(*arguments, folder=folder)
 
 
 LOGS = {

@@ -35,7 +35,7 @@ def shared(make: Callable[P, Result]) -> Callable[P, Result]:
         path = Path(os.environ[FOLDER], hashlib.sha256(content).hexdigest())
         if not path.exists():
             with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-                pickle.dump(make(*given, **named), file)
+                cloudpickle.dump(make(*given, **named), file)
             os.replace(file.name, path)
         return pickle.loads(path.read_bytes())
 

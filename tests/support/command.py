@@ -1,0 +1,27 @@
+"""The command line in this process, as the shell would run it."""
+
+from pathlib import Path
+
+import pytest
+
+from calib.fitting import fit as fitting
+from calib.line.station import station
+from cli.main import main
+from tests.support.shared import shared
+
+fit_once = shared(fitting.fit)
+"""`fit`, where its table is not what a test is about: made once of the same logs."""
+
+
+def typed(*words: object, folder: Path | None = None) -> int:
+    """Exit code of ``brake-cal`` with some words, in a folder; tables are those of `fit_once`."""
+    with pytest.MonkeyPatch.context() as patch:
+        if folder is not None:
+            patch.chdir(folder)
+        for module in (fitting, station):
+            patch.setattr(module, "fit", fit_once)
+        patch.setattr("sys.argv", ["brake-cal", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+    code = ended.value.code
+    return code if isinstance(code, int) else int(bool(code))
