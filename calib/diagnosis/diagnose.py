@@ -14,7 +14,7 @@ from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Tell, problem_of, silent
 from calib.diagnosis.named import base_estimates, named
-from calib.diagnosis.replays import Replayed, gap_of, model_of, remainder_of
+from calib.diagnosis.replays import Replayed, gap_of, model_of
 from calib.diagnosis.runs import (
     LARGEST,
     USUAL,
@@ -88,7 +88,9 @@ def diagnose(
         if taken_out <= USUAL or not (slowed or verdict.term):
             break  # else it may be a brake that drags on one wheel
     best, last = verdict.best, _with_term(verdict)
-    unexplained = unexplained_of(best, verdict.term) if verdict.term else None
+    unexplained = None
+    if verdict.term is not None:
+        unexplained = unexplained_of(best, verdict.term, search.gap(verdict.after).rms_after)
     accepted = [set(step.names) for step in search.steps]
     withdrawn = (names for names in search.withdrawn.values() if set(names) not in accepted)
     return Diagnosis(
@@ -104,7 +106,6 @@ def diagnose(
         measured=search.holdouts.logs,
         reduced_before=search.base.reduced,
         reduced_after=last.simulated.reduced if unexplained else best.reduced,
-        remainder=remainder_of(search.gap(verdict.after), verdict.after.logs, search.holdouts.logs),
         withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
         warnings=unexplained_warnings(

@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from calib.base.shown import Shown
-from calib.base.units import behind
 from calib.base.warning import PlausibilityWarning
 from calib.base.write import publish, workshop, write_whole
 from calib.car.model import Model
-from calib.diagnosis.replays import CHANNELS, UNITS, Gap, Remainder
+from calib.diagnosis.replays import CHANNELS, UNITS, Gap
 from calib.diagnosis.search import SearchStep
 from calib.diagnosis.verdict import Unexplained
 from calib.logs.log import Log
@@ -101,33 +100,23 @@ class Diagnosis(Shown):
     measured: tuple[Log, ...]
     reduced_before: float
     reduced_after: float
-    remainder: Remainder
     withdrawn: tuple[tuple[str, ...], ...]
     steps: tuple[SearchStep, ...]
     warnings: tuple[PlausibilityWarning, ...]
 
     def __repr__(self) -> str:
-        lines = [f"Diagnosis: {self.verdict}"]
-        for effect in self.effects:
-            for name, p in effect.parameters.items():
-                low, high = p.ci95
-                interval = f"{p.value:.4g}{behind(p.unit)} (95 % {low:.4g} to {high:.4g})"
-                lines.append(f"  {effect.name}: {name} = {interval}")
-        if self.effects and self.unexplained is not None:
-            lines.append(f"  and something else: {self.remainder.size:.1f} times the noise is left")
-        lines.append(f"  gap on the hold-outs: {100.0 * self.gap.closed:.0f} % closed")
-        return "\n".join(lines)
+        names = ", ".join(effect.name for effect in self.effects)
+        return f"Diagnosis: {self.verdict} {names}, {self.gap.closed:.0%} of the gap closed"
 
 
 def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     """The document diagnosis.json, most of it field by field; null for what is not finite."""
-    unexplained = diagnosis.unexplained
     whole: dict[str, Any] = _plain(
         {
             "schema": 1,
             "verdict": diagnosis.verdict,
             "effects": diagnosis.effects,
-            "unexplained": unexplained and {**vars(unexplained), "replays": diagnosis.remainder},
+            "unexplained": diagnosis.unexplained,
             "base": diagnosis.base,
             "innovation": {"before": diagnosis.reduced_before, "after": diagnosis.reduced_after},
             "steps": diagnosis.steps,

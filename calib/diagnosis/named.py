@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.names import WHEELS, G
 from calib.base.units import BAR
@@ -24,7 +25,6 @@ from calib.diagnosis.explanation.fit import Fit, innovations, linearised, runs_o
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import based
 from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
-from calib.diagnosis.replays import range_of
 from calib.diagnosis.verdict import Verdict
 from calib.logs.log import Log
 
@@ -127,7 +127,7 @@ def _where(fit: Fit, name: str, without: Effects) -> Where:
         along = thinned(run, np.stack([run.p_mc, run.v, heat]))
         rows.append(np.vstack([power, along[:, -power.shape[1] :]]))
     power, drivers = np.split(np.hstack(rows), [len(CHANNELS)])
-    pressure, speed, temperature = (range_of(x, np.sum(power, axis=0)) for x in drivers)
+    pressure, speed, temperature = (_range_of(x, np.sum(power, axis=0)) for x in drivers)
     warm = all(run.temperature_f is not None for run in fit.runs)
     on_wheels = acts_on(definition(vehicle.effects, name), AT_WHEELS)
     front, rear = np.sum(wheels.reshape(2, 2), axis=1).tolist() if on_wheels else (0.0, 0.0)
@@ -139,6 +139,13 @@ def _where(fit: Fit, name: str, without: Effects) -> Where:
         axle = "front" if front > rear else "rear"
     channel = CHANNELS[int(np.argmax(np.sum(power, axis=1)))]
     return Where(channel, axle, pressure, speed, temperature if warm else None)
+
+
+def _range_of(driver: Array, weight: Array) -> tuple[float, float]:
+    """The range of a driver that holds the middle 80 % of the weight."""
+    some = weight + 1e-12  # where nothing is left, all counts alike
+    low, high = np.quantile(driver, (0.1, 0.9), weights=some, method="inverted_cdf")
+    return float(low), float(high)
 
 
 def best_drive(fit: Fit, other: Fit) -> tuple[str, float]:

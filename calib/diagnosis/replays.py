@@ -1,9 +1,9 @@
-"""The hold-outs replayed open loop, the gap that is left, and what of it lasts.
+"""The hold-outs replayed open loop, and the gap that is left.
 
 A replay uses the pressure, the first speed and, for a ripple alone, the angle of the wheels, so an
 error of force, which an innovation of one step hides, adds up in v. The noise of a channel is
 estimated from its differences between samples. Its square is subtracted, so that a perfect model
-has no gap. Means over half a second show where an error lasts: the noise cancels in them.
+has no gap.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,6 @@ from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.problem import Problem
 from calib.logs.log import Log
 from calib.model.simulate import replay
-from calib.run.filters import block_mean, samples_in
 
 UNITS = {"a_x": "m/s^2", **{f"omega_{w}": "rad/s" for w in WHEELS}, "v": "m/s"}
 CHANNELS = tuple(UNITS)
@@ -42,7 +41,6 @@ straight lines of four samples or more. A ripple of ten times the noise has four
 _FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
 """Least noise (6,) of the channels, in their units: a simulated log may have none, and no car is
 described to better than that."""
-_BLOCK = 0.5  # span of a mean [s]: several times the correlation time of a road, a part of a stop
 _ROUNDS = 3  # in which hold-outs are placed, at most
 _NEAR = 1.0  # step, in standard deviations, after which a linear model holds
 
@@ -84,41 +82,23 @@ class Gap:
         return 1.0 - rms_after / rms_before if rms_before > 0.0 else 0.0
 
 
-@dataclass(frozen=True)
-class Remainder:
-    """What is left in the replays with a fit.
-
-    ``size`` rms of their errors without noise, over the noise of the sensors [1]; ``channel``,
-    ``log`` where that is ``largest`` [1]; ``pressure`` [Pa], ``speed`` [m/s], ``time`` [s since the
-    start] ranges of 80 % of it there.
-    """
-
-    size: float
-    channel: str
-    log: str
-    largest: float
-    pressure: tuple[float, float]
-    speed: tuple[float, float]
-    time: tuple[float, float]
-
-
 def gap_of(
     base_replays: Sequence[Log], replays_after: Sequence[Log], measured: Sequence[Log]
 ) -> Gap:
     """Compare replays with their logs, over their common samples above 1 m/s."""
     noise = noises_of(measured)
     squares = [
-        [np.mean(_errors_of(*pair) ** 2, axis=1) for pair in zip(replays, measured, strict=True)]
+        [_squares_of(*pair) for pair in zip(replays, measured, strict=True)]
         for replays in (base_replays, replays_after)
     ]
     beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
     return Gap(tuple(log.name for log in measured), noise, beyond)
 
 
-def _errors_of(replay: Log, measured: Log) -> Array:
-    """Replay less measurement (6, n), over their common samples."""
+def _squares_of(replay: Log, measured: Log) -> list[float]:
+    """Mean squares (6,) of replay less measurement, over their common samples."""
     n = min(replay.time.size, measured.time.size)
-    return np.stack([replay[c][:n] - measured[c][:n] for c in CHANNELS])
+    return [float(np.mean((replay[c][:n] - measured[c][:n]) ** 2)) for c in CHANNELS]
 
 
 def noises_of(measured: Sequence[Log]) -> Array:
@@ -136,28 +116,6 @@ def _noise_of(log: Log, channel: str) -> float:
     over = [fine, *noise_over(log[channel], _LONGEST / log.sample_time)]
     straight = channel in log.interpolated or max(over[:4]) > _STRAIGHT * fine
     return max(over) if straight else min(max(over), _SLOW * fine)
-
-
-def remainder_of(gap: Gap, replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
-    """What ``replays`` leave of ``measured`` logs, after a ``gap``."""
-    squares = gap.squares[1]
-    row, column = divmod(int(np.argmax(squares)), len(CHANNELS))
-    log, channel = measured[row], CHANNELS[column]
-    size = samples_in(_BLOCK, log.sample_time)
-    error = block_mean(_errors_of(replays[row], log)[column], size)
-    # the speed keeps an error of force: its growth tells where the force is wrong
-    weight = np.abs(np.diff(error, prepend=0.0)) if channel == "v" else error**2
-    drivers = (log["p_mc"], log["v"], log.time - log.time[0])
-    pressure, speed, time = (range_of(block_mean(x, size), weight) for x in drivers)
-    largest = float(np.sqrt(squares[row, column]))
-    return Remainder(gap.rms_after, channel, log.name, largest, pressure, speed, time)
-
-
-def range_of(driver: Array, weight: Array) -> tuple[float, float]:
-    """The range of a driver that holds the middle 80 % of the weight."""
-    driver, some = driver[: weight.size], weight + 1e-12  # where nothing is left, all counts alike
-    low, high = np.quantile(driver, (0.1, 0.9), weights=some, method="inverted_cdf")
-    return float(low), float(high)
 
 
 @dataclass(frozen=True)

@@ -154,15 +154,17 @@ class Unexplained:
     share that goes with the angle of the wheels, is larger, `FREQUENCY` where that of
     ``oscillation`` is, or `SLIP` where the torque of front brakes is held: no valve does that.
     ``place`` where it acts, one of `PLACES`, that of the term but of what swings, and the ``axle``;
-    ``held_from`` the pressure [Pa] from which a brake torque is held; ``explained`` share of the
-    excess, at most 1; ``wheel`` the one that is slower than the other wheel of its axle, where that
-    is most of the excess.
+    ``held_from`` the pressure [Pa] from which a brake torque is held; ``size`` rms of what replays
+    without the term leave, over the noise of the sensors [1]; ``explained`` share of the excess of
+    the innovations that the term takes, at most 1; ``wheel`` the one that is slower than the other
+    wheel of its axle, where that is most of the excess.
     """
 
     place: str
     axle: str
     wheel: str | None
     driver: str
+    size: float
     explained: float
     turning: float
     oscillation: Oscillation
@@ -205,7 +207,7 @@ def _excess(fit: Fit) -> float:
     return max((fit.reduced - 1.0) * fit.count, float(np.sqrt(2.0 * fit.count)))
 
 
-def unexplained_of(fit: Fit, with_term: Fit) -> Unexplained:
+def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
     """Describe what is left on top of ``fit``, by the fit with a term beside it."""
     excess, (term,) = _excess(fit), with_term.effects.terms
     explained = min((fit.reduced - with_term.reduced) * fit.count / excess, 1.0)
@@ -225,6 +227,7 @@ def unexplained_of(fit: Fit, with_term: Fit) -> Unexplained:
         axle=turned if driver == WHEEL_ANGLE else PLACES[place],
         wheel=_one_sided(whitened, excess),
         driver=driver,
+        size=size,
         explained=explained,
         turning=turning,
         oscillation=swing,

@@ -160,11 +160,8 @@ def _something_else(diagnosis: Diagnosis) -> str:
     """The gap that the named effects leave; "" for none."""
     if diagnosis.unexplained is None or not diagnosis.effects:
         return ""
-    gap = diagnosis.remainder
     text = f"a {_INNOVATION} of {diagnosis.reduced_after:.2f}; in the replays "
-    text += f"errors of {gap.size:.1f} times the sensors' noise"
-    region = f"{span(gap.pressure, 'Pa')} and {span(gap.speed, 'm/s')}"
-    return f"{text}, largest in {gap.channel} of {gap.log}, at {region}"
+    return f"{text}errors of {diagnosis.unexplained.size:.1f} times the sensors' noise"
 
 
 def _withdrawn(diagnosis: Diagnosis) -> str:

@@ -32,11 +32,11 @@ _KNM = 1e3
 def vehicle_facts(vehicle: Vehicle) -> Facts:
     """Loads and torques of a vehicle with its nominal pads."""
     consequences = characteristics(vehicle)
-    biased = consequences.front_biased_up_to
+    biased = consequences["front_biased_up_to"]
     always = {None: "front always", 0.0: "rear always"}
-    sides = consequences.front, consequences.rear
+    sides = consequences["front"], consequences["rear"]
     axles = [
-        (name, *(f"{getattr(axle, key):.{digits}f}" for axle in sides))
+        (name, *(f"{axle[key]:.{digits}f}" for axle in sides))
         for name, key, digits in (
             ("torque per bar, one wheel [N m]", "torque_per_bar_wheel", 2),
             ("torque per bar, axle [N m]", "torque_per_bar_axle", 2),
@@ -52,11 +52,11 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
     return Facts(
         headline=f"{vehicle.name}, {vehicle.mass:g} kg",
         rows=[
-            ("wheelbase", f"{1e3 * consequences.wheelbase:.0f} mm"),
-            ("pressure", f"{consequences.pressure_per_g:.1f} bar per g"),
-            ("brake force", f"{100 * consequences.front_share:.1f} % front"),
+            ("wheelbase", f"{1e3 * consequences['wheelbase']:.0f} mm"),
+            ("pressure", f"{consequences['pressure_per_g']:.1f} bar per g"),
+            ("brake force", f"{100 * consequences['front_share']:.1f} % front"),
             ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
-            ("rear lifts at", f"{consequences.rear_lifts_at:.2f} g"),
+            ("rear lifts at", f"{consequences['rear_lifts_at']:.2f} g"),
         ],
         parts=[Facts("Axles", tables=[Cells(("axle", "front", "rear"), axles)])],
         warnings=plausible(vehicle),

@@ -69,8 +69,7 @@ def test_a_cause_outside_the_catalogue_beside_an_effect_is_told():
     assert found.verdict in ("named", "unknown")
     assert {effect.name for effect in found.effects} <= {"aerodynamic_drag"}
     told = to_dict(found)["unexplained"]
-    assert told["replays"]["size"] > 0.0
-    assert told["replays"]["log"] in {log.name for log in found.measured}
+    assert told["size"] > 0.0
 
 
 @pytest.mark.slow

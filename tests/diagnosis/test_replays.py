@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.replays import CHANNELS, gap_of, noises_of, remainder_of
+from calib.diagnosis.replays import CHANNELS, gap_of, noises_of
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from calib.run.copies import without_holds
-from tests.support.made_runs import changed, made_run
 from tests.support.measuring_chain import Message, chained
 
 NOISE = 0.02
@@ -82,29 +81,3 @@ def test_the_noise_of_a_channel_is_that_of_its_values_however_seldom_they_are_se
     found = dict(zip(CHANNELS, noises_of([sent]), strict=True))
     assert found["v"] == pytest.approx(np.sqrt(2.0 / 3.0) * NOISE, rel=0.2)
     assert found["a_x"] == pytest.approx(NOISE, rel=0.1)
-
-
-SD_V = 0.02
-"""Noise of v of the made runs, white: the gap counts it as it is."""
-
-
-def noisy_run(seed: int) -> tuple[Log, Log]:
-    """A replay without noise and the log with it."""
-    clean = made_run(noise=0.0)
-    rng = np.random.default_rng(seed)
-    sds = {"a_x": 0.05, "v": 0.02, **{f"omega_{w}": 0.02 for w in ("fl", "fr", "rl", "rr")}}
-    n = clean.time.size
-    return clean, changed(clean, **{c: clean[c] + rng.normal(size=n) * s for c, s in sds.items()})
-
-
-def test_a_drift_has_its_size_channel_and_place():
-    clean, log = noisy_run(4)
-    drift = 1.0 * np.clip((clean.time - 4.0) / 2.0, 0.0, 1.0)  # m/s, from 4 s to 6 s
-    assert remainder_of(gap_of([clean], [clean], [log]), [clean], [log]).size < 0.2
-    replays = [changed(clean, v=clean["v"] + drift)]
-    left = remainder_of(gap_of(replays, replays, [log]), replays, [log])
-    assert (left.log, left.channel) == (log.name, "v")
-    expected = np.sqrt(np.mean(drift**2)) / SD_V
-    assert left.largest == pytest.approx(expected, rel=0.1)
-    assert left.size == pytest.approx(expected / np.sqrt(6.0), rel=0.1)
-    assert 3.5 <= left.time[0] < left.time[1] <= 6.5

@@ -57,4 +57,4 @@ def diagnosed(case: HiddenCase) -> Diagnosis:
 def left_in(case: HiddenCase) -> Unexplained:
     """What the calibration logs have beyond the vehicle without effects."""
     at = based(case)
-    return unexplained_of(at, plainest(at, with_terms(at, ranked_terms(at))))
+    return unexplained_of(at, plainest(at, with_terms(at, ranked_terms(at))), 0.0)

@@ -10,13 +10,12 @@ from calib.car.model import Model
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstimate, Where
-from calib.diagnosis.replays import CHANNELS, Gap, Remainder
+from calib.diagnosis.replays import CHANNELS, Gap
 from calib.diagnosis.search import SearchStep
 from calib.diagnosis.verdict import Oscillation, Unexplained
 from calib.logs.read import read_log
 
 CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"
-LEFT = Remainder(3.5, "v", "stop", 7.25, (1e6, 2e6), (10.0, 20.0), (3.0, 6.0))
 MARKUP = "<img src=x onerror=alert(1)>&\"'"
 
 
@@ -50,7 +49,6 @@ def named_drag():
         measured=(log,),
         reduced_before=3.5,
         reduced_after=1.0,
-        remainder=LEFT,
         withdrawn=(),
         steps=(
             SearchStep((), 3.5, 0.0, 0.0),
@@ -69,6 +67,7 @@ def unknown(named):
         axle="rear",
         wheel=None,
         driver="pressure",
+        size=3.5,
         explained=0.75,
         turning=0.0,
         oscillation=Oscillation(0.0, 0.0, body=False),
