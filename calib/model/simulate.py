@@ -234,9 +234,9 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
 
 def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
     twins = {w: run.brakes.twin(w) for w in WHEELS}
-    truth = {f"true_Tb_{w}": state.demand[twin].torque for w, twin in twins.items()}
+    truth = {f"true_Tb_{w}": state.torque[twin] for w, twin in twins.items()}
     truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}
-    truth |= {f"true_Fz_{w}": state.demand[twin].load for w, twin in twins.items()}
+    truth |= {f"true_Fz_{w}": state.load[twin] for w, twin in twins.items()}
     truth["true_mu_pad_f"], truth["true_mu_pad_r"] = run.brakes.pads(history)
     return truth
 

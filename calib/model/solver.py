@@ -19,7 +19,6 @@ The left side falls with slip and the right side rises, so it always has a solut
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -47,46 +46,19 @@ _EDGE = 0.999
 peak and the slope is still positive, so the equations can be solved."""
 
 
-@dataclass(frozen=True)
-class WheelDemand:
-    """Torques and load of a wheel; arrays (n,).
+def rising_branch(
+    tyre: MagicFormula, slip: Array, relative_load: Array
+) -> tuple[Array, Array, Array]:
+    """Normalised force [1], its slope above zero, and the share of the rising branch used [1].
 
-    ``torque`` of the brake, ``moment`` of all other causes that slow it [N m]; ``load`` F_z [N].
+    Beyond its end it goes on linearly, which helps the solver; a result there, with a share above
+    1, is not valid. ``relative_load`` axle load over half the weight [1]; shapes (n,).
     """
-
-    torque: Array
-    moment: Array
-    load: Array
-
-
-@dataclass(frozen=True)
-class RisingTyre:
-    """A tyre at the load of every sample, continued linearly beyond the end of its rising branch.
-
-    The continuation helps the solver; a result with ``used`` above 1 is not valid.
-    """
-
-    tyre: MagicFormula
-    relative_load: Array
-
-    @cached_property
-    def edge(self) -> Array:
-        """Slip [1] at the end of the rising branch (n,)."""
-        return self.tyre.slip_at(_EDGE, self.relative_load)
-
-    def used(self, slip: Array) -> Array:
-        """Slip over that at the end of the rising branch [1]; above 1 it is beyond the peak."""
-        return np.abs(slip) / self.edge
-
-    def force(self, slip: Array) -> Array:
-        """Normalised force [1]."""
-        clipped = np.clip(slip, -self.edge, self.edge)
-        beyond = (slip - clipped) * self.tyre.slope(self.edge, self.relative_load)
-        return self.tyre.force(clipped, self.relative_load) + beyond
-
-    def slope(self, slip: Array) -> Array:
-        """Slope d force/d slip [1], above zero everywhere."""
-        return self.tyre.slope(np.clip(slip, -self.edge, self.edge), self.relative_load)
+    edge = tyre.slip_at(_EDGE, relative_load)
+    clipped = np.clip(slip, -edge, edge)
+    beyond = (slip - clipped) * tyre.slope(edge, relative_load)
+    force = tyre.force(clipped, relative_load) + beyond
+    return force, tyre.slope(clipped, relative_load), np.abs(slip) / edge
 
 
 @dataclass(frozen=True)
@@ -130,15 +102,16 @@ class Drive:
 class SolverState:
     """The result of one iteration: ``v`` [m/s], ``z`` [1], ``loads`` of the axles [N] (n,).
 
-    By wheel: ``slip`` [1], ``demand`` its torque, moment and load, ``force`` [N], ``used`` slip
-    over the slip at the tyre's peak [1]; above 1 the state is not physical.
+    By wheel: ``slip`` [1], brake ``torque`` [N m], ``load`` and tyre ``force`` [N], ``used`` share
+    of the rising branch of the tyre [1]; above 1 the state is not physical.
     """
 
     v: Array
     z: Array
     loads: Pair
     slip: dict[str, Array]
-    demand: dict[str, WheelDemand]
+    torque: dict[str, Array]
+    load: dict[str, Array]
     force: dict[str, Array]
     used: dict[str, Array]
 
@@ -176,7 +149,7 @@ def history_of(run: Drive, state: SolverState) -> RunHistory:
     for a in AXLES:
         axle, wheels = run.brakes.axle(a), [w for w in state.slip if w[0] == a]
         omega = np.mean([forces.wheel_speed(axle, state.slip[w], v) for w in wheels], axis=0)
-        torque = np.mean([state.demand[w].torque for w in wheels], axis=0)
+        torque = np.mean([state.torque[w] for w in wheels], axis=0)
         angle[a] = run.wheel_angle[a] if a in run.wheel_angle else integral(run.time, omega)
         energy[a] = integral(run.time, np.abs(torque * omega))  # a brake only dissipates
     return replace(
@@ -209,14 +182,13 @@ def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
 
 def _first(run: Drive) -> SolverState:
     """Start of the iteration: brakes only, no inertia, linear tyres."""
-    vehicle, zero = run.brakes.model.vehicle, np.zeros_like(run.time)
+    vehicle = run.brakes.model.vehicle
     torque = run.brakes.torques(run.inputs)
     force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
     z = run.total(force) / vehicle.weight
-    straight = np.clip(z / run.brakes.model.tyre.stiffness, -0.02, 0.02)
-    demand = {w: WheelDemand(T_b, zero, zero) for w, T_b in torque.items()}
+    slip = dict.fromkeys(force, np.clip(z / run.brakes.model.tyre.stiffness, -0.02, 0.02))
     loads = forces.axle_loads(vehicle, z)
-    return SolverState(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
+    return SolverState(run.speed(z), z, loads, slip, torque, {}, force, {})
 
 
 def _iterate(run: Drive, old: SolverState) -> SolverState:
@@ -226,40 +198,40 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
     loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
     motion = Motion(v, loads[0], loads[1], history)
     moments = np.subtract(total_axle_moment(vehicle, model.effects, motion), run.drive_torque)
-    slip, demand, force, used = {}, {}, {}, {}
-    for w, torque in run.brakes.torques(history).items():
+    torque = run.brakes.torques(history)
+    slip, load, force, used = {}, {}, {}, {}
+    for w, T_b in torque.items():
         i = AXLES.index(w[0])
-        tyre = RisingTyre(model.tyre, 2.0 * loads[i] / vehicle.weight)
-        demand[w] = WheelDemand(torque, 0.5 * moments[i], 0.5 * loads[i])
-        slip[w] = _next_slip(run, w, tyre, demand[w], old)
-        force[w] = demand[w].load * tyre.force(slip[w])
-        used[w] = tyre.used(slip[w])
+        load[w] = 0.5 * loads[i]
+        slip[w] = _next_slip(run, w, T_b + 0.5 * moments[i], load[w], old)
+        grip, _, used[w] = rising_branch(model.tyre, slip[w], 2.0 * loads[i] / vehicle.weight)
+        force[w] = load[w] * grip
     body = total_body_force(vehicle, model.effects, motion)
     z = (run.total(force) + body) / vehicle.weight  # (5)
-    return SolverState(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
+    return SolverState(run.speed(z), z, _loads(run, z, history), slip, torque, load, force, used)
 
 
-def _next_slip(
-    run: Drive, w: str, tyre: RisingTyre, demand: WheelDemand, old: SolverState
-) -> Array:
-    """One Newton step from the ``old`` slip [1] (n,) to the one that solves (1) in all samples."""
+def _next_slip(run: Drive, w: str, moment: Array, load: Array, old: SolverState) -> Array:
+    """One Newton step from the ``old`` slip [1] (n,) to the one that solves (1) in all samples.
+
+    ``moment`` of the brake and of all else that slows the wheel [N m], ``load`` F_z [N], (n,).
+    """
     from scipy.linalg.lapack import dtbtrs
 
-    axle, slip, v, step = run.brakes.axle(w), old.slip[w], run.moving(old.v), np.diff(run.time)
+    model, axle = run.brakes.model, run.brakes.axle(w)
+    slip, v, step = old.slip[w], run.moving(old.v), np.diff(run.time)
     omega = forces.wheel_speed(axle, slip, v)
     first = -G * old.z[0] * omega[0] / v[0]  # at constant slip
     spin = np.concatenate([[first], np.diff(omega) / step])
-    residual = forces.tyre_force(axle, demand.torque, spin, demand.moment)  # (1)
-    residual = residual - demand.load * tyre.force(slip)
+    grip, slope, _ = rising_branch(model.tyre, slip, 4.0 * load / model.vehicle.weight)
+    residual = forces.tyre_force(axle, moment, spin) - load * grip  # (1)
     # d(J_w/R d omega/dt)/d lambda: omega = v (1 - lambda)/R enters its own sample and the next.
     inertia = axle.wheel_mass * v
     bands = np.zeros((2, slip.size))
-    bands[0] = demand.load * tyre.slope(slip)
+    bands[0] = load * slope
     bands[0, 1:] += inertia[1:] / step
     bands[1, :-1] = -inertia[:-1] / step
-    change, info = dtbtrs(bands, residual[:, None], uplo="L")
-    if info:
-        raise ArithmeticError(f"no slip solves sample {info - 1}")
+    change, _ = dtbtrs(bands, residual[:, None], uplo="L")
     return np.asarray(slip + change[:, 0])
 
 

@@ -11,7 +11,7 @@ from calib.car.effects.effects import Effects
 from calib.car.history import constant_speed
 from calib.car.model import default_model
 from calib.car.tyre import MagicFormula
-from calib.model.solver import Drive, RisingTyre, end_of, history_of, solve
+from calib.model.solver import Drive, end_of, history_of, rising_branch, solve
 from tests.support.effect_runs import SEDAN
 
 TIME = np.arange(801) / 200.0
@@ -70,12 +70,12 @@ TYRE = MagicFormula(25.0, 0.9, load_exponent=0.1)
 
 
 def test_beyond_the_edge_the_force_goes_on_rising_without_a_step():
-    tyre = RisingTyre(TYRE, np.ones(1))
-    edge = float(tyre.edge[0])
+    edge = float(TYRE.slip_at(0.999))
     around = np.array([edge * (1 - 1e-9), edge * (1 + 1e-9)])
-    low, high = RisingTyre(TYRE, np.ones(2)).force(around)
+    (low, high), _, (inside, outside) = rising_branch(TYRE, around, np.ones(2))
     assert high == pytest.approx(low, abs=1e-9)
-    far = RisingTyre(TYRE, np.ones(50)).force(np.linspace(-3.0 * edge, 3.0 * edge, 50))
+    assert inside < 1.0 < outside
+    far, slope, _ = rising_branch(TYRE, np.linspace(-3.0 * edge, 3.0 * edge, 50), np.ones(50))
     assert np.all(np.diff(far) > 0.0)
-    assert tyre.used(np.array([1.01 * edge]))[0] > 1.0
+    assert np.all(slope > 0.0)
     assert TYRE.peak - TYRE.force(np.array([edge]))[0] < 2e-6 * TYRE.peak
