@@ -14,8 +14,8 @@ from cli.outputs import writing
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
 
-SPEED, RATE = 120 / 3.6, 200.0
-"""First speed of a manoeuvre [m/s] and its samples per second, where none is given."""
+SPEED = 120 / 3.6
+"""First speed of a manoeuvre [m/s] where none is given."""
 
 
 def _quantity(si: str, text: str) -> Any:
@@ -41,8 +41,6 @@ def simulate(
         "m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'
     ),
     pressure: float | None = _quantity("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
-    duration: float | None = _quantity("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
-    rate: float | None = option(f"Samples per second of the manoeuvre, {RATE:g}."),
     noise: int | None = option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0),
     channel_map: "ChannelMap | None" = options.channel_map(
         setting="map", when=lambda given: given["log"] is not None
@@ -66,15 +64,15 @@ def simulate(
 
     car = with_own(vehicle, effect)
     driven = read_model(model, car) if model else default_model(car)
-    if log is not None and not speed is pressure is duration is rate is None:
-        raise misuse("only with --manoeuvre", "--speed, --pressure, --duration, --rate")
+    if log is not None and not speed is pressure is None:
+        raise misuse("only with --manoeuvre", "--speed, --pressure")
     if log is not None and manoeuvre is None:
         say(f"replaying the pressure of {log} with {car.name}")
         driven_log = replay(driven, read(log, channel_map, require=("time", "p_mc")))
     elif manoeuvre is not None and log is None:
         speed = speed or SPEED
         with at_option("--manoeuvre", ModelError):
-            time, trace = make_trace(manoeuvre, speed, pressure, rate or RATE, duration)
+            time, trace = make_trace(manoeuvre, pressure)
         say(f"driving a {manoeuvre} with {car.name} from {speed:.1f} m/s")
         driven_log = drive(driven, time, trace, speed, name=manoeuvre)
     else:

@@ -20,7 +20,7 @@ from calib.base.bounded import EFFECT, bytes_of
 from calib.base.errors import ModelError
 from calib.base.names import WHEELS, G
 from calib.car.effects.catalogue import CATALOGUE, OwnEffect
-from calib.car.effects.effect import Effect
+from calib.car.effects.effect import Card, Effect
 from calib.car.forces import axle_loads
 from calib.car.history import Motion, constant_speed
 from calib.car.vehicle import Axle, Vehicle
@@ -39,7 +39,7 @@ def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
 def _read(path: Path) -> OwnEffect:
     source = bytes_of(path, EFFECT, ModelError, "a Python file")
     effect = _executed(source, str(path)).get("EFFECT")
-    if not isinstance(effect, Effect):
+    if not (isinstance(effect, Effect) and isinstance(effect.card, Card)):
         raise ModelError(
             f"EFFECT is {effect!r}",
             where=path,
@@ -59,16 +59,8 @@ def _executed(source: bytes, path: str) -> dict[str, Any]:
     """The names that a file defines. What it prints goes to stderr."""
     names: dict[str, Any] = {"__name__": "own_effect", "__file__": path}
     try:
-        code = compile(source, path, "exec", dont_inherit=True)
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as cause:
-        line = getattr(cause, "lineno", None)
-        raise ModelError(
-            f"not Python: {getattr(cause, 'msg', cause)}",
-            where=f"{path}:{line}" if line else path,
-        ) from cause
-    try:
         with redirect_stdout(sys.stderr):
-            exec(code, names)
+            exec(compile(source, path, "exec", dont_inherit=True), names)
     except (Exception, SystemExit) as cause:
         raise _raised(cause, path) from cause
     return names
@@ -77,8 +69,9 @@ def _executed(source: bytes, path: str) -> dict[str, Any]:
 def _raised(cause: BaseException, path: str, prefix: str = "") -> ModelError:
     """The error for an exception in a file of the user, with the line of that file."""
     lines = [f.lineno for f in traceback.extract_tb(cause.__traceback__) if f.filename == path]
-    text = f"{prefix}{type(cause).__name__}: {cause}".strip(": ")
-    return ModelError(text, where=f"{path}:{lines[-1]}" if lines else path)
+    line = lines[-1] if lines else getattr(cause, "lineno", None)
+    text = f"{prefix}{type(cause).__name__}: {getattr(cause, 'msg', cause)}".strip(": ")
+    return ModelError(text, where=f"{path}:{line}" if line else path)
 
 
 def checked(effect: Effect, path: str) -> Effect:

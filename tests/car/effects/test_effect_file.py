@@ -66,7 +66,7 @@ def test_a_function_that_goes_wrong_is_told_with_its_line(tmp_path, body, said):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("EFFECT = ", "EFFECT = ((", "mine.py:7: not Python"),
+        ("EFFECT = ", "EFFECT = ((", "mine.py:7: SyntaxError"),
         ("EFFECT = Effect(", "EFFECT = 7\nMINE = Effect(", "EFFECT is 7"),
         ("import numpy as np", "raise SystemExit(0)", "mine.py:1: SystemExit"),
         ('name="rear_retarder"', 'name="hydraulic_lag"', "'hydraulic_lag'"),
