@@ -74,9 +74,9 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
     bonferroni = np.where(np.isfinite(p), metrics * p, np.inf)
     least_p = bonferroni.min(axis=0, initial=np.inf)
     p_of_car = np.where(np.isfinite(least_p), np.minimum(least_p, 1.0), np.nan)
-    known = np.isfinite(p_of_car)
-    cars = known.copy()
-    cars[known] = false_discovery_control(p_of_car[known]) <= _SHARE
+    is_judged = np.isfinite(p_of_car)
+    cars = is_judged.copy()
+    cars[is_judged] = false_discovery_control(p_of_car[is_judged]) <= _SHARE
     limit = max(_REASON, float(p_of_car[cars].max(initial=0.0)))
     return OutlierTest(p, cars & (bonferroni <= limit), p_of_car)
 
