@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from calib.car.balance import friction_used, front_share
-from calib.car.forces import speed_ratio
+from calib.car.balance import front_share
+from calib.car.forces import axle_loads, speed_ratio
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.estimation.baselines import METHODS, gain, gradient
@@ -57,19 +57,26 @@ _STEP, _PRESSURE, _DT = -0.1, 20e5, 0.005
 """Change of the pads [1] to which the law answers, its pressure [Pa], time of a step [s]."""
 
 
+def friction_used(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Friction [1] that the front and the rear axle of the car use at z, by (6) and (7)."""
+    share, (front, rear) = front_share(CAR, 0.0), axle_loads(CAR, z)
+    force = z * CAR.weight
+    return share * force / front, (1.0 - share) * force / rear
+
+
 def eta_over(z: np.ndarray, stiffness: float, peak: float) -> np.ndarray:
     """Eta - 1 [1] of the reference car with nominal pads; NaN within 5 % of a tyre's peak."""
     slip = np.linspace(0.0, 0.1, 4000)
     force = MagicFormula(stiffness, peak).force(slip)
     rising = slice(np.searchsorted(force, 0.95 * peak))
-    slips = (np.interp(F, force[rising], slip[rising], right=np.nan) for F in friction_used(CAR, z))
+    slips = (np.interp(F, force[rising], slip[rising], right=np.nan) for F in friction_used(z))
     return speed_ratio(*slips) - 1.0
 
 
 def forces() -> Sheet:
     """Force over load of both axles, and the eta that they make."""
     z = np.linspace(0.0, 0.7, 200)
-    front, rear = friction_used(CAR, z)
+    front, rear = friction_used(z)
     of_eta = [
         Line(z, 100.0 * eta_over(z, *tyre), look, name) for name, (tyre, look) in ROADS.items()
     ]
@@ -121,7 +128,7 @@ def roads() -> Sheet:
         for x in (by_law, ecu.value, ecu.lower, ecu.upper)
     )
     z = np.linspace(0.0, 0.32, 100)
-    on_tile = np.subtract(*friction_used(CAR, z))
+    on_tile = np.subtract(*friction_used(z))
     return Sheet("theory", "roads", (
         Panel("D", "The curve is that of one road", ETA, "D = F_f - F_r [1]", [
             Line(100.0 * (curve.eta - 1.0), curve.D, BODY, "table, dry asphalt",
