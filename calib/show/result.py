@@ -6,14 +6,13 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
 from calib.base.errors import InputError
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.results import SUMMARY
 from calib.estimation.validate import NONE
+from calib.logs.parquet import numbers
 from calib.show.judged import verdict_words
 from calib.show.torque import ENDS
 from calib.store.evidence import CONSISTENT
@@ -73,8 +72,8 @@ def read_result(path: Path) -> StoredResult:
                 where=path,
                 expected="a result of `brake-cal validate --out`",
             )
-        values = {name: np.asarray(columns[name].to_numpy(), dtype=float) for name in COLUMNS}
-        best, ecu = (np.asarray(columns[x].to_numpy(zero_copy_only=False), bool) for x in _VALID)
+        values = {name: numbers(columns[name]) for name in COLUMNS}
+        best, ecu = (numbers(columns[name]) > 0.0 for name in _VALID)
     except (OSError, ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
     digest = hashlib.sha256(data).hexdigest()

@@ -155,12 +155,12 @@ def save(pages: dict[Path, list[Figure]], step: Callable[[], None] = lambda: Non
     KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
     written.
     """
-    from matplotlib.backends.backend_pdf import PdfPages
-
     ready = {}
     for path, figures in pages.items():
         ending, buffer = path.suffix.lower(), io.BytesIO()
         if ending == ".pdf":
+            from matplotlib.backends.backend_pdf import PdfPages
+
             with styled(), PdfPages(buffer, metadata=_METADATA[ending]) as book:
                 for figure in figures:
                     figure.savefig(book, format="pdf")

@@ -24,6 +24,7 @@ from calib.base.digest import content_digest, sha256
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.shown import Shown
 from calib.base.write import sync
+from calib.logs.parquet import numbers
 from calib.store.folders import RECORD
 from calib.store.journal import CRLF, JOURNAL
 from calib.store.state import NOT_STORED, OUTSIDE, UNJUDGED, VersionState
@@ -155,7 +156,7 @@ def _read_curve(data: bytes) -> dict[str, Array]:
     except (pa.ArrowException, OSError) as error:
         raise ValueError(str(error)) from error
     columns = zip(table.column_names, table.columns, strict=True)
-    return {name: np.asarray(column.to_numpy(), dtype=np.float64) for name, column in columns}
+    return {name: numbers(column) for name, column in columns}
 
 
 def _content(
