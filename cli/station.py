@@ -168,6 +168,7 @@ def limits(
 @command(
     "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
     "brake-cal repeatability --plan plan.csv --metric pad_scale --limits gauge.toml",
+    report=True,
 )
 def repeatability(
     *,

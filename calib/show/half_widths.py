@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from calib.plan.achieved import Achieved
 from calib.show.facts import Facts, Table
 
-WIDTH_HEADS = ("torque known to (95 %)", "front [%]", "rear [%]", "total [%]")
+WIDTH_HEADS = ("after", "front ± [%]", "rear ± [%]", "total ± [%]")
+WIDTHS = "Brake torque is known to so many per cent (95 %)."
 
 
 def width_cells(widths: Sequence[float], none: str = "not known") -> tuple[str, ...]:
@@ -17,5 +18,5 @@ def achieved_facts(result: Achieved) -> Facts:
     """Planned against achieved."""
     rows = [("planned", *width_cells(result.planned)), ("achieved", *width_cells(result.achieved))]
     word = "as planned" if result.reached else "wider than planned"
-    table = Table(WIDTH_HEADS, rows)
+    table = Table(WIDTH_HEADS, rows, WIDTHS)
     return Facts("Planned and achieved", word, tables=[table], notes=result.reasons)

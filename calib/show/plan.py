@@ -5,7 +5,7 @@ from calib.base.units import BAR
 from calib.plan.measure import pressure_trace
 from calib.plan.search import Plan, Step
 from calib.show.facts import DIR, FAILED, PASSED, UNJUDGED, Facts, Table
-from calib.show.half_widths import WIDTH_HEADS, width_cells
+from calib.show.half_widths import WIDTH_HEADS, WIDTHS, width_cells
 
 
 def plan_facts(plan: Plan) -> Facts:
@@ -26,7 +26,7 @@ def plan_facts(plan: Plan) -> Facts:
         verdict=(PASSED if met else FAILED) if wanted else UNJUDGED,
         word=("Enough" if met else "Not enough") if wanted else "Planned",
         headline=f"{widths} after {plan.seconds:.0f}{NBSP}s",
-        tables=[Table(WIDTH_HEADS, [row for row in rows if row[1:]])],
+        tables=[Table(WIDTH_HEADS, [row for row in rows if row[1:]], WIDTHS)],
         notes=_notes(plan),
         next=f"brake-cal fit LOG... --vehicle V.toml --plan {DIR}/plan.json",
         parts=[_card(plan, step, i) for i, step in enumerate(plan.steps, 1)],
@@ -36,7 +36,8 @@ def plan_facts(plan: Plan) -> Facts:
 def _notes(plan: Plan) -> list[str]:
     texts = ", ".join(measure.text for measure in plan.not_worth)
     notes = [f"Not worth driving in addition: {texts}."] if texts else []
-    return notes + [f"Not possible here: {x}." for x in dict.fromkeys(plan.impossible.values())]
+    reasons = "; ".join(dict.fromkeys(plan.impossible.values()))
+    return notes + [f"Not possible here: {reasons}."] * bool(reasons)
 
 
 def _card(plan: Plan, step: Step, number: int) -> Facts:

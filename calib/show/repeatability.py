@@ -1,28 +1,25 @@
-"""A gauge study: the causes of scatter as a table, and the values of its ramps as a picture.
+"""A gauge study: its verdicts, the causes of scatter, and the values of the ramps as a picture.
 
 value |  .  o             one column a car, one mark a station, a line at the car's mean
 """
+
+from functools import partial
 
 import numpy as np
 
 from calib.base.plain import plain
 from calib.line.gauge.gauge_rr import CAR, REPEATABILITY, REPRODUCIBILITY
 from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
-from calib.show.facts import FAILED, PASSED, UNJUDGED, WORDS, Facts, Table
+from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, WORDS, Facts, Picture, Table
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, WHEEL_STROKES, as_text, dots
+from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, REAR, as_text, dots, names_below
 
-_SHOWN = 5
-"""Broken metrics in the head of the answer; all are in the details."""
-_HEADS = (
-    *("metric", "repeatability", "reproducibility", "cars"),
-    *("%GRR", "95 %", "ndc", "of tolerance", "verdict"),
-)
-_CAPTION = "Repeatability, reproducibility and cars: standard deviations [1]."
-_COLOURS, _MARKS = [*WHEEL_STROKES.values()], "osD^vPX"
-_NAMED = 12
-"""More cars than these have numbers instead of names."""
+_CAUSES = (REPEATABILITY, REPRODUCIBILITY, CAR)
+_COLOURS = {GaugeVerdict.GOOD: PASSED, GaugeVerdict.MARGINAL: WARNING, GaugeVerdict.BAD: FAILED}
+_SD = "Standard deviations of repeats, of stations with their cars, and of the cars."
+_DRAWN = "Points are single ramps, a line is the mean of a car."
+_STATIONS, _MARKS = (FRONT, REAR, IDENTIFIED, NOMINAL), "osD^vPX"
 
 
 def gauge_facts(study: GaugeStudy) -> Facts:
@@ -31,84 +28,83 @@ def gauge_facts(study: GaugeStudy) -> Facts:
     within = sum(one.verdict not in REFUSED for one in judged)
     sentences = [f"{within} of {len(judged)} metrics within the limits"]
     for verdict in REFUSED:
-        bad = [one.name for one in judged if one.verdict == verdict]
+        bad = [plain(one.name).name for one in judged if one.verdict == verdict]
         sentences += [f"{verdict}: {', '.join(bad)}"] if bad else []
     if not judged:
         sentences = ["none of the metrics could be judged: their repeats do not scatter"]
-    rows = [(one.name, *_cells(one), one.verdict) for one in study.results]
-    worst = [(row[0], row[4], row[6], row[8]) for row in rows if row[8] in REFUSED]
-    negative = [
-        f"{one.name}: variances that came out negative count as zero: {', '.join(names)}"
-        for one in study.results
-        if one.gauge and (names := one.gauge.negative)
-    ]
     # cars that are alike show nothing of a gauge, good or bad
     failed = any(one.verdict == GaugeVerdict.BAD for one in judged)
     outcome = FAILED if failed else PASSED if judged and study.passed else UNJUDGED
-    word = WORDS.get(outcome, "Cannot tell" if judged else "Not judged")
-    table, notes = Table(_HEADS, rows, _CAPTION), [*negative, *study.notes]
+    heads = ("metric", "%GRR", "95 %", "ndc", "of tolerance [%]", "verdict")
+    causes = ("metric", "repeatability", "reproducibility", "cars")
+    verdicts = [_COLOURS.get(one.verdict, "") for one in study.results]
     return Facts(
         "Gauge study",
         headline="; ".join(sentences),
         verdict=outcome,
-        word=word,
-        tables=[Table(("metric", "%GRR", "ndc", "verdict"), worst[:_SHOWN])],
-        parts=[Facts("All metrics", tables=[table], notes=notes)],
-    )
+        word=WORDS.get(outcome, "Cannot tell" if judged else "Not judged"),
+        tables=[Table(heads, [*map(_shares, study.results)], verdicts=verdicts)],
+        notes=study.notes,
+        parts=[
+            Facts("The ramps", pictures=[Picture(_DRAWN, partial(gauge_sheet, study))]),
+            Facts("Where the scatter comes from",
+                  tables=[Table(causes, [*map(_deviations, study.results)], _SD)]),
+        ],
+    )  # fmt: skip
 
 
-def _cells(result: GaugeResult) -> tuple[str, ...]:
-    g = result.gauge
-    if g is None:
-        return ("-",) * 7
-    names = (REPEATABILITY, REPRODUCIBILITY, CAR)
-    sds = [f"{g.components[name].sd:.3g}" if name in g.components else "-" for name in names]
-    of_tolerance = "-" if g.grr_of_tolerance is None else f"{100.0 * g.grr_of_tolerance.value:.1f}"
-    if not g.cars_differ:
-        return *sds, "-", "-", "-", of_tolerance
-    low, high = (100.0 * end for end in g.grr.ci95)
-    share = (f"{100.0 * g.grr.value:.1f}", f"{low:.0f} to {high:.0f}", str(g.ndc.value))
-    return *sds, *share, of_tolerance
+def _shares(result: GaugeResult) -> tuple[str, ...]:
+    """%GRR of the cars with its interval, ndc, %GRR of the tolerance; "" where not known."""
+    g, shares, of_tolerance = result.gauge, ("", "", ""), ""
+    if g and g.cars_differ:
+        low, high = (100.0 * end for end in g.grr.ci95)
+        shares = f"{100.0 * g.grr.value:.1f}", f"{low:.0f} to {high:.0f}", str(g.ndc.value)
+    if g and g.grr_of_tolerance:
+        of_tolerance = f"{100.0 * g.grr_of_tolerance.value:.1f}"
+    return plain(result.name).name, *shares, of_tolerance, result.verdict
+
+
+def _deviations(result: GaugeResult) -> tuple[str, ...]:
+    components, shown = result.gauge.components if result.gauge else {}, plain(result.name)
+    deviations = {name: f"{shown.factor * one.sd:.3g}" for name, one in components.items()}
+    return shown.heading, *(deviations.get(name, "") for name in _CAUSES)
 
 
 def gauge_sheet(study: GaugeStudy) -> Sheet:
-    """The sheet of a gauge study: the first metric, and those that are not good enough."""
-    first, *others = study.results
-    drawn = [first, *(one for one in others if one.verdict == GaugeVerdict.BAD)]
+    """The sheet of a gauge study, a panel for each metric."""
     summary = gauge_facts(study)
     stations = f", {len(study.stations)} stations" if study.stations else ""
-    notes = ["Points are single ramps, a line is the mean of a car", *study.notes]
     return Sheet(
         kind="repeatability",
         name="repeatability",
-        panels=tuple(_panel(study, one) for one in drawn),
+        panels=tuple(_panel(study, one) for one in study.results),
         title=f"Gauge study: {len(study.cars)} cars{stations}, {len(study.readings)} ramps",
-        note=". ".join(notes) + ".",
+        note=_DRAWN,
         result=f"{summary.word}: {summary.headline}",
     )
 
 
 def _panel(study: GaugeStudy, result: GaugeResult) -> Panel:
     """Values of a metric: one column a car, its stations side by side."""
-    cars, stations, metric = study.cars, study.stations or ("",), plain(result.name)
+    cars, stations, shown = study.cars, study.stations or ("",), plain(result.name)
     x = np.array([float(cars.index(r.car)) for r in study.readings])
-    y = metric.factor * result.values
+    y = shown.factor * result.values
     lines = []
     for k, station in enumerate(stations):
         of_station = np.array([r.station == station for r in study.readings])
         aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
-        look = dots(_COLOURS[k % len(_COLOURS)], 3.2, _MARKS[k % len(_MARKS)], alpha=0.8)
+        look = dots(_STATIONS[k % len(_STATIONS)], 3.2, _MARKS[k % len(_MARKS)])
         lines.append(Line(x[of_station] + aside, y[of_station], look, as_text(station)))
     lines += [
         Line([i - 0.35, i + 0.35], [float(np.mean(y[x == i]))] * 2, BODY) for i in range(len(cars))
     ]
     return Panel(
         f"{result.name}-values",
-        f"{as_text(metric.name.replace('_', ' '))}: {result.verdict}",
+        f"{as_text(shown.name)}: {result.verdict}",
         "car, in order of its name",
-        f"value [{metric.unit or 1}]",
+        f"value [{shown.unit or 1}]",
         lines,
         xlim=(-0.6, len(cars) - 0.4),
-        xticks=[as_text(car) for car in cars] if len(cars) <= _NAMED else (),
+        xticks=names_below(cars),
         columns=4,
     )

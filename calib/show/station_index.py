@@ -24,14 +24,12 @@ from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Tab
 from calib.show.html import page_of
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import FRONT, NOMINAL, as_text, reach
+from calib.show.style import FRONT, NOMINAL, as_text, names_below, reach
 
 _LAST = 30
 """Runs that are shown in full, failed ones on top; the others are in a table below."""
 _DRAWN, _TITLE = 200, 50
 """Runs in a trend, the last of them; letters of a title that have room above a panel."""
-_NAMED, _LETTERS = 8, 9
-"""Cars that have room for their names below the axis, and letters of a line of a name."""
 _AROUND = np.array([0.85, 1.15])
 """Least range of an axis without limits, over the median."""
 _EVERY = 10
@@ -96,10 +94,9 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
         points = Line(x, y, {**FRONT, "marker": "."})
         limits = [Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends]
         title, unit = textwrap.fill(as_text(title), _TITLE), as_text(f"[{shown.unit or '1'}]")
-        cars = [textwrap.fill(as_text(car), _LETTERS) for _, car in values]
         panels.append(
             Panel(key, title, "car, the last on the right", unit, [points, *limits],
-                  xlim=(-0.5, x.size - 0.5), xticks=cars if len(cars) <= _NAMED else (),
+                  xlim=(-0.5, x.size - 0.5), xticks=names_below([car for _, car in values]),
                   ylim=reach(y, np.array(ends), *([] if ends else [np.median(y) * _AROUND])))
         )  # fmt: skip
     caption = f"Brakes and zero of the ramp, of the last {_DRAWN} cars at most; grey: the limits."

@@ -4,7 +4,8 @@ Colours are those of Okabe and Ito, which colour-blind readers can distinguish; 
 differs as well, for prints in grey.
 """
 
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -147,6 +148,18 @@ def envelope(y: Array, parts: int) -> Index:
     highest = np.argmax(high.reshape(parts, width), axis=1)
     points = np.sort([lowest, highest], axis=0) + width * np.arange(parts)
     return np.minimum(points.T.ravel(), y.size - 1)
+
+
+def names_below(names: Sequence[str]) -> list[str]:
+    """Names as they fit below the axis of a small panel, in short lines; none if they are many."""
+    if len(names) > _NAMED:
+        return []
+    letters = _LETTERS // len(names) - 1 if names else 0
+    return [textwrap.fill(as_text(name), letters) for name in names]
+
+
+_NAMED, _LETTERS = 8, 56
+"""Most names below an axis, and letters of all of them side by side."""
 
 
 def as_text(name: str) -> str:

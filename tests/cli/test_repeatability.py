@@ -28,12 +28,14 @@ def ramps(tmp_path_factory):
 
 def test_a_study(brake_cal, ramps, tmp_path):
     out = tmp_path / "gauge"
+    page = tmp_path / "page.html"
     ran = brake_cal("repeatability", "--plan", ramps / "plan.csv", "--vehicle", VEHICLE,
-                    "--metric", "pad_scale", "--out", out, "--json")  # fmt: skip
+                    "--metric", "pad_scale", "--out", out, "--report", page, "--json")  # fmt: skip
     assert ran.code == 0, ran.err
     told = parsed(ran)
     assert told == json.loads((out / "repeatability.json").read_text())
     assert (out / "repeatability.png").read_bytes().startswith(b"\x89PNG")
+    assert page.read_text().count("<img") == 1
     assert missing_and_unknown("repeatability-json", told) == []
     found = told["quantities"]["pad_scale"]
     # the cars differ by 0.0636 in friction, sd, which is 0.167 of the nominal 0.38
