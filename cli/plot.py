@@ -44,9 +44,9 @@ def plot(
     all pages, of PNG and SVG there is one file per page; without --out they are PNG files in this
     directory, named after their content.
 
-    Panels for --figure, of a table: f1-f2, map, map-band, tyre, posterior, pairs, and forces of a
-    ramp. Of a stop or a result: axle-torques, pads, normalised-forces, slip, and map of a stop. Of
-    a log: eta, and its channels: omega, p_mc, ...
+    Panels for --figure, of a table: f1-f2, map, map-band, tyre, posterior, pairs. Of a stop or a
+    result: axle-torques, pads, normalised-forces, slip, and map of a stop. Of a log: eta, and its
+    channels: omega, p_mc, ...
     """
     from calib.show.choose import sheet_facts, sheets
     from calib.show.stop import of_result

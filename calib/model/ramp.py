@@ -74,7 +74,7 @@ _ZEROED = 3.0
 class RampRun:
     """One ramp, ready to fit: blocks, what they say, and what is known beforehand. SI, shapes (k,).
 
-    ``load_f``, ``load_r`` axle loads [N]; ``drag_f``, ``drag_r`` what slows the wheels besides
+    ``load_f`` front axle load [N]; ``drag_f``, ``drag_r`` what slows the wheels besides
     the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
@@ -86,7 +86,6 @@ class RampRun:
     blocks: Blocks
     noise: SensorNoise
     load_f: Array
-    load_r: Array
     drag_f: Array
     drag_r: Array
     brake_sum: Array
@@ -194,7 +193,6 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         blocks=b,
         noise=noise,
         load_f=load_f,
-        load_r=np.where(stands, forces.load_r, np.nan),
         drag_f=forces.drag_f,
         drag_r=forces.drag_r,
         brake_sum=forces.demanded,
@@ -229,14 +227,3 @@ def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> 
     biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
     p_f, p_r = (p * (biting & (run.only in (None, a))) for a, p in (("f", b.p_f), ("r", b.p_r)))
     return brake_forces(vehicle, p_f, p_r, log_ratio)
-
-
-def normalised_forces(
-    vehicle: Vehicle, run: RampRun, log_ratio: Array | float
-) -> tuple[Array, Array, float]:
-    """F_f, F_r [1] of the blocks from pressure, and the pad scale, at a pad ratio."""
-    B_f, B_r = nominal_forces(vehicle, run, log_ratio)
-    scale = pad_scale(run, B_f, B_r)
-    F_f = (scale * B_f + run.drag_f) / run.load_f
-    F_r = (scale * B_r + run.drag_r) / run.load_r
-    return F_f, F_r, scale

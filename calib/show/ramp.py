@@ -1,4 +1,4 @@
-"""The ramp of a calibration: forces (Fig. 5), and points for Fig. 6.
+"""The ramps of a calibration as points for Fig. 6.
 
 The curves of a table over eta are those of a car without air drag, grade and rolling resistance. So
 are the points that are compared with them:
@@ -16,11 +16,11 @@ from calib.car.braking import BITE
 from calib.car.forces import paper_curves, speed_ratio
 from calib.fitting.ensemble import ensemble_of, loaded_tyres, predict_slips, wheel_slips
 from calib.logs.log import Log
-from calib.model.ramp import nominal_forces, normalised_forces, prepare
+from calib.model.ramp import nominal_forces, pad_scale, prepare
 from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
-from calib.show.panel import Line, Panel
-from calib.show.style import BODY, FRONT, MEAN, REAR, Array, Mask, Stroke
+from calib.show.panel import Line
+from calib.show.style import REAR, Array, Mask, Stroke
 from calib.table.table import Table
 
 _GROUP = 5
@@ -29,18 +29,12 @@ _GROUP = 5
 
 @dataclass(frozen=True)
 class MeasuredRamp:
-    """A ramp in blocks, shapes (k,).
+    """A ramp in blocks, as the table has it, without resistance. Shapes (k,), all [1].
 
-    As driven: ``time`` [s], ``z`` [1], ``F_f``, ``F_r`` normalised forces by pressure and pads [1].
-    As the table has it, without resistance: ``eta``, ``f1``, ``f2`` [1], NaN where nothing brakes.
-    ``braked`` blocks with enough pressure; ``is_two_axles`` whether both axles brake.
+    ``eta``, ``f1``, ``f2`` are NaN where nothing brakes. ``braked`` blocks with enough pressure;
+    ``is_two_axles`` whether both axles brake.
     """
 
-    name: str
-    time: Array
-    z: Array
-    F_f: Array
-    F_r: Array
     eta: Array
     f1: Array
     f2: Array
@@ -58,8 +52,8 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     sensor = read.accelerometer(identify_resistance(car, ()))
     run = prepare(read, table.effects.with_(car.effects), sensor)
     b = run.blocks
-    F_f, F_r, scale = normalised_forces(car, run, table.calibration.pad_log_ratio.value)
-    brake = scale * np.add(*nominal_forces(car, run, table.calibration.pad_log_ratio.value))
+    nominal = nominal_forces(car, run, table.calibration.pad_log_ratio.value)
+    brake = pad_scale(run, *nominal) * np.add(*nominal)
     # the shape discrepancy of a tyre acts alike with resistance and without
     e = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
     log_ratio, share = e.log_pad_ratio[:, None] + run.log_odds(b.p_f, b.p_r), brake / car.weight
@@ -76,11 +70,6 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     D = np.where(brake > 0.0, np.median(np.subtract(*curves.forces), axis=0), np.nan)
     f1, f2 = paper_curves(car, z_free, D)
     return MeasuredRamp(
-        name=log.name,
-        time=b.end,
-        z=read.blocks.z,
-        F_f=F_f,
-        F_r=F_r,
         eta=b.eta / zero / eta_model * curves.eta,
         f1=f1,
         f2=f2,
@@ -97,14 +86,3 @@ def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = 
     marker = "^" if stroke is REAR else "o"
     look = {"linestyle": "", "mfc": "white", "ms": 3.4, "mew": 0.8, "zorder": 3}
     return Line(means[0], means[1], {"color": stroke["color"], "marker": marker, **look}, label)
-
-
-def panel(ramp: MeasuredRamp, name: str) -> Panel:
-    """Fig. 5: the forces of a ramp over time; z lies between them, up to the drag of the air."""
-    lines = (
-        Line(ramp.time, ramp.F_f, FRONT, "front", mean=MEAN),
-        Line(ramp.time, ramp.F_r, REAR, "rear", mean=MEAN),
-        Line(ramp.time, ramp.z, BODY, "deceleration over g", mean=MEAN),
-    )
-    title = f"Force over load in {ramp.name} (Fig. 5)"
-    return Panel(name, title, "time [s]", "force over load [1]", lines)

@@ -1,6 +1,6 @@
 """A table on a page: f1 and f2 (Fig. 6), its map of the pads, its tyre (Fig. 3), its posterior.
 
-With the ramps it was made of, their measured points are drawn too, and Fig. 5.
+With the ramps it was made of, their measured points are drawn too.
 """
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from calib.show.map import map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.posterior import forest, pairs
-from calib.show.ramp import MeasuredRamp, panel, points
+from calib.show.ramp import MeasuredRamp, points
 from calib.show.sheet import Sheet
 from calib.show.style import (
     BODY,
@@ -36,15 +36,13 @@ _MARKED = 0.1
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
-    numbers = [""] if len(ramps) == 1 else [f"-{i}" for i in range(1, len(ramps) + 1)]
-    of_ramps = [panel(one, f"forces{x}") for one, x in zip(ramps, numbers, strict=True)]
     (front, rear), pads = per_bar(table), " and ".join(ramp_pads(table))
     return Sheet(
         kind="table",
         name=name,
         panels=(
             *(_curves(table, ramps), _tyre(table), *map_panels(table)),
-            *(forest(table), pairs(table), *of_ramps),
+            *(forest(table), pairs(table)),
         ),
         rows=(("f1-f2", "f1-f2"), ("map", "map-band"), ("tyre", "posterior")),
         heights=(1.4, 1.4, 1.2),

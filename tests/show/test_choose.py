@@ -21,8 +21,6 @@ def kinds(*given):
 def test_a_table_alone_and_with_its_parents(stored, ramp):
     assert kinds(stored, []) == [("table", stored.id)]
     assert kinds(stored, [ramp]) == [("table", stored.id)]
-    (sheet,) = sheets(stored, [ramp])
-    assert "forces" in sheet.names
     coast = read_log(SEDAN / "coast.csv")
     assert kinds(stored, (coast,)) == [("log", "coast")]
 

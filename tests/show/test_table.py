@@ -33,7 +33,6 @@ def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     assert (x[0], y[0]) == pytest.approx(
         (100.0 * (run.eta - 1.0)[first].mean(), run.f1[first].mean())
     )
-    assert line(panel(sheet, "forces"), "front")[1] is run.F_f
 
 
 def test_a_ramp_with_one_axle_is_not_drawn_over_the_curves_of_both(sedan, ramp):
