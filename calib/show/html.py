@@ -11,6 +11,8 @@ from functools import cache
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+import numpy as np
+
 from calib.base.templates import templates
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
@@ -29,18 +31,21 @@ _PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
 _PARTS = 120
 """Parts of a long line in a panel: two pixels of a screen each."""
-_UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n"
-"""Characters that need no escape in a data URI within HTML."""
+_UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n<>'"
+"""Characters that need no escape in a data URI within double quotes."""
 _UNSEEN = re.compile(
-    r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)"
+    r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)|font-family: 'DejaVu Sans'; ?"
     r"| id=\"[a-z2]+_\d+\"| transform=\"rotate\(-0 [^\"]*\"",
     re.DOTALL,
 )
-"""Parts of an SVG that show nothing: prologue, metadata, comments, spaces, names, turns by 0."""
+"""Parts of an SVG that show nothing, and the font, which `_FONT` has once."""
+_EMPTY, _TAG = "<g></g>", re.compile("<[^<>]*>")
+_STYLE, _FONT = "<style type='text/css'>*{", "font-family: DejaVu Sans, Verdana, sans-serif; "
+"""Font of all letters, with one of its width for machines without it."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
 _STRAIGHT = re.compile(r"(?<= d=\")M(?: [-\d.]+ [-\d.]+ \n[LM])+ [-\d.]+ [-\d.]+ \n(?=z?\n?\")")
-_FONT = "'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif"
-"""Font of the letters, and the same with fonts of its width for machines without it."""
+_HALF_A_PIXEL = 1.0 / 3.0
+"""Distance [pt] by which a point of a panel may lie off its line: half a pixel of a wide screen."""
 _AGAINST = "What speaks against the result, although it is given."
 
 
@@ -102,22 +107,27 @@ class _Pictures:
 def _panel(sheet: Sheet, name: str) -> str:
     """A panel as a small SVG, since a page has many."""
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
-    svg = render(figure, ".svg", text=True).decode().replace(*_FONT)
+    svg = _UNSEEN.sub("", render(figure, ".svg", text=True).decode())
     # places are exact to a tenth of a point
-    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _UNSEEN.sub("", svg))
-    image = _STRAIGHT.sub(_from_last, short).encode()
-    return f"data:image/svg+xml,{quote(image, safe=_UNQUOTED)}"
+    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _STRAIGHT.sub(_from_last, svg))
+    short = _TAG.sub(lambda tag: tag[0].replace('"', "'"), short)
+    short = short.replace(_STYLE, _STYLE + _FONT, 1)
+    while _EMPTY in short:
+        short = short.replace(_EMPTY, "")
+    return f"data:image/svg+xml,{quote(short.encode(), safe=_UNQUOTED)}"
 
 
 def _from_last(path: re.Match[str]) -> str:
-    """A path of straight lines in relative coordinates, which is half as long."""
-    commands, last, text = path[0].split("\n"), (0, 0), ""
-    for command in filter(None, commands):
-        letter, *place = command.split()
-        x, y = (round(10.0 * float(end)) for end in place)
-        dx, dy = (f"{0.1 * way:.1f}".removesuffix(".0") for way in (x - last[0], y - last[1]))
-        text, last = f"{text}{letter.lower()}{dx}{' ' * (dy[0] != '-')}{dy}", (x, y)
-    return text
+    """A path of straight lines in relative coordinates, without points that cannot be seen."""
+    from matplotlib.path import Path
+
+    parts = (part.split() for part in re.split("[ML]", path[0])[1:])
+    line = Path(np.array([*parts], float))
+    line.should_simplify, line.simplify_threshold = True, _HALF_A_PIXEL
+    visible = np.asarray(line.cleaned(simplify=True).vertices)[:-1]
+    steps = 0.1 * np.diff(np.rint(10.0 * visible), axis=0, prepend=0.0)
+    ways = ([f"{way:.1f}".removesuffix(".0") for way in step] for step in steps if step.any())
+    return "m" + "l".join(f"{x}{' ' * (y[0] != '-')}{y}" for x, y in ways)
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:

@@ -159,7 +159,7 @@ def stops_on_map(results: Sequence[Validation]) -> Picture:
     def draw() -> Sheet:
         table = results[0].estimate.table
         places = {r.log: _of_estimate(r.estimate, None).on_map for r in results}
-        return Sheet("stops", table.name, map_panels(table, places))
+        return Sheet("stops", table.name, map_panels(table, places)[:1])
 
     return Picture("Where the stops are on the map that the ECU looks up.", draw)
 
@@ -231,15 +231,15 @@ def _torque_panel(stop: _Stop) -> Panel:
     lines, beside = list[Line](), list[Line]()
     answers = torques(stop.columns)
     for side, look, torque in zip(SIDES, (FRONT, REAR, _TOTAL), answers, strict=True):
-        low, high = (np.where(stop.valid, end / 1e3, np.nan) for end in torque[1:])
-        lines.append(
-            Line(stop.time, torque.value / 1e3, look, f"{side}, with 95 % band", (low, high))
-        )
+        ends = (np.where(stop.valid, end / 1e3, np.nan) for end in torque[1:])
+        low, high = (smooth(stop.time, end) for end in ends)
+        label = f"{side}, with 95 % band"
+        lines.append(Line(stop.time, torque.value / 1e3, look, label, (low, high), MEAN))
     for (axle, look), torque, pad in zip(_STROKES.items(), answers, stop.pads, strict=False):
         per_pad = torque.value / np.asarray(stop.columns[f"ecu_pad_friction_{axle}"])
         label = f"{AXLE_NAMES[axle]} pads {stop.source}"
         ramp_look = {**_BEFORE, "color": look["color"]}
-        beside.append(Line(stop.time, pad * per_pad / 1e3, ramp_look, label, mean=MEAN))
+        beside.append(Line(stop.time, smooth(stop.time, pad * per_pad / 1e3), ramp_look, label))
     if stop.truth:
         true = 2.0 * stop.truth.torque / 1e3
         beside += _true(stop, [*true, true.sum(axis=0)])
