@@ -24,8 +24,8 @@ EXTRA = "pages"
 """Extra of the package that brings Bokeh."""
 _PARTS = 25_000
 """Parts of an `envelope`: a line of at most 100,000 samples has all of them."""
-_HEIGHT = 300
-"""Height of a panel [px]."""
+_HEIGHT, _ROW = 270, 20
+"""Height of a panel and of each row of its legend [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
 _MARKERS = {"o": "circle", ".": "dot", "^": "triangle", "D": "diamond", "|": "cross"}
@@ -36,6 +36,8 @@ _LEGEND = {
     "background_fill_alpha": 0.0, "label_text_font_size": "11px", "glyph_width": 22,
     "glyph_height": 12, "label_height": 12, "spacing": 8, "padding": 0, "margin": 0,
 }  # fmt: skip
+_COLOURS = 64
+"""Colours of a field."""
 _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
 
 
@@ -78,34 +80,37 @@ class _Making:
 
     def __init__(self) -> None:
         self.sources: dict[int, Any] = {}
-        self.axes: dict[tuple[object, ...], tuple[Any, Any]] = {}
+        self.axes: dict[tuple[object, ...], tuple[Any, ...]] = {}
 
     def figure(self, panel: Panel) -> Any:
         """One panel with its legend, which is above the axes as on paper."""
         from bokeh.models import BoxZoomTool, PanTool, ResetTool, WheelZoomTool
         from bokeh.plotting import figure
 
-        (ends, cursor), zoom = self._axis(panel), BoxZoomTool()
+        (ends, crosshair, *cursors), zoom = self._axis(panel), BoxZoomTool()
         fig = figure(
-            height=_HEIGHT,
+            height=_HEIGHT + _ROW * (len({line.label for line in panel.lines}) // panel.columns),
             sizing_mode="stretch_width",
             title=_plain(panel.title),
             x_axis_label=_plain(panel.x),
             y_axis_label=_plain(panel.y),
             x_range=ends,
             y_range=_ends(panel.height),
-            tools=[zoom, PanTool(), WheelZoomTool(), ResetTool(), cursor],
+            tools=[zoom, PanTool(), WheelZoomTool(), ResetTool(), crosshair],
             stylesheets=[_SCROLLS],
         )
         fig.toolbar.logo, fig.toolbar.active_drag, fig.toolbar.autohide = None, zoom, True
-        if panel.field is not None:
-            _image(fig, panel, panel.field)
+        shown = [self._line(fig, line) for line in panel.lines]
         for mark in panel.marks:
             _mark(fig, mark)
-        shown = [self._line(fig, line) for line in panel.lines]
-        fig.add_tools(*(_hover(panel, shown) if panel.field is None else ()))
-        bands = [one for one in fig.renderers if one.level == "underlay"]  # first line on top
-        fig.renderers = [*reversed(bands), *(one for one in fig.renderers if one not in bands)]
+        if panel.field is not None:
+            _image(fig, panel, panel.field)
+        elif hover := _hover(panel, shown):
+            fig.add_tools(hover)
+            for cursor in cursors:
+                fig.add_layout(cursor)
+        back = [one for one in fig.renderers if one.level == "underlay"]  # first line on top
+        fig.renderers = [*reversed(back), *(one for one in fig.renderers if one not in back)]
         for text, x, y in panel.texts:
             is_right = panel.xlim is not None and x > np.mean(panel.xlim)
             side = {"text_align": "right", "x_offset": -5} if is_right else {}
@@ -121,14 +126,16 @@ class _Making:
             fig.add_layout(legend, "above")
         return fig
 
-    def _axis(self, panel: Panel) -> tuple[Any, Any]:
-        """Ends and cursor of the x axis."""
+    def _axis(self, panel: Panel) -> tuple[Any, ...]:
+        """Ends and crosshair of the x axis, and its two cursors."""
         from bokeh.models import CrosshairTool, Span
 
         key = panel.x, panel.xlim, tuple(panel.xticks)
         if key not in self.axes:
             upright = Span(dimension="height", line_color="#555555")
-            self.axes[key] = _ends(panel.xlim), CrosshairTool(overlay=upright)
+            look: dict[str, Any] = {"dimension": "height", "line_dash": "dashed", "visible": False}
+            cursors = (Span(**look, tags=["cursor"]) for _ in range(2))
+            self.axes[key] = _ends(panel.xlim), CrosshairTool(overlay=upright), *cursors
         return self.axes[key]
 
     def _columns(self, line: Line, values: Sequence[Array]) -> tuple[Any, list[str]]:
@@ -142,79 +149,82 @@ class _Making:
         source, names = self.sources[key], []
         for one in values:
             names.append(f"y{len(source.data)}")
-            source.data[names[-1]] = one[points].astype(np.float32)
+            source.data[names[-1]] = _short(one[points])
         return source, names
 
-    def _line(self, fig: Any, line: Line) -> tuple[Any, list[str], str, str]:
-        """Draw a line with its band, or its mean over measured values.
+    def _line(self, fig: Any, line: Line) -> tuple[Any, list[str]]:
+        """Draw a line with its band, and its mean over measured values, in one entry of the legend.
 
-        Returns its glyph, columns, name, and text under the cursor.
+        Returns its glyph; its name, and those of its columns: the values and their bounds.
         """
-        values, tooltip = [line.shown], "{}"
-        if line.mean:
-            values, tooltip = [np.asarray(line.y, float), line.shown], "{} (mean {})"
-        if line.band is not None:
-            low, high = (np.asarray(end, float) for end in line.band)
-            values, tooltip = [low, high, line.shown], "{2} ({0} to {1})"
-        source, names = self._columns(line, values)
-        look, xy = _look(line.look), {"x": "x", "source": source}
-        if line.band is not None:
-            fig.varea(
-                **xy, y1=names[0], y2=names[1], fill_color=pale(look["color"]), level="underlay"
-            )
-        elif line.mean:
-            fig.line(**xy, y=names[0], color=look["color"], line_alpha=RAW)
-        name, glyph = _plain(line.label), None
-        look |= {"y": names[-1]} | ({"legend_label": name} if name else {})
+        band = [np.asarray(end, float) for end in line.band or ()]
+        raw = [np.asarray(line.y, float)] if line.mean else []
+        source, columns = self._columns(line, [line.shown, *band, *raw])
+        look, name = _look(line.look), _plain(line.label)
+        more = {"source": source, **({"legend_label": name} if name else {})}
+        if band:
+            fill = {"fill_color": pale(look["color"]), "level": "underlay"}
+            fig.varea("x", *columns[1:3], **fill, **more)
+        if raw:
+            fig.line("x", columns.pop(), color=look["color"], line_alpha=RAW, **more)
+        glyph, more["name"] = None, name
         if line.look.get("linestyle", "-"):
-            glyph = fig.line(**xy, **look)
+            glyph = fig.line("x", columns[0], **look, **more)
         if "marker" in line.look:
             glyph = fig.scatter(
-                **xy,
+                "x",
+                columns[0],
                 **look,
+                **more,
                 marker=_MARKERS[line.look["marker"]],
                 size=_PIXEL * line.look.get("ms", 6.0),
                 fill_color=line.look.get("mfc", line.look["color"]),
             )
-        return glyph, names, name, tooltip.format(*(f"@{x}{{%.4g}}" for x in names))
+        return glyph, [name, *columns]
 
 
-def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str], str, str]]) -> list[Any]:
-    """Tool that shows values under the cursor, of the lines over the commonest x."""
+def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str]]]) -> Any:
+    """Tool that tells the values of the lines over the commonest x, by live.js; None for none."""
     from bokeh.models import HoverTool
 
-    named = [one for one in shown if one[0] is not None and (one[2] or len(shown) == 1)]
+    named = [(glyph, row) for glyph, row in shown if glyph and (row[0] or len(shown) == 1)]
     if not named:
-        return []
-    shared = Counter(id(glyph.data_source) for glyph, *_ in named).most_common(1)[0][0]
-    hovered = [one for one in named if id(one[0].data_source) == shared]
-    columns = ["x", *(column for _, columns, *_ in hovered for column in columns)]
-    rows = [(name or _plain(panel.y), text) for *_, name, text in hovered]
-    return [
-        HoverTool(
-            renderers=[hovered[0][0]],
-            mode="vline",
-            tooltips=[(_plain(panel.x), "@x{%.6g}"), *rows],
-            formatters={f"@{name}": "printf" for name in columns},
-            point_policy="follow_mouse",
-        )
-    ]
+        return None
+    shared = Counter(id(glyph.data_source) for glyph, _ in named).most_common(1)[0][0]
+    glyphs, rows = zip(*(one for one in named if id(one[0].data_source) == shared), strict=True)
+    tags = [[_plain(panel.x), "x"], *([row[0] or _plain(panel.y), *row[1:]] for row in rows)]
+    look = {"mode": "vline", "point_policy": "follow_mouse"}
+    return HoverTool(renderers=[glyphs[0]], tags=tags, **look)
 
 
 def _image(fig: Any, panel: Panel, field: Field) -> None:
-    """Draw a field with its scale, and its values under the cursor."""
-    from bokeh.models import HoverTool, LinearColorMapper
+    """Draw a field with its scale, its values under the cursor, and what a slider moves through."""
+    from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
     (left, right, bottom, top), (cmap, low, high) = field.ends, field.scale
-    colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, 256))]
+    colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, _COLOURS))]
     colour = LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff")
     place = {"x": left, "y": bottom, "dw": right - left, "dh": top - bottom, "level": "image"}
-    image = fig.image(image=[field.values.astype(np.float32)], color_mapper=colour, **place)
+    source = ColumnDataSource({"image": [_short(field.values)]})
+    if field.slider:
+        # one byte a place, finer than the colours
+        first, last = np.nanmin(field.slices), np.nanmax(field.slices)
+        step = (last - first) / 255.0
+        source.tags = [*field.slider, float(first), float(step)]
+        for i, one in enumerate(field.slices):
+            source.data[f"slice{i}"] = [np.nan_to_num((one - first) / step).astype("u1")]
+    image = fig.image("image", source=source, color_mapper=colour, **place)
     fig.add_layout(image.construct_color_bar(width=12), "right")
-    names = (panel.x, "$x"), (panel.y, "$y"), ("value", "@image{0.000}")
-    fig.add_tools(HoverTool(renderers=[image], tooltips=[*names]))
+    tags = ["", *map(_plain, (panel.x, panel.y)), *field.torques]
+    fig.add_tools(HoverTool(renderers=[image], tags=tags))
+
+
+def _short(values: Array) -> Array:
+    """Values to 1 part in 4,000, as the last digits are noise, and the page has to carry them."""
+    bits = values.astype(np.float32).view(np.uint32)
+    return ((bits + 0x800) & np.uint32(0xFFFFF000)).view(np.float32)
 
 
 def _mark(fig: Any, mark: Mark) -> None:

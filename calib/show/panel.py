@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.show.style import Array, Axes, Mask, Stroke, envelope, pale, reach, smooth
+from calib.show.style import Array, Axes, Stroke, envelope, pale, reach, smooth
 
 _POINTS = 72.0
 """Points to the inch."""
@@ -82,12 +82,18 @@ class Field:
     """Values (rows, columns) as colours over the whole of a panel, NaN where none is known.
 
     The title of the panel names them. ``ends`` of its axes: left, right, bottom, top; ``middle`` of
-    a scale that has one.
+    a scale that has one. ``slices`` the values at equal steps of one axis more, which only a
+    browser can show; ``slider`` its name and both ends.
+    ``torques`` of the front and the rear axle [N m] at a height of 1 if it brakes alone, and the
+    odds of front over rear where the value is 1; () for a field that has none.
     """
 
     values: Array
     ends: tuple[float, float, float, float]
     middle: float | None = None
+    slices: Sequence[Array] = ()
+    slider: tuple[str, float, float] | None = None
+    torques: tuple[float, ...] = ()
 
     @property
     def scale(self) -> tuple[str, float, float]:
@@ -122,8 +128,7 @@ class Panel:
     x, y : what is on the axes, with units.
     lines, marks : as they are drawn, the last on top.
     texts : words, each beside a point of the axes.
-    xlim, ylim : ends of the axes. ``ylim`` None: those of zero and of the means of the lines, at
-        the samples ``where`` (n,).
+    xlim, ylim : ends of the axes. ``ylim`` None: those of zero and of the means of the lines.
     xticks, yticks : words at 0, 1, 2 ... instead of numbers.
     columns : entries in a row of the legend.
     field : colours behind all, between ``xlim`` and ``ylim``.
@@ -138,7 +143,6 @@ class Panel:
     texts: Sequence[tuple[str, float, float]] = ()
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
-    where: Mask | None = None
     xticks: Sequence[str] = ()
     yticks: Sequence[str] = ()
     columns: int = 3
@@ -181,5 +185,4 @@ class Panel:
         """Ends of the y axis; None where nothing sets them."""
         if self.ylim is not None:
             return self.ylim
-        use = slice(None) if self.where is None else self.where
-        return reach(*(line.shown[use] for line in self.lines if line.mean), zero=True)
+        return reach(*(line.shown for line in self.lines if line.mean), zero=True)

@@ -1,14 +1,16 @@
 """A sheet in the browser: all samples, panels that zoom together, and no request."""
 
 import json
+import re
 
 import numpy as np
 import pytest
+from selenium.webdriver import ActionChains
 
 from calib.show.facts import Facts, Picture
 from calib.show.html import page_of
 from calib.show.interactive import drawn
-from calib.show.panel import Line, Mark, Panel
+from calib.show.panel import Field, Line, Mark, Panel
 from calib.show.sheet import Sheet
 from calib.show.style import DASHED, FRONT, REAR, as_text
 from tests.support.browser import ask, needs_browser, opened
@@ -16,6 +18,10 @@ from tests.support.browser import ask, needs_browser, opened
 TIME = np.arange(1001) / 200.0
 WAVE, BAND = np.sin(TIME), (np.sin(TIME) - 0.1, np.sin(TIME) + 0.1)
 RINGS = {"color": "#0072B2", "linestyle": "", "marker": "o"}
+SLICES = [np.full((2, 2), float(i)) for i in range(4)]
+MAP = Field(
+    np.ones((2, 2)), (0.0, 1.0, 0.0, 1.0), 1.0, SLICES, ("slip", -3.0, 3.0), (9.0, 6.0, 2.0)
+)
 NAME = as_text("</script>$$x$$ \\\\[y\\\\] &<b>")
 """A name that would end a script, begin a formula of MathJax, and be markup."""
 
@@ -38,6 +44,7 @@ def sheet():
                 Line(2.0 * TIME, 3.0 * TIME, FRONT, "curve"),
                 Line([1.0, 2.0], [1.0, 2.0], RINGS, "rings"),
             ], texts=[(NAME, 1.0, 1.0)]),
+            Panel("d", "map", "eta [%]", "z [1]", [], field=MAP, xlim=(0.0, 1.0), ylim=(0.0, 1.0)),
         ),
     )  # fmt: skip
 
@@ -51,8 +58,8 @@ def page(sheet, tmp_path_factory):
 
 def test_all_samples_of_a_line_are_in_the_page_once(sheet):
     made = drawn(sheet, sheet.names, "x")
-    assert list(made.places) == ["a", "b", "c"]
-    assert sorted(made.roots.values()) == ["x-0", "x-1", "x-2"]
+    assert list(made.places) == ["a", "b", "c", "d"]
+    assert sorted(made.roots.values()) == ["x-0", "x-1", "x-2", "x-3"]
     found = [
         value["array"]["data"]
         for value in every(json.loads(made.data))
@@ -76,7 +83,7 @@ def test_a_live_page_is_printed_as_any_other(sheet):
     facts = Facts("made", pictures=[Picture("made", lambda: sheet)])
     still, live = page_of(facts), page_of(facts, live=True)
     assert "<script" not in still
-    assert still.count("<img") == live.count('<img class="still"') == 3
+    assert still.count("<img") == live.count('<img class="still"') == 4
 
 
 @needs_browser
@@ -99,3 +106,34 @@ def test_panels_over_one_axis_zoom_together(browser, page):
     ends = ask(browser, "Bokeh.documents[0].roots().map(r => [r.x_range.start, r.x_range.end])")
     assert ends[0] == ends[1] == [2, 3]
     assert ends[2] != [2, 3]
+
+
+@needs_browser
+def test_two_taps_tell_what_is_at_both_and_the_difference(browser, page):
+    opened(browser, page)
+    panel = browser.find_elements("css selector", ".live")[0]
+    for right in (-60, 100):
+        ActionChains(browser).move_to_element_with_offset(panel, right, 20).click().perform()
+    text = ask(browser, "document.querySelector('output').innerText")
+    (a, b, b_less_a), *_, (first, last, difference) = (
+        map(float, re.findall(r"-?[\d.]+(?=$| to|,)", line)) for line in text.splitlines()
+    )
+    assert b_less_a == pytest.approx(b - a, abs=2e-3)
+    assert [first, last] == pytest.approx([np.sin(a), np.sin(b)], abs=0.02)
+    assert difference == pytest.approx(last - first, abs=2e-3)
+
+
+@needs_browser
+def test_a_slider_moves_through_the_slices_of_a_map_and_its_torques_are_told(browser, page):
+    opened(browser, page)
+    told = browser.execute_script("""
+        const input = document.querySelector("input"), fig = Bokeh.documents[0].roots()[3];
+        input.value = 1.5; input.oninput();
+        const source = fig.renderers[0].data_source, hover = fig.toolbar.tools.at(-1);
+        const place = {image_index: {flat_index: 3}, x: 0.5, y: 0.5};
+        return [[...source.get_column("image")[0]], hover.tooltips(source, place).innerText];
+    """)
+    assert told[0] == pytest.approx([2.25] * 4, abs=0.01)  # three quarters of the way from 0 to 3
+    ratio, front, rear = (float(x) for x in re.findall(r"(?:value:|front|rear) ([\d.]+)", told[1]))
+    share = 2.0 * ratio / (1.0 + 2.0 * ratio)  # at a value of 1 the front has two thirds
+    assert [front, rear] == pytest.approx([9.0 * 0.5 * share, 6.0 * 0.5 * (1.0 - share)], rel=1e-3)
