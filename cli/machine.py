@@ -93,7 +93,7 @@ def demo(
                 failed = "" if answer.passed else "FAILED: "
                 say(f"\n{step.purpose}\n  {step.line}\n  {failed}{answer.answer}")
             advance()
-    index = demo_facts(ran)
+    index = demo_facts(ran, out)
     write_file(out / INDEX, page_of(index).encode())
     answers = [vars(step) | vars(answer) for step, answer in ran.items()]
     document = {"folder": out, "index": out / INDEX, "verdict": index.verdict, "steps": answers}

@@ -3,13 +3,18 @@
 A line needs what those before it made. Answers are known, since true torques and causes are.
 """
 
+import base64
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from calib.base.plain import counted, rows
 from calib.show.facts import FAILED, PASSED, WORDS, Facts, Table
 
 INDEX = "index.html"
+_THUMBNAIL = 180
+"""Width of a picture in the index, about [px]."""
 _FOLDERS = {
     "sample_logs": "logs and vehicle files",
     "tables": "the store of the tables",
@@ -43,8 +48,8 @@ class Ran:
 STEPS = tuple(Step(**row) for row in rows("demo.csv", "calib.help"))
 
 
-def demo_facts(ran: Mapping[Step, Ran]) -> Facts:
-    """The index; its links lead from the folder of the demo."""
+def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
+    """The index; its links lead from the ``folder`` of the demo."""
     passed = sum(one.passed for one in ran.values())
     verdict = PASSED if passed == len(ran) else FAILED
     drawn = sorted((s for s in ran if s.figure), key=lambda s: int(s.figure.split()[0]))
@@ -55,16 +60,29 @@ def demo_facts(ran: Mapping[Step, Ran]) -> Facts:
         headline=f"{passed} of {counted(len(ran), 'command')} gave what was expected",
         tables=[
             _table("What was done; each command can be typed again in this folder.",
-                   {s.purpose: s for s in ran if not s.figure}, ran),
+                   {s.purpose: s for s in ran if not s.figure}, ran, folder),
             _table("The paper's figures, drawn with these cars.",
-                   {f"Fig. {s.figure}: {s.purpose}": s for s in drawn}, ran),
+                   {f"Fig. {s.figure}: {s.purpose}": s for s in drawn}, ran, folder),
             Table(("folder", "what is in it"), list(_FOLDERS.items()), links=list(_FOLDERS)),
         ],
     )  # fmt: skip
 
 
-def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran]) -> Table:
+def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], folder: Path) -> Table:
     cells = [(name, step.line, ran[step].answer) for name, step in steps.items()]
     verdicts = [PASSED if ran[step].passed else FAILED for step in steps.values()]
     links = [step.leaves if ran[step].passed else "" for step in steps.values()]
-    return Table(("step", "command", "answer"), cells, caption, verdicts, links)
+    images = [_thumbnail(folder / link) if link.endswith(".png") else "" for link in links]
+    return Table(("step", "command", "answer"), cells, caption, verdicts, links, images)
+
+
+def _thumbnail(picture: Path) -> str:
+    """A picture in small, as a data URI: means over squares of pixels."""
+    from matplotlib.image import imread, imsave
+
+    pixels, buffer = imread(picture), io.BytesIO()
+    step = max(1, pixels.shape[1] // _THUMBNAIL)
+    height, width = (step * (size // step) for size in pixels.shape[:2])
+    squares = pixels[:height, :width, :3].reshape(height // step, step, width // step, step, 3)
+    imsave(buffer, squares.mean(axis=(1, 3)), format="png")
+    return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"

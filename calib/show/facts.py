@@ -33,7 +33,7 @@ WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 class Table:
     """Cells as texts; the first cell of a row names it.
 
-    ``verdicts`` and ``links`` of the first cell have one entry a row, "" for none.
+    ``verdicts``, and ``links`` and ``images`` of the first cell have one entry a row, "" for none.
     """
 
     heads: Sequence[str]
@@ -41,6 +41,7 @@ class Table:
     caption: str = ""
     verdicts: Sequence[str] = ()
     links: Sequence[str] = ()
+    images: Sequence[str] = ()
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
