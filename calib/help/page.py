@@ -4,7 +4,6 @@ page.md --links, equations--> plain Markdown --rich--> lines of the terminal's w
 """
 
 import re
-import unicodedata
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -29,12 +28,14 @@ _OF_LATEX = (
     (r"\\tag\{([^{}]*)\}", r"      (\1)"),
     (r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
     (r"(?<![\w)])\(([\w\\]+)\)(?=/)|(?<=/)\(([\w\\]+)\)", r"\1\2"),
+    (r"\\leq", "<="),
+    (r"\\approx", "~"),
+    (r"\\to\b", "->"),
+    (r"\\quad", "  "),
+    (r"\\(left|right)\b", ""),
+    (r"\\([A-Za-z]+)", r"\1"),
 )
 """Patterns of an equation, from the inside outwards, and what they become."""
-_SIGNS = {
-    "dot": "\u0307", "hat": "\u0302", "leq": "≤", "approx": "≈", "to": "→",
-    "quad": "   ", "left": "", "right": "", "lambda": "λ",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def contents() -> dict[str, _Page]:
 
 
 def for_terminal(text: str) -> str:
-    """Markdown of a page with links to pages as commands, pictures as files, equations in letters.
+    """Markdown of a page with links as commands, pictures as files, equations without LaTeX.
 
     >>> for_terminal("$F_{zf}$ of [a ramp](ramp.md#the-drive)")
     'F_zf of a ramp (`brake-cal manual ramp`)'
@@ -89,23 +90,11 @@ def _shown(piece: re.Match[str]) -> str:
 
 
 def _plain(latex: str) -> str:
-    r"""An equation in letters and signs.
+    r"""An equation without LaTeX.
 
     >>> _plain(r"\eta = \frac{1 - \lambda_r}{1 - \lambda_f} \tag{22}")
-    'η = (1 - λ_r)/(1 - λ_f)       (22)'
+    'eta = (1 - lambda_r)/(1 - lambda_f)       (22)'
     """
     for pattern, plain in _OF_LATEX:
         latex = re.sub(pattern, plain, latex)
-    return re.sub(r"\\([A-Za-z]+)", _letter, latex)
-
-
-def _letter(command: re.Match[str]) -> str:
-    """The sign or the Greek letter of a command; the name of a function."""
-    name = command[1]
-    if name in _SIGNS:
-        return _SIGNS[name]
-    size = "CAPITAL" if name[0].isupper() else "SMALL"
-    try:
-        return unicodedata.lookup(f"GREEK {size} LETTER {name}")
-    except KeyError:
-        return name
+    return latex

@@ -1,8 +1,6 @@
 """Where the results of a page come from: files with their digests, versions, date."""
 
-import platform
 from collections.abc import Iterable, Mapping
-from importlib.metadata import version
 from pathlib import Path
 
 from calib.base.digest import file_digest
@@ -11,8 +9,6 @@ from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
 from calib.store.version import Stored
 
-_PACKAGES = ("numpy", "scipy", "matplotlib")
-"""Packages that compute and draw."""
 _DIGESTS = "Inputs, with the SHA-256 of their bytes."
 
 
@@ -26,7 +22,6 @@ def origin(
 
     Raises OSError for a file that is gone.
     """
-    packages = [f"{name} {version(name)}" for name in _PACKAGES]
     inputs = [(name, role, digest) for role, name, digest in logs]
     inputs += [(path.name, role, file_digest(path)) for role, path in (files or {}).items()]
     return Facts(
@@ -35,7 +30,6 @@ def origin(
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
             ("Date", date or "not stated"),
             ("Program", PROGRAM),
-            ("Runs on", ", ".join([f"Python {platform.python_version()}", *packages])),
         ],
         tables=[Cells(("file", "role", "SHA-256"), inputs, _DIGESTS)],
     )

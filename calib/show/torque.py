@@ -20,6 +20,7 @@ SIDES = (*AXLE_NAMES.values(), "total")
 """An answer has a torque of the front, of the rear axle and of both."""
 NOT_KNOWN = "not known"
 UNIT = f"N{NBSP}m"
+HEADS = tuple(f"{side} [{UNIT}]" for side in SIDES)
 _WHEELS = {"fl": 2.0, "rl": 2.0, "sum": 1.0}
 """Columns of the `SIDES`, and how many times each counts: an axle has two wheels."""
 AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v", NONE: "nothing"}
@@ -44,6 +45,11 @@ def valid_samples(r: Validation) -> Mask:
 def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
     """Mean torques of the `SIDES` over the ``valid`` samples, each with its 95 % interval."""
     return [_mean(*(x[valid] for x in torque)) for torque in torques(columns, prefix)]
+
+
+def ecu_means(r: Validation) -> list[str]:
+    """Mean torques of the ECU in a stop."""
+    return means(r.estimate.columns(), valid_samples(r))
 
 
 def _mean(value: Array, lower: Array, upper: Array) -> str:

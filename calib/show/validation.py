@@ -19,20 +19,11 @@ from calib.estimation.validate import (
     Validation,
     proof_of,
 )
+from calib.show import torque
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
 from calib.show.judged import UNKNOWN, broken, budget_rows, pads, stop_by_stop, valid, word
 from calib.show.origin import origin
 from calib.show.stop import stops_on_map, torque_and_pads
-from calib.show.torque import (
-    AGAINST,
-    SIDES,
-    UNIT,
-    errors,
-    in_words,
-    means,
-    true_means,
-    valid_samples,
-)
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
@@ -111,11 +102,11 @@ def _outcome(stored: Stored, results: list[Validation]) -> str:
     failed, stops = [result.log for result in results if not result.passed], len(results)
     texts = [f"{stored.id} holds on {stops - len(failed)} of {counted(stops, 'stop')}"]
     if stops == 1:
-        answer = in_words(means(results[0].estimate.columns(), valid_samples(results[0])))
+        answer = torque.in_words(torque.ecu_means(results[0]))
         texts += [answer] * bool(answer)
-    if compared := [one for one in map(errors, results) if one.values]:
+    if compared := [one for one in map(torque.errors, results) if one.values]:
         worst = max(compared, key=lambda one: max(one.values[:2]))
-        texts.append(f"front / rear within {worst.of_axles} of {AGAINST[worst.against]}")
+        texts.append(f"front / rear within {worst.of_axles} of {torque.AGAINST[worst.against]}")
     if stops == 1 and not failed and (change := _change(stored, results[0])) is not None:
         percent = round(100.0 * abs(change))
         how = f"{percent} % {'weaker' if change < 0.0 else 'stronger'} than" if percent else "as"
@@ -148,46 +139,38 @@ def _next(stored: Stored, results: list[Validation]) -> str:
 def by_stop(results: Sequence[Validation]) -> Table:
     """Brake torques of each stop as an ECU has them, and the error of the total."""
     rows = [
-        (
-            r.log,
-            *means(r.estimate.columns(), valid_samples(r)),
-            errors(r).of_axles,
-            valid(r.figures),
-            word(r),
-        )
+        (r.log, *torque.ecu_means(r), torque.errors(r).of_axles, valid(r.figures), word(r))
         for r in results
     ]
-    sides = [f"{side} [{UNIT}]" for side in SIDES]
-    heads = ("stop", *sides, "error front / rear", "valid", "verdict")
+    heads = ("stop", *torque.HEADS, "error front / rear", "valid", "verdict")
     return Table(heads, rows, verdicts=[PASSED if r.passed else FAILED for r in results])
 
 
 def beside_best(stored: Stored, results: Sequence[Validation]) -> Table:
     """Torques and pads of each stop: of the ECU, of the best estimate, and as they are."""
     rows = [(r.log, *cells) for r in results for cells in _answers(stored, r)]
-    sides = [f"{side} [{UNIT}]" for side in SIDES]
     pads_of = [f"{axle} pads" for axle in AXLE_NAMES.values()]
-    heads = ("stop", "answer", *sides, *pads_of, "since ramp", "valid")
+    heads = ("stop", "answer", *torque.HEADS, *pads_of, "since ramp", "valid")
     return Table(heads, rows, _BESIDE)
 
 
 def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
-    figures, columns, used = r.figures, r.estimate.columns(), valid_samples(r)
+    figures, columns, used = r.figures, r.estimate.columns(), torque.valid_samples(r)
     change = _change(stored, r)
     since = UNKNOWN if change is None else signed_percent(change)
     yield (
-        *("ECU", *means(columns, used), *(pads(figures, axle, "ecu_") for axle in "fr")),
+        *("ECU", *torque.means(columns, used), *(pads(figures, axle, "ecu_") for axle in "fr")),
         *(since, valid(figures)),
     )
     with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
     share = plain("valid_share").with_unit(figures["valid_share"])
     yield (
-        *(with_v, *means(columns, used & r.estimate.valid, "")),
+        *(with_v, *torque.means(columns, used & r.estimate.valid, "")),
         *(*(pads(figures, axle) for axle in "fr"), "", share),
     )
-    if (error := errors(r)).values:
-        yield f"ECU against {AGAINST[error.against]}", *error.texts, *[""] * 4
-    if true := true_means(r, used):
+    if (error := torque.errors(r)).values:
+        yield f"ECU against {torque.AGAINST[error.against]}", *error.texts, *[""] * 4
+    if true := torque.true_means(r, used):
         names = ("true_pad_friction_f", "true_pad_friction_r")
         pads_ = ("" if figures[name] is None else f"{figures[name]:.3f}" for name in names)
         yield "truth", *true, *pads_, "", ""
