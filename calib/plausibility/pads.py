@@ -1,18 +1,11 @@
-"""Compare the pads of a calibration or of a stop with vehicle file, sensors and tyres.
-
-A run gives pads of e^a (front) and e^b (rear) times those of the file. If they are implausible,
-either an entry of one axle is wrong by that factor, or [front] and [rear] are exchanged. In the
-latter case the common level is right, and a - b = 2 ln((1 - s)/s), s share of the front axle.
-"""
+"""Compare the pads of a calibration or of a stop with vehicle file, sensors and tyres."""
 
 import math
 from collections.abc import Iterator
 
 from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
-from calib.base.units import from_si
 from calib.base.warning import Measured, PlausibilityWarning, bounds_of, relative
-from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle
 from calib.table.budget import grade, pad_levels
 from calib.table.table import Calibration, Value
@@ -43,34 +36,19 @@ def require_possible_pads(
     apart = abs(rho.value) - Z95 * rho.sigma > _GRADES
     if not apart and low <= min(pads) and max(pads) <= high:
         return
-    entry = likely_entry(vehicle, fitted) if apart else ""
-    cause = "the unit or the scale of p_mc or a_x, areas, faces, radii or mass in the file"
+    entry = "the unit or the scale of p_mc or a_x, areas, faces, radii or mass in the file"
+    if apart:
+        entry = "area, radius or faces of one axle in the file, or [front] and [rear] exchanged"
     raise VehicleError(
         f"the pads come out at {pads[0]:.3g} in front and {pads[1]:.3g} behind, and the file has "
         f"{vehicle.front.pad_friction:g} and {vehicle.rear.pad_friction:g}: it is not that of the "
-        f"car of these logs; most likely {'; or '.join(filter(None, (motor, entry))) or cause}",
+        f"car of these logs; most likely {'; or '.join(filter(None, (motor, entry)))}",
         where=vehicle.name,
         expected=f"pads of {low:g} to {high:g}, whose ratio differs from the file's by less than "
         f"{100 * math.expm1(_GRADES):.0f} %",
         do="if the file is right, look for a motor that brakes one axle, or columns and units of "
         "the logs that are wrong",
         lines=tuple(map(str, warnings)),
-    )
-
-
-def likely_entry(vehicle: Vehicle, fitted: Calibration) -> str:
-    """Entry of the vehicle file that is most likely wrong, in words."""
-    share, (level, apart) = front_share(vehicle, 0.0), pad_levels(vehicle, fitted)
-    a = math.log(fitted.pad_friction_f.value / vehicle.front.pad_friction)
-    b = a - apart
-    if math.hypot(level, apart - 2.0 * math.log((1.0 - share) / share)) < min(abs(a), abs(b)):
-        return "[front] and [rear] are exchanged"
-    off = (a, "front", vehicle.front), (b, "rear", vehicle.rear)
-    factor, name, axle = max(off, key=lambda one: abs(one[0]))
-    area = from_si(axle.piston_area, "cm^2", "m^2")
-    return (
-        f"{name}.piston_area: {area * math.exp(factor):.4g} cm^2 instead of {area:.4g} cm^2, or "
-        f"another entry of [{name}] brakes by the same factor"
     )
 
 

@@ -44,7 +44,7 @@ _OF_LOG: tuple[Figure, ...] = (
 """Figures of any log, each named as in the rules."""
 _OF_MOTION: tuple[Figure, ...] = (
     *(wheels.wheel_sign, driving.driving, driving.use, wheels.wheels, wheels.radii),
-    *(channels.noise, channels.at_rest, channels.pressure, channels.speed, channels.held_values),
+    *(channels.at_rest, channels.pressure, channels.speed, channels.held_values),
 )
 """Those that need a_x and the wheel speeds."""
 _OF_SIGNALS: tuple[Figure, ...] = (

@@ -143,10 +143,6 @@ def test_each_way_to_spoil_a_run_is_named(way):
 WARNED = {
     "lead_in": (made_run(ramp(start=0.7)), 0.7),
     "clock_gaps": (gap(), 0.4),
-    "pressure_computed": (
-        changed(RAMP, p_mc=np.where(RAMP.time > 1.5, np.maximum(RAMP["p_mc"], 0.0), 0.0)),
-        None,
-    ),
     "eta_zero": (changed(RAMP, **{f"omega_r{s}": 0.987 * RAMP[f"omega_r{s}"] for s in "lr"}),
                  -0.013),
     "sides_f": (changed(RAMP, **{f"omega_{a}r": 1.02 * RAMP[f"omega_{a}r"] for a in "fr"}), 0.02),
