@@ -55,13 +55,15 @@ class Run:
 
 @dataclass(frozen=True)
 class Sensors:
-    """``zeros`` and ``gains`` of channels, noise by channel, its seed; whether ``v`` is logged."""
+    """``zeros`` and ``gains`` of channels, noise by channel, its seed; whether ``v`` is logged, and
+    the torque of motors."""
 
     zeros: dict[str, float]
     gains: dict[str, float]
     levels: dict[str, NoiseLevel]
     seed: int
     with_v: bool
+    with_drive: bool = False
 
 
 @dataclass(frozen=True)
@@ -234,7 +236,9 @@ def recorded(name: str, run: Run, sensors: Sensors) -> Log:
     """The log of a run as its sensors give it; the truth stays beside it."""
     how = {"duration": run.duration, "stop_speed": run.stop_speed, "rate": RATE, "rtol": 1e-6}
     log = as_log(drive(run.plant, run.pressure, run.speed, wheel_pressure=run.wheels, **how), name)
-    hidden = {*(f"p_{w}" for w in WHEELS), "T_drive_f", "T_drive_r"}
+    hidden = {f"p_{w}" for w in WHEELS}
+    if not sensors.with_drive:
+        hidden |= {"T_drive_f", "T_drive_r"}
     channels = {k: x for k, x in log.channels.items() if k not in hidden}
     for channel, gain in sensors.gains.items():
         channels[channel] = gain * channels[channel]

@@ -27,18 +27,20 @@ Make = Callable[[Rng], "Mistake"]
 @dataclass(frozen=True)
 class Mistake:
     """One mistake of one size: what becomes of the vehicle ``file``, of a ``run``, of ``channels``
-    by name in its log, of all ``logs``."""
+    by name in its log, of all ``logs``; whether the torque of motors is among the channels."""
 
     size: str
     file: Callable[[Vehicle], Vehicle] = lambda car: car
     run: Callable[[Run], Run] | None = None
     channels: dict[str, Callable[[Array, Log], Array]] = field(default_factory=dict)
     logs: Callable[[Logs], Logs] = lambda logs: logs
+    with_drive: bool = False
 
     def line(self, line: Line, runs: tuple[str, ...]) -> Line:
         """The line that it makes of a good one, in some of its runs."""
         made = {name: self.run(line.runs[name]) for name in runs} if self.run else {}
-        return replace(line, file=self.file(line.file), runs={**line.runs, **made})
+        sensors = replace(line.sensors, with_drive=self.with_drive)
+        return replace(line, file=self.file(line.file), runs={**line.runs, **made}, sensors=sensors)
 
     def recorded(self, logs: Logs, runs: tuple[str, ...]) -> Logs:
         """The logs of that line, wrong in some of its runs."""
@@ -123,17 +125,31 @@ def engine(rng: Rng) -> Mistake:
     return of_car(size, lambda p: replace(p, motor=lambda t: pair))
 
 
-def regeneration(rng: Rng) -> Mistake:
-    torque, front = float(rng.uniform(40.0, 200.0)), bool(rng.random() < 0.5)
+def motor(low: float, high: float, full: tuple[float, float], factor: float | None = None) -> Make:
+    """A motor of ``low`` to ``high`` [N m] at both wheels, with the pedal, ``full`` from a pressure
+    [bar] on; its torque is logged times a ``factor``, or not at all.
+    """
 
-    def change(run: Run) -> Run:
-        def motor(t: float) -> tuple[float, float]:
-            now = -2.0 * torque * min(max(run.pressure(t) / (3.0 * BAR), 0.0), 1.0)
-            return (now, 0.0) if front else (0.0, now)
+    def make(rng: Rng) -> Mistake:
+        torque, front = float(rng.uniform(low, high)), bool(rng.random() < 0.5)
+        pressed = BAR * float(rng.uniform(*full))
 
-        return replace(run, plant=replace(run.plant, motor=motor))
+        def change(run: Run) -> Run:
+            def drive(t: float) -> tuple[float, float]:
+                now = -torque * min(max(run.pressure(t) / pressed, 0.0), 1.0)
+                return (now, 0.0) if front else (0.0, now)
 
-    return Mistake(f"{axle(front)} {torque:.0f} N m", run=change)
+            return replace(run, plant=replace(run.plant, motor=drive))
+
+        return Mistake(
+            f"{axle(front)} {torque:.0f} N m from {pressed / BAR:.0f} bar",
+            file=lambda car: replace(car, motor_odds=0.1),  # nobody said that it has none
+            run=change,
+            channels={f"T_drive_{a}": lambda x, log: (factor or 1.0) * x for a in "fr"},
+            with_drive=factor is not None,
+        )
+
+    return make
 
 
 def rear_tyres(rng: Rng) -> Mistake:
@@ -295,6 +311,34 @@ def pressure_in_acceleration(rng: Rng) -> Mistake:
     return Mistake("p_mc in a_x", channels={"a_x": lambda x, log: -k * log["p_mc"]})
 
 
+def slope_in_v(rng: Rng) -> Mistake:
+    """a_x is the difference of v over 0.16 s, on a slope."""
+    k, n = sign(rng) * float(rng.uniform(0.02, 0.05)), 8
+
+    def slowed(x: Array, log: Log) -> Array:
+        v = np.pad(log["v"], n, mode="edge")
+        return np.asarray((v[2 * n :] - v[: -2 * n]) / (2 * n * log.sample_time))
+
+    change = of_car("", lambda p: replace(p, grade=k)).run
+    return Mistake(f"{100 * k:+.1f} %", run=change, channels={"a_x": slowed})
+
+
+def mirrored(rng: Rng) -> Mistake:
+    return Mistake("fr rr", channels={f"omega_{w}": lambda x, log: -x for w in ("fr", "rr")})
+
+
+def wheels_of(chosen: str, low: float, high: float, scale: bool) -> Make:
+    """Wheel speeds of ``chosen`` names of wheels with an offset [rad/s], or times 1 plus it."""
+
+    def make(rng: Rng) -> Mistake:
+        by = sign(rng) * float(rng.uniform(low, high))
+        changed = lambda x, log: x * (1.0 + by) if scale else x + by  # noqa: E731
+        channels = {f"omega_{w}": changed for w in chosen.split()}
+        return Mistake(f"{chosen} {by:+.3g}", channels=channels)
+
+    return make
+
+
 def swapped(*pairs: tuple[str, str]) -> Make:
     def exchange(logs: Logs) -> Logs:
         for pair in pairs:
@@ -368,7 +412,7 @@ KINDS: dict[str, Kind] = {
     "engine drag, all": Kind(MOTOR, ALL, engine),
     "engine drag, ramp": Kind(MOTOR, RAMP, engine),
     "engine drag, stops": Kind(MOTOR, STOPS, engine),
-    "regeneration, stops": Kind(MOTOR, STOPS, regeneration),
+    "regeneration, stops": Kind(MOTOR, STOPS, motor(80.0, 400.0, (3.0, 3.0))),
     "pad ratio of the file": Kind(PADS, ALL, pads_swapped),
     "piston area of one axle": Kind(PADS, ALL, axle_value("piston_area", 0.10, 0.30)),
     "rear tyres unlike": Kind(TYRES, ALL, rear_tyres),
@@ -406,4 +450,13 @@ KINDS: dict[str, Kind] = {
     "ramp as hold-out": Kind(r"fitted on this log|hold-out|run once", STOPS, ramp_again,
                              counts=True),
     "ABS in the ramp": Kind(r"\bABS\b|\block", RAMP, abs_in_ramp),
+    "motor not logged, all": Kind(MOTOR, ALL, motor(250.0, 600.0, (4.0, 15.0))),
+    "one motor of two, all": Kind(MOTOR, ALL, motor(400.0, 600.0, (4.0, 15.0), 0.5)),
+    "motor at its shaft, all": Kind(MOTOR, ALL, motor(250.0, 600.0, (4.0, 15.0), 0.1)),
+    "motor of another sign": Kind(MOTOR, ALL, motor(250.0, 600.0, (4.0, 15.0), -1.0)),
+    "a_x of v, on a slope": Kind("derivative of", ALL, slope_in_v, needs_v=True),
+    "wheels offset, all": Kind("offset of the", ALL, wheels_of("fl fr rl rr", 4.0, 60.0, False),
+                               needs_v=True, counts=True),
+    "right wheels mirrored": Kind("sign of", ALL, mirrored, counts=True),
+    "radius of an axle, log": Kind(RADIUS, ALL, wheels_of("rl rr", 0.04, 0.06, True)),
 }  # fmt: skip
