@@ -1,47 +1,84 @@
-"""`brake-cal simulate`: a model driven with the pressure of a log."""
+"""`brake-cal simulate`: a model driven with the pressure of a log, or through a manoeuvre."""
 
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from cli import options
 from cli.command import Answer, command
-from cli.console import say
+from cli.console import at_option, misuse, say
 from cli.logs import read
-from cli.options import Car, Map, OwnEffects, argument, option
+from cli.options import Car, OwnEffects, argument, in_si, option
 from cli.outputs import writing
+
+if TYPE_CHECKING:
+    from calib.logs.channel_map import ChannelMap
+
+SPEED, RATE = 120 / 3.6, 200.0
+"""First speed of a manoeuvre [m/s] and its samples per second, where none is given."""
+
+
+def _quantity(si: str, text: str) -> Any:
+    return option(text, typed=str | None, make=partial(in_si, si))
 
 
 @command(
-    "brake-cal simulate sample_logs/sedan/ramp_wet_asphalt.csv "
-    "--vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
-    "brake-cal simulate sample_logs/sedan/dry_asphalt_stop.csv --noise 1 "
+    "brake-cal simulate --manoeuvre ramp --vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
+    "brake-cal simulate --manoeuvre stop --pressure '28 bar' --noise 1 "
     "--vehicle sample_logs/sedan/vehicle.toml --out stop.csv",
 )
 def simulate(
-    log: Path = argument("Log whose pressure is replayed.", "LOG"),
+    log: Path | None = argument("Log whose pressure is replayed.", "LOG"),
     *,
     vehicle: Car,
     out: Path = option("Log to write: .csv or .parquet.", "SIM", writes="simulation"),
     model: Path | None = option("Pads, tyre, effects; without it the vehicle's own.", "M.toml"),
     effect: OwnEffects,
+    manoeuvre: str | None = option(
+        "ramp, stop, coast, step or wave.", "NAME", names="calib.model.manoeuvre:NAMES"
+    ),
+    speed: float | None = _quantity(
+        "m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'
+    ),
+    pressure: float | None = _quantity("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
+    duration: float | None = _quantity("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
+    rate: float | None = option(f"Samples per second of the manoeuvre, {RATE:g}."),
     noise: int | None = option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0),
-    channel_map: Map,
+    channel_map: "ChannelMap | None" = options.channel_map(
+        setting="map", when=lambda given: given["log"] is not None
+    ),
 ) -> Answer:
     """Drive a model of a car by the pressure of a log.
 
-    Open loop: the pressures of the log from its first speed, at its own times. The result has the
-    channels of a log and the true values.
+    Or through a manoeuvre. A log is replayed open loop: its pressures from its first speed, at its
+    own times. The result has the channels of a log and the true values.
     """
+    from calib.base.errors import ModelError
     from calib.car.effects.catalogue import with_own
     from calib.car.model import default_model
     from calib.car.model_file import read_model
     from calib.logs.write import write_csv, write_parquet
+    from calib.model.manoeuvre import manoeuvre as make_trace
     from calib.model.sensor_noise import add_noise
     from calib.model.simulate import replay
+    from calib.model.simulate import simulate as drive
     from calib.show.log import simulated
 
     car = with_own(vehicle, effect)
     driven = read_model(model, car) if model else default_model(car)
-    say(f"replaying the pressure of {log} with {car.name}")
-    driven_log = replay(driven, read(log, channel_map, require=("time", "p_mc")))
+    if log is not None and not speed is pressure is duration is rate is None:
+        raise misuse("only with --manoeuvre", "--speed, --pressure, --duration, --rate")
+    if log is not None and manoeuvre is None:
+        say(f"replaying the pressure of {log} with {car.name}")
+        driven_log = replay(driven, read(log, channel_map, require=("time", "p_mc")))
+    elif manoeuvre is not None and log is None:
+        speed = speed or SPEED
+        with at_option("--manoeuvre", ModelError):
+            time, trace = make_trace(manoeuvre, speed, pressure, rate or RATE, duration)
+        say(f"driving a {manoeuvre} with {car.name} from {speed:.1f} m/s")
+        driven_log = drive(driven, time, trace, speed, name=manoeuvre)
+    else:
+        raise misuse("give either a LOG or --manoeuvre", "LOG")
     result = driven_log if noise is None else add_noise(driven_log, noise)
     with writing(out):
         (write_csv if out.suffix.lower() == ".csv" else write_parquet)(result, out)

@@ -121,7 +121,7 @@ FILES = {
     "limits": ("limits",),
     "log": ("log", RAMP),
     "plot": ("plot", "sedan-2up", "--figure", "f1-f2", *STORED),
-    "simulate": ("simulate", RAMP, *CAR),
+    "simulate": ("simulate", "--manoeuvre", "stop", *CAR),
     "export": ("tables", "export", "sedan-2up", *STORED),
 }
 ENDINGS = {"limits": "toml", "plot": "svg", "export": "dcm"}

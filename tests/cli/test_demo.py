@@ -126,6 +126,7 @@ DEAR = re.compile("brake-cal (batch|diagnose|fleet|plan|qualify|station)")
 
 
 BEFORE = (
+    ("simulate ramp.csv", "--manoeuvre ramp"),
     ("tables export", "tables release"),
     ("tables compare", "--out sedan.dcm"),
     ("--limits line.toml", "brake-cal limits"),

@@ -46,7 +46,7 @@ def test_the_commands_of_the_page_work_as_printed_and_find_the_effect(brake_cal,
     low, high = effect["parameters"]["flap_area"]["ci95"]
     assert low < 0.8 < high
     model = ("--model", "found/model.toml")
-    again = ("simulate", "other_stop.csv", *VEHICLE, *model, "--out", "again.csv")
+    again = ("simulate", "step.csv", *VEHICLE, *model, "--out", "again.csv")
     ran = brake_cal(*again)
     assert ran.code == 3
     assert "--effect air_brake_flap.py" in ran.err

@@ -68,11 +68,10 @@ def test_an_option_wins(project, brake_cal, tmp_path):
     assert not (tmp_path / "shelf").exists()
 
 
-def test_simulate_takes_the_vehicle_and_the_map(project, brake_cal):
-    project('vehicle = "car.toml"\n')
-    ran = brake_cal("simulate", RAMP, "--out", "sim.csv")
-    assert ran.code == 0, ran.err
+def test_simulate_takes_the_vehicle_and_no_map_without_a_log(project, brake_cal):
     project('vehicle = "car.toml"\nmap = "none.toml"\n')
+    ran = brake_cal("simulate", "--manoeuvre", "stop", "--out", "sim.csv")
+    assert ran.code == 0, ran.err
     ran = brake_cal("simulate", RAMP, "--out", "again.csv")
     assert ran.code == 3
     assert "none.toml" in ran.err

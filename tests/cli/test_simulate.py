@@ -46,24 +46,38 @@ def test_noise_is_repeatable_and_a_model_is_obeyed(tmp_path):
         "d": ("--model", model),
     }.items():
         out = tmp_path / f"{name}.csv"
-        result = run(SEDAN / "dry_asphalt_stop.csv", "--vehicle", VEHICLE, "--out", out, *more)
+        result = run("--manoeuvre", "stop", "--vehicle", VEHICLE, "--out", out, *more)
         assert result.exit_code == 0
         written[name] = out
     assert written["a"].read_bytes() == written["b"].read_bytes() != written["c"].read_bytes()
     assert set(read_log(written["d"]).truth["true_mu_pad_f"]) == {0.2}
 
 
-@pytest.mark.parametrize("arguments", [(), (SEDAN / "coast.csv", "--noise", -1)])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (),
+        (SEDAN / "coast.csv", "--manoeuvre", "ramp"),
+        (SEDAN / "coast.csv", "--speed", "20 m/s"),
+        ("--manoeuvre", "rmap"),
+        ("--manoeuvre", "coast", "--pressure", "10 bar"),
+        ("--manoeuvre", "ramp", "--speed", "20"),
+        ("--manoeuvre", "ramp", "--speed", "20 bar"),
+        ("--manoeuvre", "ramp", "--rate", 5),
+        ("--manoeuvre", "ramp", "--noise", -1),
+    ],
+)
 def test_usage_errors_end_with_2_and_write_nothing(tmp_path, arguments):
     result = run(*arguments, "--vehicle", VEHICLE, "--out", tmp_path / "sim.csv")
     assert result.exit_code == 2
     assert not list(tmp_path.iterdir())
 
 
-def test_simulated_runs_are_fitted_and_validated(brake_cal, tmp_path):
-    sources = {"ramp": "ramp_wet_asphalt", "coast": "coast", "stop": "dry_asphalt_stop"}
-    for seed, (name, source) in enumerate(sources.items()):
-        assert brake_cal("simulate", SEDAN / f"{source}.csv", "--noise", seed, "--vehicle",
+def test_simulated_manoeuvres_are_fitted_and_validated(brake_cal, tmp_path):
+    for seed, (name, more) in enumerate(
+        {"ramp": ("--duration", "8 s"), "coast": (), "stop": ("--pressure", "28 bar")}.items()
+    ):
+        assert brake_cal("simulate", "--manoeuvre", name, *more, "--noise", seed, "--vehicle",
                          VEHICLE, "--out", tmp_path / f"{name}.csv").code == 0  # fmt: skip
     ramp, coast, stop = (tmp_path / f"{name}.csv" for name in ("ramp", "coast", "stop"))
     store = ("--store", tmp_path / "tables")

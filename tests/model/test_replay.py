@@ -16,6 +16,7 @@ from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.logs.log import Log
 from calib.logs.read import read_log
+from calib.model.manoeuvre import manoeuvre
 from calib.model.sensor_noise import add_noise
 from calib.model.simulate import COAST_SECONDS, STEP, fine_clock, first_speed, replay, simulate
 from tests.support.plant import Plant, as_log, drive, magic
@@ -39,9 +40,7 @@ WHEEL_SPEEDS = tuple(f"omega_{w}" for w in WHEELS)
 
 @pytest.fixture(scope="module")
 def driven():
-    time = np.arange(0.0, 14.5, 0.005)
-    ramp = np.clip(5e5 * (time - 1.5), 0.0, 60e5)
-    return simulate(MODEL, time, ramp, 30.0, name="driven")
+    return simulate(MODEL, *manoeuvre("ramp", 30.0), 30.0, name="driven")
 
 
 def test_a_simulated_log_replayed_by_its_model_is_itself(driven):
