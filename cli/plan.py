@@ -86,8 +86,7 @@ def plan(
     from calib.plan.achieved import DOCUMENT, HalfWidths
     from calib.plan.expected import prior_of
     from calib.plan.measure import Track
-    from calib.plan.plan_file import document, pressure_files
-    from calib.plan.search import Want
+    from calib.plan.search import Want, document, pressure_files
     from calib.plan.search import plan as search
 
     check_folder(out, [DOCUMENT])

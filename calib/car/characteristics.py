@@ -23,11 +23,6 @@ def characteristics(vehicle: Vehicle) -> dict[str, Any]:
     ``rear_lifts_at`` [g]. Of ``front`` and ``rear`` torques [N m/bar], loads at rest and at 0.5 g
     as the mass carried [kg], and ``wheel_mass`` that has a wheel's moment of inertia at its rolling
     radius [kg].
-
-    >>> import calib
-    >>> car = characteristics(calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml"))
-    >>> round(car["pressure_per_g"], 1), round(car["front_share"], 3)  # bar, 1
-    (69.9, 0.729)
     """
     axles, loads = (vehicle.front, vehicle.rear), axle_loads(vehicle, np.array([0.0, 0.5]))
     car = {

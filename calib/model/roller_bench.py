@@ -67,17 +67,6 @@ class RollerBench:
 
     ``name`` of the file, ``source`` its path, ``digest`` SHA-256 of its bytes; ``tolerance`` one
     standard deviation of the relative error of an axle's force [1].
-
-    >>> import calib
-    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
-    >>> per_bar = [2 * a.pad_friction * a.torque_gain / a.rolling_radius
-    ...            for a in (car.front, car.rear)]  # [m^2]
-    >>> p = (10e5, 20e5, 30e5)
-    >>> stronger = AxleOnRollers(p, tuple(1.1 * per_bar[0] * (x - 0.4e5) for x in p))
-    >>> as_filed = AxleOnRollers(p, tuple(per_bar[1] * (x - 0.6e5) for x in p))
-    >>> ratio = RollerBench("bench", "", "", 0.01, stronger, as_filed).log_pad_ratio(car)
-    >>> round(float(np.exp(ratio.value)), 3), round(ratio.sigma, 3)
-    (1.1, 0.01)
     """
 
     name: str

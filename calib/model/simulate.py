@@ -17,12 +17,7 @@ from calib.base.names import AXLES, WHEELS, G
 from calib.car import forces
 from calib.car.brakes import brakes_of
 from calib.car.braking import BITE
-from calib.car.effects.combined import (
-    as_driven,
-    as_read,
-    reading_delay,
-    wheel_speed_factors,
-)
+from calib.car.effects.combined import as_driven, as_read, reading_delay, wheel_speed_factors
 from calib.car.history import COLD, Motion, RunHistory, constant_speed
 from calib.car.lag import delayed
 from calib.car.model import Model
@@ -245,10 +240,6 @@ def fine_clock(time: Array) -> tuple[Array, Index]:
     """Divide every step of ``time`` [s] (n,), increasing, into equal ones of `STEP` at most.
 
     The fine clock [s] (m,), and the places of the samples of ``time`` in it (n,).
-
-    >>> import numpy as np
-    >>> fine_clock(np.array([0.0, 0.02, 0.021]))[0].round(6).tolist()
-    [0.0, 0.005, 0.01, 0.015, 0.02, 0.021]
     """
     parts = np.ceil(np.diff(time) / STEP - 1e-6).astype(np.intp)
     places = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))]).astype(np.intp)

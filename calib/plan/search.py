@@ -11,15 +11,16 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from calib.base.errors import BrakeCalError, LogError, ModelError
 from calib.base.processes import Mapped, side_by_side
+from calib.base.units import BAR
 from calib.plan.achieved import HalfWidths
 from calib.plan.expected import Prior, before_any_run, cars, half_widths
-from calib.plan.measure import Measure, drive, measures
+from calib.plan.measure import Measure, drive, measures, pressure_trace
 
 SEED = 20
 """Seed of the noise of a plan: the same question has the same plan."""
@@ -241,3 +242,51 @@ def _outcome(prior: Prior, case: tuple[int, _Sequel]) -> tuple[str, HalfWidths]:
         return "", half_widths(prior, cars(prior)[number], steps, SEED + 100 * number)
     except BrakeCalError as error:
         return error.problem, HalfWidths(math.inf, math.inf, math.inf)
+
+
+def document(plan: Plan) -> dict[str, Any]:
+    """The plan as a JSON document: half widths are relative [1], infinite if nothing is known."""
+    track = plan.prior.track
+    return {
+        "vehicle": plan.prior.vehicle.name,
+        "track": {"length": track.length, "speed": track.speed},
+        "sensors": sorted(plan.prior.sensors),
+        "noise": {name: level.sd for name, level in sorted(plan.prior.noise.items())},
+        "want": {**plan.want.widths._asdict(), "seconds": plan.want.seconds},
+        "before": plan.start._asdict(),
+        "steps": [
+            {
+                "measure": step.measure.name,
+                "text": step.measure.text,
+                "driver": step.measure.driver,
+                "seconds": step.seconds,
+                "end": step.measure.end,
+                "file": file,
+                "half_width": step.widths._asdict(),
+            }
+            for step, file in zip(plan.steps, _files(plan), strict=True)
+        ],
+        "after": plan.after._asdict(),
+        "seconds": plan.seconds,
+        "met": plan.want.met_by(plan.after),
+        "with_v": None if plan.with_speed is None else plan.with_speed._asdict(),
+        "floor": plan.floor._asdict(),
+        "floor_of_runs": plan.floor_of_runs._asdict(),
+        "not_worth": {m.name: gain for m, gain in plan.not_worth.items()},
+        "impossible": {m.name: reason for m, reason in plan.impossible.items()},
+    }
+
+
+def _files(plan: Plan) -> list[str | None]:
+    """Name of the file with the pressure of each step, None for one without a pressure."""
+    measures = [step.measure for step in plan.steps]
+    return [f"{i}_{m.name}.csv" if m.kind == "ramp" else None for i, m in enumerate(measures, 1)]
+
+
+def pressure_files(plan: Plan) -> Iterator[tuple[str, bytes]]:
+    """Name and content of each file of pressure over time, of p_mc, every 10 ms."""
+    for step, file in zip(plan.steps, _files(plan), strict=True):
+        if file is not None:
+            time, pressure = pressure_trace(plan.prior.vehicle, step.measure)
+            lines = (f"{t:.2f},{p / BAR:.3f}" for t, p in zip(time, pressure, strict=True))
+            yield file, "\n".join(["time [s],p_mc [bar]", *lines, ""]).encode()

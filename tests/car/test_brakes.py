@@ -39,10 +39,7 @@ def test_the_fluid_meets_valve_before_seal_whatever_the_order_of_the_file():
 
 
 def test_a_logged_wheel_pressure_is_behind_the_line_and_before_the_caliper():
-    effects = {
-        "hydraulic_delay": {"delay": 0.05},
-        "brake_threshold_pressure": {"threshold": 1e5},
-    }
+    effects = {"hydraulic_delay": {"delay": 0.05}, "brake_threshold_pressure": {"threshold": 1e5}}
     own = {"rl": PRESSURE + 5e5}
     found, _ = brakes(effects, own)
     assert found.wheels == ("fl", "fr", "rl", "rr")

@@ -36,10 +36,7 @@ def vehicles(draw) -> Vehicle:
 
 def loads_by_moments(car: Vehicle, F_f: float, F_r: float) -> tuple[float, float]:
     """Axle loads where each axle brakes with its normalised force: balance of lift and pitch."""
-    pitch = [
-        car.cg_to_front_axle - car.cg_height * F_f,
-        -car.cg_to_rear_axle - car.cg_height * F_r,
-    ]
+    pitch = [car.cg_to_front_axle - car.cg_height * F_f, -car.cg_to_rear_axle - car.cg_height * F_r]
     F_zf, F_zr = np.linalg.solve([[1.0, 1.0], pitch], [car.mass * 9.80665, 0.0])
     return float(F_zf), float(F_zr)
 
@@ -119,10 +116,7 @@ def test_slips_speeds_and_eta_are_one_another(slip_f, slip_r, v):
 def test_forces_account_for_what_simulate_adds():
     """From pressure and a_x alone to the truth of every wheel, drag and rolling present."""
     effects = Effects(
-        {
-            "aerodynamic_drag": {"drag_area": 0.66},
-            "rolling_resistance": {"coefficient": 0.012},
-        }
+        {"aerodynamic_drag": {"drag_area": 0.66}, "rolling_resistance": {"coefficient": 0.012}}
     )
     time = np.arange(1600) / 200.0
     pressure = 5e5 * np.maximum(time - 1.0, 0.0)

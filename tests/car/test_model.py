@@ -9,11 +9,7 @@ from hypothesis import strategies as st
 
 from calib.base.errors import ModelError
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.car.model import (
-    WET_ASPHALT,
-    Model,
-    default_model,
-)
+from calib.car.model import WET_ASPHALT, Model, default_model
 from calib.car.model_file import read_model, write_model
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle

@@ -35,10 +35,7 @@ def offset_logs(kind: str, shares: list[float], first: int = 0):
     p, logs = np.clip(10e5 * (RAMP_TIME - 2.0), 0.0, 25e5), []
     for i, share in enumerate(shares, first):
         size = share * SIZES[kind]
-        effects = {
-            "road_grade": {"grade": size, "felt": 1.0},
-            "accelerometer_bias": {"bias": size},
-        }
+        effects = {"road_grade": {"grade": size, "felt": 1.0}, "accelerometer_bias": {"bias": size}}
         name = "road_grade" if kind == "slope" else "accelerometer_bias"
         model = replace(calib.default_model(SEDAN), effects=Effects({name: effects[name]}))
         logs.append(add_noise(calib.simulate(model, RAMP_TIME, p, 30.0, name=f"ramp {i}"), i))

@@ -27,10 +27,7 @@ SEDAN = read_vehicle(SAMPLES / "vehicle.toml")
 MODEL = replace(
     default_model(SEDAN),
     effects=Effects(
-        {
-            "aerodynamic_drag": {"drag_area": 0.66},
-            "rolling_resistance": {"coefficient": 0.011},
-        }
+        {"aerodynamic_drag": {"drag_area": 0.66}, "rolling_resistance": {"coefficient": 0.011}}
     ),
 )
 

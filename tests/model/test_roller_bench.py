@@ -14,10 +14,7 @@ from tests.support.refusals import refusal
 
 PRESSURES = (8e5, 15e5, 25e5, 40e5)
 
-PER_PA = {
-    "front": 2 * 2 * 28.84e-4 * 0.1309 / 0.322,
-    "rear": 2 * 2 * 11.34e-4 * 0.124 / 0.322,
-}
+PER_PA = {"front": 2 * 2 * 28.84e-4 * 0.1309 / 0.322, "rear": 2 * 2 * 11.34e-4 * 0.124 / 0.322}
 """Both wheels, two faces each, A r / R [m^2]: force of an axle over pressure and pad friction."""
 
 

@@ -16,8 +16,7 @@ from calib.plan import search
 from calib.plan.achieved import DOCUMENT, HalfWidths, compare, read_plan
 from calib.plan.expected import noise_of, prior_of
 from calib.plan.measure import Track, measures, pressure_trace
-from calib.plan.plan_file import document, pressure_files
-from calib.plan.search import Want, plan
+from calib.plan.search import Want, document, plan, pressure_files
 from tests.support.plant import Plant, as_log, brush, drive
 from tests.support.reference_car import CAR as WEIGHED_CAR
 

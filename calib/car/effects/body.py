@@ -103,8 +103,7 @@ EFFECTS = (
         accelerometer=lambda vehicle, own, history, a_x: a_x * (1.0 + own["scale_error"]),
     ),
     effect(
-        "accelerometer_bias",
-        accelerometer=lambda vehicle, own, history, a_x: a_x + own["bias"],
+        "accelerometer_bias", accelerometer=lambda vehicle, own, history, a_x: a_x + own["bias"]
     ),
     effect("accelerometer_lag", accelerometer_lag=_filtered),
     effect("speed_delay", speed_delay=lambda parameters: parameters["v_delay"]),

@@ -13,12 +13,7 @@ from calib.car.forces import axle_loads
 from calib.run.known_effects import remove_known_effects
 from tests.support.effect_runs import SEDAN, driven, made_history, made_motion
 
-MOTOR = {
-    "regen_torque": 300.0,
-    "regen_power": 9e3,
-    "regen_rear_share": 0.25,
-    "regen_onset": 1.5e5,
-}
+MOTOR = {"regen_torque": 300.0, "regen_power": 9e3, "regen_rear_share": 0.25, "regen_onset": 1.5e5}
 FLAT = {"rolling_radius_load": {"radius_load": 0.01}}
 
 

@@ -7,11 +7,7 @@ import pytest
 
 from calib.base.names import G
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.channels import (
-    CHANNELS,
-    ORDER,
-    noise_of,
-)
+from calib.diagnosis.explanation.channels import CHANNELS, ORDER, noise_of
 from calib.diagnosis.explanation.predict import predict
 from calib.diagnosis.explanation.problem import problem_of
 from tests.support.explained import based, fitted
