@@ -91,7 +91,7 @@ def diagnose(
     unexplained = None
     if verdict.term is not None:
         unexplained = unexplained_of(best, verdict.term, search.gap(verdict.after).rms_after)
-    accepted = [set(step.names) for step in search.steps]
+    accepted = [set(names) for names in search.steps]
     withdrawn = (names for names in search.withdrawn.values() if set(names) not in accepted)
     return Diagnosis(
         verdict=verdict.word,

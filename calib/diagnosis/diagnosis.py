@@ -15,7 +15,6 @@ from calib.base.warning import PlausibilityWarning
 from calib.base.write import publish, workshop, write_whole
 from calib.car.model import Model
 from calib.diagnosis.replays import CHANNELS, UNITS, Gap
-from calib.diagnosis.search import SearchStep
 from calib.diagnosis.verdict import Unexplained
 from calib.logs.log import Log
 from calib.logs.write import write_csv
@@ -84,8 +83,9 @@ class Diagnosis(Shown):
 
     ``replays_before`` and ``replays_after`` are the hold-outs replayed open loop; ``unexplained``
     is None where nothing significant is left; ``reduced_before`` and ``reduced_after`` the mean
-    squared innovation [1]; ``withdrawn`` names of effects that fit the calibration logs and not the
-    hold-outs; ``warnings`` what speaks against the logs and is not explained.
+    squared innovation [1]; ``steps`` names of the effects that the search had in turn,
+    ``withdrawn`` of those that fit the calibration logs and not the hold-outs; ``warnings`` what
+    speaks against the logs and is not explained.
     """
 
     verdict: str
@@ -101,7 +101,7 @@ class Diagnosis(Shown):
     reduced_before: float
     reduced_after: float
     withdrawn: tuple[tuple[str, ...], ...]
-    steps: tuple[SearchStep, ...]
+    steps: tuple[tuple[str, ...], ...]
     warnings: tuple[PlausibilityWarning, ...]
 
     def __repr__(self) -> str:

@@ -36,19 +36,6 @@ _QUIETER = 0.9  # share of a channel's noise below which a fit leaves it quieter
 _WRONG = 0.5  # share of a gain by which a linear model is wrong at most, of a motor's parameters
 
 
-@dataclass(frozen=True)
-class SearchStep:
-    """One step: the effects present, the mean squared innovation [1], ln of the odds it gained.
-
-    ``calibration`` by the logs that are searched, ``holdout`` by those held out.
-    """
-
-    names: tuple[str, ...]
-    innovation: float
-    calibration: float
-    holdout: float
-
-
 def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
     """A search in a problem, judged by the logs that are held out.
 
@@ -67,7 +54,8 @@ def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
 @dataclass
 class Search:
     """The course of a search; ``fits`` all that was fitted; ``first`` and ``further`` effects at
-    the base and at the best fit; ``withdrawn`` what the hold-outs speak against, by keys.
+    the base and at the best fit; ``steps`` the names of each fit that was the best one in turn;
+    ``withdrawn`` what the hold-outs speak against, by keys.
     """
 
     problem: Problem
@@ -78,7 +66,7 @@ class Search:
     first: list[Trial] = field(init=False)
     further: list[Trial] = field(init=False)
     rivals: tuple[Fit, ...] = ()
-    steps: list[SearchStep] = field(default_factory=list)
+    steps: list[tuple[str, ...]] = field(default_factory=lambda: [()])
     accepted: list[Replayed] = field(default_factory=list)
     withdrawn: dict[object, tuple[str, ...]] = field(default_factory=dict)
 
@@ -87,7 +75,6 @@ class Search:
         self.problem.tell("fitting the model without effects", 0, 1)
         self.fits = Fits(self.problem, self.holdouts.problem)
         self.base = self.best = self.fits.base
-        self.steps.append(SearchStep((), self.base.reduced, 0.0, 0.0))
         self.further = self.first = trials(self.base)
         moves = (self.beside, self.exchanged, partial(self.beside, other=True))
         for _ in range(_MOST):
@@ -147,7 +134,7 @@ class Search:
         self.best = new
         self.accepted.append(after)
         if not same:
-            self.steps.append(SearchStep(new.names, new.reduced, more, holdout_gain))
+            self.steps.append(new.names)
             self.further = self._trials(new)
         return True
 

@@ -168,7 +168,7 @@ def _withdrawn(diagnosis: Diagnosis) -> str:
     """Effects that fit some logs and were rejected, with the reason; "" without any."""
     worse = [listed(names) for names in diagnosis.withdrawn]
     reasons = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
-    if diagnosis.verdict == "unknown" and (last := diagnosis.steps[-1].names):
+    if diagnosis.verdict == "unknown" and (last := diagnosis.steps[-1]):
         reasons.append(f"{listed(last)}: explains less than an empirical term alone")
     return "; ".join(reasons)
 

@@ -11,7 +11,6 @@ from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.diagnosis.diagnosis import Diagnosis, Evidence, Named, ParameterEstimate, Where
 from calib.diagnosis.replays import CHANNELS, Gap
-from calib.diagnosis.search import SearchStep
 from calib.diagnosis.verdict import Oscillation, Unexplained
 from calib.logs.read import read_log
 
@@ -50,10 +49,7 @@ def named_drag():
         reduced_before=3.5,
         reduced_after=1.0,
         withdrawn=(),
-        steps=(
-            SearchStep((), 3.5, 0.0, 0.0),
-            SearchStep(("aerodynamic_drag",), 1.0, 320.5, 160.25),
-        ),
+        steps=((), ("aerodynamic_drag",)),
         warnings=(),
     )
 
