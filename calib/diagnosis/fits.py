@@ -107,22 +107,10 @@ class Fits:
         """
         key, holdouts = fit.hypothesis.key, self.holdouts
         if key not in self.densities:
-            random_effects = placed(holdouts, fit)
-            other = linearised(
-                holdouts, fit.hypothesis, replace(fit.state, random_effects=random_effects)
-            )
-            together = replace(
-                fit,
-                problem=replace(fit.problem, runs=(*fit.problem.runs, *holdouts.runs)),
-                state=replace(
-                    fit.state, random_effects=np.vstack([fit.state.random_effects, random_effects])
-                ),
-                predictions=[*fit.predictions, *other.predictions],
-                innovations=[*fit.innovations, *other.innovations],
-                columns=[*fit.columns, *other.columns],
-                further_columns=[*fit.further_columns, *other.further_columns],
-            )
-            more = together.marginal().evidence() - fit.marginal().evidence()
+            state = replace(fit.state, random_effects=placed(holdouts, fit))
+            other = linearised(holdouts, fit.hypothesis, state)
+            together = fit.marginal([*fit.products, *other.products])
+            more = together.evidence() - fit.marginal().evidence()
             self.densities[key] = more - fit.hypothesis.phases(len(holdouts.runs))
         return self.densities[key]
 
