@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
 from cli.console import misuse, say
-from cli.options import By, Required, SignedBy, Tables, argument, option
+from cli.options import Required, SignedBy, Tables, argument, option
 
 if TYPE_CHECKING:
     from calib.store.minisign import PublicKey
@@ -27,7 +27,6 @@ def sign(
         "Make a pair: write SECRET, and this public key to hand out.", "PUBLIC"
     ),
     no_password: bool = option("With --new-key: do not protect the secret key by a password."),
-    by: By,
     store: Tables,
 ) -> Answer:
     """Sign a version and its state.
@@ -50,7 +49,7 @@ def sign(
         raise misuse("give name@version, see `brake-cal tables list`")
     store.load(table)
     secret = read_secret_key(key, lambda: _typed("Password of the key: "))
-    signed = signature.sign(store, table, secret, by or "")
+    signed = signature.sign(store, table, secret)
     if signed.note:
         say(signed.note)
     stored = signed.stored

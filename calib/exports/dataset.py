@@ -9,7 +9,7 @@ from calib.base.digest import sha256
 from calib.car.effects.combined import sensed
 from calib.exports.symbols import Addresses, Measured, Within
 from calib.store.version import Stored
-from calib.table.breakpoints import Misfit, misfit
+from calib.table.breakpoints import Misfit
 from calib.table.exported import LEAST_BITS, Fixed
 
 _CLAMP = (
@@ -151,14 +151,6 @@ class Grid(Object):
     def is_bound(self) -> bool:
         """Whether it is a bound of another grid."""
         return self.column.endswith(("_lower", "_upper"))
-
-    @property
-    def fixed_misfit(self) -> float | None:
-        """Largest error of a curve over its axis when both are rounded; None of others."""
-        if self.count is None or self.fixed is None or self.axis.fixed is None:
-            return None
-        x, y = self.axis.fixed.values, self.fixed.values
-        return misfit(self.axis.values, self.values[None], x, y[None]).worst
 
 
 @dataclass(frozen=True)

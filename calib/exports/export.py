@@ -11,7 +11,7 @@ from calib.base.toml import did_you_mean
 from calib.base.write import write_whole
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
-from calib.exports.dataset import Dataset, Grid
+from calib.exports.dataset import Dataset
 from calib.exports.write import FORMATS
 from calib.store.version import Stored, unstored
 from calib.table.table import Table
@@ -57,36 +57,27 @@ class Exported:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the file should know: reduced axes, rounding, the ECU's memory."""
+        """What a reader of the file should know: reduced axes, the ECU's memory."""
         reduced = (f"{axis.label}: {axis.placed}" for axis in self.data.axes if axis.reduced)
-        errors = (
-            f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}"
-            for row in self._rounded
-            if row["read_error"] is not None
-        )
-        return (*reduced, *errors, *self.remarks)
-
-    @property
-    def _rounded(self) -> list[dict[str, Any]]:
-        """Each object of a fixed point: its step, and the errors of rounding and of reading."""
-        return [
-            {"label": one.label, "step": one.fixed.step, "error": one.fixed.error}
-            | {"read_error": one.fixed_misfit if isinstance(one, Grid) else None}
-            for one in self.data.objects
-            if one.fixed is not None
-        ]
+        return (*reduced, *self.remarks)
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON document of an export."""
-        data, axes = self.data, []
-        for axis in data.axes:
-            curves, maps = (
-                [one.label for one in grids if axis.label in (a.label for a in one.axes)]
-                for grids in (data.lines, data.surfaces)
-            )
-            head = {"label": axis.label, "points": len(axis.values), "rows": axis.rows}
-            over = {"curves": curves} | ({"maps": maps} if maps else {})
-            axes.append(head | over | vars(axis.misfit))
+        data = self.data
+        axes = [
+            {
+                "label": axis.label,
+                "points": len(axis.values),
+                "rows": axis.rows,
+                **vars(axis.misfit),
+            }
+            for axis in data.axes
+        ]
+        rounded = [
+            {"label": one.label, "step": one.fixed.step, "error": one.fixed.error}
+            for one in data.objects
+            if one.fixed is not None
+        ]
         return {
             **data.facts(),
             "version": data.stored.version,
@@ -96,7 +87,7 @@ class Exported:
             "sha256": sha256(self.content),
             "axes": axes,
             "remarks": list(self.remarks),
-            "fixed_point": {"bits": data.bits, "objects": self._rounded} if data.bits else None,
+            "fixed_point": {"bits": data.bits, "objects": rounded} if data.bits else None,
         }
 
 

@@ -14,7 +14,7 @@ from calib.store.figures import (
     usability,
     verdict,
 )
-from calib.store.signature import key_ids
+from calib.store.signature import signer
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
 from calib.table.budget import advice_lines, limiting
@@ -44,7 +44,7 @@ def _listed(row: ListedVersion) -> Sequence[str]:
         "/".join(f"{x:.3f}" for x in row["pads"]),
         "{:.2f}-{:.2f}".format(*row["usable"]),
         "" if row["band_width"] is None else f"{100 * row['band_width']:.0f} %",
-        ", ".join(filter(None, (row["verdict"], warned, "signed" if row["keys"] else ""))),
+        ", ".join(filter(None, (row["verdict"], warned, "signed" if row["key"] else ""))),
     )
 
 
@@ -72,12 +72,12 @@ def table_facts(stored: Stored) -> Facts:
 
 def _made_of(stored: Stored) -> Facts:
     """Record of a table without its curves."""
-    table, car, keys = stored.table, stored.table.vehicle, ", ".join(key_ids(stored))
+    table, car, key = stored.table, stored.table.vehicle, signer(stored)
     scale = table.calibration.pad_scale
     rows: list[Row] = [
         *(("warning", str(warning)) for warning in table.warnings),
         ("digest", stored.digest),
-        ("signed", f"by key {keys}; `tables verify --key` checks it" if keys else "no"),
+        ("signed", f"by key {key}; `tables verify --key` checks it" if key else "no"),
         ("vehicle", f"{car.name}, {car.mass:g} kg"),
         *table.provenance.identity.items(),
         *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
@@ -102,7 +102,7 @@ def shown_document(stored: Stored) -> dict[str, Any]:
     return {
         **stored.address,
         "state": stored.state.word,
-        "keys": key_ids(stored),
+        "key": signer(stored),
         "answer": usability(stored),
         "decelerations": stored.table.paper.decelerations,
         "peak": {"eta": eta, "D": D},
@@ -174,7 +174,6 @@ def compared_document(difference: "Difference", first: Stored, second: Stored) -
         "b": second.id,
         "states": {"a": first.state.word, "b": second.state.word},
         "verdict": difference.verdict,
-        "identical": difference.identical,
         **vars(difference),
     }
 
@@ -187,7 +186,7 @@ def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
         return Facts(headline=headline)
     curves = [
         (gap.curve, f"{gap.start:.5f}", f"{gap.end:.5f}", f"{gap.largest:+.5f}", f"{gap.at:.5f}",
-         f"{gap.rms:.5f}", f"{gap.in_bands:.2f}")
+         f"{gap.in_bands:.2f}")
         for gap in difference.curves
     ]  # fmt: skip
     values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in difference.values]
@@ -195,7 +194,7 @@ def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
     heads = ("value", first.id, second.id, "in 95 % bands")
     return Facts(
         headline=headline,
-        tables=[Table(("curve", "from", "to", "largest", "at", "rms", "in 95 % bands"), curves)],
+        tables=[Table(("curve", "from", "to", "largest", "at", "in 95 % bands"), curves)],
         parts=[Facts("Values", tables=[Table(heads, values)])],
         notes=[
             *(f"{curve}: no common axis" for curve in difference.apart),

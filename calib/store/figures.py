@@ -9,7 +9,7 @@ import numpy as np
 from calib.base.plain import NBSP
 from calib.base.random_effects import quantile95
 from calib.car.effects.catalogue import every_effect
-from calib.store.signature import key_ids
+from calib.store.signature import signer
 from calib.store.snapshot import StoreEntry
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
@@ -139,14 +139,14 @@ def row_of(entry: StoreEntry) -> ListedVersion:
     """The row of a version; values are None or empty where it cannot be read, see ``flaw``.
 
     ``date`` of storing; ``pads`` front and rear [1]; ``decelerations`` of its curves and their
-    ``usable`` range [g]; ``warnings`` number at the fit; ``keys`` that signed it, unverified.
+    ``usable`` range [g]; ``warnings`` number at the fit; ``key`` that signed it, unverified.
     """
     state, stored = entry.state, entry.stored
     row: ListedVersion = {"id": entry.id, "name": entry.name, "version": entry.version}
     row |= {"digest": None, "state": state.word, "date": state.stored_at}
     row |= {"serial": "", "vin": "", "logs": ()}
     row |= dict.fromkeys(("pads", "decelerations", "usable", "band_width"))
-    row |= {"verdict": state.verdict, "warnings": 0, "keys": (), "flaw": "".join(entry.violations)}
+    row |= {"verdict": state.verdict, "warnings": 0, "key": None, "flaw": "".join(entry.violations)}
     if stored is None:
         return row
     table, pads = stored.table, stored.table.calibration
@@ -161,7 +161,7 @@ def row_of(entry: StoreEntry) -> ListedVersion:
         "usable": table.paper.usable,
         "band_width": table.difference.band_width,
         "warnings": len(table.warnings),
-        "keys": key_ids(stored),
+        "key": signer(stored),
     }
 
 

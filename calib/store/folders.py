@@ -3,7 +3,7 @@
 tables/journal.jsonl        the journal, and journal.head, see `calib.store.journal`
 tables/sedan/v0001/         a version, see `calib.store.version`
 tables/sedan/.new-v0002/    a version that is being written
-tables/sedan/v0001.minisig  its signature, that of a second key v0001.KEYID.minisig
+tables/sedan/v0001.minisig  its signature
 """
 
 import os
@@ -62,10 +62,9 @@ def unplaced(folder: Path, name: str = "*") -> list[Path]:
     return sorted(p for p in folder.glob(f"{name}/{NEW}*") if names_a_table(p.parent.name))
 
 
-def signature_files(home: Path, version: int) -> list[Path]:
-    """Signature files of a version: first the simple name, then those with the id of a key."""
-    first = home / f"{folder_of(version)}{SIGNATURE}"
-    return [first] * first.is_file() + sorted(home.glob(f"{first.stem}.*{SIGNATURE}"))
+def signature_file(home: Path, version: int) -> Path:
+    """The signature file of a version."""
+    return home / f"{folder_of(version)}{SIGNATURE}"
 
 
 def place(home: Path, version: int) -> Path | None:

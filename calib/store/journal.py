@@ -31,7 +31,8 @@ CRLF = (
     "`* -text` in its .gitattributes; add it and check the files out again"
 )
 
-STORED, CHANGED, SIGNED = "stored", "changed", "signed"
+STORED, CHANGED = "stored", "changed"
+SIGNED = "signed"  # a line of older programs, which changes nothing
 _START = "0" * 64  # head of an empty journal
 
 _TEXT = r'"[^"\\]*+(?:\\.[^"\\]*+)*+"'
@@ -121,7 +122,7 @@ class Journal:
     def added(
         self, name: str, version: int, event: str, decision: StateDecision, **fields: str
     ) -> "Journal":
-        """The journal with one more entry; ``fields`` of a new version, or the ``key``."""
+        """The journal with one more entry; ``fields`` of a new version."""
         if history := self.versions(name).get(version):
             first = history[0]
             fields = {"digest": first.digest, "record": first.record, "inputs": ""} | fields

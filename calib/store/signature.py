@@ -1,16 +1,11 @@
-"""Sign versions, and verify their signatures.
-
-    tables/sedan/v0001.minisig         of the first key that signed
-    tables/sedan/v0001.KEYID.minisig   of another one
+"""Sign versions, and verify their signatures: tables/sedan/v0001.minisig.
 
 minisign signs the record file, which holds the digest of every curve file. The trusted comment has
 table, version, state, digest and head of the journal. A signature is valid while the version has
-that state and the journal contains that head. A line with the event `signed` is not needed, since
-minisign itself writes none.
+that state and the journal contains that head.
 """
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -19,12 +14,11 @@ from calib.base.bounded import TABLE, read_bounded
 from calib.base.digest import sha256
 from calib.base.errors import DamagedTable, SignatureRefused
 from calib.base.write import write_whole
-from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
-from calib.store.journal import SIGNED, enter
+from calib.store.folders import RECORD, SIGNATURE, signature_file
 from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
 from calib.store.seen import SeenJournals, recall
 from calib.store.snapshot import Snapshot, StoreEntry
-from calib.store.state import STATES, StateDecision
+from calib.store.state import RELEASED, STATES
 from calib.store.store import Store
 from calib.store.version import Stored
 
@@ -84,12 +78,10 @@ class _Signed:
         }
 
 
-def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
-    """Sign record and state of ``name@version``, and enter that in the journal.
+def sign(store: Store, reference: str, key: SecretKey) -> _Signed:
+    """Sign record, state and journal of ``name@version``; it replaces an older signature.
 
-    It covers the head of the journal before that line, and replaces an older signature of the key.
-    The file is written first; if the journal cannot be written, the old file is put back. Raises
-    TableNotFound, DamagedTable, StoreError, and SignatureRefused as `require_signed`.
+    Raises TableNotFound, DamagedTable, StoreError, and SignatureRefused as `require_signed`.
     """
     public = key.public
     _, memory = _looked_up(store, public)
@@ -97,15 +89,8 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
         _check_anchors(now, public)
         state, head = stored.state.word, now.journal.head
         statement = _Statement(stored.name, stored.version, state, stored.digest, head)
-        path = _path(stored, public)
-        previous = path.read_bytes() if path.exists() else None
+        path = signature_file(stored.path.parent, stored.version)
         write_whole(path, key.sign(_record(stored), statement.line))
-
-        def put_back() -> None:
-            path.unlink() if previous is None else write_whole(path, previous)
-
-        fields = (stored.name, stored.version, SIGNED, StateDecision(state, by=by))
-        enter(store.folder, now.journal.added(*fields, key=public.key_id), put_back)
     note = _keep(store.now(), public, memory)
     return _Signed(stored, path, public.key_id, statement, note)
 
@@ -113,8 +98,9 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> _Signed:
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
     """Return the valid signature of a version in its store, by a key.
 
-    ``newest``: the version was chosen as the newest usable one. Then signed newer versions must be
-    valid, too: somebody may reject one to bring back an older one, but cannot sign that.
+    ``newest``: the version was chosen as the newest usable one. Then newer versions that were ever
+    released must have one, too: somebody may reject one to bring back an older one, but cannot
+    sign that.
 
     Raises SignatureRefused without a signature, for a state that was changed since, and for a
     journal that lacks a head that the key signed in this store or that this user has seen;
@@ -126,7 +112,7 @@ def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _
         raise DamagedTable("was replaced while it was read", where=stored.id, do="run it again")
     signed = _valid(now, again, public)
     for version in now.journal.versions(stored.name) if newest else ():
-        if version > stored.version and _was_signed(now, stored.name, version, public):
+        if version > stored.version and _must_be_signed(now, stored.name, version):
             _valid(now, now.load(stored.name, version), public)
     return replace(signed, note=_keep(now, public, memory))
 
@@ -136,8 +122,8 @@ def verify_signed(
 ) -> tuple[tuple[StoreEntry, ...], str]:
     """`Store.verify` with the signatures of a key, and a note as in `_Signed`.
 
-    Every version that is released, or was ever signed by the key, must have one. Raises as
-    `Store.verify`, and as `require_signed` for the store as a whole.
+    Every version that was ever released must have one. Raises as `Store.verify`, and as
+    `require_signed` for the store as a whole.
     """
     now, memory = _looked_up(store, public)
     entries = store.verify(name, lambda entry: _with_signature(now, entry, public))
@@ -152,34 +138,22 @@ def _looked_up(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]
     return now, memory
 
 
-def key_ids(stored: Stored) -> tuple[str, ...]:
-    """The keys in the signature files of a version, unverified."""
-    return tuple(one.key_id for _, one in _signatures(stored.path.parent, stored.version))
+def signer(stored: Stored) -> str | None:
+    """The key in the signature file of a version, unverified; None without a readable one."""
+    try:
+        return read_signature(signature_file(stored.path.parent, stored.version)).key_id
+    except SignatureRefused:
+        return None
 
 
-def _signatures(
-    home: Path, version: int, key: str | None = None
-) -> Iterator[tuple[Path, Signature]]:
-    """The readable signature files of a version, of one ``key`` or of all."""
-    for path in signature_files(home, version):
-        try:
-            signature = read_signature(path)
-        except SignatureRefused:
-            continue
-        if key in (None, signature.key_id):
-            yield path, signature
-
-
-def _was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
-    """Whether a key has ever signed a version, by the journal or a file."""
+def _must_be_signed(now: Snapshot, name: str, version: int) -> bool:
+    """Whether a version was ever released: then its state, whatever it is now, must be signed."""
     history = now.journal.versions(name).get(version, ())
-    keys = {entry.document["key"] for entry in history if entry.event == SIGNED}
-    return public.key_id in keys or any(_signatures(now.folder / name, version, public.key_id))
+    return any(entry.state == RELEASED for entry in history)
 
 
 def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
-    must_sign = entry.state.released or _was_signed(now, entry.name, entry.version, public)
-    if entry.stored is None or not must_sign:
+    if entry.stored is None or not _must_be_signed(now, entry.name, entry.version):
         return entry
     try:
         return replace(entry, signed=_valid(now, entry.stored, public).statement.state)
@@ -189,17 +163,13 @@ def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> Stor
 
 
 def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
-    refused: SignatureRefused | None = None
-    for path, signature in _signatures(stored.path.parent, stored.version, public.key_id):
-        try:
-            statement = _checked(now, stored, public, path, signature)
-            return _Signed(stored, path, public.key_id, statement)
-        except SignatureRefused as error:
-            refused = refused or error
-    for path in () if refused else signature_files(stored.path.parent, stored.version):
-        read_signature(path)  # raises for a damaged one, which may be that of the key
-    others = f", but of {', '.join(key_ids(stored))}" * bool(key_ids(stored))
-    raise refused or _refused(stored, f"has no signature of key {public.key_id}{others}")
+    path = signature_file(stored.path.parent, stored.version)
+    if not path.exists():
+        raise _refused(stored, "has no signature")
+    signature = read_signature(path)
+    if signature.key_id != public.key_id:
+        raise _refused(stored, f"is signed by key {signature.key_id}, not by {public.key_id}")
+    return _Signed(stored, path, public.key_id, _checked(now, stored, public, path, signature))
 
 
 def _refused(stored: Stored, flaw: str) -> SignatureRefused:
@@ -256,15 +226,6 @@ def _line(now: Snapshot, statement: _Statement, path: Path) -> int:
             "this signature and sign again",
         )
     return number
-
-
-def _path(stored: Stored, public: PublicKey) -> Path:
-    """File for a key's signature: its present one, else the simple name, else one with its id."""
-    home = stored.path.parent
-    simple = home / f"{folder_of(stored.version)}{SIGNATURE}"
-    named = simple.with_name(f"{simple.stem}.{public.key_id}{SIGNATURE}")
-    mine = next((path for path, _ in _signatures(home, stored.version, public.key_id)), None)
-    return mine or (named if simple.exists() else simple)
 
 
 def _record(stored: Stored) -> bytes:

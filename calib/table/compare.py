@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 from calib.base.digest import canonical_json
 from calib.base.intervals import Z95
-from calib.table.breakpoints import squared
-from calib.table.maps import MAPS, Map, PadMap, columns
+from calib.table.maps import MAPS, Map, PadMap
 from calib.table.table import Table, Value
 
 TOLERANCE = 1e-5
@@ -31,20 +30,29 @@ _VALUE = {"value", "sigma"}
 """Keys of a fitted value in a record."""
 _RESULTS = ("calibration", "effects", "noise", "quality")
 """Sections of the record that hold numbers of the fit."""
-_SURE = 0.95  # share of the stops that decides the verdict on a map [1]
+_SURE = 0.95  # share of the cells that decides the verdict [1]
 
 _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
 """Verdicts on two tables; the second where no difference exceeds the 95 % bands of both."""
 
 
 @dataclass(frozen=True)
+class _Curve(Map):
+    """A curve as a map over one axis, which may be eta or slip."""
+
+    value: Array
+    value_lower: Array
+    value_upper: Array
+
+
+@dataclass(frozen=True)
 class _CurveGap:
-    """Distance of one curve or map of ``b`` from that of ``a`` on their common axis [1].
+    """Distance of one curve or map of ``b`` from that of ``a`` on their common axes [1].
 
     The axis is eta or slip; that of a map is z, over the part that both have of its other axes.
-    ``largest`` the b - a of largest magnitude, ``at`` its place; ``rms`` over the axis, or over the
-    cells of a map; ``in_bands`` largest magnitude over the combined 95 % half-width, infinite
-    without a band.
+    ``largest`` the b - a of largest magnitude, ``at`` its place; ``in_bands`` magnitude over the
+    combined 95 % half-width that 95 % of the cells do not exceed, as 95 % bands promise no more;
+    infinite without a band. Cells of a map have the weight of their share of the stops.
     """
 
     curve: str
@@ -52,7 +60,6 @@ class _CurveGap:
     end: float
     largest: float
     at: float
-    rms: float
     in_bands: float
 
 
@@ -67,7 +74,7 @@ class _RecordChange:
 
 @dataclass(frozen=True)
 class _ValueGap:
-    """A fitted value of ``a`` and ``b`` [1], and their distance as in `_CurveGap`."""
+    """A fitted value of ``a`` and ``b`` [1], and their distance over the combined half-width."""
 
     name: str
     a: float
@@ -80,19 +87,15 @@ class Difference:
     """Differences of two tables.
 
     ``curves`` and maps with a common axis, names of those without one in ``apart``; ``values`` of
-    pads and draws; ``changes`` of the record by section: vehicle, quality, provenance and so on.
+    the pads; ``changes`` of the record by section: vehicle, quality, provenance and so on;
+    ``identical`` if nothing differs, not in the draws either.
     """
 
     curves: tuple[_CurveGap, ...]
     apart: tuple[str, ...]
     values: tuple[_ValueGap, ...]
     changes: dict[str, tuple[_RecordChange, ...]]
-
-    @property
-    def identical(self) -> bool:
-        """Whether neither curves nor records differ."""
-        moved = any(g.largest != 0.0 for g in self.curves) or any(v.a != v.b for v in self.values)
-        return not self.changes and not self.apart and not moved
+    identical: bool
 
     @property
     def verdict(self) -> str:
@@ -104,70 +107,51 @@ class Difference:
 
 
 def diff(a: Table, b: Table) -> Difference:
-    """Compare two tables: curves and maps on their common axes, records by key.
+    """Compare two tables: curves and maps on their common axes, pads, records by key.
 
-    Curves and maps are linear between rows; of the draws the means are compared.
+    Curves and maps are linear between rows.
     """
-    curves_b, values_a, values_b = _axes(b), _values(a), _values(b)
-    gaps = {name: _gap(name, curve, curves_b[name]) for name, curve in _axes(a).items()}
-    gaps |= _map_gaps(a, b)
+    others, pads = _curves(b), vars(b.calibration)
+    gaps = {name: _gap(name, *one, others[name][0]) for name, one in _curves(a).items()}
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
-        values=tuple(_value_gap(n, x, values_b[n]) for n, x in values_a.items() if n in values_b),
+        values=tuple(_value_gap(n, x, pads[n]) for n, x in vars(a.calibration).items()),
         changes=changes(a, b),
+        identical=a.digest == b.digest,
     )
 
 
-def _values(table: Table) -> dict[str, Value]:
-    """The pads, and mean and standard deviation of the draws."""
-    draws = columns(table.draws).items()
-    means = {f"draws {name}": Value(float(x.mean()), float(x.std())) for name, x in draws}
-    return {**vars(table.calibration), **means}
+def _curves(table: Table) -> dict[str, tuple[Map, str]]:
+    """Each curve, and each bounded column of the maps, named as "map ratio"."""
+    d, p, g = table.difference, table.paper, table.tyre
+    curves: dict[str, tuple[Map, str]] = {
+        "D": (_Curve(d.eta, d.D, d.lower, d.upper), "value"),
+        "f1": (_Curve(p.eta, p.f1, p.f1_lower, p.f1_upper), "value"),
+        "f2": (_Curve(p.eta, p.f2, p.f2_lower, p.f2_upper), "value"),
+        "g": (_Curve(g.slip, g.force, g.lower, g.upper), "value"),
+    }
+    maps = {name: getattr(table, name) for name in MAPS}
+    return curves | {f"{n} {column}": (m, column) for n, m in maps.items() for column in m.bounded}
 
 
-def _map_gaps(a: Table, b: Table) -> dict[str, _CurveGap | None]:
-    """The gap of each bounded column of the maps, named as "map ratio"; None of a map of one."""
-    gaps: dict[str, _CurveGap | None] = {}
-    for name in MAPS:
-        first, second = getattr(a, name), getattr(b, name)
-        axes = _common(first, second)
-        for column in first.bounded:
-            key = f"{name} {column}"
-            gaps[key] = _map_gap(key, column, first.on(axes), second.on(axes)) if axes else None
-    return gaps
-
-
-def _common(a: Map, b: Map) -> list[Array]:
-    """The values of the axes of both on the part that both have; empty where there is none."""
+def _gap(name: str, a: Map, column: str, b: Map) -> _CurveGap | None:
+    """Gap of one column on the same cells; None where the axes have no part in common."""
     axes = []
     for x, y in zip(a.axes.values(), b.axes.values(), strict=True):
-        start, end = max(x[0], y[0]), min(x[-1], y[-1])
-        values = np.union1d(x, y)
-        axes.append(values[(values >= start) & (values <= end)])
-    return axes if all(axis.size for axis in axes) else []
-
-
-def _map_gap(name: str, column: str, a: Map, b: Map) -> _CurveGap:
-    """Gap of one column of two maps on the same cells; they are linear in between.
-
-    ``in_bands`` is that of 95 % of the stops, as 95 % bands promise no more; cells have the weight
-    of their share of the stops.
-    """
+        values = np.union1d(x, y)  # both are linear between these, so the largest gap is at one
+        axes.append(values[(values >= max(x[0], y[0])) & (values <= min(x[-1], y[-1]))])
+    if not all(axis.size for axis in axes):
+        return None
+    a, b = a.on(axes), b.on(axes)
     gap = getattr(b, column) - getattr(a, column)
     ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
     band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
-    # share of the stops in each cell; equal where the map has none
     shares = (m.share if isinstance(m, PadMap) else np.ones_like(m.z) for m in (a, b))
     in_bands = _quantile(_over(gap, band), np.minimum(*shares))
-    return _gap_of(name, a.z, gap, float(np.mean(gap**2)), in_bands)
-
-
-def _gap_of(name: str, x: Array, gap: Array, square: float, in_bands: float) -> _CurveGap:
-    """The gap with its largest value; ``square`` is the mean of gap^2."""
     worst = int(np.argmax(np.abs(gap)))
-    ends, largest = (float(x[0]), float(x[-1])), float(gap[worst])
-    return _CurveGap(name, *ends, largest, float(x[worst]), math.sqrt(square), in_bands)
+    start, end, largest, at = (float(x) for x in (a.z[0], a.z[-1], gap[worst], a.z[worst]))
+    return _CurveGap(name, start, end, largest, at, in_bands)
 
 
 def _quantile(x: Array, weights: Array) -> float:
@@ -178,13 +162,8 @@ def _quantile(x: Array, weights: Array) -> float:
 
 
 def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:
-    band = np.asarray(Z95 * math.hypot(a.sigma, b.sigma))
-    return _ValueGap(name, a.value, b.value, _in_bands(np.asarray(b.value - a.value), band))
-
-
-def _in_bands(gap: Array, band: Array) -> float:
-    """Largest gap over its band; 0 where both are, as at eta = 1."""
-    return float(np.max(_over(gap, band), initial=0.0))
+    gap, band = np.array([b.value - a.value]), np.array([Z95 * math.hypot(a.sigma, b.sigma)])
+    return _ValueGap(name, a.value, b.value, float(_over(gap, band)[0]))
 
 
 def _over(gap: Array, band: Array) -> Array:
@@ -192,31 +171,6 @@ def _over(gap: Array, band: Array) -> Array:
     over = np.where(gap == 0.0, 0.0, math.inf)
     np.divide(np.abs(gap), band, out=over, where=(band > 0.0) & (gap != 0.0))
     return over
-
-
-def _axes(table: Table) -> dict[str, tuple[Array, Array, Array]]:
-    """Axis, value and 95 % half-width of each curve."""
-    d, p, g = table.difference, table.paper, table.tyre
-    return {
-        "D": (d.eta, d.D, (d.upper - d.lower) / 2),
-        "f1": (p.eta, p.f1, (p.f1_upper - p.f1_lower) / 2),
-        "f2": (p.eta, p.f2, (p.f2_upper - p.f2_lower) / 2),
-        "g": (g.slip, g.force, (g.upper - g.lower) / 2),
-    }
-
-
-def _gap(
-    name: str, a: tuple[Array, Array, Array], b: tuple[Array, Array, Array]
-) -> _CurveGap | None:
-    start, end = max(a[0][0], b[0][0]), min(a[0][-1], b[0][-1])
-    if not start < end:
-        return None
-    # Both curves are linear between these points, so the largest gap is at one of them.
-    x = np.union1d(a[0], b[0])
-    x = np.union1d(x[(x >= start) & (x <= end)], [start, end])
-    gap = np.interp(x, b[0], b[1]) - np.interp(x, a[0], a[1])
-    band = np.hypot(np.interp(x, a[0], a[2]), np.interp(x, b[0], b[2]))
-    return _gap_of(name, x, gap, squared(x, gap) / (x[-1] - x[0]), _in_bands(gap, band))
 
 
 def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:

@@ -37,12 +37,12 @@ def of(ran):
 
 
 def test_each_setting_says_where_it_comes_from(project, brake_cal):
-    project('vehicle = "car.toml"\nby = "Bea"\n[station]\nexport = ["dcm", "json"]\n')
+    project('vehicle = "car.toml"\nby = "Bea"\n[station]\nexport = ["dcm", "csv"]\n')
     ran = brake_cal("settings", "--json")
     found = of(ran)
     source = f"file:../{NAME}"
     assert found["vehicle"] == {"value": "../car.toml", "source": source}
-    assert found["station.export"] == {"value": ["dcm", "json"], "source": source}
+    assert found["station.export"] == {"value": ["dcm", "csv"], "source": source}
     assert found["by"] == {"value": "Bea", "source": source}
     assert found["store"]["source"] == "built-in"
 

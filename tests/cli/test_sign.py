@@ -86,7 +86,7 @@ def test_verify_with_a_key(tables, signed, two, public):
 
 
 USES = {
-    "export": ("tables", "export", "sedan@1", "--format", "json", "--unreleased"),
+    "export": ("tables", "export", "sedan@1", "--format", "csv", "--unreleased"),
     "validate": (
         "validate", "sedan@1", f"{SAMPLES}/dry_asphalt_stop.csv",
         "--vehicle", f"{SAMPLES}/vehicle.toml",

@@ -76,12 +76,3 @@ def test_an_axis_increases_or_is_refused(steps, bits):
     else:
         with pytest.raises(ExchangeError, match="become equal"):
             how.axis("eta", eta, 1.0)
-
-
-def test_the_reading_error_is_found_on_a_grid_too(real):
-    for curve in build(real, 16, bits=16).curves:
-        axis, worst = curve.axis, curve.fixed_misfit
-        grid = np.linspace(axis.values[0], axis.values[-1], 4001)
-        rounded = np.interp(grid, axis.fixed.values, curve.fixed.values)
-        gap = np.abs(rounded - np.interp(grid, axis.values, curve.values)).max()
-        assert 0.9 * worst <= gap <= worst * (1 + 1e-9)

@@ -30,7 +30,7 @@ def signed_store(tmp_path, seen):
     made.save(made_table(28.0), RELEASE)
     made.save(made_table(name="wagon"))
     for version in ("sedan@1", "sedan@2"):
-        sign(made, version, ADA, "Ada")
+        sign(made, version, ADA)
     forget(seen)
     return made
 

@@ -119,8 +119,7 @@ def test_a_table_differs_from_one_with_other_draws():
     stiff = replace(table.draws, compliance_f=1.1 * table.draws.compliance_f)
     found = diff(table, replace(table, draws=stiff))
     assert not found.identical
-    (moved,) = (value for value in found.values if value.in_bands > 0.0)
-    assert moved.b == pytest.approx(1.1 * 0.04)
+    assert found.verdict == "equal within bands"
 
 
 def test_maps_are_compared_where_two_fits_are():
