@@ -23,35 +23,36 @@ if TYPE_CHECKING:
     from calib.line.fleet.rows import Row
     from calib.line.fleet.work import Job
 
-_JobCommand = Annotated[Command, argument("fit, validate or check each log.", "COMMAND")]
-_JobTable = Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
-CAR = "fit, validate: vehicle file. Only fit takes it from the settings."
-_Car = Annotated[
-    "Vehicle | None",
-    options.vehicle(CAR, setting="vehicle", when=lambda given: given["command"] == Command.FIT),
-]
-_JobLimits = Annotated[
-    "tuple[Limit, ...] | None",
-    options.limits(
-        "validate: limits for pass or fail.",
-        options.LIMITS_OF_STOPS,
-        always=False,
-        when=lambda given: given["command"] == Command.VALIDATE,
-    ),
-]
-_Out = Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
+_Job = Annotated[Command, argument("fit, validate or check each log.", "COMMAND")]
 
 
 @dataclass(frozen=True)
 class Inputs:
     """What batch and watch take for all logs."""
 
-    out: _Out
+    out: Annotated[
+        Path, option("Write results.parquet and journal here.", "DIR", writes="folder")
+    ]
     workers: options.Workers
-    table: _JobTable
+    table: Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
     store: options.Tables
-    vehicle: _Car
-    limits: _JobLimits
+    vehicle: Annotated[
+        "Vehicle | None",
+        options.vehicle(
+            "fit, validate: vehicle file. Only fit takes it from the settings.",
+            setting="vehicle",
+            when=lambda given: given["command"] == Command.FIT,
+        ),
+    ]
+    limits: Annotated[
+        "tuple[Limit, ...] | None",
+        options.limits(
+            "validate: limits for pass or fail.",
+            options.LIMITS_OF_STOPS,
+            always=False,
+            when=lambda given: given["command"] == Command.VALIDATE,
+        ),
+    ]
     channel_map: options.Map
 
     def job(self, command: Command) -> "Job":
@@ -91,7 +92,7 @@ class Inputs:
     "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
 )
 def batch(
-    command: _JobCommand,
+    command: _Job,
     logs: list[str] = argument("Logs, or folders of logs.", "GLOB|DIR|LOG..."),
     *,
     inputs: Inputs,
@@ -131,7 +132,7 @@ def batch(
 
 @command("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
-    command: _JobCommand,
+    command: _Job,
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
     inputs: Inputs,

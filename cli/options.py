@@ -148,18 +148,6 @@ def in_si(unit: str, written: str) -> float:
         return quantity(written, unit, None, InputError)
 
 
-def _mass(written: str) -> float:
-    """A mass [kg] within what a vehicle file may say."""
-    from calib.car.keys import KEYS
-
-    mass, limits = in_si("kg", written), next(key for key in KEYS if key.name == "mass")
-    if not limits.least <= mass <= limits.most:
-        raise misuse(
-            f"{mass:g} kg is not believable; expected {limits.least:g} to {limits.most:g} kg"
-        )
-    return mass
-
-
 def words(written: str) -> str:
     """A text that is not empty."""
     if not written.strip():
@@ -206,7 +194,7 @@ OtherPads = Annotated[
 ]
 Map = Annotated["ChannelMap | None", channel_map(setting="map")]
 _MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
-Mass = Annotated["float | None", option(_MASS, "MASS", typed=str | None, make=_mass)]
+Mass = Annotated["float | None", option(_MASS, "MASS", typed=str | None, make=partial(in_si, "kg"))]
 _READ_EFFECTS = "calib.car.effects.effect_file:read_own_effects"
 EFFECT = (
     "Add an effect of your own (`brake-cal manual own_effects`); may be repeated. The file is "

@@ -1,15 +1,13 @@
-"""The mean of several measured things that differ: a random-effects model.
+"""The mean of several things that were measured alike, and what one more of them may be.
 
-    x_i = mean + b_i + e_i        b_i ~ N(0, between)        e_i ~ N(0, v_i), v_i known
+    x_i = mean + b_i + e_i        b_i ~ N(0, between)        e_i ~ N(0, v), v known
 
-``between`` by restricted maximum likelihood (REML), which is hardly biased with few things
-(Viechtbauer 2005, doi:10.3102/10769986030003261; Veroniki et al. 2016, doi:10.1002/jrsm.1164).
-The error of the mean is that of Hartung and Knapp (2001, doi:10.1002/sim.791): from the scatter
-itself, with Student's t of k - 1 degrees of freedom, exact where all v_i are equal. It is never
-narrower than the normal interval, as it would be for things that agree by chance (Jackson et al.
-2017, doi:10.1002/sim.7411).
+The scatter s^2 of the x_i is that of both, so s/sqrt(k) is the error of their mean, and one more
+thing that is measured like these lies s sqrt(1 + 1/k) about it, with Student's t of k - 1 degrees
+of freedom: exact for normal x_i. Things may agree by chance, so no interval is narrower than the
+normal one of v alone.
 
-Not true where the e_i are correlated: add shared errors to the error of the mean, not to v_i.
+Not true where the e_i are correlated: add shared errors to the error of the mean, not to v.
 """
 
 from dataclasses import dataclass
@@ -19,75 +17,36 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 
-_STEPS = 500  # of the iteration at most; it takes 5 to 50
-_SETTLED = 1e-12  # last step over the whole variance
-
 
 @dataclass(frozen=True)
 class RandomEffects:
-    """Mean of k things (n,), for each of n quantities, in their units.
+    """Mean of k things, for each of n quantities. Shapes (n,), in the quantities' units.
 
-    ``sigma`` (n,): standard error, to be used with Student's t of ``freedom`` = k - 1. ``between``
-    (n,): variance between the things; ``within`` (n,): mean of their own; ``weights`` (k, n) add up
-    to 1.
+    ``sigma`` standard error of the mean, and ``one_more`` standard deviation of one more thing
+    about it, both to be used with Student's t of ``freedom`` = k - 1; ``between`` standard
+    deviation between the things, without that of their own errors.
     """
 
     mean: Array
     sigma: Array
+    one_more: Array
     between: Array
-    within: Array
-    weights: Array
     freedom: int
 
-    @property
-    def one_more(self) -> Array:
-        """Standard deviation about the mean of one more thing that is measured like these.
 
-        To be used with Student's t; exact where all v_i are equal, too wide for its true value.
-        """
-        return np.sqrt(self.between + self.sigma**2 + self.within)
-
-
-def random_effects(values: Array, variances: Array, weights: Array | None = None) -> RandomEffects:
+def random_effects(values: Array, variances: Array) -> RandomEffects:
     """Mean of ``values`` (k, n) with known ``variances`` (k, n) of their own, k of 2 or more.
 
-    ``weights`` (k,) of the mean, if they are not to be 1/(between + v_i). Raises ValueError for
-    fewer than two things.
+    >>> found = random_effects(np.array([[1.0], [3.0]]), np.array([[0.5], [0.5]]))
+    >>> found.mean.tolist(), (found.between**2).round(9).tolist(), found.freedom
+    ([2.0], [1.5], 1)
     """
-    x, v = np.asarray(values, float), np.asarray(variances, float)
-    freedom = x.shape[0] - 1
-    if freedom < 1:
-        raise ValueError("one thing alone has no scatter")
-    between = between_variance(x, v)
-    variance = between + v
-    best = 1.0 / np.maximum(variance, _SETTLED * _scale(x, v))
-    best = np.asarray(best / best.sum(axis=0))
-    w = best if weights is None else np.broadcast_to(weights[:, None] / weights.sum(), x.shape)
-    mean = (w * x).sum(axis=0)
-    square = (x - (best * x).sum(axis=0)) ** 2
-    chi2 = np.divide(square, variance, out=np.zeros_like(x), where=variance > 0.0).sum(axis=0)
-    # Hartung and Knapp; at least so much that Student's interval is the normal one
-    scatter = np.maximum(chi2 / freedom, (Z95 / quantile95(freedom)) ** 2)
-    sigma = np.sqrt(scatter * (w**2 * variance).sum(axis=0))
-    return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, freedom)
-
-
-def between_variance(values: Array, variances: Array) -> Array:
-    """Variance between things by REML (n,), from ``values`` and ``variances`` (k, n); cut at 0."""
-    x, v = np.asarray(values, float), np.asarray(variances, float)
-    scale = _scale(x, v)
-    between = np.maximum(x.var(axis=0, ddof=1) - v.mean(axis=0), 0.0)
-    for _ in range(_STEPS):
-        w = 1.0 / np.maximum(between + v, _SETTLED * scale)
-        mean = (w * x).sum(axis=0) / w.sum(axis=0)
-        # the fixed point of the restricted likelihood
-        new = (w**2 * ((x - mean) ** 2 - v)).sum(axis=0) / (w**2).sum(axis=0) + 1.0 / w.sum(axis=0)
-        new = np.maximum(new, 0.0)
-        converged = np.all(np.abs(new - between) <= _SETTLED * scale)
-        between = new
-        if converged:
-            break
-    return np.where(x.var(axis=0) > 0.0, between, 0.0)
+    x, own = np.asarray(values, float), np.mean(variances, axis=0)
+    k, scatter = x.shape[0], np.var(x, axis=0, ddof=1)
+    between = np.sqrt(np.maximum(scatter - own, 0.0))
+    scatter = np.maximum(scatter, own * (Z95 / quantile95(k - 1)) ** 2)
+    sigma, one_more = np.sqrt(scatter / k), np.sqrt(scatter * (1.0 + 1.0 / k))
+    return RandomEffects(x.mean(axis=0), sigma, one_more, between, k - 1)
 
 
 def quantile95(freedom: int) -> float:
@@ -103,9 +62,3 @@ def as_sigma(t: float, freedom: int) -> float:
 
     tail = max(float(stdtr(freedom, -abs(t))), 1e-300)  # 37 sigma
     return float(np.copysign(-ndtri(tail), t))
-
-
-def _scale(x: Array, v: Array) -> Array:
-    """Scale of the variances, never zero."""
-    whole = x.var(axis=0) + v.mean(axis=0)
-    return np.where(whole > 0.0, whole, 1.0)

@@ -10,7 +10,7 @@ Student's t of k - 1 degrees of freedom for k cars. A mean does not reduce the s
 
     draw of a car - mean of that car + mean of a new car = draw of one more car
 
-Cars are drawn by their weights in the mean. The logarithms of pads and compliances are a normal
+The cars count alike. The logarithms of pads and compliances are a normal
 sample of k, so the mean of a new car follows Student's t with k - 1 degrees of freedom about m:
 
     sqrt((k + 1)/k) sum g_i (m_i - m)/sqrt(k - 1) / sqrt(chi^2/(k - 1))        g_i ~ N(0, 1)
@@ -55,30 +55,24 @@ class _OneCurve(NamedTuple):
     flag: Array
 
 
-def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects, Array]:
-    """The curves of a mean table by name, the scatter of D, and the weight of each car (k,).
-
-    All quantities of a car have one weight, by the variance of its D where that is largest.
-    """
+def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
+    """The curves of a mean table by name, and the scatter of D."""
     of_D, of_g = (
         _on_one_axis(start, [[*vars(getattr(t, of)).values()] for t in tables])
         for start, of in ((1.0, "difference"), (0.0, "tyre"))
     )
-    peak = [int(np.argmax(np.abs(of_D.values.mean(axis=0))))]
-    of_peak = random_effects(of_D.values[:, peak], of_D.own_variance[:, peak])
-    weights = np.asarray(of_peak.weights[:, 0])
-    scatter, columns = _mean(of_D, weights)
-    difference, tyre = DifferenceCurve(*columns), TyreCurve(*_mean(of_g, weights)[1])
-    z = np.asarray(weights @ [np.interp(of_D.axis, t.paper.eta, t.paper.z) for t in tables])
+    scatter, columns = _mean(of_D)
+    difference, tyre = DifferenceCurve(*columns), TyreCurve(*_mean(of_g)[1])
+    z = np.mean([np.interp(of_D.axis, t.paper.eta, t.paper.z) for t in tables], axis=0)
     paper = paper_of(tables[0].vehicle, difference, z)
-    return {"difference": difference, "paper": paper, "tyre": tyre}, scatter, weights
+    return {"difference": difference, "paper": paper, "tyre": tyre}, scatter
 
 
-def _mean(curve: _OneCurve, weights: Array) -> tuple[RandomEffects, tuple[Array, ...]]:
+def _mean(curve: _OneCurve) -> tuple[RandomEffects, tuple[Array, ...]]:
     """Scatter of a curve, and columns of its mean with the band of one more car."""
-    scatter = random_effects(curve.values, curve.own_variance, weights)
+    scatter = random_effects(curve.values, curve.own_variance)
     of_cars = quantile95(scatter.freedom) * scatter.one_more
-    half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(weights @ curve.shared_variance)))
+    half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(np.mean(curve.shared_variance, axis=0))))
     mean, none = scatter.mean, np.zeros(curve.axis.size)
     return scatter, (curve.axis, mean, mean - half, mean + half, curve.blocks, curve.flag, none)
 
@@ -103,23 +97,22 @@ def _on_one_axis(start: float, curves: Sequence[Sequence[Array]]) -> _OneCurve:
     return _OneCurve(axis, values, *parts, count.sum(axis=0), middle)
 
 
-def mean_pads(tables: Sequence[Table], weights: Array) -> tuple[dict[str, Any], RandomEffects]:
-    """Calibration and budget of a mean by ``weights`` (k,); scatter of level, ratio, stiffness."""
+def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
+    """Calibration and budget of a mean; the scatter of level, ratio and stiffness."""
     vehicle = tables[0].vehicle
     values = [
         [*pad_levels(t.vehicle, t.calibration), math.log(t.calibration.slip_stiffness.value)]
         for t in tables
     ]
     of_run = [[per_run(getattr(t.budget, name)) for name in _LOGS] for t in tables]
-    scatter = random_effects(np.array(values), np.array(of_run), weights)
+    scatter = random_effects(np.array(values), np.array(of_run))
     level, ratio, stiffness = scatter.mean.tolist()
     parts: dict[str, dict[str, float]] = {}
     for name, of_cars in zip(_LOGS, (inflated(scatter) ** 2).tolist(), strict=True):
-        variances = parts[name] = {}
-        for weight, table in zip(weights.tolist(), tables, strict=True):
-            for part, variance in shared(getattr(table.budget, name)).items():
-                variances[part] = variances.get(part, 0.0) + weight * variance
-        variances["cars"] = of_cars
+        each = [shared(getattr(t.budget, name)) for t in tables]
+        common = {part: [x.get(part, 0.0) for x in each] for budget in each for part in budget}
+        means = {part: float(np.mean(variances)) for part, variances in common.items()}
+        parts[name] = {**means, "cars": of_cars}
     of_ratio, of_stiffness = (math.sqrt(sum(parts[name].values())) for name in _LOGS[1:])
     pads, budget = calibration_of(
         vehicle,
@@ -136,21 +129,21 @@ def inflated(scatter: RandomEffects) -> Array:
     return np.asarray(quantile95(scatter.freedom) / Z95 * scatter.one_more)
 
 
-def mean_maps(tables: Sequence[Table], weights: Array) -> tuple[PadMap, LevelMap, Draws]:
-    """Maps and draws of one more car, from the tables of k cars with their weights (k,)."""
+def mean_maps(tables: Sequence[Table]) -> tuple[PadMap, LevelMap, Draws]:
+    """Maps and draws of one more car, from the tables of k cars."""
     vehicle = tables[0].vehicle
     car = as_driven(vehicle, default_model(vehicle).effects)
-    drawn = one_more(tables, weights)
+    drawn = one_more(tables)
     rows = np.linspace(0, _SIZE - 1, TABLE_DRAWS).astype(np.int64)
     part = Draws(**{name: x[rows] for name, x in vars(drawn).items()})
     return *maps(car, ensemble_of(car, drawn)), part
 
 
-def one_more(tables: Sequence[Table], weights: Array, size: int = _SIZE) -> Draws:
+def one_more(tables: Sequence[Table], size: int = _SIZE) -> Draws:
     """``size`` draws of one more car, by a fixed random sequence."""
     draws = [vars(t.draws) for t in tables]
     k, rng = len(draws), np.random.default_rng(42)
-    car = np.searchsorted(np.cumsum(weights), (np.arange(size) + 0.5) / size * np.sum(weights))
+    car = np.arange(size) * k // size
     row = (rng.random(size) * [draws[i]["weight"].size for i in car]).astype(np.int64)
     g = rng.standard_normal((size, k)) / np.sqrt(k - 1.0)
     tails = np.sqrt((k - 1.0) / rng.chisquare(k - 1, size))
@@ -161,7 +154,7 @@ def one_more(tables: Sequence[Table], weights: Array, size: int = _SIZE) -> Draw
         x = np.array([columns[i][j] for i, j in zip(car, row, strict=True)])
         if name in _OF_CARS:
             means = np.array([np.mean(column) for column in columns])
-            off = means - weights @ means
+            off = means - np.mean(means)
             x += far * (g @ off) - off[car]
         out[name] = np.exp(x) if name in _POSITIVE else x
     return Draws(**out)

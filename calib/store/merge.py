@@ -4,16 +4,15 @@ CAR@1, CAR@2, ... --> common axes --> mean and scatter of D, g, pads, tyre --> o
                   --> draws of one more car --> its maps
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.base.errors import RevisionError
 from calib.base.names import PROGRAM
-from calib.base.plain import counted
 from calib.base.random_effects import RandomEffects, random_effects
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import UNCERTAINTIES, Vehicle
@@ -31,8 +30,6 @@ _CAR_MARKS = ("serial", "vin")  # identifiers of one car
 _LEAST_RANGE = 0.5
 """Share of the longest range of eta that every table must cover [1], since the mean ends with the
 shortest."""
-
-_FEW = 5  # cars below which the scatter between them is hardly known
 
 _SHARED = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
@@ -59,16 +56,16 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
         raise RevisionError("; ".join(flaws))
     parents = sorted(parents, key=lambda p: (p.name, p.version, p.digest))
     tables = [p.table for p in parents]
-    curves, of_D, weights = mean_curves(tables)
-    pads, of_pads = mean_pads(tables, weights)
-    pad_map, level_map, draws = mean_maps(tables, weights)
+    curves, of_D = mean_curves(tables)
+    pads, of_pads = mean_pads(tables)
+    pad_map, level_map, draws = mean_maps(tables)
     sensors = [n for n in tables[0].noise if all(n in t.noise for t in tables)]
     return Table(
         name=name,
         vehicle=tables[0].vehicle,
         **curves,
         **pads,
-        effects=_effects(tables, weights),
+        effects=_effects(tables),
         noise={n: float(np.sqrt(np.mean([t.noise[n] ** 2 for t in tables]))) for n in sensors},
         quality=_quality(tables),
         remarks=_remarks(parents),
@@ -82,11 +79,11 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
 
 
 def _scatters(effects: RandomEffects) -> tuple[Scatter, ...]:
-    pairs = zip(np.sqrt(effects.between).tolist(), effects.sigma.tolist(), strict=True)
+    pairs = zip(effects.between.tolist(), effects.sigma.tolist(), strict=True)
     return tuple(Scatter(between, of_mean) for between, of_mean in pairs)
 
 
-def _effects(tables: Sequence[Table], weights: Array) -> Effects:
+def _effects(tables: Sequence[Table]) -> Effects:
     """Mean of the resistance; errors of the coasts by road and wind count as shared."""
     values: dict[str, dict[str, float]] = {}
     sigma: dict[str, dict[str, float]] = {}
@@ -95,10 +92,10 @@ def _effects(tables: Sequence[Table], weights: Array) -> Effects:
         for parameter in named:
             cars = [t.effect_values[effect][parameter] for t in tables]
             x = np.array([[car.value] for car in cars])
-            scatter = random_effects(x, np.zeros_like(x), weights)
-            shared = weights @ np.array([car.sigma**2 for car in cars])
+            scatter = random_effects(x, np.zeros_like(x))
+            shared = math.sqrt(np.mean([car.sigma**2 for car in cars]))
             values[effect][parameter] = float(scatter.mean[0])
-            sigma[effect][parameter] = float(np.hypot(inflated(scatter)[0], np.sqrt(shared)))
+            sigma[effect][parameter] = math.hypot(inflated(scatter)[0], shared)
     return Effects(values, sigma=sigma)
 
 
@@ -126,28 +123,13 @@ def _provenance(parents: Sequence[Stored]) -> Provenance:
 def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
     ends = {p.id: float(p.table.difference.eta[-1]) for p in parents}
     shortest, longest = min(ends, key=lambda i: ends[i]), max(ends, key=lambda i: ends[i])
-    k = len(parents)
-    remarks = [
-        f"mean of {k} cars by a random-effects model (REML, Hartung-Knapp); bands and "
-        "sigmas are those of one more car of the model",
+    return (
+        f"mean of {len(parents)} tables, taken as those of different cars that count alike; bands "
+        "and sigmas are those of one more car of the model, by Student's t",
         f"curves end at eta {ends[shortest]:.5f}, where {shortest} ends; {longest} goes to "
         f"{ends[longest]:.5f}",
         _SHARED,
-    ]
-    if k < _FEW:
-        remarks.append(
-            f"{k} cars say little of how cars differ: the bands use Student's t with "
-            f"{counted(k - 1, 'degree')} of freedom"
-        )
-    unknown = [p.id for p in parents if not any(_identity(p, mark) for mark in _CAR_MARKS)]
-    if unknown:
-        remarks.append(
-            f"taken as different cars, without a serial number or VIN: {', '.join(unknown)}"
-        )
-    settings = [p.table.provenance.settings for p in parents]
-    if any(s != settings[0] for s in settings):
-        remarks.append("the tables were fitted with different settings; the common ones are kept")
-    return tuple(remarks)
+    )
 
 
 def _each(parents: Sequence[Stored]) -> Iterator[str]:

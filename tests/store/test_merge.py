@@ -104,7 +104,6 @@ def test_the_record_names_the_parents_and_what_no_mean_shrinks(store):
     assert [(p.id, p.digest) for p in origin.parents] == [(p.id, p.digest) for p in parents]
     assert {log.name for log in origin.logs} == {"ramp_1.csv", "ramp_2.csv", "ramp_3.csv"}
     assert any("vehicle file, the surface of the track" in r for r in stored.table.remarks)
-    assert any("2 degrees of freedom" in r for r in stored.table.remarks)
     assert stored.table.spread.cars == 3
     assert all(verdict.sound for verdict in kept.verify())
     assert kept.save(merge(parents[::-1], "golden")).id == "golden@1"
