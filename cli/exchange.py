@@ -146,19 +146,11 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     return Answer(returned_document(*result), returned(*result), DAMAGED * bool(differences.wrong))
 
 
-def _table_name(name: str) -> str:
-    from calib.base.names import TABLE_NAMES, names_a_table
-
-    if not names_a_table(name):
-        raise misuse(f"{name!r} cannot name a table; {TABLE_NAMES}")
-    return name
-
-
 @command("brake-cal tables merge car@1 car@2 car@3 --name golden")
 def merge(
     tables: list[str] = argument("name@version or path, one of each car", "CAR@1 CAR@2 ..."),
     *,
-    name: str = option("Name of the mean table.", "NAME", make=_table_name),
+    name: str = option("Name of the mean table.", "NAME"),
     store: Tables,
 ) -> Answer:
     """Store the mean of several cars as a golden table.

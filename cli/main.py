@@ -1,5 +1,6 @@
 """The command line: its commands by subject, and the exit codes of their errors."""
 
+import errno
 import io
 import os
 import signal
@@ -256,7 +257,8 @@ def _undelivered(lost: _NotWritten) -> int:
     # what the interpreter flushes at its exit is discarded
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, OUT)
-    if isinstance(lost.__cause__, BrokenPipeError):
+    closed = sys.platform == "win32" and getattr(lost.__cause__, "errno", 0) == errno.EINVAL
+    if closed or isinstance(lost.__cause__, BrokenPipeError):
         os.dup2(nowhere, ERR)
         return 0
     try:

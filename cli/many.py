@@ -30,9 +30,7 @@ _Job = Annotated[Command, argument("fit, validate or check each log.", "COMMAND"
 class Inputs:
     """What batch and watch take for all logs."""
 
-    out: Annotated[
-        Path, option("Write results.parquet and journal here.", "DIR", writes="folder")
-    ]
+    out: Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
     workers: options.Workers
     table: Annotated[str | None, option("validate: name, name@version or path.", "TABLE")]
     store: options.Tables

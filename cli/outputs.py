@@ -169,11 +169,10 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
 def _refuse_parent(out: Path, option: str) -> None:
     """Refuse a place below a file, or below a folder that cannot be written."""
     above = next(path for path in out.absolute().parents if path.exists())
-    place = os.path.relpath(above)
     if not above.is_dir():
-        raise misuse(f"cannot write {out}: {place} is a file, not a directory", option)
+        raise misuse(f"cannot write {out}: {above} is a file, not a directory", option)
     if not os.access(above, os.W_OK):
-        raise misuse(f"cannot write {out}: no permission to write in {place}", option)
+        raise misuse(f"cannot write {out}: no permission to write in {above}", option)
 
 
 def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:

@@ -57,7 +57,9 @@ def read_settings(path: Path | None) -> dict[str, Any]:
     Paths lead from the working folder. Raises one SettingsError with all mistakes.
     """
     file = read_toml(path, SettingsFile, SettingsError) if path else SettingsFile(schema=1)
-    folder = Path(os.path.relpath(path.absolute().parent)) if path else Path()
+    folder = path.absolute().parent if path else Path()
+    with suppress(ValueError):  # on another drive
+        folder = Path(os.path.relpath(folder))
 
     def place(written: str | None) -> Path | None:
         return None if written is None else folder / written
@@ -66,7 +68,7 @@ def read_settings(path: Path | None) -> dict[str, Any]:
     return {
         **{key: place(getattr(file, key)) for key in ("store", "vehicle", "map", "limits")},
         "station.name": file.station.name,
-        "station.golden": str(place(golden)) if golden and "/" in golden else golden,
+        "station.golden": str(place(golden)) if golden and Path(golden).name != golden else golden,
         "station.export": file.station.export,
         "keys.public": public if public and PUBLIC_KEY.fullmatch(public) else place(public),
         "require_signed": file.require_signed,

@@ -115,5 +115,5 @@ def user() -> str:
     """Name of the user of this computer; "unknown" where it has none."""
     try:
         return getpass.getuser()
-    except (KeyError, OSError):
+    except (ImportError, KeyError, OSError):  # Windows has no pwd
         return "unknown"

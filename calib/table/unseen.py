@@ -18,7 +18,6 @@ from calib.car.forces import axle_loads
 from calib.table.budget import grade
 from calib.table.table import Table
 
-NOTHING = "nothing in these logs"
 _MOST = {"a_x": 0.08, "rolling_radius": 0.08}
 """Largest error that the wheels do not show [1], see `a_x_by_wheels`; of other entries a half."""
 _RADIUS = 0.01  # standard deviation of the rolling radii of a file: wear and inflation [1]
@@ -37,19 +36,15 @@ class Unseen(NamedTuple):
     """An ``entry`` of the vehicle file, or a channel, whose error may go unseen.
 
     ``doubt`` its standard deviation in the intervals [1], None if they do not count it.
-    ``front``, ``rear`` relative change of the pads per relative error of the entry [1];
-    ``share_front``, ``share_rear`` of the variance of the pads by this doubt [1]; ``up_to`` largest
-    error without a warning [1]; ``shown_by`` what would show it.
+    ``front``, ``rear`` relative change of the pads per relative error of the entry [1]; ``up_to``
+    largest error without a warning [1]; ``shown_by`` what would show it.
     """
 
     entry: str
     doubt: float | None
     front: float
     rear: float
-    share_front: float
-    share_rear: float
     up_to: float
-    seen_by: str
     shown_by: str
 
 
@@ -62,7 +57,7 @@ def unseen(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
     mass_sigma = table.vehicle.mass_tolerance if mass is None else mass
     entries = [_unseen(table, *one) for one in _entries(table, v, mass_sigma)]
     entries += _pads_of_file(table)
-    return sorted(entries, key=lambda one: (-one.share_front - one.share_rear, one.up_to))
+    return sorted(entries, key=lambda x: (-(x.doubt or 0.0) * math.hypot(*x[2:4]), x.up_to))
 
 
 def unseen_line(entries: list[Unseen]) -> str:
@@ -135,10 +130,4 @@ def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: 
     moves, most = (level, ratio), _MOST.get(entry, 0.5)
     up_to = min(most, *(x / max(abs(m), 1e-6) for x, m in zip(limits, moves, strict=True)))
     front, rear = level + (1.0 - share) * ratio, level - share * ratio
-    whole = (sum(x**2 for x in parts.values()) for parts in table.budget.axles)
-    of_front, of_rear = (
-        min(((doubt or 0.0) * move) ** 2 / of, 1.0) if of > 0.0 else 0.0
-        for move, of in zip((front, rear), whole, strict=True)
-    )
-    shown_by = _SHOWN_BY.get(entry, _BRAKE)
-    return Unseen(entry, doubt, front, rear, of_front, of_rear, up_to, NOTHING, shown_by)
+    return Unseen(entry, doubt, front, rear, up_to, _SHOWN_BY.get(entry, _BRAKE))

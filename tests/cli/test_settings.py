@@ -68,6 +68,16 @@ def test_an_option_wins(project, brake_cal, tmp_path):
     assert not (tmp_path / "shelf").exists()
 
 
+def test_settings_may_be_on_another_drive(project, brake_cal, monkeypatch):
+    def on_another_drive(path, start=None):
+        raise ValueError("path is on mount 'C:', start on mount 'D:'")
+
+    project('vehicle = "car.toml"\n')
+    monkeypatch.setattr("os.path.relpath", on_another_drive)
+    monkeypatch.setenv(VARIABLE, "../brake-cal.toml")
+    assert brake_cal("simulate", RAMP, "--out", "sim.csv").code == 0
+
+
 def test_simulate_takes_the_vehicle_and_no_map_without_a_log(project, brake_cal):
     project('vehicle = "car.toml"\nmap = "none.toml"\n')
     ran = brake_cal("simulate", "--manoeuvre", "stop", "--out", "sim.csv")
