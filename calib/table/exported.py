@@ -58,16 +58,13 @@ def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
         raise ExchangeError(f"fixed point of {bits} bits", expected=expected)
     offsets = values - origin
     largest, most = float(np.abs(offsets).max()), 2 ** (bits - 1) - 1
-    shift = min(FINEST, _finest(largest, most)) if largest > 0.0 else 0
+    shift = 0
+    if largest > 0.0:
+        shift = min(FINEST, math.floor(math.log2(most) - math.log2(largest)))
+        shift -= math.ldexp(largest, shift) > most  # by rounding
     raw = np.rint(np.ldexp(offsets, shift)).astype(np.int64)
     error = np.abs(Fixed(raw, bits, origin, shift).values - values).max()
     return Fixed(raw, bits, origin, shift, float(error))
-
-
-def _finest(largest: float, most: int) -> int:
-    """Greatest shift at which ``largest`` is at most ``most`` steps; computed without overflow."""
-    shift = math.floor(math.log2(most) - math.log2(largest))
-    return shift if math.ldexp(largest, min(shift, FINEST)) <= most else shift - 1
 
 
 _Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)

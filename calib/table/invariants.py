@@ -33,17 +33,12 @@ def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
         yield name, columns(getattr(table, name))
 
 
-def _maps(table: Table) -> Iterator[tuple[str, Map]]:
-    for name in MAPS:
-        yield name, getattr(table, name)
-
-
 def _shapes(table: Table) -> Iterator[str]:
     for curve, part in _columns(table):
-        shapes = {column.shape for column in part.values()}
-        if len(shapes) != 1 or len(shapes.copy().pop()) != 1:
-            yield f"{curve}: columns of different shapes {sorted(shapes)}"
-        elif shapes.pop()[0] < 2:
+        first, *others = sorted({column.shape for column in part.values()})
+        if others or len(first) != 1:
+            yield f"{curve}: columns of different shapes {[first, *others]}"
+        elif first[0] < 2:
             yield f"{curve}: fewer than two rows"
 
 
@@ -72,12 +67,13 @@ def _axes(table: Table) -> Iterator[str]:
             yield f"{name}: does not increase from row to row"
     if not np.array_equal(d.eta, p.eta):
         yield "paper.eta: not that of difference"
-    for name, part in _maps(table):
+    maps: dict[str, Map] = {name: getattr(table, name) for name in MAPS}
+    for name, part in maps.items():
         if not part.whole:
             yield f"{name}: its rows are not every combination of {', '.join(part.AXES)} once"
     bounded = (
         (f"{name}.{key}", *(getattr(part, key + end) for end in ("_lower", "", "_upper")))
-        for name, part in _maps(table)
+        for name, part in maps.items()
         for key in part.bounded
     )
     for name, lower, middle, upper in (
