@@ -123,23 +123,21 @@ class Journal:
         self, name: str, version: int, event: str, decision: StateDecision, **fields: str
     ) -> "Journal":
         """The journal with one more entry; ``fields`` of a new version."""
-        if history := self.versions(name).get(version):
-            first = history[0]
-            fields = {"digest": first.digest, "record": first.record, "inputs": ""} | fields
+        for first in self.versions(name).get(version, ())[:1]:
+            fields = {"digest": first.digest, "record": first.record} | fields
         decided = asdict(decision)
         del decided["automatic"]
         document = {
             **decided,
             "number": len(self.entries) + 1,
-            "at": now_in_utc(),
+            "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
             "by": decision.by or user(),
             "program": PROGRAM,
             "event": event,
             "table": name,
             "version": version,
             "previous": self.head,
-            "hash": "",
-            "key": "",
+            **dict.fromkeys(("digest", "record", "inputs", "hash", "key"), ""),
             **fields,
         }
         document["hash"] = sha256(canonical_json(document))
@@ -154,11 +152,6 @@ class Journal:
     def head_line(self) -> bytes:
         """The bytes of the head's file."""
         return f"{self.head} {len(self.entries)}\n".encode()
-
-
-def now_in_utc() -> str:
-    """The present time, as an entry has it."""
-    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def read_journal(folder: Path) -> Journal:

@@ -24,17 +24,9 @@ from calib.store.folders import (
     refuse_link,
     unplaced,
 )
-from calib.store.journal import (
-    CHANGED,
-    STORED,
-    Journal,
-    enter,
-    now_in_utc,
-    read_journal,
-    write_journal,
-)
+from calib.store.journal import CHANGED, STORED, Journal, enter, read_journal, write_journal
 from calib.store.snapshot import Snapshot, StoreEntry
-from calib.store.state import StateDecision, VersionState, is_new, user
+from calib.store.state import StateDecision, is_new
 from calib.store.version import Stored, read_version, write_version
 from calib.table.compare import inputs
 from calib.table.invariants import violations
@@ -81,17 +73,14 @@ class Store:
         """The result of `save` if no other writer adds a version before. Raises as `save`."""
         _require_storable(table)
         with self._reading() as now:
-            same = now.identical(table)
-            version = now.next_number(table.name)
+            same, version = now.identical(table), now.next_number(table.name)
         if same and not is_new(same.id, same.state, decision):
             return same
         path = self.folder / table.name / folder_of(version)
-        base = same or Stored(table, table.name, version, table.digest, path)
-        reasons = {key: getattr(decision, key) for key in ("reason", "verdict", "evidence")}
-        by, stored_at = decision.by or user(), base.state.stored_at or now_in_utc()
-        return replace(
-            base, state=VersionState(decision.state, by=by, stored_at=stored_at, **reasons)
-        )
+        new = same or Stored(table, table.name, version, table.digest, path)
+        event = CHANGED if same else STORED
+        journal = now.journal.added(new.name, new.version, event, decision)
+        return replace(new, state=journal.state(new.name, new.version))
 
     def judge(self, reference: str, decision: StateDecision) -> Stored:
         """Change the state of ``name@version``. Raises TableNotFound, DamagedTable, StoreError."""
