@@ -11,8 +11,6 @@ from cli.outputs import EITHER, check_file, check_folder, refuse_foreign, writin
 from cli.sign import Signed
 
 if TYPE_CHECKING:
-    from calib.ecu.code import WrittenCode
-    from calib.exports.export import Exported
     from calib.store.version import Stored
     from calib.table.exported import Precision
 
@@ -87,25 +85,22 @@ def export(
     signed.check(table, stored)
     kind = (form or "").lower()
     _check_out(out, stored, prefix, kind == FOLDER)
-    choices: dict[str, Any] = {"elf": elf, "unreleased": unreleased}
-    choices["without_effects"] = without_effect
-    written: WrittenCode | Exported
-    options = (
-        "--format, --points, --fixed-point, --float, --sample-time, --prefix, --elf, "
-        "--without-effect"
-    )
-    with at_option(options, ExchangeError), writing(out):
+    choices: dict[str, Any] = {
+        "elf": elf,
+        "unreleased": unreleased,
+        "without_effects": without_effect,
+    }
+    if kind not in CODES and (sample_time is not None or compiled):
+        raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time, --compiled")
+    written: Any
+    with at_option(None, ExchangeError), writing(out):
         if kind in CODES:
-            how = shape.precision(kind == FOLDER) or Precision()
-            if sample_time is None:
-                sample_time = stored.table.provenance.sample_time
-            if sample_time is None:
+            how, step = shape.precision(kind == FOLDER) or Precision(), sample_time
+            if step is None and (step := stored.table.provenance.sample_time) is None:
                 why = "needed: the table does not say that of its logs, or they differ"
                 raise misuse(why, "--sample-time")
-            choices["compiled"] = compiled
-            written = write_code(stored, out, kind, how, sample_time, prefix, **choices)
-        elif sample_time is not None or compiled:
-            raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time, --compiled")
+            code = how, step, prefix
+            written = write_code(stored, out, kind, *code, compiled=compiled, **choices)
         else:
             choices |= {"points": shape.points, "bits": shape.bits, "single": shape.single}
             written = write(stored, out, form, prefix=prefix, **choices)

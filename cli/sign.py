@@ -113,6 +113,6 @@ class Signed:
 
         if public := self.public:
             signature = require_signed(stored, public, newest=table == stored.name)
-            say(f"{stored.id} is signed as {signature.statement.state} by key {public.key_id}")
+            say(f"{stored.id} is signed as {stored.state.word} by key {public.key_id}")
             if signature.note:
                 say(signature.note)

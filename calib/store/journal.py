@@ -10,7 +10,7 @@ the end. Only a signature over the head (`calib.store.signature`) shows that bot
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import cached_property
@@ -178,16 +178,6 @@ def write_journal(folder: Path, journal: Journal) -> None:
     write_whole(folder / JOURNAL, journal.data)
     write_whole(folder / HEAD, journal.head_line)
     sync(folder)
-
-
-def enter(folder: Path, journal: Journal, undo: Callable[[], object]) -> None:
-    """`write_journal`; call ``undo`` if it failed. Raises OSError."""
-    try:
-        write_journal(folder, journal)
-    except BaseException:
-        if _bytes(folder / JOURNAL) != journal.data:
-            undo()
-        raise
 
 
 def _bytes(path: Path) -> bytes | None:

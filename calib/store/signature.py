@@ -1,14 +1,13 @@
 """Sign versions, and verify their signatures: tables/sedan/v0001.minisig.
 
-minisign signs the record file, which holds the digest of every curve file. The trusted comment has
-table, version, state, digest and head of the journal. A signature is valid while the version has
-that state and the journal contains that head.
+minisign signs the record file, which holds the digest of every curve file. The trusted comment ends
+with the head of the journal, which has the state of the version; the rest of it is for people. A
+signature is valid while the journal contains that head and the version has the state it had then.
 """
 
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.digest import sha256
@@ -18,41 +17,11 @@ from calib.store.folders import RECORD, SIGNATURE, signature_file
 from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
 from calib.store.seen import SeenJournals, recall
 from calib.store.snapshot import Snapshot, StoreEntry
-from calib.store.state import RELEASED, STATES
+from calib.store.state import RELEASED
 from calib.store.store import Store
 from calib.store.version import Stored
 
-_STATEMENT = re.compile(
-    r"brake-cal table=([A-Za-z0-9._-]{1,100}) version=([1-9][0-9]{0,5}) "
-    rf"state=({'|'.join(STATES)}) digest=([0-9a-f]{{64}}) journal=([0-9a-f]{{64}})"
-)
-
-
-class _Statement(NamedTuple):
-    """The state of a version at signing; ``head`` hash of the journal's newest line."""
-
-    table: str
-    version: int
-    state: str
-    digest: str
-    head: str
-
-    @property
-    def line(self) -> str:
-        """The statement as a trusted comment."""
-        return (
-            f"brake-cal table={self.table} version={self.version} state={self.state} "
-            f"digest={self.digest} journal={self.head}"
-        )
-
-
-def _parse_statement(line: str, where: object = None) -> _Statement:
-    """The statement in a trusted comment. Raises SignatureRefused for other text."""
-    match = _STATEMENT.fullmatch(line)
-    if not match:
-        raise SignatureRefused("its trusted comment is not that of a table", where=where)
-    table, version, *words = match.groups()
-    return _Statement(table, int(version), *words)
+_HEAD = re.compile(r"brake-cal .*\bjournal=([0-9a-f]{64})")
 
 
 @dataclass(frozen=True)
@@ -62,7 +31,7 @@ class _Signed:
     stored: Stored
     path: Path
     key_id: str
-    statement: _Statement
+    comment: str
     note: str = ""
 
     def to_dict(self) -> dict[str, object]:
@@ -74,7 +43,7 @@ class _Signed:
             "key_id": self.key_id,
             "record": self.stored.path / RECORD,
             "signature": self.path,
-            "trusted_comment": self.statement.line,
+            "trusted_comment": self.comment,
         }
 
 
@@ -87,12 +56,14 @@ def sign(store: Store, reference: str, key: SecretKey) -> _Signed:
     _, memory = _looked_up(store, public)
     with store.changing(reference) as (now, stored):
         _check_anchors(now, public)
-        state, head = stored.state.word, now.journal.head
-        statement = _Statement(stored.name, stored.version, state, stored.digest, head)
+        comment = (
+            f"brake-cal table={stored.name} version={stored.version} state={stored.state.word} "
+            f"digest={stored.digest} journal={now.journal.head}"
+        )
         path = signature_file(stored.path.parent, stored.version)
-        write_whole(path, key.sign(_record(stored), statement.line))
+        write_whole(path, key.sign(_record(stored), comment))
     note = _keep(store.now(), public, memory)
-    return _Signed(stored, path, public.key_id, statement, note)
+    return _Signed(stored, path, public.key_id, comment, note)
 
 
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
@@ -156,7 +127,7 @@ def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> Stor
     if entry.stored is None or not _must_be_signed(now, entry.name, entry.version):
         return entry
     try:
-        return replace(entry, signed=_valid(now, entry.stored, public).statement.state)
+        return replace(entry, signed=_valid(now, entry.stored, public).stored.state.word)
     except SignatureRefused as error:
         flaw = error.problem if error.where == entry.id else f"{error.where}: {error.problem}"
         return replace(entry, violations=(*entry.violations, flaw))
@@ -169,35 +140,23 @@ def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     signature = read_signature(path)
     if signature.key_id != public.key_id:
         raise _refused(stored, f"is signed by key {signature.key_id}, not by {public.key_id}")
-    return _Signed(stored, path, public.key_id, _checked(now, stored, public, path, signature))
+    verify(public, _record(stored), signature, path)
+    line = _line(now, signature, path)
+    history = now.journal.versions(stored.name)[stored.version]
+    then = [entry.state for entry in history if entry.number <= line]
+    if not then:
+        raise _refused(stored, "was signed before it was stored")
+    changed = [e for e in history if e.number > line and e.state != then[-1]]
+    if changed:
+        last = changed[-1].document
+        since = f"{last['state']} since (by {last['by']}, {last['at'][:10]})"
+        raise _refused(stored, f"signed as {then[-1]}, {since}")
+    return _Signed(stored, path, public.key_id, signature.trusted_comment)
 
 
 def _refused(stored: Stored, flaw: str) -> SignatureRefused:
     do = f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`"
     return SignatureRefused(flaw, where=stored.id, do=do)
-
-
-def _checked(
-    now: Snapshot, stored: Stored, public: PublicKey, path: Path, signature: Signature
-) -> _Statement:
-    # a wrong table is a clearer reason than an invalid signature
-    statement = _parse_statement(signature.trusted_comment, path)
-    if statement[:2] != (stored.name, stored.version) or statement.digest != stored.digest:
-        flaw = f"is of {statement.table}@{statement.version}, digest {statement.digest[:12]}"
-        expected = f"{stored.id}, digest {stored.digest[:12]}"
-        raise SignatureRefused(flaw, where=path, expected=expected)
-    verify(public, _record(stored), signature, path)
-    line = _line(now, statement, path)
-    history = now.journal.versions(stored.name)[stored.version]
-    then = [entry.state for entry in history if entry.number <= line]
-    if then[-1:] != [statement.state]:
-        raise _refused(stored, f"signed as {statement.state}, which it was not then")
-    changed = [e for e in history if e.number > line and e.state != statement.state]
-    if changed:
-        last = changed[-1].document
-        since = f"{last['state']} since (by {last['by']}, {last['at'][:10]})"
-        raise _refused(stored, f"signed as {statement.state}, {since}")
-    return statement
 
 
 def _check_anchors(now: Snapshot, public: PublicKey) -> None:
@@ -207,25 +166,28 @@ def _check_anchors(now: Snapshot, public: PublicKey) -> None:
         try:
             signature = read_signature(path)
             verify(public, read_bounded(record, TABLE), signature, path)
-            statement = _parse_statement(signature.trusted_comment, path)
         except (SignatureRefused, OSError):
             continue
-        _line(now, statement, path)
+        if _HEAD.fullmatch(signature.trusted_comment):
+            _line(now, signature, path)
 
 
-def _line(now: Snapshot, statement: _Statement, path: Path) -> int:
+def _line(now: Snapshot, signature: Signature, path: Path) -> int:
     """Number of the line of the journal that is the head in a signature."""
-    number = next((e.number for e in now.journal.entries if e.hash == statement.head), 0)
-    if not number:
-        raise SignatureRefused(
-            "covers a line that the journal does not contain: the journal was set back, or is "
-            "that of another store",
-            where=path,
-            expected=f"a line with the hash {statement.head[:12]}...",
-            do="get the newest copy of the store; if the journal was set back on purpose, delete "
-            "this signature and sign again",
-        )
-    return number
+    head = _HEAD.fullmatch(signature.trusted_comment)
+    if not head:
+        raise SignatureRefused("its trusted comment names no head of a journal", where=path)
+    for entry in now.journal.entries:
+        if entry.hash == head[1]:
+            return entry.number
+    raise SignatureRefused(
+        "covers a line that the journal does not contain: the journal was set back, or is that of "
+        "another store",
+        where=path,
+        expected=f"a line with the hash {head[1][:12]}...",
+        do="get the newest copy of the store; if the journal was set back on purpose, delete this "
+        "signature and sign again",
+    )
 
 
 def _record(stored: Stored) -> bytes:

@@ -24,7 +24,7 @@ from calib.store.folders import (
     refuse_link,
     unplaced,
 )
-from calib.store.journal import CHANGED, STORED, Journal, enter, read_journal, write_journal
+from calib.store.journal import CHANGED, STORED, Journal, read_journal, write_journal
 from calib.store.snapshot import Snapshot, StoreEntry
 from calib.store.state import StateDecision, is_new
 from calib.store.version import Stored, read_version, write_version
@@ -161,21 +161,19 @@ class Store:
         final = self.folder / table.name / folder_of(version)
         work = final.with_name(f"{NEW}{final.name}")
 
-        def discard() -> None:
-            shutil.rmtree(work, ignore_errors=True)
-            with suppress(OSError):
-                work.parent.rmdir()  # if it is empty
-
         try:
             write_version(table, version, work)
             stored = read_version(work, f"{table.name}@{version}")
             fields = {"digest": stored.digest, "record": stored.record}
             fields["inputs"] = inputs(table.content()[0])
             journal = now.journal.added(table.name, version, STORED, decision, **fields)
+            write_journal(self.folder, journal)
         except BaseException:
-            discard()
+            if version not in read_journal(self.folder).versions(table.name):
+                shutil.rmtree(work, ignore_errors=True)
+                with suppress(OSError):
+                    work.parent.rmdir()  # if it is empty
             raise
-        enter(self.folder, journal, discard)
         with suppress(OSError):  # it is stored: the next writer can move it as well
             os.rename(work, final)
             work = final
