@@ -22,9 +22,7 @@ _SINGLE = "In single precision; for c-header, a2l, ecu and FMUs."
 class Shape:
     """Breakpoints and precision of an exported table."""
 
-    points: Annotated[
-        int | None, option("Breakpoints on each axis, least error; else all rows.", "N")
-    ]
+    points: Annotated[int | None, option("Breakpoints on each axis; else all rows.", "N")]
     bits: Annotated[int | None, option(_BITS, "BITS", "--fixed-point")]
     single: Annotated[bool, option(_SINGLE, None, "--float")]
     double: Annotated[bool, option("In double precision: the code for an ECU else is in single.")]
@@ -45,22 +43,15 @@ class Shape:
 
 @command(
     "brake-cal tables export sedan-2up --out sedan.dcm",
-    "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
     "brake-cal tables export sedan-2up --format ecu --sample-time 0.005 --out bte",
 )
 def export(
     table: Table,
     *,
-    form: str | None = option(
-        "Format, by its name on the page `tables` of the manual; else by the ending of --out.",
-        "F",
-        "--format",
-    ),
+    form: str | None = option("Format, see `manual tables`; else by --out.", "F", "--format"),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     shape: Shape,
-    sample_time: float | None = option(
-        "Time from call to call [s] of ecu, FMUs; else of the logs.", "S"
-    ),
+    sample_time: float | None = option("Time of a step [s] of code; else of the logs.", "S"),
     prefix: str | None = option("First part of all labels; else the table's name.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     compiled: bool = option("With a binary for this machine in an FMU; needs FMPy and cmake."),

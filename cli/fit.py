@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from calib.model.roller_bench import RollerBench
     from calib.plan.achieved import PlannedRuns
 
+_BENCH = "calib.model.roller_bench_file:read_roller_bench"
+_TYRES, _PLAN = "calib.car.tyre_file:read_tyres", "calib.plan.achieved:read_plan"
+
 
 @command(
     "brake-cal fit sample_logs/sedan/ramp_wet_asphalt.csv sample_logs/sedan/coast.csv "
@@ -27,24 +30,13 @@ def fit(
     effect: OwnEffects,
     mass: Mass,
     bench: "RollerBench | None" = option(
-        "Brake forces of both axles, of the same pads on a roller brake tester.",
-        "B.toml",
-        make="calib.model.roller_bench_file:read_roller_bench",
+        "Brake forces of the same pads on a roller brake tester.", "B.toml", make=_BENCH
     ),
     tyre: "tuple[TyreFile, ...]" = option(
-        "Tyre property file (.tir) of both axles; given twice, of the front and the rear axle.",
-        "T.tir",
-        typed=list[Path],
-        make="calib.car.tyre_file:read_tyres",
+        "Tyre property file; twice, of front and rear.", "T.tir", typed=list[Path], make=_TYRES
     ),
-    plan: "PlannedRuns | None" = option(
-        "Plan of `brake-cal plan`; what was reached is compared with it.",
-        "P.json",
-        make="calib.plan.achieved:read_plan",
-    ),
-    fleet_prior: bool = option(
-        "Take half of the prior of tyres and loads from the released cars of this model."
-    ),
+    plan: "PlannedRuns | None" = option("Plan, to be compared with.", "P.json", make=_PLAN),
+    fleet_prior: bool = option("Half of the prior from released cars of this model."),
     store: Tables,
     channel_map: Map,
 ) -> Answer:

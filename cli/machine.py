@@ -69,9 +69,7 @@ def _qualified(out: Path) -> Answer:
 @command("brake-cal demo", "brake-cal demo --out somewhere")
 def demo(
     *,
-    out: Path = option(
-        "Folder for all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")
-    ),
+    out: Path = option("Of all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")),
 ) -> Answer:
     """Try the program on the sample logs, in about half a minute.
 

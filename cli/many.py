@@ -134,9 +134,7 @@ def watch(
     folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
     *,
     inputs: Inputs,
-    settle: float = option(
-        "Seconds unchanged until a log is complete.", "S", built_in=2.0, min=0.0
-    ),
+    settle: float = option("Seconds unchanged until complete.", "S", built_in=2.0, min=0.0),
     json: bool = option("One line of JSON per log.", None, "--json"),
 ) -> Answer:
     """Process each log that appears in a folder, until stopped.
@@ -189,9 +187,7 @@ def _stopped() -> Iterator[Event]:
     "brake-cal fleet runs",
 )
 def fleet(
-    results: Path = argument(
-        "Results of `batch`, or a folder of station runs.", "RESULTS.parquet|DIR"
-    ),
+    results: Path = argument("Of `batch`, or a folder of station runs.", "RESULTS.parquet|DIR"),
     *,
     out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:

@@ -26,16 +26,10 @@ def map_(
     log: Path = argument("log of foreign names", "LOG"),
     *,
     take: dict[str, str] = option(
-        "Source of a channel, 'p_mc=Brake [bar]'; empty NAME: no source.",
-        "CHANNEL=NAME",
-        typed=list[str],
-        make=_sources,
+        "Source of a channel; empty: none.", "CHANNEL=NAME", typed=list[str], make=_sources
     ),
     radius: list[float] = option(
-        "Radius [m] for wheel speeds in km/h; given twice, of front and rear.",
-        "M",
-        min=0.1,
-        max=1.0,
+        "Radius [m] for wheel speeds in km/h; twice, of front and rear.", "M", min=0.1, max=1.0
     ),
     channel_map: "ChannelMap | None" = channel_map(
         "Its file format and DBC; not that of the settings."

@@ -1,8 +1,10 @@
 """`brake-cal plan`: which runs make the answer sharper, before anybody drives them."""
 
 import math
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, misuse, progress
@@ -27,6 +29,14 @@ def _quantities(units: dict[str, str], written: str | None) -> Quantities:
     return values
 
 
+_WANT = partial(_quantities, {"front": "1", "rear": "1", "total": "1"})
+_TRACK = partial(_quantities, {"length": "m", "speed": "m/s"})
+
+
+def _text(text: str, make: Callable[..., object], always: bool = True) -> Any:
+    return option(text, "TEXT", typed=str | None, make=make, always=always)
+
+
 def _sensors(written: str | None) -> frozenset[str]:
     from calib.base.names import WHEEL_PRESSURES
 
@@ -46,36 +56,14 @@ def plan(
     vehicle: Car,
     have: list[Path] = option("A log of the car that is there; repeatable.", "LOG"),
     table: str | None = option("Table of the car, for its pads, tyres and noise.", "TABLE"),
-    want: Quantities = option(
-        'What is enough (95 %), such as "front 2 %, rear 4 %, total 2 %".',
-        "TEXT",
-        typed=str | None,
-        make=partial(_quantities, {"front": "1", "rear": "1", "total": "1"}),
-        always=True,
-    ),
-    time: float | None = option(
-        'Time to spend, such as "90 s".', "TIME", typed=str | None, make=partial(in_si, "s")
-    ),
-    track: Quantities = option(
-        'Such as "length 300 m, speed 120 km/h"; 100 km/h if not given.',
-        "TEXT",
-        typed=str | None,
-        make=partial(_quantities, {"length": "m", "speed": "m/s"}),
-        always=True,
-    ),
-    sensors: frozenset[str] = option(
-        "What is logged of v, p_fl, p_fr, p_rl, p_rr.",
-        "NAMES",
-        typed=str | None,
-        make=_sensors,
-        always=True,
-    ),
+    want: Quantities = _text('Enough (95 %): "front 2 %, rear 4 %, total 2 %".', _WANT),
+    time: float | None = _text('Time to spend, such as "90 s".', partial(in_si, "s"), False),
+    track: Quantities = _text('"length 300 m, speed 120 km/h"; else 100 km/h.', _TRACK),
+    sensors: frozenset[str] = _text("What is logged of v, p_fl, p_fr, p_rl, p_rr.", _sensors),
     store: Tables,
     channel_map: Map,
     workers: Workers,
-    out: Path | None = option(
-        "Write the plan, and pressures for a robot, here.", "DIR", writes="folder"
-    ),
+    out: Path | None = option("Folder of plan and pressures.", "DIR", writes="folder"),
 ) -> Answer:
     """Say which runs make the torque better known, before they are driven.
 

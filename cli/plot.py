@@ -24,13 +24,9 @@ if TYPE_CHECKING:
     "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv",
 )
 def plot(
-    sources: list[str] = argument(
-        "A table (name, name@version or path), a log, a result of validate.", "TABLE|RESULT|LOG..."
-    ),
+    sources: list[str] = argument("A table, logs, results of validate.", "TABLE|RESULT|LOG..."),
     *,
-    out: Path | None = option(
-        "File to write: .png, .svg, .pdf or .html.", "FILE", writes="drawing"
-    ),
+    out: Path | None = option("A .png, .svg, .pdf or .html.", "FILE", writes="drawing"),
     store: options.Tables,
     vehicle: options.OtherPads,
     figure: str | None = option("One panel of the page, not all; see above.", "NAME"),

@@ -9,6 +9,8 @@ from cli.options import OwnEffects, argument, require_known
 if TYPE_CHECKING:
     from calib.car.effects.effect import Effect
 
+_KINDS = "calib.help.documents:kinds"
+
 
 @command(
     "brake-cal effects",
@@ -43,9 +45,7 @@ def _catalogue() -> "dict[str, Effect]":
 
 @command("brake-cal schema vehicle", "brake-cal schema fit-json")
 def schema(
-    name: str | None = argument(
-        "One kind of file; if not given, the list.", "NAME", names="calib.help.documents:kinds"
-    ),
+    name: str | None = argument("A kind; else the list.", "NAME", names=_KINDS),
 ) -> Answer:
     """Print the JSON Schema of a file or a document.
 
@@ -63,7 +63,7 @@ def schema(
     return Answer({"files": FILES, "documents": written}, facts)
 
 
-@command("brake-cal settings", "brake-cal settings --json")
+@command("brake-cal settings")
 def settings() -> Answer:
     """Show each setting, its value and where it comes from.
 
@@ -105,12 +105,10 @@ def _topics() -> list[str]:
     return [*contents(), *codes()]
 
 
-@command("brake-cal manual", "brake-cal manual ramp", "brake-cal manual a_x_scale")
+@command("brake-cal manual ramp", "brake-cal manual a_x_scale")
 def manual(
     topic: str | None = argument(
-        "A page, or the code of a warning, a metric or a reason; else a list of the pages.",
-        "PAGE|CODE",
-        names=f"{__name__}:_topics",
+        "A page, or a code; else a list of the pages.", "PAGE|CODE", names=f"{__name__}:_topics"
     ),
 ) -> Answer:
     """Show the pages of the manual, one of them, or what a code means.

@@ -23,9 +23,7 @@ def sign(
     table: str | None = argument("name@version", "TABLE@N"),
     *,
     key: Path = option("Secret key; keep it.", "SECRET"),
-    new_key: Path | None = option(
-        "Make a pair: write SECRET, and this public key to hand out.", "PUBLIC"
-    ),
+    new_key: Path | None = option("Make a pair: write SECRET, and this to hand out.", "PUBLIC"),
     no_password: bool = option("With --new-key: do not protect the secret key by a password."),
     store: Tables,
 ) -> Answer:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from calib.estimation.limits import Limit
 
 _ID = "calib.line.station.station:identifier"
+_METRICS = "calib.line.gauge.study:METRICS"
 NAME = "Name of the station."
 GAUGE = "repeatability.json"
 
@@ -51,9 +52,7 @@ def station(
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
     golden: str | None = option("Golden table of the model.", "TABLE", setting="station.golden"),
-    accept_warnings: str | None = option(
-        "Release a car with warnings, and say why.", "REASON", make=words
-    ),
+    accept_warnings: str | None = option("Release with warnings, and why.", "REASON", make=words),
     by: options.By,
     identity: Identifiers,
     mass: options.Mass,
@@ -172,18 +171,10 @@ def limits(
 )
 def repeatability(
     *,
-    vehicle: Path | None = option(
-        "Vehicle, if the plan names none per log; else that of the settings.",
-        "V.toml",
-        setting="vehicle",
-    ),
+    vehicle: Path | None = option("Of logs without one in the plan.", "V.toml", setting="vehicle"),
     plan: Path = option("Columns log,car,station,road,vehicle.", "P.csv"),
-    metric: list[str] = option(
-        "Judge only this metric; repeatable.", "NAME", names="calib.line.gauge.study:METRICS"
-    ),
-    limits: Path | None = option(
-        "Limits of grr and ndc, and tolerances; never the settings'.", "L.toml"
-    ),
+    metric: list[str] = option("Only this one; repeatable.", "NAME", names=_METRICS),
+    limits: Path | None = option("Limits of grr and ndc, and tolerances.", "L.toml"),
     out: Path | None = option("Write repeatability.json and .png here.", "DIR", writes="folder"),
     channel_map: options.Map,
 ) -> Answer:

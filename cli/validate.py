@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 CODES = ("ecu",)
 """Exported code that can run in place of the estimator."""
+_CODES = f"{__name__}:CODES"
 
 
 @command(
     "brake-cal validate sedan-2up sample_logs/sedan/basalt_wet_pads.csv --out results",
     "brake-cal validate sedan-2up@1 sample_logs/sedan/*stop.csv --limits sample_logs/limits.toml",
-    "brake-cal validate sedan-2up sample_logs/sedan/*stop.csv --points 8 --fixed-point 16",
     report=True,
 )
 def validate(
@@ -40,9 +40,7 @@ def validate(
     mass: options.Mass,
     limits: options.StopLimits,
     shape: Shape,
-    code: str | None = option(
-        "Run the exported code, compiled here; `ecu`.", "ecu", "--as", names=f"{__name__}:CODES"
-    ),
+    code: str | None = option("Run the code, compiled here.", "ecu", "--as", names=_CODES),
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: options.Map,
     signed: Signed,
