@@ -5,7 +5,6 @@ import io
 import os
 import signal
 import sys
-import time
 from collections.abc import Callable
 from importlib import import_module
 from itertools import takewhile
@@ -155,32 +154,25 @@ def _interrupt(number: int, frame: object) -> None:
 
 
 def _run() -> int:
-    started = time.monotonic()
-    code = _code()
-    if code == _INTERRUPTED:
-        say("stopped; nothing is half-written: the same command goes on, or begins again")
-    if this_run().verbose:
-        say(f"took {time.monotonic() - started:.1f} s, exit code {code}")
-    return code
-
-
-def _code() -> int:
     """Exit code of the command line; an error is printed."""
     try:
-        return app(prog_name="brake-cal", standalone_mode=False) or 0
+        code = app(prog_name="brake-cal", standalone_mode=False) or 0
     except _NotWritten:
         raise
     except Exception as error:
         # an interrupt within the import of a library comes back as an error of that import
-        if this_run().interrupted or isinstance(error, typer.Abort):
-            return _INTERRUPTED
-        failure = _failure(error)
-        _print_json(failure)
-        if isinstance(error, _UsageError) and error.message.startswith("Usage:"):
-            error.show()  # nothing was typed after a group: its help
-        else:
-            complain(str(failure))
-        return failure.exit_code
+        if not (this_run().interrupted or isinstance(error, typer.Abort)):
+            failure = _failure(error)
+            _print_json(failure)
+            if isinstance(error, _UsageError) and error.message.startswith("Usage:"):
+                error.show()  # nothing was typed after a group: its help
+            else:
+                complain(str(failure))
+            return failure.exit_code
+        code = _INTERRUPTED
+    if code == _INTERRUPTED:
+        say("stopped; nothing is half-written: the same command goes on, or begins again")
+    return int(code)
 
 
 def _failure(error: Any) -> BrakeCalError:
