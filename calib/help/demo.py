@@ -9,12 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from calib.base.plain import counted, rows
 from calib.show.facts import FAILED, PASSED, WORDS, Facts, Table
 
 INDEX = "index.html"
-_THUMBNAIL = 180
-"""Width of a picture in the index, about [px]."""
+_THUMBNAIL, _SHADES = 160, 15
+"""Width of a picture in the index, about [px], and shades of each colour."""
 _FOLDERS = {
     "sample_logs": "logs and vehicle files",
     "tables": "the store of the tables",
@@ -58,6 +60,7 @@ def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
         verdict=verdict,
         word=WORDS[verdict],
         headline=f"{passed} of {counted(len(ran), 'command')} gave what was expected",
+        next="brake-cal manual",
         tables=[
             _table("What was done; each command can be typed again in this folder.",
                    {s.purpose: s for s in ran if not s.figure}, ran, folder),
@@ -69,11 +72,15 @@ def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
 
 
 def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], folder: Path) -> Table:
-    cells = [(name, step.line, ran[step].answer) for name, step in steps.items()]
+    cells = [
+        (name, step.line, *([] if step.figure else [ran[step].answer]))
+        for name, step in steps.items()
+    ]
     verdicts = [PASSED if ran[step].passed else FAILED for step in steps.values()]
     links = [step.leaves if ran[step].passed else "" for step in steps.values()]
     images = [_thumbnail(folder / link) if link.endswith(".png") else "" for link in links]
-    return Table(("step", "command", "answer"), cells, caption, verdicts, links, images)
+    heads = ("step", "command", "answer")[: len(cells[0])]
+    return Table(heads, cells, caption, verdicts, links, images)
 
 
 def _thumbnail(picture: Path) -> str:
@@ -84,5 +91,5 @@ def _thumbnail(picture: Path) -> str:
     step = max(1, pixels.shape[1] // _THUMBNAIL)
     height, width = (step * (size // step) for size in pixels.shape[:2])
     squares = pixels[:height, :width, :3].reshape(height // step, step, width // step, step, 3)
-    imsave(buffer, squares.mean(axis=(1, 3)), format="png")
+    imsave(buffer, np.rint(_SHADES * squares.mean(axis=(1, 3))) / _SHADES, format="png")
     return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"

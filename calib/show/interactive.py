@@ -24,7 +24,7 @@ EXTRA = "pages"
 """Extra of the package that brings Bokeh."""
 _PARTS = 25_000
 """Parts of an `envelope`: a line of at most 100,000 samples has all of them."""
-_HEIGHT, _ROW = 270, 20
+_HEIGHT, _ROW = 250, 20
 """Height of a panel and of each row of its legend [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
@@ -88,8 +88,9 @@ class _Making:
         from bokeh.plotting import figure
 
         (ends, crosshair, *cursors), zoom = self._axis(panel), BoxZoomTool()
+        entries = len({one.label for one in (*panel.lines, *panel.marks)} - {""})
         fig = figure(
-            height=_HEIGHT + _ROW * (len({line.label for line in panel.lines}) // panel.columns),
+            height=_HEIGHT + _ROW * -(-entries // panel.columns),
             sizing_mode="stretch_width",
             title=_plain(panel.title),
             x_axis_label=_plain(panel.x),

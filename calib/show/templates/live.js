@@ -3,8 +3,12 @@ async function live(data, roots) {
   await Bokeh.embed.embed_items({sheet: data}, [{docid: "sheet", roots, root_ids: Object.keys(roots)}]);
   const made = Bokeh.documents.at(-1).roots().map(
     fig => ({fig, place: document.getElementById(roots[fig.id])}));
-  for (const {fig} of made) {
+  for (const {fig, place} of made) {
     fig.toolbar.tools.filter(tool => tool.tooltips).forEach(tells);
+    if (place.clientWidth < 400) for (const legend of fig.above.filter(one => one.items)) {
+      fig.height += 20 * Math.floor(legend.items.length * (1 - 1 / legend.ncols));
+      legend.ncols = 1;
+    }
     fig.on_event("tap", tap => measure(fig, tap.x, made));
   }
   slider(made);
