@@ -12,8 +12,8 @@ from calib.logs.log import Log
 from calib.plan.achieved import Achieved
 from calib.plan.achieved import document as achieved_document
 from calib.show.facts import PASSED, WARNING, Facts, Picture
-from calib.show.half_widths import achieved_facts
 from calib.show.origin import origin
+from calib.show.plan import achieved_facts
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet
 from calib.show.store import table_facts

@@ -16,7 +16,7 @@ from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Row, Tab
 from calib.show.numbers import number
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, NOMINAL, REAR, Array, Stroke, as_text, dots
+from calib.show.style import BODY, NOMINAL, REAR, Array, Stroke, as_text, dots, names_below
 
 _FIRST = 5
 """Number of logs that stand apart in the head of the answer."""
@@ -33,8 +33,8 @@ _ALONE = "none: it is a log of the fit, or run the command on it alone"
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
 _LINE = 32
 """Letters of an axis' name that fit beside a panel."""
-_NAMED, _LETTERS = 8, 9
-"""Most logs that are named in a picture; letters in a line of a name below the axis."""
+_NAMED = 8
+"""Most logs that are named in a picture."""
 _TAIL, _FEWEST = 6.0, 10
 """Distance from the median over the scale at which an axis of so many values ends [1]."""
 
@@ -151,7 +151,8 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
     ]
     if (outlying := metric.outlying).any():
         lines.append(Line(x[outlying], y[outlying], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
-    names = [as_text(Path(log).stem) for log in summary.logs]
+    names = [Path(log).stem for log in summary.logs]
+    below = names_below(names)
     by_distance = np.argsort(-np.abs(metric.values - metric.median), kind="stable")
     farthest = [i for i in by_distance if metric.outlying[i]][:_NAMED]
     room = 0.06 * (ends[1] - ends[0])
@@ -161,10 +162,10 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
         "log, in the order of the names",
         textwrap.fill(as_text(shown.heading), _LINE),
         lines,
-        texts=[(names[metric.rows[i]], x[i], y[i]) for i in farthest],
+        texts=[(as_text(names[metric.rows[i]]), x[i], y[i]) for i in farthest],
         xlim=axis,
         ylim=(k * (ends[0] - room), k * (ends[1] + room)),
-        xticks=["", *(textwrap.fill(name, _LETTERS) for name in names)] if few else (),
+        xticks=["", *below] if below else (),
         columns=2,
     )
     return Sheet("fleet", metric.column.name, (panel,), heights=(1.3,))

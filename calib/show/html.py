@@ -34,12 +34,12 @@ _PARTS = 120
 _UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n<>'"
 """Characters that need no escape in a data URI within double quotes."""
 _UNSEEN = re.compile(
-    r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)|font-family: 'DejaVu Sans'; ?"
+    r"^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->|\n *(?=<)|font-family: 'DejaVu Sans';? ?"
     r"| id=\"[a-z2]+_\d+\"| transform=\"rotate\(-0 [^\"]*\"",
     re.DOTALL,
 )
 """Parts of an SVG that show nothing, and the font, which `_FONT` has once."""
-_EMPTY, _TAG = "<g></g>", re.compile("<[^<>]*>")
+_EMPTY, _TAG = "<g></g>", re.compile("<[^<>']*>")
 _STYLE, _FONT = "<style type='text/css'>*{", "font-family: DejaVu Sans, Verdana, sans-serif; "
 """Font of all letters, with one of its width for machines without it."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")

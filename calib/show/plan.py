@@ -1,46 +1,52 @@
-"""A plan as facts: a card for the driver on one page, and what each step brings."""
+"""A plan as facts: a card for the driver, what each step brings, and what a fit reached of it."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from calib.base.plain import NBSP
 from calib.base.units import BAR
-from calib.plan.measure import pressure_trace
-from calib.plan.search import Plan, Step
+from calib.plan.achieved import Achieved
 from calib.show.facts import DIR, FAILED, PASSED, UNJUDGED, Facts, Table
-from calib.show.half_widths import WIDTH_HEADS, WIDTHS, width_cells
+
+if TYPE_CHECKING:  # a fit needs nothing that makes a plan
+    from calib.plan.search import Plan, Step
 
 
-def plan_facts(plan: Plan) -> Facts:
+def plan_facts(plan: "Plan") -> Facts:
     """What to do, what it brings, and what it cannot bring."""
     named = plan.after._asdict().items()
     widths = ", ".join(f"{axles} ±{100.0 * width:.1f}{NBSP}%" for axles, width in named)
     wanted, met = any(plan.want.widths), plan.want.met_by(plan.after)
     rows = [
-        ("before", *width_cells(plan.start)),
-        *((f"{i}. {s.measure.text}", *width_cells(s.widths)) for i, s in enumerate(plan.steps, 1)),
-        ("the same, with the speed v logged", *width_cells(plan.with_speed or ())),
-        ("wanted", *width_cells(plan.want.widths if wanted else (), none="-")),
-        ("all runs that can be driven here", *width_cells(plan.floor_of_runs)),
-        ("and all measurements of a workshop", *width_cells(plan.floor)),
+        ("before", plan.start),
+        *((f"{i}. {step.measure.text}", step.widths) for i, step in enumerate(plan.steps, 1)),
+        ("the same, with the speed v logged", plan.with_speed or ()),
+        ("wanted", plan.want.widths if wanted else ()),
+        ("all runs that can be driven here", plan.floor_of_runs),
+        ("and all measurements of a workshop", plan.floor),
     ]
     return Facts(
         title=f"Plan for {plan.prior.vehicle.name}",
         verdict=(PASSED if met else FAILED) if wanted else UNJUDGED,
         word=("Enough" if met else "Not enough") if wanted else "Planned",
         headline=f"{widths} after {plan.seconds:.0f}{NBSP}s",
-        tables=[Table(WIDTH_HEADS, [row for row in rows if row[1:]], WIDTHS)],
+        tables=[_widths([row for row in rows if row[1]])],
         notes=_notes(plan),
         next=f"brake-cal fit LOG... --vehicle V.toml --plan {DIR}/plan.json",
         parts=[_card(plan, step, i) for i, step in enumerate(plan.steps, 1)],
     )
 
 
-def _notes(plan: Plan) -> list[str]:
+def _notes(plan: "Plan") -> list[str]:
     texts = ", ".join(measure.text for measure in plan.not_worth)
     notes = [f"Not worth driving in addition: {texts}."] if texts else []
     reasons = "; ".join(dict.fromkeys(plan.impossible.values()))
     return notes + [f"Not possible here: {reasons}."] * bool(reasons)
 
 
-def _card(plan: Plan, step: Step, number: int) -> Facts:
+def _card(plan: "Plan", step: "Step", number: int) -> Facts:
+    from calib.plan.measure import pressure_trace
+
     measure = step.measure
     rows = [("time", f"{step.seconds:.0f}{NBSP}s")]
     if measure.driven:
@@ -49,3 +55,20 @@ def _card(plan: Plan, step: Step, number: int) -> Facts:
         top = float(pressure_trace(plan.prior.vehicle, measure)[1].max()) / BAR
         rows.append(("pressure at the end", f"{top:.0f}{NBSP}bar"))
     return Facts(f"{number}. {measure.text}", headline=measure.driver, rows=rows)
+
+
+def achieved_facts(result: Achieved) -> Facts:
+    """Planned against achieved."""
+    word = "as planned" if result.reached else "wider than planned"
+    table = _widths([("planned", result.planned), ("achieved", result.achieved)])
+    return Facts("Planned and achieved", word, tables=[table], notes=result.reasons)
+
+
+def _widths(rows: Sequence[tuple[str, Sequence[float]]]) -> Table:
+    """Relative half widths [1] in per cent; "-" for one that is not known or not asked for."""
+    cells = [
+        (name, *(f"{100.0 * width:.1f}" if 0.0 < width < 10.0 else "-" for width in widths))
+        for name, widths in rows
+    ]
+    heads = ("after", "front ± [%]", "rear ± [%]", "total ± [%]")
+    return Table(heads, cells, "Brake torque is known to so many per cent (95 %).")

@@ -123,19 +123,15 @@ def of_result(result: StoredResult) -> Sheet:
 
 def of_estimate(e: Estimate) -> Sheet:
     """The sheet of an estimate that nobody judged."""
-    return _sheet("stop", e.run.log.name, _of_estimate(e, None), _origin(e.table), [], e.table)
-
-
-def _origin(table: Table, name: str = "") -> str:
-    return f"Table {name or table.name}, digest {table.digest[:16]}."
+    return _sheet("stop", e.run.log.name, _of_estimate(e, None), "", [], e.table)
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
     """The sheet of a ``result`` of table ``name``, with the pads of the ramp or of ``vehicle``."""
     stop, table = _of_estimate(result.estimate, vehicle), result.estimate.table
-    warned = dict.fromkeys(warning.title for warning in result.all_warnings)
-    note = _origin(table, name)
-    note += f" Warnings, which brake-cal validate explains: {', '.join(warned)}." * bool(warned)
+    note = f"Table {name or table.name}, digest {table.digest[:16]}."
+    if warned := dict.fromkeys(warning.title for warning in result.all_warnings):
+        note += f" Warnings, which brake-cal validate explains: {', '.join(warned)}."
     verdict = [word(result), *broken(result)]
     if (error := errors(result)).values:
         verdict.append(f"error front / rear {error.of_axles} against {AGAINST[error.against]}")
@@ -197,7 +193,7 @@ def _sheet(
         rows=tuple(rows),
         heights=(1.2, 1.0, 0.8, 0.8),
         title=": ".join([f"{kind.capitalize()} {name}", *verdict[:1]]),
-        note=f"{note} Bands are 95 %.{grey}",
+        note=f"{note} Bands are 95 %.{grey}".strip(),
         result="; ".join([answer[0].upper() + answer[1:], *verdict[1:]]),
     )
 
@@ -241,8 +237,9 @@ def _torque_panel(stop: _Stop) -> Panel:
         ramp_look = {**_BEFORE, "color": look["color"]}
         beside.append(Line(stop.time, smooth(stop.time, pad * per_pad / 1e3), ramp_look, label))
     if stop.truth:
-        true = 2.0 * stop.truth.torque / 1e3
-        beside += _true(stop, [*true, true.sum(axis=0)])
+        front, rear = 2.0 * stop.truth.torque / 1e3
+        true = zip((front, rear, front + rear), ("truth", "", ""), strict=True)
+        beside += [Line(stop.time, y, TRUTH, label) for y, label in true]
     bounds = [np.asarray(x) for line in lines for x in (line.y, *(line.band or ()))]
     torque_unit = "brake torque [kN m]"
     return _panel(stop, "axle-torques", "Brake torque of the axles and of both", torque_unit,
@@ -270,14 +267,9 @@ def _pad_panel(stop: _Stop) -> Panel:
         shown.append(np.full(stop.time.size, mu))
     if stop.truth:
         true = [smooth(stop.time, mu) for mu in stop.truth.pad_friction]
-        beside += _true(stop, true)
+        beside += [Line(stop.time, y, TRUTH, "truth" * (y is true[0])) for y in true]
         shown += true
     return _panel(stop, "pads", "Pad friction", "pad friction [1]", [*lines, *beside], shown)
-
-
-def _true(stop: _Stop, values: Iterable[Array]) -> list[Line]:
-    """Lines of the truth, named once."""
-    return [Line(stop.time, y, TRUTH, "truth" * (not i)) for i, y in enumerate(values)]
 
 
 def _force_panel(stop: _Stop) -> Panel:

@@ -30,8 +30,6 @@ from calib.table.table import Table
 _Ramps = tuple[MeasuredRamp, ...]
 _FREED = "ramps, drag taken out"
 """Label of the measured points beside a curve over eta."""
-_MARKED = 0.1
-"""Step between decelerations that are marked on the axis of eta [g]."""
 
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
@@ -89,7 +87,7 @@ def _tyre(table: Table) -> Panel:
 
 
 def _curves(table: Table, ramps: _Ramps) -> Panel:
-    """Fig. 6; the end of the usable range and the decelerations up to it are marked."""
+    """Fig. 6; the end of the usable range is marked."""
     p = table.paper
     x, two_axles = 100.0 * (p.eta - 1.0), [one for one in ramps if one.is_two_axles]
     f = [
@@ -101,25 +99,17 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
         f.append(points(ramp, eta_percent, ramp.f1, FRONT, "" if i else _FREED))
         f.append(points(ramp, eta_percent, ramp.f2, REAR))
     ends = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
-    (low, high), end = p.usable, 100.0 * (p.usable_eta[1] - 1.0)
+    end = 100.0 * (p.usable_eta[1] - 1.0)
     line: Stroke = {"color": BODY["color"], "linewidth": 0.9, "linestyle": LONG}
-    order = np.argsort(p.z)
-    decelerations = [z for z in np.arange(_MARKED, high, _MARKED) if z >= low]
-    places = np.interp(decelerations, p.z[order], x[order])
-    ticks: Stroke = {"color": BODY["color"], "marker": "|", "ms": 6.0, "linestyle": ""}
-    axis_lines = [
-        Line(ends, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6}),
-        Line(places, np.zeros(places.size), ticks),
-    ]
+    zero = Line(ends, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6})
     return Panel(
         "f1-f2",
         "Force over load, less deceleration over g (Fig. 6)",
         ETA,
         "f1, f2 [1]",
-        [*f, *axis_lines],
-        [Mark(end, end, line, f"usable to {end:.2f} %, {high:.2f} g"),
+        [*f, zero],
+        [Mark(end, end, line, f"usable to {end:.2f} %, {p.usable[1]:.2f} g"),
          Mark(end, ends[1], {"color": SHADE})],
-        [(f"{z:.1f} g", x, 0.0) for z, x in zip(decelerations, places, strict=True)],
-        ends,
+        xlim=ends,
         columns=2,
     )  # fmt: skip

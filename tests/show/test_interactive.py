@@ -2,6 +2,8 @@
 
 import json
 import re
+from urllib.parse import unquote
+from xml.dom.minidom import parseString
 
 import numpy as np
 import pytest
@@ -43,7 +45,7 @@ def sheet():
             Panel("c", "curve", "eta [%]", "D [1]", [
                 Line(2.0 * TIME, 3.0 * TIME, FRONT, "curve"),
                 Line([1.0, 2.0], [1.0, 2.0], RINGS, "rings"),
-            ], texts=[(NAME, 1.0, 1.0)]),
+            ], texts=[(NAME, 1.0, 1.0)], xticks=["of two\nlines", "it's"]),
             Panel("d", "map", "eta [%]", "z [1]", [], field=MAP, xlim=(0.0, 1.0), ylim=(0.0, 1.0)),
         ),
     )  # fmt: skip
@@ -84,6 +86,8 @@ def test_a_live_page_is_printed_as_any_other(sheet):
     still, live = page_of(facts), page_of(facts, live=True)
     assert "<script" not in still
     assert still.count("<img") == live.count('<img class="still"') == 4
+    pictures = re.findall(r'src="data:image/svg\+xml,([^"]*)"', still)
+    assert [parseString(unquote(one)).documentElement.tagName for one in pictures] == ["svg"] * 4
 
 
 @needs_browser
