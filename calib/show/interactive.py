@@ -88,9 +88,9 @@ class _Making:
         from bokeh.plotting import figure
 
         (ends, crosshair, *cursors), zoom = self._axis(panel), BoxZoomTool()
-        entries = len({one.label for one in (*panel.lines, *panel.marks)} - {""})
+        labels = {x.label for x in panel.lines} | {x.label for x in panel.marks}
         fig = figure(
-            height=_HEIGHT + _ROW * -(-entries // panel.columns),
+            height=_HEIGHT + _ROW * -(-len(labels - {""}) // panel.columns),
             sizing_mode="stretch_width",
             title=_plain(panel.title),
             x_axis_label=_plain(panel.x),
