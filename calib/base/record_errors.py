@@ -22,8 +22,7 @@ _EXPECTED = {
 }
 _NO_TABLE = ("model_type", "dict_type", "model_attributes_type")
 
-_Place = tuple[int | str, ...]
-"""Keys and indices from the top of a file to a value."""
+_Place = tuple[int | str, ...]  # keys and indices from the top of a file to a value
 
 
 def wrong(problem: str, expected: str = "", do: str = "") -> PydanticCustomError:

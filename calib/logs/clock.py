@@ -12,14 +12,12 @@ from calib.base.errors import LogError
 from calib.base.plain import counted
 from calib.base.units import QUANTITIES, to_si
 
-REPEATED = 0.01
-"""Largest share of rows [1] that repeat the time of the row before them."""
+REPEATED = 0.01  # largest share of rows [1] that repeat the time of the row before them
 GAP = 3.5
 """A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
 VALUES = 4
 """Most values of the steps of a rounded even clock: 2, or 4 where steps of float32 double."""
-_FINE = 1e-3
-"""Rounding below this [steps] is left alone: it moves no result."""
+_FINE = 1e-3  # rounding below this [steps] is left alone: it moves no result
 
 
 def is_ascending(time: Array) -> bool:
@@ -68,10 +66,8 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     return line, (note,)
 
 
-LATEST = 1e12
-"""No time is later [s]: far above seconds since 1970."""
-_DISORDER = 0.1
-"""Longest step back [s] between frames of several buses."""
+LATEST = 1e12  # no time is later [s]: far above seconds since 1970
+_DISORDER = 0.1  # longest step back [s] between frames of several buses
 _DISORDERED = 0.25
 """Largest share of frames out of order [1]; with more, the timestamps have another meaning."""
 
@@ -99,18 +95,14 @@ def check_running(time: Array, where: str) -> None:
         )
 
 
-_MIN_SAMPLES = 50
-"""Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""
-_RATES = 40.0, 1000.0
-"""Sample rates that a log can have [Hz]."""
+_MIN_SAMPLES = 50  # fewest samples of a log: a quarter of a second at 200 Hz, too short to filter
+_RATES = 40.0, 1000.0  # sample rates that a log can have [Hz]
 TIME_UNITS = {unit: to_si(1.0, unit, "s") for unit in QUANTITIES["s"][1]}
 """Units that a time is written in [s]."""
-_BURST = 0.25
-"""A step shorter than this share of the mean one [1] is within a burst."""
+_BURST = 0.25  # a step shorter than this share of the mean one [1] is within a burst
 _BURSTS = 0.1
 """Largest share of such steps [1]: frames of a bus wait for each other by a tenth of a step."""
-_STANDING = 0.3
-"""Least share of jumps in a log whose milliseconds have too many digits [1]."""
+_STANDING = 0.3  # least share of jumps in a log whose milliseconds have too many digits [1]
 
 
 def check_clock(time: Array, where: str, unit: str = "s") -> None:

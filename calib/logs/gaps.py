@@ -21,15 +21,12 @@ BRIDGE = 0.2
 """Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""
 _SIDE = 0.1
 """Length [s] of the samples on either side of a gap that show whether a channel is smooth."""
-_NEAR = 0.5
-"""Length [s] of the samples on either side of a gap that show the noise."""
-_FEWEST = 4
-"""Fewest samples of a side: nearly every line goes through fewer."""
+_NEAR = 0.5  # length [s] of the samples on either side of a gap that show the noise
+_FEWEST = 4  # fewest samples of a side: nearly every line goes through fewer
 INSTANT = 1e-9
 """Samples within this time [s] show no slope: recorders count no finer than nanoseconds, and only
 damaged times are nearer."""
-_SMOOTH = 0.01
-"""Largest error of a bridge beside the noise, over the range of the channel [1]."""
+_SMOOTH = 0.01  # largest error of a bridge beside the noise, over the range of the channel [1]
 ENDS = 1.0
 """Longest time [s] at the start or the end of a log for which a channel may have no value."""
 ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"

@@ -57,12 +57,9 @@ _POSSIBLE = {
 
 _QUICK = 0.05
 """Time [s] over which a wheel spins up or stops; over a longer one it goes with the car."""
-_NOISE = 10.0
-"""Standard deviations of its noise that a channel may jump in addition [1]."""
-_LEAST = 2.0
-"""Least jump [SI] that counts: a lost pulse of a ring of 48 teeth is 2 rad/s."""
-_FEW = 0.02
-"""Largest share of samples that are marked [1]; with more the log is refused."""
+_NOISE = 10.0  # standard deviations of its noise that a channel may jump in addition [1]
+_LEAST = 2.0  # least jump [SI] that counts: a lost pulse of a ring of 48 teeth is 2 rad/s
+_FEW = 0.02  # largest share of samples that are marked [1]; with more the log is refused
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,9 @@ from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 _VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""
-_FRAME = "CAN_DataFrame"
-"""Name of the channel for data frames in the ASAM standard."""
-_TIME_SYNC = 1
-"""Type of a master channel of MDF 4 that holds time, not angle or distance."""
-_Place = tuple[int, int]
-"""Numbers of the group and of the channel in it."""
+_FRAME = "CAN_DataFrame"  # name of the channel for data frames in the ASAM standard
+_TIME_SYNC = 1  # type of a master channel of MDF 4 that holds time, not angle or distance
+_Place = tuple[int, int]  # numbers of the group and of the channel in it
 
 
 def open_mdf(path: Path, dbc: Databases) -> Recording:

@@ -24,20 +24,16 @@ from calib.logs.source import damaged
 
 _COUNTS, _LAST_LENGTH, _VLSD_SIZES = 1, 4, 32
 """Flags of what a recorder left: counts of groups, length of the last DT, sizes of VLSD groups."""
-_HEAD = 64
-"""Bytes of the identification block, after which the first block begins."""
+_HEAD = 64  # bytes of the identification block, after which the first block begins
 _BLOCK = struct.Struct("<4s4xQQ")
 _GROUP = struct.Struct("<QQHHLLL")
 _UNPACKED = struct.Struct("<8xQ")
 _MOST_LINKS = 10_000_000
 _TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
 """Blocks whose first two links lead to one that no other has; asammdf would follow a ring."""
-_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}
-"""First links of the same kind in MDF 3."""
-_START = 24
-"""Bytes of a ##DT before its data."""
-_VARIABLE = 1
-"""Flag of a group whose records differ in length; such a group has no channels."""
+_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # first links of the same kind in MDF 3
+_START = 24  # bytes of a ##DT before its data
+_VARIABLE = 1  # flag of a group whose records differ in length; such a group has no channels
 
 
 class _Block(NamedTuple):

@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     import pyarrow
 
 UNIT_KEY = b"unit"
-_OTHER_KEYS = (b"units", b"Unit", b"Units")
-"""Other keys of the field metadata for the unit."""
-_MDF_CLOCK = "timestamps"
-"""Name of the time index of a table exported by asammdf, in seconds."""
+_OTHER_KEYS = (b"units", b"Unit", b"Units")  # other keys of the field metadata for the unit
+_MDF_CLOCK = "timestamps"  # name of the time index of a table exported by asammdf, in seconds
 
 
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:

@@ -26,8 +26,7 @@ from calib.logs.text.dialect import LOOKED
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels that fit and validation need."""
-FORMATS = (*TABLES, *RECORDINGS)
-"""File name endings of all known formats."""
+FORMATS = (*TABLES, *RECORDINGS)  # file name endings of all known formats
 _WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 

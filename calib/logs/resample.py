@@ -19,14 +19,12 @@ from calib.logs.clock import check_running, is_ascending, on_line, step_of
 from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, fill_rows, in_words
 from calib.logs.source import ChannelTrace
 
-_FASTEST = 1050.0
-"""A sample rate above this [Hz] is not used as the clock if there is a slower one."""
+_FASTEST = 1050.0  # a sample rate above this [Hz] is not used as the clock if there is a slower one
 _ALIKE = 0.9
 """From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
 _UNEVEN = 0.5
 """Largest difference of nine tenths of the steps of an even clock from their median [1]."""
-_ENDS = 0.5
-"""An optional channel may shorten the log by at most this at either end [s]."""
+_ENDS = 0.5  # an optional channel may shorten the log by at most this at either end [s]
 
 
 @dataclass(frozen=True)

@@ -73,8 +73,7 @@ def each_of(
     return results
 
 
-CLOCK = Column("time", "s")
-"""First column of every recording: the common clock after resampling."""
+CLOCK = Column("time", "s")  # first column of every recording: the common clock after resampling
 
 
 @dataclass(frozen=True)

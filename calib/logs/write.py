@@ -21,8 +21,7 @@ from calib.logs.parquet import UNIT_KEY
 from calib.logs.text.cells import column_from_cell
 from calib.logs.whole import WholeColumn, WholeLog
 
-_DECIMALS = 6
-"""Decimals of a CSV file in canonical units: less than the resolution of any sensor."""
+_DECIMALS = 6  # decimals of a CSV file in canonical units: less than the resolution of any sensor
 
 
 def write_csv(log: Log, path: Path) -> None:

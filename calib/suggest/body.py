@@ -30,18 +30,14 @@ from calib.suggest.words import (
     words,
 )
 
-_FOLLOWS = 0.8
-"""Lowest correlation [1] of two signals that belong together."""
+_FOLLOWS = 0.8  # lowest correlation [1] of two signals that belong together
 _ACCELERATED = 0.5
 """Smallest range of the derivative of speed [m/s^2] to check an acceleration with."""
-_PRESSED = 2e5
-"""Smallest range of a brake pressure [Pa] in a log with braking."""
+_PRESSED = 2e5  # smallest range of a brake pressure [Pa] in a log with braking
 _SLOPES = (0.4, 2.5)
 """Allowed a_x over the derivative of speed [1]: g in the place of m/s^2 is a factor of 9.8."""
-_WITH_WHEELS = 0.98
-"""Lowest correlation [1] of the speed of the car with that of its wheels."""
-_NAMED = 99
-"""Score of a column that has the name of the channel."""
+_WITH_WHEELS = 0.98  # lowest correlation [1] of the speed of the car with that of its wheels
+_NAMED = 99  # score of a column that has the name of the channel
 
 
 def _choose(

@@ -18,10 +18,8 @@ from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of
 from calib.run.filters import centred_mean, samples_in
 
-SMOOTH = 0.2
-"""Width [s] over which a speed is smoothed before it is differentiated."""
-_LAG = 0.5
-"""Longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s."""
+SMOOTH = 0.2  # width [s] over which a speed is smoothed before it is differentiated
+_LAG = 0.5  # longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s
 _TOGETHER, _RATIO = 0.99, 0.1
 """Lowest correlation of two wheels, and largest relative difference of their means [1]."""
 

@@ -25,8 +25,7 @@ _HEADER = struct.Struct("<4sL8xQQ40x")
 _OBJECT = struct.Struct("<4s4xLL")
 _CONTAINER = struct.Struct("<H6xL4x")
 _CONTAINER_TYPE, _STORED, _DEFLATED = 10, 0, 2
-_MOST_UNPACKED = 64_000_000
-"""Bytes of one container; those of Vector have 128 kB."""
+_MOST_UNPACKED = 64_000_000  # bytes of one container; those of Vector have 128 kB
 
 
 def open_blf(path: Path, dbc: Databases) -> Recording:

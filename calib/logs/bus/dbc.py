@@ -28,12 +28,10 @@ from calib.logs.text.encoding import text_of, to_utf8
 if TYPE_CHECKING:
     from cantools.database.can import Message
 
-Key = tuple[int, bool]
-"""Identifier, and whether it is extended (29 bits)."""
+Key = tuple[int, bool]  # identifier, and whether it is extended (29 bits)
 _Described: TypeAlias = "Message | Flawed"
 
-_FORMATS = ("dbc", "arxml", "kcd", "sym")
-"""A file with another ending is read as a DBC."""
+_FORMATS = ("dbc", "arxml", "kcd", "sym")  # another ending is read as a DBC
 
 _LONGEST_TEXT = 1_000_000
 """Characters of the longest text in quotes; cantools takes 300 bytes for each of them."""
@@ -42,12 +40,9 @@ _STATED = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
 """Statements on a signal of a message that change what is decoded."""
 _LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")
 """Attributes with the names that are longer than 32 characters."""
-_MOST = 10_000
-"""Largest number of messages: each takes about a millisecond."""
-_NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"
-"""Holds the signals that belong to no message."""
-_EXTENDED = 1 << 31
-"""Marks an identifier of 29 bits."""
+_MOST = 10_000  # largest number of messages: each takes about a millisecond
+_NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"  # holds the signals that belong to no message
+_EXTENDED = 1 << 31  # marks an identifier of 29 bits
 
 _COMMENT = re.compile(r'^[ \t]*CM_ [^"\n]*"(?:\\.|[^"\\])*"\s*;', re.MULTILINE | re.DOTALL)
 _BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)

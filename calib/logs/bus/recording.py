@@ -36,8 +36,7 @@ _INVALID = re.compile(
 )
 """Names of raw values that mark an invalid measurement."""
 
-_LONGEST = 64
-"""Bits of the longest signal that is a number; longer ones are text or raw bytes."""
+_LONGEST = 64  # bits of the longest signal that is a number; longer ones are text or raw bytes
 _REAL = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
 """Types of raw integers and of the IEEE 754 numbers in them, by bits."""
 

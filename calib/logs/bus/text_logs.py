@@ -122,8 +122,7 @@ _FORMATS = {
         _trc,
     ),
 }
-TEXT_LOGS = tuple(_FORMATS)
-"""File name endings of the text logs of a bus."""
+TEXT_LOGS = tuple(_FORMATS)  # file name endings of the text logs of a bus
 
 
 def open_text_log(path: Path, dbc: Databases) -> Recording:

@@ -26,8 +26,7 @@ from calib.base.errors import LogError
 from calib.logs.text.cells import is_unit_row
 
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "vertical bar"}
-EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")
-"""Cells without a value."""
+EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")  # cells without a value
 
 csv.field_size_limit(sys.maxsize)  # of cells in memory; what is no number is refused as that
 
@@ -55,8 +54,7 @@ class TextFormat:
         return [self.separator] if self.separator else list(SEPARATORS)
 
 
-LOOKED = TextFormat()
-"""Everything is detected from the file."""
+LOOKED = TextFormat()  # everything is detected from the file
 
 
 def cells_of(line: str, separator: str) -> list[str]:
@@ -111,10 +109,8 @@ def decimal_of(rows: Sequence[Sequence[str]], separator: str, where: str) -> str
     )
 
 
-_TOP = 200
-"""Lines in which the header is looked for."""
-_RUN = 3
-"""Rows with numbers that make a run; fewer, if the file has no more."""
+_TOP = 200  # lines in which the header is looked for
+_RUN = 3  # rows with numbers that make a run; fewer, if the file has no more
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from calib.base.bounded import LOG
 from calib.base.errors import LogError
 from calib.logs.source import damaged
 
-GZIP = b"\x1f\x8b"
-"""First bytes of a gzip file."""
+GZIP = b"\x1f\x8b"  # first bytes of a gzip file
 
 
 def gunzip(data: bytes, where: str) -> bytes:
@@ -38,8 +37,7 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "utf-16-le",
     codecs.BOM_UTF16_BE: "utf-16-be",
 }
-_HEAD = 4096
-"""Number of bytes used to detect the encoding; a header is shorter."""
+_HEAD = 4096  # number of bytes used to detect the encoding; a header is shorter
 
 
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
