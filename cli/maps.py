@@ -44,6 +44,7 @@ def map_(
     """
     from dataclasses import asdict
 
+    from calib.logs.formats import as_table
     from calib.logs.read import open_log
     from calib.show.facts import Facts
     from calib.suggest.propose import suggest, to_lines, to_toml, tried
@@ -52,7 +53,8 @@ def map_(
         raise misuse(f"{len(radius)} radii; one, or one of front and one of rear", "--radius")
     radii = (radius[0], radius[-1]) if radius else None
     with open_log(log, channel_map) as opened:
-        suggested = suggest(opened.table(), str(log), user_specified=take, radii=radii)
+        source = as_table(opened.source, str(log))
+        suggested = suggest(source, str(log), user_specified=take, radii=radii)
     proposal = tried(suggested, log, channel_map)
     toml = to_toml(proposal, channel_map, None if out is None else out.absolute().parent)
     certain = not proposal.doubts and bool(proposal.proposals)

@@ -177,16 +177,13 @@ def unexplained(
 
     For example, locked wheels that follow from a wrong unit are left out.
     """
-    every = tuple(warnings)
-    explained = {code for one in (*every, *beside) for code in _made_by(one)}
+    every, explained = tuple(warnings), set[str]()
+    for one in (*every, *beside):
+        first = _OF[one.code][0]
+        if not first.low <= one.measured <= first.high:
+            explained |= {*first.makes}
     unexplained_ones = [one for one in every if one.code not in explained]
     return tuple(sorted(unexplained_ones, key=lambda one: [*_OF].index(one.code)))
-
-
-def _made_by(warning: PlausibilityWarning) -> tuple[str, ...]:
-    """Codes that follow from a warning; none if it is within the first row of its code."""
-    first = _OF[warning.code][0]
-    return () if first.low <= warning.measured <= first.high else first.makes
 
 
 def bounds_of(code: str) -> tuple[float, float]:

@@ -96,13 +96,15 @@ RECORDINGS: dict[str, Callable[[Path, Databases], Recording]] = {
 
 
 def as_table(
-    opened: Recording, where: str, assigned: Mapping[int, Assigned] | None = None
+    opened: ColumnSource | Recording, where: str, assigned: Mapping[int, Assigned] | None = None
 ) -> ColumnSource:
-    """All channels of a recording on one clock, like a table.
+    """A table as it is; all channels of a recording on one clock, like a table.
 
     Columns that are ``assigned``, by index, have their names. Counts are held. Reading a column
     that the recording refuses raises its LogError.
     """
+    if isinstance(opened, ColumnSource):
+        return opened
     refused, wanted = dict[int, LogError](), dict[int, ChannelTrace]()
     every = range(1, len(opened.columns))
     for i, trace in zip(every, each_of(opened.read, every), strict=True):

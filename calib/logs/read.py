@@ -1,10 +1,10 @@
 """Read a log of any known format as a `Log` in SI."""
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Self
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from calib.base.plain import quoted
 from calib.logs.channel_map import MAP_IT, Assigned, ChannelMap, assign
 from calib.logs.clock import check_clock, is_ascending
 from calib.logs.computed import computed_pressures
-from calib.logs.formats import RECORDINGS, TABLES, as_table, ending_of, refuse_other_kind, stem_of
+from calib.logs.formats import RECORDINGS, TABLES, ending_of, refuse_other_kind, stem_of
 from calib.logs.gaps import complete_channels, without_open_ends
 from calib.logs.impossible import refuse_absurd, without_impossible
 from calib.logs.log import Log
@@ -30,36 +30,22 @@ FORMATS = (*TABLES, *RECORDINGS)  # file name endings of all known formats
 _WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
 
 
-@dataclass(frozen=True)
-class _OpenLog:
-    """An opened log, which ``with`` closes; ``digest`` is the SHA-256 of its bytes."""
+class OpenLog(NamedTuple):
+    """An opened log, and the SHA-256 of its bytes."""
 
-    path: Path
     source: ColumnSource | Recording
     digest: str
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(self, *_: object) -> None:
-        if isinstance(self.source, Recording):
-            self.source.close()
-
-    def table(self, assigned: Mapping[int, Assigned] | None = None) -> ColumnSource:
-        """All columns on one clock, as `as_table`."""
-        if isinstance(self.source, ColumnSource):
-            return self.source
-        return as_table(self.source, str(self.path), assigned)
-
-
+@contextmanager
 def open_log(
     path: Path | str,
     channel_map: ChannelMap | None = None,
     *,
     data: bytes | None = None,
     file: Path | None = None,
-) -> _OpenLog:
-    """Open a log without assigning its columns to channels.
+) -> Iterator[OpenLog]:
+    """Open a log without assigning its columns to channels, until the end of the context.
 
     ``path`` names it; ``data`` are its bytes, if they were read already; ``file`` holds them, if
     not ``path``. Of ``channel_map`` only the text format and the DBC are used. Raises LogError for
@@ -68,7 +54,7 @@ def open_log(
     path, content = Path(path), Path(file or path)
     ending = ending_of(path)
     if data is None and ending not in RECORDINGS:
-        data = log_bytes(path)
+        data = log_bytes(path, path)
     if data is not None:
         head, digest = data[:64], hashlib.sha256(data).hexdigest()
     else:
@@ -80,9 +66,11 @@ def open_log(
     refuse_other_kind(head, ending, path)
     if ending in RECORDINGS:
         databases = channel_map.databases if channel_map else {}
-        return _OpenLog(path, RECORDINGS[ending](content, databases), digest)
-    text_format = channel_map.text if channel_map else LOOKED
-    return _OpenLog(path, TABLES[ending](data or b"", str(path), text_format), digest)
+        with closing(RECORDINGS[ending](content, databases)) as recording:
+            yield OpenLog(recording, digest)
+    else:
+        text_format = channel_map.text if channel_map else LOOKED
+        yield OpenLog(TABLES[ending](data or b"", str(path), text_format), digest)
 
 
 def read_log(
@@ -129,7 +117,7 @@ def read_log(
         unit = next(item.unit for item in assigned if item.channel == "time")
         check_clock(values["time"], where, unit)
         return Log(
-            stem_of(opened.path),
+            stem_of(Path(path)),
             where,
             opened.digest,
             channels={name: values[name] for name in CHANNELS if name in values},
@@ -196,17 +184,16 @@ def recorded_clock(assigned: list[Assigned], channel_map: ChannelMap | None) -> 
     return clock
 
 
-def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
+def log_bytes(path: Path, where: object) -> bytes:
     """The bytes of a log, which errors name ``where``. Raises LogError for an unknown format."""
-    where = path if where is None else where
     with errors_as(LogError, where, "a log"):
-        return read_bounded(path, _kind_of(path, where, any_format))
+        return read_bounded(path, _kind_of(path, where))
 
 
-def _kind_of(path: Path, where: object, any_format: bool = False) -> FileKind:
+def _kind_of(path: Path, where: object) -> FileKind:
     """The kind of file, by its ending, that bounds the size of a log."""
     ending = ending_of(path)
-    if ending not in FORMATS and not any_format and path.is_file():
+    if ending not in FORMATS and path.is_file():
         raise LogError(
             f"unknown format {ending!r}",
             where=where,

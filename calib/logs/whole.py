@@ -16,7 +16,7 @@ from calib.base.names import CHANNELS
 from calib.base.units import to_si
 from calib.logs.channel_map import MAP_IT, ChannelMap, assign
 from calib.logs.clock import GAP, check_increasing, step_of
-from calib.logs.formats import stem_of
+from calib.logs.formats import as_table, stem_of
 from calib.logs.log import Log
 from calib.logs.read import open_log, recorded_clock
 from calib.logs.source import Recording
@@ -70,7 +70,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
         by_index = {item.index: item for item in assigned}
         if isinstance(opened.source, Recording):
             recorded_clock(assigned, channel_map)
-        source = opened.table(by_index)
+        source = as_table(opened.source, str(path), by_index)
     # under its own name an ignored column would be a channel
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()

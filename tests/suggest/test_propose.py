@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from calib.base.errors import InputError
 from calib.logs.channel_map import ChannelMap
 from calib.logs.channel_map_file import read_channel_map
+from calib.logs.formats import as_table
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource
 from calib.suggest.propose import Suggestion, suggest, to_toml
@@ -48,6 +49,11 @@ def source_of(columns):
     return ColumnSource(names, lambda indices: [values[i] for i in indices])
 
 
+def suggested(path):
+    with open_log(path) as opened:
+        return suggest(as_table(opened.source, str(path)), str(path))
+
+
 def suggestion(columns, **told):
     return suggest(source_of(columns), "run.csv", **told)
 
@@ -80,7 +86,7 @@ def test_the_map_reads_the_run_back(tmp_path):
     rows = np.column_stack(list(columns.values()))
     head = ";".join(f"{name} [{unit or ''}]" for name, unit in columns)
     np.savetxt(path, rows, delimiter=";", header=head, comments="", fmt="%.9f")
-    channel_map.write_text(to_toml(suggest(open_log(path).table(), str(path))))
+    channel_map.write_text(to_toml(suggested(path)))
     log = read_log(path, channel_map)
     for name in ("time", "a_x", "p_mc", "v", *(f"omega_{w}" for w in WHEELS)):
         np.testing.assert_allclose(log[name], RUN[name], rtol=1e-6, atol=2e-3)
@@ -264,7 +270,7 @@ def test_what_is_found(columns, channel, source, sure):
     + sorted(SAMPLES.glob("real/*.csv")), ids=lambda path: path.stem,
 )  # fmt: skip
 def test_our_own_logs_are_taken_as_they_are(path):
-    result = suggest(open_log(path).table(), str(path))
+    result = suggested(path)
     assert not result.doubts
     assert all(p.mapping.source == p.channel and p.mapping.sign == 1 for p in result.proposals)
     assert list(result.missing) == (["p_mc"] if path.parent.name == "real" else [])

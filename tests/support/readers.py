@@ -26,6 +26,7 @@ from calib.line.gauge.plan import read_plan
 from calib.logs.bus.dbc import read_databases
 from calib.logs.channel_map import ChannelMap
 from calib.logs.channel_map_file import read_channel_map
+from calib.logs.formats import as_table
 from calib.logs.read import open_log, read_log
 from calib.show.result import read_result
 from calib.store.evidence import read_evidence
@@ -88,8 +89,9 @@ def signals_of_a_bus(path: Path) -> object:
     """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
     dbc = path.with_name("chassis.dbc")
     dbc.write_text(DBC)
-    opened = open_log(path, ChannelMap("a", {}, databases={"": (dbc,)})).table()
-    return opened.read(range(len(opened.columns)))
+    with open_log(path, ChannelMap("a", {}, databases={"": (dbc,)})) as opened:
+        table = as_table(opened.source, str(path))
+    return table.read(range(len(table.columns)))
 
 
 def recorded(ending: str) -> Seeds:

@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from calib.base.errors import BatchError, BrakeCalError, printable
+from calib.base.bounded import DBC, bytes_of
+from calib.base.errors import BatchError, BrakeCalError, ChannelMapError, printable
 from calib.base.names import PROGRAM, VERSION
 from calib.base.plain import finite
 from calib.base.warning import PlausibilityWarning
@@ -51,7 +52,7 @@ def _map_digest(mapped: ChannelMap) -> str:
     content = asdict(mapped)
     del content["where"]
     content["databases"] = {
-        bus: [_sha256(log_bytes(path, any_format=True)) for path in paths]
+        bus: [_sha256(bytes_of(path, DBC, ChannelMapError, "a DBC")) for path in paths]
         for bus, paths in mapped.databases.items()
     }
     return _digest(content)

@@ -129,11 +129,6 @@ def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) ->
     buses = sorted({bus for bus, _ in capture.frames})
     require_described(frames, buses, dbc, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
-    if silent := sorted(set(dbc.buses) - {"", *buses}):
-        more.append(
-            f"no frames on bus {', '.join(silent)}, which the map names; "
-            f"the log has bus {', '.join(buses)}"
-        )
     if capture.errors:
         more.append(f"{capture.errors} error frames were ignored")
     columns, signals = described_signals(frames, dbc)

@@ -11,10 +11,10 @@ python-can (4.6) leaves out a line that it cannot read, and pads a frame that is
 
 import logging
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from calib.base.errors import LogError
 from calib.base.extras import need
@@ -72,57 +72,29 @@ def _asc(lines: Iterable[str], text: _Text) -> Iterator[str]:
         yield line
 
 
-_VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
-"""Those that python-can reads; it takes any other for 1.0."""
-_VERSION = re.compile(r"\s*;\$FILEVERSION=\s*(\S+)")
-
-
-def _trc(lines: Iterable[str], text: _Text) -> Iterator[str]:
-    """The lines. Raises LogError for another version of TRC."""
-    for line in lines:
-        if (version := _VERSION.match(line)) and version[1] not in _VERSIONS:
-            raise LogError(
-                f"version {version[1]} of TRC",
-                where=text.path,
-                expected=f"one of {', '.join(_VERSIONS)}",
-                do="convert it with PEAK-Converter",
-            )
-        yield line
-
-
-def _candump(lines: Iterable[str], _: _Text) -> Iterator[str]:
-    return iter(lines)
-
-
-class _Format(NamedTuple):
-    """Class of python-can that reads a format, begin of a line with a frame, and a generator."""
-
-    reader: str
-    frame: re.Pattern[str]
-    prepared: Callable[[Iterable[str], _Text], Iterator[str]]
-
-
 _FORMATS = {
-    ".asc": _Format(
+    ".asc": (
         "ASCReader",
         re.compile(
             r"\s*\d+\.\d+\s+(\d+\s+(\w+\s+(Tx|Rx)\b(?!\s+d\s+\w{2,}\s)|ErrorFrame)"
             r"|CANFD\s+\d+\s+(Tx|Rx)\b)",
             re.IGNORECASE,
         ),
-        _asc,
     ),
-    ".log": _Format("CanutilsLogReader", re.compile(r"\s*\(\d+\.\d+\)\s"), _candump),
-    ".trc": _Format(
+    ".log": ("CanutilsLogReader", re.compile(r"\s*\(\d+\.\d+\)\s")),
+    ".trc": (
         "TRCReader",
         re.compile(
             r"\s*+(?!;|$|(\d+\)?\s+)?[\d.]+\s+(\d+\s+)?"
             r"(ST|EC|ER|EV|Warng|Error|ErrFr|Event|FFFFFFFF)\b)"
         ),
-        _trc,
     ),
 }
+"""Class of python-can that reads a format, and the begin of a line with a frame, by file ending."""
 TEXT_LOGS = tuple(_FORMATS)  # file name endings of the text logs of a bus
+_VERSION = re.compile(r";\$FILEVERSION=\s*(\S+)")
+_HEAD = 4096  # characters of a TRC log in which its version stands
+_VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")  # of TRC; python-can takes any other for 1.0
 
 
 def open_text_log(path: Path, dbc: Databases) -> Recording:
@@ -135,11 +107,15 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
     database = require_dbc(dbc, "can", str(path))
     ending = path.suffix.lower()
-    kind, text = _FORMATS[ending], _Text(path)
+    (reader, frame), text = _FORMATS[ending], _Text(path)
     try:
         with path.open(encoding="utf-8", errors="replace") as file:
-            lines = kind.prepared(_counted(file, kind.frame, text), text)
-            messages = _whole_frames(getattr(can, kind.reader)(lines), ending, path)
+            if ending == ".trc":
+                _require_version(file.read(_HEAD), path)
+                file.seek(0)
+            lines = _counted(file, frame, text)
+            lines = _asc(lines, text) if ending == ".asc" else lines
+            messages = _whole_frames(getattr(can, reader)(lines), ending, path)
             capture = captured(messages, database, str(path))
     except LogError:
         if text.frames:
@@ -156,6 +132,16 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
         raise damaged(path, f"{flaw}: others are missing or damaged", "all of them")
     note = "the log has no footer: one that was cut at the end of a line looks like a complete one"
     return recording(capture, database, () if text.block else (note,), str(path))
+
+
+def _require_version(head: str, path: Path) -> None:
+    if (version := _VERSION.search(head)) and version[1] not in _VERSIONS:
+        raise LogError(
+            f"version {version[1]} of TRC",
+            where=path,
+            expected=f"one of {', '.join(_VERSIONS)}",
+            do="convert it with PEAK-Converter",
+        )
 
 
 def _whole_frames(
@@ -182,7 +168,7 @@ def _require_line_end(text: _Text, ending: str) -> None:
 
     PEAK-Converter writes no end of line after the last one, which is whole with its last byte.
     """
-    is_frame = bool(_FORMATS[ending].frame.match(text.last))
+    is_frame = bool(_FORMATS[ending][1].match(text.last))
     may_be_whole = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(text.last))
     if text.last and not (text.last.endswith("\n") or may_be_whole):
         cut = f"cut off within the last line, {text.last.strip()[:60]!r}"
