@@ -10,25 +10,7 @@ from calib.logs.channel_map import Mapping
 from calib.logs.computed import factor_between, is_other_quantity
 from calib.run.pressure_delay import pressure_delay
 from calib.suggest.columns import ColumnClock, Search, Series, correlation, follows
-from calib.suggest.words import (
-    ABS,
-    BRAKE,
-    DECELERATION,
-    DERIVED,
-    DISC,
-    DRIVE,
-    LONG,
-    MASTER,
-    PRESSURE,
-    SPEED,
-    STEERING,
-    TORQUE,
-    Words,
-    axle,
-    corner,
-    score,
-    words,
-)
+from calib.suggest.words import axle, corner, has_word, score
 
 _FOLLOWS = 0.8  # lowest correlation [1] of two signals that belong together
 _ACCELERATED = 0.5
@@ -45,7 +27,7 @@ def _choose(
 ) -> Series | None:
     """The column of the highest rates whose name fits best; of several equals a doubt, and None."""
     named = [s for s, _ in passed if s.name == channel]
-    measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
+    measured = [s for s, points in passed if points > 0 and not has_word(s.name, "derived")]
     top = 0.0 if named else max((s.rate or 0.0 for s in measured), default=0.0)
     fast = [(s, points) for s, points in passed if 2.0 * (s.rate or 0.0) >= top]
     most = max((points for _, points in fast), default=0)
@@ -67,7 +49,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
     for item in search.free():
         if item.si != "m/s" or corner(item.name):
             continue
-        points = _NAMED if item.name == "v" else score(item.name, SPEED)
+        points = _NAMED if item.name == "v" else score(item.name, "speed")
         if points < 1:
             search.refuse(item, "a speed, but not of the car, by its name")
         elif wheels is not None and moves and correlation(item.values, wheels) < _WITH_WHEELS:
@@ -90,7 +72,7 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) ->
     for item in search.free():
         if item.si != "m/s^2":
             continue
-        points = _NAMED if item.name == "a_x" else score(item.name, LONG)
+        points = _NAMED if item.name == "a_x" else score(item.name, "longitudinal")
         if points < 0:
             search.refuse(item, "an acceleration, but not longitudinal, by its name")
         elif checked is not None and abs(follows(item.values, checked, clock)) < _FOLLOWS:
@@ -102,10 +84,10 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) ->
     chosen = _choose(search, "a_x", passed, "more than one longitudinal acceleration")
     if chosen is None:
         return
-    named = chosen.name == "a_x" or score(chosen.name, LONG) > 0
+    named = chosen.name == "a_x" or score(chosen.name, "longitudinal") > 0
     reasons = ["name"] * named + [f"unit {chosen.column.unit}"]
     if checked is None:
-        sign = -1 if DECELERATION & set(words(chosen.name)) else 1
+        sign = -1 if has_word(chosen.name, "deceleration") else 1
         reasons.append("the speed changes too slowly, or is not known, to check its sign with")
     else:
         ratio = np.cov(clock.smooth(chosen.values), checked)[0, 1] / np.var(checked, ddof=1)
@@ -141,7 +123,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
         points = _NAMED if item.name == "p_mc" else _brake_score(item.name)
         if corner(item.name) or points < 0:
             continue
-        if item.si is None and points >= 2 and PRESSURE & set(words(item.name)):
+        if item.si is None and points >= 2 and has_word(item.name, "pressure"):
             unnamed.append(item)
         elif item.si == "N*m" and points >= 1:
             search.refuse(item, "a torque, not a pressure")
@@ -169,7 +151,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 
 
 def _brake_score(name: str) -> int:
-    return score(name, BRAKE) + max(0, 2 * score(name, MASTER))
+    return score(name, "brake") + max(0, 2 * score(name, "master"))
 
 
 def _no_brake(item: Series, points: int, checked: Array | None, clock: ColumnClock) -> str | None:
@@ -190,13 +172,13 @@ def _no_brake(item: Series, points: int, checked: Array | None, clock: ColumnClo
     return None
 
 
-_BY_NAME: dict[str, tuple[str, str | None, tuple[Words, ...]]] = {
-    "steering": ("rad", None, (STEERING,)),
-    "abs_active": ("1", None, (ABS,)),
-    "T_disc_f": ("degC", "f", (DISC,)),
-    "T_disc_r": ("degC", "r", (DISC,)),
-    "T_drive_f": ("N*m", "f", (TORQUE, DRIVE)),
-    "T_drive_r": ("N*m", "r", (TORQUE, DRIVE)),
+_BY_NAME: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
+    "steering": ("rad", None, ("steering",)),
+    "abs_active": ("1", None, ("abs",)),
+    "T_disc_f": ("degC", "f", ("disc",)),
+    "T_disc_r": ("degC", "r", ("disc",)),
+    "T_drive_f": ("N*m", "f", ("torque", "drive")),
+    "T_drive_r": ("N*m", "r", ("torque", "drive")),
 }
 """SI unit, axle and words of the channels that have no physical test."""
 

@@ -25,7 +25,7 @@ from calib.suggest.columns import (
     rising,
     together,
 )
-from calib.suggest.words import TIME, loose_corner, words
+from calib.suggest.words import has_word, loose_corner
 
 _SLOW = 0.15
 """Share of the highest speed [1] below which samples are not used: the car is about to stop."""
@@ -58,14 +58,14 @@ def _propose_clock(search: Search) -> None:
     timed = [s for s in search.free() if s.si in ("s", None)]
     gapped = [s for s in search.gapped if s.si in ("s", None)]
     running = [s for s in timed if _runs(s.values)]
-    named = [s for s in running if _is_time(s.name)]
+    named = [s for s in running if has_word(s.name, "time")]
     fit = [s for s in named if s.name == "time"] or named
-    unread = [(name, why) for name, why in search.unused.items() if _is_time(name)]
+    unread = [(name, why) for name, why in search.unused.items() if has_word(name, "time")]
     if len(fit) > 1:
         search.doubt("time", fit, "more than one column is a time", "choose one: --take time=NAME")
     elif fit:
         _take_clock(search, fit[0])
-    elif broken := [s for s in (*timed, *gapped) if _is_time(s.name)]:
+    elif broken := [s for s in (*timed, *gapped) if has_word(s.name, "time")]:
         why = f"{broken[0].name} is named a time, but {_disorder(broken[0].values)}"
         search.doubt("time", broken[:1], why, "correct the log, or export it again")
     elif unread:
@@ -136,10 +136,6 @@ def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Ar
     search.series = [replace(s, values=s.values[part]) for s in search.series]
     search.clock = ColumnClock(clock.time[part], clock.step)
     return clock.rate_of(motion)[part]
-
-
-def _is_time(name: str) -> bool:
-    return bool(TIME & set(words(name)))
 
 
 def _disorder(time: Array) -> str:

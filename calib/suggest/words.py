@@ -4,14 +4,12 @@ import re
 from itertools import pairwise
 from typing import NamedTuple
 
+from calib.base.plain import rows
+
 _WORD = re.compile(
     r"[LR][12](?![0-9A-Za-z])|(?<![A-Za-z])[lr][12](?![0-9A-Za-z])"
     r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"
 )
-
-
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
 
 
 _FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
@@ -29,67 +27,19 @@ _CORNERS = {
 """Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
 _SIDES = _FRONT | _REAR | _LEFT | _RIGHT | set().union(*_CORNERS.values())
 
-TIME = _words(
-    "time zeit zeitstempel t timestamp timestamps timestemp ts uhrzeit messzeit clock "
-    "datetime interval"
-)
-PRESSURE = _words("pressure press prs druck bremsdruck vordruck p")
-DECELERATION = _words("decel deceleration verzoegerung verzögerung")
-DERIVED = _words(
-    "est estimate estimated filt filtered model req requested raw angez angezeigt displayed tacho"
-)
-"""Words for a second, computed channel of the same quantity."""
 
-
-class Words(NamedTuple):
+class _Words(NamedTuple):
     """Words of a quantity, and those of other quantities with like names."""
 
     wanted: frozenset[str]
-    unwanted: frozenset[str] = frozenset()
+    unwanted: frozenset[str]
 
 
-def _quantity(wanted: str, unwanted: str = "") -> Words:
-    return Words(_words(wanted), _words(unwanted))
-
-
-_NO_BRAKE = (
-    "tire tyre reifen oil oel öl fuel boost booster manifold rail baro ambient vacuum intake "
-    "turbo clutch air park parking hand"
-)
-BRAKE = _quantity("brake brk pbk brakes bremse brems bremsdruck bremskraft", _NO_BRAKE)
-MASTER = _quantity(
-    "mc tmc master mastercylinder hz thz hbz hauptbremszylinder hauptzylinder vordruck pmc phz "
-    "pthz phbz mcp",
-    _NO_BRAKE,
-)
-LONG = _quantity(
-    "decel deceleration verzoegerung verzögerung x ax long lon lgt longitudinal laengs längs "
-    "longacc forward",
-    "y z ay az lat lateral quer querbeschl vert vertical pedal latacc yaw roll pitch gier wank "
-    "nick",
-)
-SPEED = _quantity(
-    "v vx speed spd velocity vel vehicle veh car ego gps gnss ground geschwindigkeit geschw "
-    "fahrzeug fzg kfz vveh vfzg vehspd",
-    "engine wheel rad motor wind fan turbine vertical vert target set lateral lat limit cruise "
-    "vy vz quer soll wunsch ziel sollgeschw wunschgeschw zielgeschw radgeschw drehzahl tempomat "
-    "whl",
-)
-STEERING = _quantity(
-    "steering steer swa strg lenk lenkwinkel lenkrad lws delta",
-    "yaw heading slip pitch roll rate road rear",
-)
-DRIVE = _quantity(
-    "drive drv motor mot engine eng emotor antrieb antriebsmoment regen rekuperation powertrain"
-)
-TORQUE = _quantity(
-    "torque trq tq moment mom drehmoment radmoment",
-    "brake brk brakes bremse bremsmoment steering steer lenk yaw target set setpoint soll "
-    "request req requested max min limit lim available avail driver fahrer hand",
-)
-"""Not another torque, nor one that is only asked for or possible."""
-ABS = _quantity("abs esc esp dsc", "lamp lampe warn fault fehler error off pressure druck")
-DISC = _quantity("disc disk rotor scheibe bremsscheibe")
+_QUANTITIES = {
+    row["quantity"]: _Words(frozenset(row["words"].split()), frozenset(row["others"].split()))
+    for row in rows("words.csv", "calib.suggest")
+}
+"""Words by quantity; "derived" is a second, computed channel of the same quantity."""
 _WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
 
@@ -136,12 +86,17 @@ def axle(name: str) -> str | None:
     return "f" if in_name & _FRONT else "r"
 
 
-def score(name: str, quantity: Words) -> int:
+def has_word(name: str, quantity: str) -> bool:
+    """Whether one of the words of a name is one of a quantity in `words.csv`."""
+    return not _QUANTITIES[quantity].wanted.isdisjoint(words(name))
+
+
+def score(name: str, quantity: str) -> int:
     """Twice the wanted words in a name, less one if it is computed; -1 with an unwanted one."""
-    in_name = set(words(name))
-    if _matching(in_name, quantity.unwanted):
+    in_name, (wanted, unwanted) = set(words(name)), _QUANTITIES[quantity]
+    if _matching(in_name, unwanted):
         return -1
-    return 2 * len(_matching(in_name, quantity.wanted)) - (1 if in_name & DERIVED else 0)
+    return 2 * len(_matching(in_name, wanted)) - has_word(name, "derived")
 
 
 def _matching(in_name: set[str], wanted: frozenset[str]) -> set[str]:

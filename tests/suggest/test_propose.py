@@ -14,7 +14,7 @@ from calib.logs.formats import as_table
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource
 from calib.suggest.propose import Suggestion, suggest, to_toml
-from calib.suggest.words import BRAKE, LONG, MASTER, SPEED, STEERING, corner, score
+from calib.suggest.words import corner, score
 from tests.support.made_runs import made_run, stop
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
@@ -343,11 +343,11 @@ def test_corner(wheel, names):
 @pytest.mark.parametrize(
     ("quantity", "names", "others"),
     [
-        (SPEED, ["GW1_FzgGeschw", "vFzg", "VehSpdEsc", "CarSpeed"], ["v_Soll", "WhlSpd"]),
-        (LONG, ["LongAcc", "ESP_Laengsbeschl", "VehALgt"], ["LatAcc", "ESP_Querbeschl"]),
-        (BRAKE, ["ESP_Bremsdruck"], []),
-        (MASTER, ["pTHZ", "pVordruck"], []),
-        (STEERING, ["LWI_Lenkradwinkel", "StrgAg"], []),
+        ("speed", ["GW1_FzgGeschw", "vFzg", "VehSpdEsc", "CarSpeed"], ["v_Soll", "WhlSpd"]),
+        ("longitudinal", ["LongAcc", "ESP_Laengsbeschl", "VehALgt"], ["LatAcc", "ESP_Querbeschl"]),
+        ("brake", ["ESP_Bremsdruck"], []),
+        ("master", ["pTHZ", "pVordruck"], []),
+        ("steering", ["LWI_Lenkradwinkel", "StrgAg"], []),
     ],
 )
 def test_names_of_vehicle_buses(quantity, names, others):
