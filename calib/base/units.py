@@ -1,4 +1,4 @@
-"""Written units and their conversion to SI: one table per quantity.
+"""Written units and their conversion to SI, from `units.csv`.
 
 A unit is accepted only where its quantity is expected: ``g`` is gravity for an acceleration and an
 error for a mass, ``Hz`` is revolutions per second for a wheel speed.
@@ -10,10 +10,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.base.names import G
+from calib.base.plain import rows
 
 Number = TypeVar("Number", float, NDArray[np.float64])
-_TURN = 2.0 * np.pi
 
 
 class UnknownUnit(ValueError):
@@ -29,67 +28,15 @@ class Unit:
     offset: float = 0.0
 
 
-ONE = Unit()
-
 BAR = 1e5  # [Pa]
 
-QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
-    # SI unit: (quantity, {written unit: meaning})
-    "s": ("time", {"s": ONE, "ms": Unit(per=1e3), "us": Unit(per=1e6), "min": Unit(60),
-        "h": Unit(3600), "d": Unit(86400)}),
-    "Pa": ("pressure", {
-        "Pa": ONE, "hPa": Unit(100), "kPa": Unit(1e3), "MPa": Unit(1e6), "bar": Unit(1e5),
-        "mbar": Unit(100),
-        "psi": Unit(6894.757293168361),  # lb * g / in^2, all three by definition
-    }),
-    "m/s^2": ("acceleration", {"m/s^2": ONE, "g": Unit(G)}),
-    "rad/s": ("angular speed", {
-        "rad/s": ONE, "deg/s": Unit(_TURN, per=360), "rpm": Unit(_TURN, per=60),
-        "U/min": Unit(_TURN, per=60), "1/min": Unit(_TURN, per=60), "Hz": Unit(_TURN),
-    }),
-    "m/s": ("speed", {
-        "m/s": ONE, "km/h": Unit(10, per=36), "mm/s": Unit(per=1e3),
-        "cm/s": Unit(per=100), "kph": Unit(10, per=36), "mph": Unit(0.44704),
-        "kn": Unit(1852, per=3600),
-    }),
-    "degC": ("temperature", {
-        "degC": ONE, "K": Unit(offset=-273.15), "degF": Unit(5, per=9, offset=-160 / 9),
-    }),
-    "rad": ("angle", {"rad": ONE, "mrad": Unit(per=1e3), "deg": Unit(_TURN, per=360)}),
-    "N": ("force", {"N": ONE, "daN": Unit(10), "kN": Unit(1e3)}),
-    "N*m": ("torque", {"N*m": ONE, "kN*m": Unit(1e3)}),
-    "kg": ("mass", {"kg": ONE, "t": Unit(1e3), "lb": Unit(0.45359237)}),
-    "m": ("length", {
-        "m": ONE, "cm": Unit(per=100), "mm": Unit(per=1e3), "in": Unit(254, per=1e4),
-    }),
-    "m^2": ("area", {"m^2": ONE, "cm^2": Unit(per=1e4), "mm^2": Unit(per=1e6)}),
-    "kg*m^2": ("moment of inertia", {"kg*m^2": ONE, "kg*cm^2": Unit(per=1e4)}),
-    "1": ("dimensionless number", {"1": ONE, "-": ONE, "%": Unit(per=100)}),
-    # These occur only as parameters of effects.
-    "1/K": ("change per temperature", {"1/K": ONE, "1/degC": ONE, "%/K": Unit(per=100)}),
-    "1/Pa": ("change per pressure", {
-        "1/Pa": ONE, "1/bar": Unit(per=1e5), "1/MPa": Unit(per=1e6), "%/bar": Unit(per=1e7),
-    }),
-    "s/m": ("change per speed", {
-        "s/m": ONE, "h/km": Unit(36, per=10), "%/(km/h)": Unit(36, per=1e3),
-    }),
-    "J": ("energy", {"J": ONE, "kJ": Unit(1e3), "MJ": Unit(1e6)}),
-    "W": ("power", {"W": ONE, "kW": Unit(1e3)}),
-}  # fmt: skip
-
-_SPELT = (
-    ("s", "sec secs Secs seconds"), ("ms", "msec milliseconds"), ("d", "day days"),
-    ("us", "µs μs"), ("degC", "C °C"), ("degF", "°F"),
-    ("deg", "°"), ("degC", "℃"), ("deg", "degree degrees Degrees"),
-    ("deg/s", "°/s °/sec deg/sec degrees/s degps"), ("rad/s", "rad/sec radps"), ("1/degC", "1/°C"),
-    ("m/s^2", "m/s/s m/sec^2 m/s2 mps2 ms2 ms^-2 m*s^-2"), ("g", "G g's"), ("Hz", "rps"),
-    ("rpm", "RPM rev/min r/min"), ("1/min", "min^-1 min-1"), ("m/s", "mps"),
-    ("km/h", "kmh Km/h km/hr"), ("mph", "Mph MPH"), ("kn", "knots kts"), ("psi", "PSI"),
-    ("%", "percent Percent"), ("N*m", "Nm"), ("kN*m", "kNm"), ("kg*m^2", "kgm^2"), ("m^2", "m2"),
-    ("cm^2", "cm2"), ("mm^2", "mm2"), ("kg*m^2", "kg*m2"), ("kg*cm^2", "kg*cm2"),
-)  # fmt: skip
-_SPELLINGS = {other: unit for unit, others in _SPELT for other in others.split()}
-"""Other spellings of a unit, and the one in the table."""
+_ROWS = rows("units.csv")
+QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {}
+"""Quantity, and its units by name, for each SI unit."""
+for _row in _ROWS:
+    _numbers = {name: float(_row[name]) for name in ("scale", "per", "offset") if _row[name]}
+    QUANTITIES.setdefault(_row["si"], (_row["quantity"], {}))[1][_row["unit"]] = Unit(**_numbers)
+_SPELLINGS = {other: row["unit"] for row in _ROWS for other in row["spellings"].split()}
 
 _SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None})
 
