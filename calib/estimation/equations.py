@@ -402,17 +402,16 @@ def slip_evidence(
     """Update slip and level by the map, whose ln(slip/z) is ``by_map`` with its ``sigma``, (k,).
 
     Where the scale of a_x departs from its prior, or the slip from the map, by more than is
-    trusted, the excess may come from another fault: it counts as a further error of both.
+    trusted, the cause may be another fault: the excess of its square is a further variance of both.
     """
     residual = by_map - s.log_slip
-    doubt = np.maximum(np.abs(s.scale - c.scale) - c.trusted_scale, 0.0)
-    doubt = doubt * s.slip_scale / s.scale_variance
-    variance = s.slip_variance + doubt * doubt
-    doubt = np.maximum(np.abs(residual) - c.trusted * np.sqrt(variance + sigma**2), 0.0)
-    variance = variance + doubt * doubt
+    doubt = np.maximum((s.scale - c.scale) ** 2 - c.trusted_scale, 0.0)
+    variance = s.slip_variance + doubt * (s.slip_scale / s.scale_variance) ** 2
+    doubt = residual**2 - c.trusted**2 * (variance + sigma**2)
+    variance = variance + np.maximum(doubt, 0.0)
     gain = 1.0 / (variance + sigma**2)
     scale = s.scale + gain * s.slip_scale * residual
-    doubt = np.maximum(np.abs(scale - c.scale) - c.trusted_scale, 0.0)
+    doubt = np.maximum((scale - c.scale) ** 2 - c.trusted_scale, 0.0)
     scale_variance = np.maximum(s.scale_variance - gain * s.slip_scale**2, 0.0)
     steady = np.maximum(s.level, c.least_share)
     return SlipEvidence(
@@ -421,7 +420,7 @@ def slip_evidence(
         np.maximum(1.0 - scale, c.least_share),
         steady * np.clip(s.effective_pressure_share, c.least_share, c.most_share),
         np.minimum(np.maximum(s.level_variance, 0.0) / steady**2, 1.0),
-        s.demand_variance / z**2 + scale_variance + doubt**2,
+        s.demand_variance / z**2 + scale_variance + doubt,
     )
 
 

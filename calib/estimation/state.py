@@ -140,8 +140,8 @@ class Constants:
     applied: float = field(init=False)  # times of braking and of rolling that count [s]
     released: float = field(init=False)
     most_share: float = field(init=False)  # of the pressure that acts [1]
-    trusted_scale: float = field(init=False)  # departures of a car that is plausible
-    most_offset: float = field(init=False)
+    trusted_scale: float = field(init=False)  # square of a departure without doubt
+    most_offset: float = field(init=False)  # departures of a car that is plausible
     most_scale: float = field(init=False)
     most_log_slip: float = field(init=False)
     speed: float = field(init=False)  # that a car loses in a block at 1 g [m/s]
@@ -171,7 +171,7 @@ class Constants:
             "applied": self.settle - 0.5 * dt,  # else a rounding could decide it
             "released": self.over + 0.5 * dt,
             "most_share": 1.0 / self.least_share,
-            "trusted_scale": self.trusted * self.scale_sigma,
+            "trusted_scale": (self.trusted * self.scale_sigma) ** 2,
             "most_offset": self.far * self.offset,
             "most_scale": self.far_scale * self.scale_sigma,
             "most_log_slip": self.log_slip + self.far_slip * self.log_slip_sigma,
