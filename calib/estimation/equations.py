@@ -163,12 +163,13 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     gain = 1.0 / spread
     step, g_level, g_lag = gain * residual, gain * p_level, gain * p_lag
     f.level += step * p_level
-    s.lag.value = max(s.lag.value + step * p_lag, 0.0)
+    if s.checks == 0.0:  # the lag lasts: nothing implausible may tell it
+        s.lag.value = max(s.lag.value + step * p_lag, 0.0)
+        s.lag.variance -= g_lag * p_lag
     f.rate += step * p_rate
     f.var_level -= g_level * p_level
     f.cov_level_lag -= g_level * p_lag
     f.cov_level_rate -= g_level * p_rate
-    s.lag.variance -= g_lag * p_lag
     f.cov_lag_rate -= g_lag * p_rate
     f.var_rate -= gain * p_rate * p_rate
     m.blocks = keep * m.blocks + 1.0
