@@ -83,7 +83,7 @@ def test_it_compiles_without_a_remark_and_its_vectors_agree(codes, width, cc):
     if width != "single":  # what differs by precision was compiled
         return
     called(codes[width], cc, STRICT, "-c -x c++ bte.c")  # the data are C
-    called(codes[width], cc, STRICT, "-DBTE_FIND=own -DBTE_CAL=volatile -c bte.c", DATA)
+    called(codes[width], cc, STRICT, "-DBTE_CAL=volatile -c bte.c", DATA)
     called(codes[width], cc, STRICT, "-std=c99 -fsyntax-only bte_vectors.h")
 
 

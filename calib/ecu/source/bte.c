@@ -62,24 +62,28 @@ static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_
     x[UPPER] = x[MEDIAN] + MATH(sqrt)(square(above) + square(more_upper));
 }
 
-#ifndef BTE_FIND /* there is no other search; the last point has `along` 1 in the last cell */
-static bte_place find(const bte_axis *axis, bte_real x) {
-    bte_place place = {0, R(0.0)};
+/* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
+typedef struct {
+    uint16_t cell;
+    bte_real along;
+} place;
+
+/* The last point has `along` 1 in the last cell. */
+static place find(const bte_axis *axis, bte_real x) {
+    place at = {0, R(0.0)};
     uint16_t high = (uint16_t)(axis->count - 1U);
-    while (place.cell + 1U < high) {
-        const uint16_t middle = (uint16_t)((place.cell + high) / 2U);
+    while (at.cell + 1U < high) {
+        const uint16_t middle = (uint16_t)((at.cell + high) / 2U);
         if (axis->x[middle] <= x) {
-            place.cell = middle;
+            at.cell = middle;
         } else {
             high = middle;
         }
     }
-    const bte_real low = axis->x[place.cell];
-    place.along = clip((x - low) / (axis->x[place.cell + 1U] - low), R(0.0), R(1.0));
-    return place;
+    const bte_real low = axis->x[at.cell];
+    at.along = clip((x - low) / (axis->x[at.cell + 1U] - low), R(0.0), R(1.0));
+    return at;
 }
-#define BTE_FIND find
-#endif
 
 /* The first columns of a map at a place. */
 static void look_up(const bte_map *map, const bte_real point[], unsigned columns, bte_real out[]) {
@@ -87,12 +91,12 @@ static void look_up(const bte_map *map, const bte_real point[], unsigned columns
     bte_real weight[8];
     weight[0] = R(1.0);
     for (unsigned a = 0; a < map->axes; a++) { /* parts what the axes before it have in two */
-        const bte_place place = BTE_FIND(&map->axis[a], point[a]);
+        const place at = find(&map->axis[a], point[a]);
         for (unsigned i = 0; i < corners; i++) {
-            cell[i] = cell[i] * map->axis[a].count + place.cell;
+            cell[i] = cell[i] * map->axis[a].count + at.cell;
             cell[corners + i] = cell[i] + 1U;
-            weight[corners + i] = weight[i] * place.along;
-            weight[i] *= R(1.0) - place.along;
+            weight[corners + i] = weight[i] * at.along;
+            weight[i] *= R(1.0) - at.along;
         }
         corners *= 2U;
     }
@@ -135,17 +139,17 @@ static void roll(bte_state *state, const bte_block *x, bool counts) {
 static void read_ratio(const bte_car *car, const bte_real point[], const bte_real error[],
                        bte_real ratio[]) {
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
-    const uint16_t cell = BTE_FIND(shifts, point[BTE_SHIFT]).cell;
+    const uint16_t cell = find(shifts, point[BTE_SHIFT]).cell;
     const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
     look_up(&car->pads, point, BTE_COLUMNS, ratio);
     for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
         const bte_real step = smallest(error[axis], most[axis]);
-        bte_real place[] = {point[BTE_Z], point[BTE_SHIFT], point[BTE_SLIP]};
+        bte_real aside[] = {point[BTE_Z], point[BTE_SHIFT], point[BTE_SLIP]};
         bte_real low, high;
-        place[axis] = point[axis] - step;
-        look_up(&car->pads, place, 1U, &low);
-        place[axis] = point[axis] + step;
-        look_up(&car->pads, place, 1U, &high);
+        aside[axis] = point[axis] - step;
+        look_up(&car->pads, aside, 1U, &low);
+        aside[axis] = point[axis] + step;
+        look_up(&car->pads, aside, 1U, &high);
         const bte_real more = R(0.5) * Z95 * error[axis] * ((high - low) / step);
         widen(ratio, R(0.0), more, more);
     }
@@ -235,16 +239,20 @@ static uint32_t mixed(uint32_t sum, bte_real x) {
     return with_word(with_word(sum, wide), wide >> 32U);
 }
 
+static uint32_t of_reals(uint32_t sum, const volatile bte_real x[], uint32_t count) {
+    uint32_t so_far = sum;
+    for (uint32_t i = 0; i < count; i++) {
+        so_far = mixed(so_far, x[i]);
+    }
+    return so_far;
+}
+
 /* What lasts, the first LASTING numbers of the filters: two zeros and the lag of the brakes. */
 enum { LASTING = 6 };
 
-static uint32_t seal_of(const bte_state *s) {
-    const bte_real *x = (const bte_real *)&s->filters;
-    uint32_t sum = BTE_LAYOUT ^ (uint32_t)sizeof *s;
-    for (unsigned i = 0; i < (unsigned)LASTING; i++) {
-        sum = mixed(sum, x[i]);
-    }
-    return sum;
+CALLED static uint32_t seal_of(const bte_state *s) {
+    const bte_real *lasting = (const bte_real *)&s->filters;
+    return of_reals(BTE_LAYOUT ^ (uint32_t)sizeof *s, lasting, LASTING);
 }
 
 static void take(bte_state *state, const bte_block *x) {
@@ -288,9 +296,9 @@ static void take(bte_state *state, const bte_block *x) {
 
 /* Slip of an axle by its force and load, over the weight. */
 static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
-    const bte_place place = BTE_FIND(&car->tyre, force / largest(load, R(0.1)));
-    const bte_real low = car->tyre_slip[place.cell], high = car->tyre_slip[place.cell + 1U];
-    return low + place.along * (high - low);
+    const place at = find(&car->tyre, force / largest(load, R(0.1)));
+    const bte_real low = car->tyre_slip[at.cell], high = car->tyre_slip[at.cell + 1U];
+    return low + at.along * (high - low);
 }
 
 /* Take in a sample: the last good reading counts while one is out of its range, or jumps. Bits of
@@ -462,14 +470,6 @@ static bool begin_again(bte_state *s, const bte_car *car, bool may) {
         s->seal = seal_of(s);
     }
     return taken;
-}
-
-static uint32_t of_reals(uint32_t sum, BTE_CAL bte_real x[], uint32_t count) {
-    uint32_t so_far = sum;
-    for (uint32_t i = 0; i < count; i++) {
-        so_far = mixed(so_far, x[i]);
-    }
-    return so_far;
 }
 
 static uint32_t of_map(uint32_t sum, const bte_map *map) {

@@ -79,16 +79,6 @@ typedef struct {
     bte_real step[BTE_COLUMNS];
 } bte_map;
 
-/* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
-typedef struct {
-    uint16_t cell;
-    bte_real along;
-} bte_place;
-
-#ifdef BTE_FIND /* a search of your own; the last point has `along` 1 in the last cell */
-bte_place BTE_FIND(const bte_axis *axis, bte_real x);
-#endif
-
 /* The numbers of a car, all of one type. */
 typedef struct {
 $numbers
