@@ -17,9 +17,10 @@ unbiased; the intervals are approximate, with the degrees of freedom of Satterth
     %GRR of the tolerance = 6 GRR/(USL - LSL)                    (the same, ch. III, section B)
 
 Where the cars do not differ, %GRR is near 100 % for any gauge; only that of the tolerance helps.
-AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
-Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): the 2.5 and 97.5 % points
-of draws of nu MS/chi2(nu) for each expected mean square. How often they contain the truth:
+AV is station and car-by-station together; a negative variance counts as zero. Intervals are
+generalised confidence intervals (Burdick, Borror, Montgomery: Design and Analysis of Gauge R&R
+Studies, SIAM 2005): the 2.5 and 97.5 % points of draws of nu MS/chi2(nu) for each expected mean
+square. How often they contain the truth:
 `tests/studies/results/repeatability_coverage.md`.
 """
 
@@ -173,15 +174,13 @@ class GaugeRR:
     """Components of a metric's scatter, as the document has them.
 
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
-    ``gauge`` and ``total``; ``negative`` those with a negative variance, which counts as zero;
-    ``grr`` standard deviation of the gauge over the total; ``ndc`` rounded down;
-    ``grr_of_tolerance`` six standard deviations of the gauge over the tolerance, None without one;
-    ``cars_differ`` whether the interval of the cars' standard deviation is above zero.
+    ``gauge`` and ``total``; ``grr`` standard deviation of the gauge over the total; ``ndc`` rounded
+    down; ``grr_of_tolerance`` six standard deviations of the gauge over the tolerance, None without
+    one; ``cars_differ`` whether the interval of the cars' standard deviation is above zero.
     """
 
     anova: tuple[_VarianceSource, ...]
     components: dict[str, _Component]
-    negative: tuple[str, ...]
     grr: _Ratio
     ndc: _Ratio
     grr_of_tolerance: _Ratio | None
@@ -209,7 +208,6 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     return GaugeRR(
         analysis.sources,
         components,
-        tuple(name for name in components if analysis.variances.get(name, 0.0) < 0.0),
         _Ratio(float(grr), _ends(grrs)),
         _Ratio(int(min(float(ndc), 1e9)), _ends(ndcs)),
         of_tolerance if tolerance else None,

@@ -25,7 +25,6 @@ from calib.line.gauge.gauge_rr import (
     INTERACTION,
     STATION,
     Anova,
-    Codes,
     GaugeRR,
     anova,
     gauge_rr,
@@ -198,7 +197,7 @@ def study(
         _result(name, values[name], analysis, of_gauge, tolerances.get(name))
         for name, analysis in analyses.items()
     ]
-    notes = _notes(car, station, terms)
+    notes = _notes(terms, several=bool(station.max()))
     alike = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
     if alike:
         notes.append(
@@ -229,23 +228,16 @@ def _result(
     return GaugeResult(name, values, gauge, judgements, verdict)
 
 
-def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> list[str]:
-    ramps = np.zeros((int(car.max()) + 1, int(station.max()) + 1), dtype=np.int64)
-    np.add.at(ramps, (car, station), 1)
-    cars, stations = ramps.shape
+def _notes(terms: tuple[str, ...], *, several: bool) -> list[str]:
+    """What the design cannot tell; ``several`` stations."""
     notes = {
-        "stations are not given: reproducibility is not measured": stations < 2,
+        "stations are not given: reproducibility is not measured": not several,
         "no car was on two stations: differences of stations count as differences of cars": (
-            stations > 1 and STATION not in terms
+            several and STATION not in terms
         ),
         "no car was twice on a station: the interaction counts as repeatability": (
             STATION in terms and INTERACTION not in terms
         ),
-        f"{stations} stations are few: the interval of the reproducibility is wide": (
-            STATION in terms and stations < 4
-        ),
-        f"{cars} cars are few: AIAG asks for 10": cars < 5,
-        "unequal numbers of ramps: the intervals are approximate": ramps.min() != ramps.max(),
     }
     return [text for text, holds in notes.items() if holds]
 
