@@ -117,9 +117,7 @@ def batch(
             *(job, logs, out, executor),
             lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),
         )
-    counts = ", ".join(
-        f"{n} {status.in_words(command)}" for status, n in sorted(result.counts.items())
-    )
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(result.counts.items()))
     failed = result.counts[Status.FAILED] > 0
     return Answer(
         result.document(),

@@ -62,7 +62,6 @@ def station_facts(run: StationRun) -> Facts:
     car, unknown = judged("The car as a whole, the worst first.", of_car)
     by_stop, unknown_too = stop_by_stop(outcome.results)
     budgets = outcome.table.budget.axles
-    remarks = [*outcome.table.remarks, *map(str, outcome.caveats)]
     advice = "" if outcome.passed else "find the cause, and run the car again"
     if stored.state.word == DRAFT:
         advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
@@ -90,7 +89,7 @@ def station_facts(run: StationRun) -> Facts:
             Facts("The run", rows=_run(outcome, date)),
             Facts("The table", pictures=[curves]),
             Facts("The stops", pictures=[torque_and_pads(r) for r in outcome.results]),
-            Facts("Remarks", notes=remarks, folded=True),
+            Facts("Remarks", notes=outcome.table.remarks, folded=True),
             origin(stored, outcome.logs, date),
         ],
     )
@@ -109,7 +108,6 @@ def _missed(outcome: StationOutcome) -> Cells:
 
 def _run(outcome: StationOutcome, date: str) -> list[Row]:
     """Identity of the car, date, operator, limits and golden table."""
-    mean = f", mean of {outcome.golden_cars} cars" if outcome.golden_cars else ""
     return [
         ("Vehicle", outcome.table.vehicle.name),
         *((TITLES[name], value) for name, value in outcome.identity.items()),
@@ -117,7 +115,7 @@ def _run(outcome: StationOutcome, date: str) -> list[Row]:
         ("Date", date),
         ("Operator", outcome.by or "not stated (--by)"),
         ("Limits file", outcome.limits_file or "none: those of the program"),
-        ("Golden table", f"{outcome.golden.id}{mean}" if outcome.golden else "none given"),
+        ("Golden table", outcome.golden.id if outcome.golden else "none given"),
     ]
 
 

@@ -7,7 +7,6 @@ find ──> [a limited number of chunks] ──> workers ──> journal ──
 import glob
 import os
 import pickle
-import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, BrokenExecutor, Future, wait
@@ -73,7 +72,6 @@ class BatchRun:
         self.pending: dict[Future[Rows], tuple[WorkItem, ...]] = {}
         self.results, self.counts = journal.folder / NAME, Counter[Status]()
         self.computed = 0
-        self.start = time.monotonic()
 
     @property
     def finished(self) -> int:
@@ -81,15 +79,12 @@ class BatchRun:
         return self.counts.total()
 
     def document(self) -> dict[str, object]:
-        """The counts, and data on this run, as plain data."""
-        elapsed = time.monotonic() - self.start
+        """The counts as plain data."""
         return {
             "results": self.results,
             "logs": self.finished,
             "counts": {status: self.counts[status] for status in Status},
             "done_now": self.computed,
-            "seconds": elapsed,
-            "logs_per_second": self.computed / elapsed if elapsed > 0.0 else 0.0,
         }
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:

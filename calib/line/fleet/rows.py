@@ -23,11 +23,6 @@ class Status(StrEnum):
     DONE = "done"
     ERROR = "error"
 
-    def in_words(self, command: Command) -> str:
-        """The outcome in words; a check calls a log usable or not."""
-        usable = {Status.PASSED: "usable", Status.FAILED: "not usable"}
-        return usable.get(self, self.value) if command is Command.CHECK else self.value
-
 
 @dataclass(frozen=True)
 class Column:
@@ -62,16 +57,11 @@ class Row:
         return dict(zip(names, self.cells, strict=False))
 
     def line(self, command: Command) -> str:
-        """The row in one line: its status or error, and the pads where it has them."""
+        """The row in one line: its error, or its status with the limits that it does not hold."""
         if self.error is not None:
             return f"{self.log}: error: {self.error.removeprefix(f'{self.log}: ')}"
-        metrics = self.metrics(command)
-        limits = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
-        pads = [metrics.get(f"pad_friction_{axle}") for axle in "fr"]
-        details = "" if None in pads else f", pads {pads[0]:.3f} / {pads[1]:.3f}"
-        purposes = [name[7:] for name, x in metrics.items() if name.startswith("usable_") and x]
-        details += f" for {', '.join(purposes)}" if purposes else ""
-        return f"{self.log}: {self.status.in_words(command)}{limits}{details}"
+        not_held = self.metrics(command).get("not_held")
+        return f"{self.log}: {self.status}{f' ({not_held})' if not_held else ''}"
 
 
 def _columns(*names: str, unit: str = "1", kind: type = float) -> tuple[Column, ...]:

@@ -97,7 +97,6 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
         "table": {"id": stored.id, "digest": stored.digest, "state": stored.state.word},
         "accepted_warnings": outcome.accepted or None,
         "golden": outcome.golden.id if outcome.golden else None,
-        **({"golden_cars": outcome.golden_cars} if outcome.golden_cars else {}),
         "program": PROGRAM,
         "counts": outcome.counts,
         "warnings": [warning_dict(warning) for warning in outcome.warnings],
@@ -107,7 +106,6 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in outcome.logs],
         "validation": validation_dict(stored, list(outcome.results)),
         "remarks": list(outcome.table.remarks),
-        "caveats": [warning_dict(warning) for warning in outcome.caveats],
         "files": files,
     }
 

@@ -23,7 +23,6 @@ from calib.fitting.fit import fit
 from calib.line.station.metrics import METRICS as OF_CAR
 from calib.line.station.metrics import metrics_of
 from calib.logs.log import Log
-from calib.plausibility.check import check
 from calib.run.same_run import refuse_copies
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
@@ -128,20 +127,6 @@ class StationOutcome:
         of_car = judge(tuple(x for x in self.limits if x.figure in OF_CAR), self.figures)
         of_stops = [StationCheck(r.log, j) for r in self.results for j in r.judgements]
         return [*(StationCheck(None, j) for j in of_car), *of_stops]
-
-    @cached_property
-    def caveats(self) -> list[PlausibilityWarning]:
-        """Further warnings of `brake-cal check` on a log; they do not change the verdict."""
-        earlier = {(warning.code, warning.log) for warning in self.warnings}
-        logs = (*self.ramps, *self.coasts, *self.stops)
-        every = (w for log in logs for w in check(log, vehicle=self.table.vehicle).warnings)
-        return [w for w in every if (w.code, w.log) not in earlier]
-
-    @property
-    def golden_cars(self) -> int:
-        """Number of cars of which the golden table is the mean; 0 for a table of one."""
-        spread = self.golden.table.spread if self.golden else None
-        return spread.cars if spread else 0
 
     @property
     def logs(self) -> list[tuple[str, str, str]]:
