@@ -53,7 +53,6 @@ SHOWN = 20
 LEFT_OUT = {
     "arguments": "commands are renamed",
     "seconds": "a duration",
-    "logs_per_second": "a duration",
     "program": "the version of the code",
     "brake_cal.program": "the version of the code, in the metadata of results.parquet",
     "bytes": "the length of an export changes with the version's length",

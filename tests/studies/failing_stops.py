@@ -6,7 +6,8 @@ fail in the middle.
 
 Three stops in a drive of 17 s. Wrong: VALID, and the pads of an axle more than 4 % outside the
 bounds, while it brakes, from 0.5 s after the fault on; of sensors that fail, where the same drive
-without the fault is not wrong, too.
+without the fault is not wrong, too. Afterwards: from 2 s after the end of a fault on, or in the
+stops that begin after it; VALID of the samples that are so without the fault.
 """
 
 import sys
@@ -60,6 +61,13 @@ class Drive(NamedTuple):
     log: Log
     begin: float = 0.0
     end: float = 99.0
+
+
+class Clean(NamedTuple):
+    """Where the answers of a drive without a fault are wrong, and where VALID (n,)."""
+
+    wrong: Mask
+    valid: Mask
 
 
 def rise(begin: float, end: float) -> Array:
@@ -219,21 +227,26 @@ def is_out(answer: Bounded, true: Array) -> Mask:
     return (true < low) | (true > high)
 
 
-def score(drive: Drive, car: Plant, table: Table, clean_wrong: Mask) -> tuple[Array, Mask]:
-    """Counts of samples: braked, wrong, VALID, IMPLAUSIBLE; after the end braked, wrong; and where
-    it is wrong (n,)."""
+def score(drive: Drive, car: Plant, table: Table, clean: Clean | None) -> tuple[Array, Clean]:
+    """Counts of samples: braked, wrong, VALID, IMPLAUSIBLE; afterwards braked, wrong, VALID without
+    the fault, and with it. ``clean`` is the drive without the fault, None for one of its own."""
     log, answer = drive.log, online(table, car.vehicle, drive.log)
     front, rear = frictions(drive, car)
     valid, taken = answer.valid, answer.step.reason == Reason.IMPLAUSIBLE
     wrong = valid & (is_out(answer.pads_f, front) | is_out(answer.pads_r, rear))
-    own = wrong & ~clean_wrong[: wrong.size]
+    without = clean or Clean(np.zeros_like(valid), valid)
+    own, usual = wrong & ~without.wrong[: wrong.size], without.valid[: wrong.size]
     braked, late = log["p_mc"] > BRAKED, 0.0 if drive.kind.startswith("clean") else LATE
     during = braked & (log.time > drive.begin + late)
     if drive.kind.startswith("ABS"):
         during &= log.truth["abs"] > 0.0
-    after = braked & (log.time > drive.end + AGAIN)
-    masks = during, during & own, during & valid, during & taken, after, after & own
-    return np.array([x.sum() for x in masks]), wrong
+    next_stop = min((begin for begin, _ in STOPS if begin > drive.end), default=np.inf)
+    after = braked & (log.time > min(drive.end + AGAIN, next_stop))
+    masks = (
+        *(during, during & own, during & valid, during & taken),
+        *(after, after & own, after & usual, after & usual & valid),
+    )
+    return np.array([x.sum() for x in masks]), Clean(wrong, valid)
 
 
 def main() -> None:
@@ -243,24 +256,24 @@ def main() -> None:
     ramp = 5.5e5 * np.maximum(np.arange(0.0, 9.5, 1e-3) - 1.5, 0.0)
     logs = run([Scene(car, 33.0, ramp, name="ramp") for car in cars], asked.first)
     tables = [calib.fit(car.vehicle, [log]) for car, log in zip(cars, logs, strict=True)]
-    counts, base = defaultdict[str, Array](lambda: np.zeros(6)), np.zeros(0, bool)
+    counts, base = defaultdict[str, Array](lambda: np.zeros(8)), None
     for drive in drives(cars, asked.first):
         words = " ".join(asked.kind)
         is_base = drive.group in ("nothing odd", "regen")
         if words not in f"{drive.kind} {drive.group}" and not is_base:
             continue
         faults = not drive.kind.startswith(("clean", "ABS"))
-        none = np.zeros(drive.log.time.size, bool)
         i = drive.car
-        row, wrong = score(drive, cars[i], tables[i], base if faults else none)
-        base = wrong if is_base else base
+        row, answered = score(drive, cars[i], tables[i], base if faults else None)
+        base = answered if is_base else base
         for name in (drive.kind, *([f"{drive.kind}: {drive.group}"] * asked.groups)):
             counts[name] += row
-    print("| drives | braked samples | wrong | VALID | IMPLAUSIBLE | wrong 2 s after the end |")
-    print("|---|---|---|---|---|---|")
-    for name, (braked, wrong, valid, taken, after, later) in sorted(counts.items()):
-        shares = [f"{100 * x / max(braked, 1):.2f} %" for x in (wrong, valid, taken)]
-        shares.append(f"{100 * later / max(after, 1):.1f} %")
+    print("| drives | braked samples | wrong | VALID | IMPLAUSIBLE | afterwards wrong | VALID |")
+    print("|---|---|---|---|---|---|---|")
+    for name, (braked, *during, after, late, usual, again) in sorted(counts.items()):
+        shares = [f"{100 * x / max(braked, 1):.2f} %" for x in during]
+        for part, whole in ((late, after), (again, usual)):
+            shares.append(f"{100 * part / whole:.2f} %" if whole else "")
         print(f"| {name} | {braked:.0f} | {' | '.join(shares)} |")
 
 
