@@ -136,7 +136,10 @@ REFUSED = {
     "content": (inside(container(ONE, stated=90)), "48 of 90 bytes"),
     "a frame of no size": (inside(container(ONE[:8] + bytes(4) + ONE[12:])), "more frames"),
     "packed content": (ends_early(), "unpacked"),
-}
+    "an object beyond the end": (
+        inside(container(ONE) + block(RESTORE, bytes(8), size=600)), "damaged near",
+    ),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
