@@ -30,6 +30,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if FOLDER not in os.environ:
         folder = tempfile.TemporaryDirectory()
         os.environ[FOLDER] = folder.name
+        # else each command that a test starts compiles all modules
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         config.add_cleanup(folder.cleanup)
 
 
@@ -69,12 +71,8 @@ class Ran:
 
 @pytest.fixture
 def brake_cal(capsys, monkeypatch):
-    """Run the command line in this process, as the shell would, 120 columns wide.
-
-    The panels of its pages are blank: drawing takes longer than all else, and tests/show does it.
-    """
+    """Run the command line in this process, as the shell would, 120 columns wide."""
     monkeypatch.setenv("COLUMNS", "120")
-    monkeypatch.setattr("calib.show.html._panel", lambda sheet, name: "data:image/svg+xml,")
 
     def run(*arguments: object) -> Ran:
         return Ran(typed(*arguments), *capsys.readouterr())
