@@ -54,6 +54,7 @@ def test_pads_of_one_axle_that_depend_on_the_speed():
     assert best.base.pad_friction_f == pytest.approx(SEDAN.front.pad_friction, rel=0.02)
 
 
+@pytest.mark.slow
 def test_what_depends_on_the_pressure_in_front_is_put_there():
     """A torque on the pads or on the wheels: no log tells these apart."""
     hidden = EmpiricalTerm("front_brakes", "pressure", (0.0, 5e5, 15e5, 4e6), (0.0, -0.2, 0.0, 0.1))

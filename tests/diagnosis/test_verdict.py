@@ -109,6 +109,7 @@ def test_a_wheel_that_always_drags_depends_on_nothing_whatever_the_last_digits()
     assert found.turning < 0.05
 
 
+@pytest.mark.slow
 def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
     found = left_in(case := hiding("tank_slosh", 35))
     assert (found.axle, found.driver) == ("body", "frequency")
@@ -118,11 +119,13 @@ def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
     assert found.oscillation.share > 0.5
 
 
+@pytest.mark.slow
 def test_brakes_that_a_control_releases_go_with_the_slip():
     found = left_in(hiding("abs_modulation", 36, severity=1, only=("ramp", "coast", "step_high")))
     assert (found.axle, found.driver) == ("front", "slip")
 
 
+@pytest.mark.slow
 def test_brakes_that_weaken_go_with_the_time_of_the_run():
     """Beside a run that begins hot, for discs heat with every application."""
     found = left_in(hiding("weaker_applications", 33, only=(*FEW[:2], "hot")))

@@ -18,7 +18,6 @@ from tests.support.plant import brush, magic
 from tests.support.reference_car import (
     CAR,
     IDEAL,
-    REAL,
     noisy,
     ramp,
     true_eta,
@@ -33,9 +32,7 @@ PLANTS = {
     "magic formula": IDEAL,
     "brush": replace(IDEAL, tyre=brush(25.0, 1.1)),
     "with E term": replace(IDEAL, tyre=magic(28.0, 0.9, curvature=-0.5)),
-    "load sensitive": replace(IDEAL, tyre=magic(25.0, 0.9, load_exponent=0.06)),
     "body that pitches": replace(IDEAL, pitch_frequency=1.3),
-    "drag": REAL,
     "rear 8 % better": with_ratio(IDEAL, 1.0 / 1.08),
 }
 

@@ -14,12 +14,17 @@ fit_once = shared(fitting.fit)
 
 
 def typed(*words: object, folder: Path | None = None) -> int:
-    """Exit code of ``brake-cal`` with some words, in a folder; tables are those of `fit_once`."""
+    """Exit code of ``brake-cal`` with some words, in a folder.
+
+    Tables are those of `fit_once`. The panels of pages are blank: drawing takes longer than all
+    else, and tests/show does it.
+    """
     with pytest.MonkeyPatch.context() as patch:
         if folder is not None:
             patch.chdir(folder)
         for module in (fitting, station):
             patch.setattr(module, "fit", fit_once)
+        patch.setattr("calib.show.html._panel", lambda sheet, name: "data:image/svg+xml,")
         patch.setattr("sys.argv", ["brake-cal", *map(str, words)])
         with pytest.raises(SystemExit) as ended:
             main()
