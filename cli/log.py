@@ -53,7 +53,7 @@ def log(
     logs: list[Path] = argument("logs of any format", "LOG..."),
     *,
     out: Path | None = option(
-        "Draw (.png, .svg, .pdf, .html) or write it (.csv, .parquet).", "FILE", writes="log"
+        "Draw (.png, .svg, .pdf, .html) or write it (.csv, .parquet, .mf4).", "FILE", writes="log"
     ),
     start: float | None = option("Cut: first time [s]; else the start.", "TIME", "--from"),
     until: float | None = option("Cut: last time [s]; else the end.", "TIME"),

@@ -2,24 +2,27 @@
 
 CSV        name [unit]; empty for no value
 Parquet    the unit in the metadata of the field; null for no value
+MDF 4      one group with the time of the log in seconds; NaN for no value
 """
 
 import csv
 import io
+import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from calib.base.errors import one_line
+from calib.base.errors import LogError, one_line
+from calib.base.extras import need
 from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.units import from_si
 from calib.base.write import write_whole
 from calib.logs.log import Log
 from calib.logs.parquet import UNIT_KEY
 from calib.logs.text.cells import column_from_cell
-from calib.logs.whole import WholeColumn, WholeLog
+from calib.logs.whole import TIME, WholeColumn, WholeLog
 
 _DECIMALS = 6  # decimals of a CSV file in canonical units: less than the resolution of any sensor
 
@@ -87,5 +90,22 @@ def _to_parquet(log: WholeLog) -> bytes:
     return bytes(buffer.getvalue().to_pybytes())
 
 
-WRITERS: dict[str, Callable[[WholeLog], bytes]] = {".csv": _to_csv, ".parquet": _to_parquet}
-"""Makers of the bytes of a file, by its ending."""
+def _to_mdf(log: WholeLog) -> bytes:
+    asammdf = need("asammdf", "mdf", log.source, LogError)
+    signals = [
+        asammdf.Signal(column.values, log.time, unit=column.unit or "", name=column.name)
+        for column in log.columns
+        if column.name != TIME
+    ]
+    with tempfile.TemporaryDirectory() as folder, asammdf.MDF(version="4.10") as mdf:
+        mdf.append(signals, acq_name=log.name, comment=log.name, common_timebase=True)
+        path = mdf.save(Path(folder) / "log.mf4", overwrite=True)
+        return Path(path).read_bytes()
+
+
+WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
+    ".csv": _to_csv,
+    ".parquet": _to_parquet,
+    ".mf4": _to_mdf,
+}
+"""Makers of the bytes of a file, by its ending. MDF raises LogError without a clock or asammdf."""
