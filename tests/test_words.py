@@ -7,8 +7,6 @@ most three lines; so is `left` beside `right`.
 import ast
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[1]
 EMPTY = frozenset(
     """
@@ -89,20 +87,3 @@ def test_a_binding_says_what_it_holds():
     files = (path for top in ("calib", "cli") for path in sorted((ROOT / top).rglob("*.py")))
     empty = {str(path.relative_to(ROOT)): empty_bindings(path.read_text()) for path in files}
     assert {path: names for path, names in empty.items() if names} == {}
-
-
-@pytest.mark.parametrize(
-    ("text", "names"),
-    [
-        ("found = 1", ["found"]),
-        ("def told(at): pass", ["told"]),
-        ("[one for one in x]", []),
-        ("for one in x:\n    f(one)", []),
-        ("for one in x:\n    a\n    b\n    c\n    d", ["one"]),
-        ("left, right = x", []),
-        ("left = x", ["left"]),
-        ("class Seen: pass\nseen = Seen()", ["seen"]),
-    ],
-)
-def test_the_rule_sees_what_it_should(text, names):
-    assert [name for name, _ in empty_bindings(text)] == names
