@@ -17,12 +17,6 @@ from calib.show.facts import FAILED, PASSED, WORDS, Facts, Table
 INDEX = "index.html"
 _THUMBNAIL, _SHADES = 160, 15
 """Width of a picture in the index, about [px], and shades of each colour."""
-_FOLDERS = {
-    "sample_logs": "logs and vehicle files",
-    "tables": "the store of the tables",
-    "results": "each stop, sample by sample",
-    "diagnosis": "what is missing in the model, and replays with and without it",
-}
 
 
 @dataclass(frozen=True)
@@ -66,7 +60,6 @@ def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
                    {s.purpose: s for s in ran if not s.figure}, ran, folder),
             _table("The paper's figures, drawn with these cars.",
                    {f"Fig. {s.figure}: {s.purpose}": s for s in drawn}, ran, folder),
-            Table(("folder", "what is in it"), list(_FOLDERS.items()), links=list(_FOLDERS)),
         ],
     )  # fmt: skip
 
@@ -79,7 +72,7 @@ def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], fol
     verdicts = [PASSED if ran[step].passed else FAILED for step in steps.values()]
     links = [step.leaves if ran[step].passed else "" for step in steps.values()]
     images = [_thumbnail(folder / link) if link.endswith(".png") else "" for link in links]
-    heads = ("step", "command", "answer")[: len(cells[0])]
+    heads = ("step", "command", "answer")[: max(map(len, cells), default=2)]
     return Table(heads, cells, caption, verdicts, links, images)
 
 

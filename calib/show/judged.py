@@ -68,10 +68,10 @@ def ramp_rows(table: LookUp) -> list[Row]:
     ]
 
 
-def budget_rows(budgets: Iterable[Parts], prefix: str = "", suffix: str = "") -> list[Row]:
+def budget_rows(budgets: Iterable[Parts]) -> list[Row]:
     """Parts of the uncertainty of the pads of both axles."""
     axles = zip(AXLE_NAMES.values(), budgets, strict=False)
-    return [(f"{prefix}{axle} pads{suffix}", words(parts)) for axle, parts in axles]
+    return [(f"{axle} pads", words(parts)) for axle, parts in axles]
 
 
 def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> str:

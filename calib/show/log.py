@@ -17,20 +17,11 @@ from calib.logs.log import Log
 from calib.logs.whole import TIME, Inventory, WholeColumn, WholeLog, channels_log
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.events import BITES, BRAKING, LEAD_IN, STANDSTILL, RunEvent
+from calib.show import style
 from calib.show.facts import Facts, Picture, Table
 from calib.show.panel import Line, Mark, Panel
 from calib.show.sheet import Sheet, rows_of
-from calib.show.style import (
-    BODY,
-    ETA,
-    FRONT,
-    IDENTIFIED,
-    REAR,
-    WHEEL_STROKES,
-    Array,
-    Stroke,
-    as_text,
-)
+from calib.show.style import Array, Stroke
 
 _RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
 _NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
@@ -41,7 +32,7 @@ _EVENTS: dict[str, Stroke] = {
     BITES: {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))},
 }
 """Looks of events; spans are pale, since lines of all colours cross them."""
-_STROKES = {**WHEEL_STROKES, "f": FRONT, "r": REAR}
+_STROKES = {**style.WHEEL_STROKES, "f": style.FRONT, "r": style.REAR}
 _TIME = "time [s]"
 
 _PANEL = 0.72
@@ -108,15 +99,15 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         name = axis if kind in {panel.name for panel in panels} else kind
         places = [one.name.rpartition("_")[2] for one in columns] if len(columns) > 1 else [""]
         lines = [
-            Line(time, one.values, {**_STROKES.get(place, BODY), "linewidth": 0.8}, place)
+            Line(time, one.values, {**_STROKES.get(place, style.BODY), "linewidth": 0.8}, place)
             for one, place in zip(columns, places, strict=True)
         ]
-        title = _TITLES.get(kind, as_text(kind))
-        panels.append(Panel(name, title, _TIME, as_text(axis), lines, columns=4))
+        title = _TITLES.get(kind, style.as_text(kind))
+        panels.append(Panel(name, title, _TIME, style.as_text(axis), lines, columns=4))
     if all(name in channels for name in WHEEL_SPEEDS):
-        line = Line(time, _eta(channels), {**IDENTIFIED, "linewidth": 0.8})
+        line = Line(time, _eta(channels), {**style.IDENTIFIED, "linewidth": 0.8})
         title = "Wheel speed rear over front, less 1"
-        panels.append(Panel("eta", title, _TIME, ETA, [line]))
+        panels.append(Panel("eta", title, _TIME, style.ETA, [line]))
     drawn = [
         replace(panel, marks=_marked(marked, named=not i), xlim=(time[0], time[-1]))
         for i, panel in enumerate(panels)

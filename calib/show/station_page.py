@@ -82,7 +82,7 @@ def station_facts(run: StationRun) -> Facts:
             Facts(
                 "Brake torque and pads",
                 tables=[beside_best(stored, outcome.results)],
-                rows=budget_rows(budgets, suffix=" of the ramp"),
+                rows=budget_rows(budgets),
                 notes=advice_lines(budgets),
             ),
             Facts("Metrics", tables=[car, by_stop], notes=[*unknown, *unknown_too]),

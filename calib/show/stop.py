@@ -20,34 +20,20 @@ from calib.estimation.metrics import Truth, truth_of
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import Validation
 from calib.run.filters import runs
+from calib.show import style
 from calib.show.facts import Picture
 from calib.show.judged import broken, word
 from calib.show.map import map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
-from calib.show.style import (
-    BODY,
-    DASH_DOT,
-    ETA,
-    FRONT,
-    IDENTIFIED,
-    LONG,
-    MEAN,
-    REAR,
-    TRUTH,
-    Array,
-    Mask,
-    Stroke,
-    reach,
-    smooth,
-)
+from calib.show.style import Array, Mask, Stroke
 from calib.show.torque import AGAINST, ENDS, SIDES, Columns, errors, in_words, means, torques
 from calib.table.table import Table
 
-_STROKES = {"f": FRONT, "r": REAR}
-_TOTAL: Stroke = {**IDENTIFIED, "linestyle": LONG}
-_BEFORE: Stroke = {"linestyle": DASH_DOT, "linewidth": 0.9}
+_STROKES = {"f": style.FRONT, "r": style.REAR}
+_TOTAL: Stroke = {**style.IDENTIFIED, "linestyle": style.LONG}
+_BEFORE: Stroke = {"linestyle": style.DASH_DOT, "linewidth": 0.9}
 """Look of the pads before the stop, in the colour of the axle."""
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
@@ -106,7 +92,7 @@ class _Stop:
     @property
     def on_map(self) -> Pair:
         """eta - 1 and z (m,) [1] of the valid samples, as means over `_SLIP_MEAN`."""
-        eta, z = (smooth(self.time, self.columns[name], _SLIP_MEAN) for name in ("eta", "z"))
+        eta, z = (style.smooth(self.time, self.columns[name], _SLIP_MEAN) for name in ("eta", "z"))
         return eta[self.valid] - 1.0, z[self.valid]
 
     def where_valid(self, name: str) -> Array:
@@ -217,7 +203,7 @@ def _panel(
             marks.append(Mark(stop.time[start], last, look, label))
             label = ""
     drawn = stop.time[stop.drawn]
-    ends = reach(*(np.asarray(x)[stop.drawn] for x in shown), zero=name != "pads")
+    ends = style.reach(*(np.asarray(x)[stop.drawn] for x in shown), zero=name != "pads")
     return Panel(name, title, "time [s]", y, lines, marks,
                  xlim=(drawn[0], drawn[-1]), ylim=ends, columns=2)  # fmt: skip
 
@@ -226,20 +212,21 @@ def _torque_panel(stop: _Stop) -> Panel:
     """Torques of the ECU, those with the pads before the stop, and the true ones."""
     lines, beside = list[Line](), list[Line]()
     answers = torques(stop.columns)
-    for side, look, torque in zip(SIDES, (FRONT, REAR, _TOTAL), answers, strict=True):
+    for side, look, torque in zip(SIDES, (style.FRONT, style.REAR, _TOTAL), answers, strict=True):
         ends = (np.where(stop.valid, end / 1e3, np.nan) for end in torque[1:])
-        low, high = (smooth(stop.time, end) for end in ends)
+        low, high = (style.smooth(stop.time, end) for end in ends)
         label = f"{side}, with 95 % band"
-        lines.append(Line(stop.time, torque.value / 1e3, look, label, (low, high), MEAN))
+        lines.append(Line(stop.time, torque.value / 1e3, look, label, (low, high), style.MEAN))
     for (axle, look), torque, pad in zip(_STROKES.items(), answers, stop.pads, strict=False):
         per_pad = torque.value / np.asarray(stop.columns[f"ecu_pad_friction_{axle}"])
         label = f"{AXLE_NAMES[axle]} pads {stop.source}"
         ramp_look = {**_BEFORE, "color": look["color"]}
-        beside.append(Line(stop.time, smooth(stop.time, pad * per_pad / 1e3), ramp_look, label))
+        mean = style.smooth(stop.time, pad * per_pad / 1e3)
+        beside.append(Line(stop.time, mean, ramp_look, label))
     if stop.truth:
         front, rear = 2.0 * stop.truth.torque / 1e3
         true = zip((front, rear, front + rear), ("truth", "", ""), strict=True)
-        beside += [Line(stop.time, y, TRUTH, label) for y, label in true]
+        beside += [Line(stop.time, y, style.TRUTH, label) for y, label in true]
     bounds = [np.asarray(x) for line in lines for x in (line.y, *(line.band or ()))]
     torque_unit = "brake torque [kN m]"
     return _panel(stop, "axle-torques", "Brake torque of the axles and of both", torque_unit,
@@ -266,18 +253,18 @@ def _pad_panel(stop: _Stop) -> Panel:
         beside.append(Line(stop.time[[0, -1]], [mu, mu], ramp_look, label))
         shown.append(np.full(stop.time.size, mu))
     if stop.truth:
-        true = [smooth(stop.time, mu) for mu in stop.truth.pad_friction]
-        beside += [Line(stop.time, y, TRUTH, "truth" * (y is true[0])) for y in true]
+        true = [style.smooth(stop.time, mu) for mu in stop.truth.pad_friction]
+        beside += [Line(stop.time, y, style.TRUTH, "truth" * (y is true[0])) for y in true]
         shown += true
     return _panel(stop, "pads", "Pad friction", "pad friction [1]", [*lines, *beside], shown)
 
 
 def _force_panel(stop: _Stop) -> Panel:
     """Normalised forces of the axles around the deceleration."""
-    strokes = {"normalised_force_f": FRONT, "normalised_force_r": REAR, "z": BODY}
+    strokes = {"normalised_force_f": style.FRONT, "normalised_force_r": style.REAR, "z": style.BODY}
     names = (*AXLE_NAMES.values(), "deceleration over g")
     lines = [
-        Line(stop.time, stop.columns[key], look, name, mean=MEAN)
+        Line(stop.time, stop.columns[key], look, name, mean=style.MEAN)
         for (key, look), name in zip(strokes.items(), names, strict=True)
     ]
     shown = [line.shown for line in lines]
@@ -288,12 +275,12 @@ def _force_panel(stop: _Stop) -> Panel:
 def _slip_panel(stop: _Stop) -> Panel:
     """Slip of the axles where v is known, and eta - 1; as high as their valid values."""
     axles = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
-    eta = "\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, IDENTIFIED
+    eta = "\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, style.IDENTIFIED
     lines = [
         Line(stop.time, 100.0 * y, look, name, mean=_SLIP_MEAN)
         for name, y, look in (*((f"{name} slip", y, look) for name, y, look in axles), eta)
     ]
     use = stop.valid if stop.valid.any() else stop.drawn
     noise = [np.quantile(np.asarray(line.y)[use], [0.005, 0.995]) for line in lines]
-    panel = _panel(stop, "slip", "Slip", f"slip, {ETA}", lines, [])
-    return replace(panel, ylim=reach(np.zeros(1), *noise))
+    panel = _panel(stop, "slip", "Slip", f"slip, {style.ETA}", lines, [])
+    return replace(panel, ylim=style.reach(np.zeros(1), *noise))

@@ -5,23 +5,13 @@ With the ramps it was made of, their measured points are drawn too.
 
 import numpy as np
 
+from calib.show import style
 from calib.show.map import map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.posterior import forest, pairs
 from calib.show.ramp import MeasuredRamp, points
 from calib.show.sheet import Sheet
-from calib.show.style import (
-    BODY,
-    DASHED,
-    ETA,
-    FRONT,
-    IDENTIFIED,
-    LONG,
-    REAR,
-    SHADE,
-    Array,
-    Stroke,
-)
+from calib.show.style import Array, Stroke
 from calib.show.torque import UNIT, per_bar
 from calib.table.budget import ramp_pads
 from calib.table.curves import MEASURED
@@ -65,7 +55,7 @@ def _curve(
     x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
 ) -> list[Line]:
     """A curve of a table (n,) with its band, thin and dashed where no ramp measured it."""
-    thin: Stroke = {**stroke, "linestyle": DASHED, "linewidth": 0.9}
+    thin: Stroke = {**stroke, "linestyle": style.DASHED, "linewidth": 0.9}
     measured = np.where(flag == MEASURED, y, np.nan)
     thick: Stroke = {**stroke, "linestyle": "-", "linewidth": 1.6}
     return [Line(x, y, thin, band=band), Line(x, measured, thick, label)]
@@ -80,7 +70,7 @@ def _tyre(table: Table) -> Panel:
         "Tyre of both axles (Fig. 3)",
         "slip [%]",
         "force over load [1]",
-        _curve(x, curve.force, curve.flag, IDENTIFIED, "with 95 % band", band),
+        _curve(x, curve.force, curve.flag, style.IDENTIFIED, "with 95 % band", band),
         xlim=(-0.02 * x[-1], 1.05 * x[-1]),
         ylim=(-0.02 * curve.force[-1], 1.1 * curve.force[-1]),
     )
@@ -91,25 +81,25 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     p = table.paper
     x, two_axles = 100.0 * (p.eta - 1.0), [one for one in ramps if one.is_two_axles]
     f = [
-        *_curve(x, p.f1, p.flag, FRONT, "f1, front", (p.f1_lower, p.f1_upper)),
-        *_curve(x, p.f2, p.flag, REAR, "f2, rear", (p.f2_lower, p.f2_upper)),
+        *_curve(x, p.f1, p.flag, style.FRONT, "f1, front", (p.f1_lower, p.f1_upper)),
+        *_curve(x, p.f2, p.flag, style.REAR, "f2, rear", (p.f2_lower, p.f2_upper)),
     ]
     for i, ramp in enumerate(two_axles):
         eta_percent = 100.0 * (ramp.eta - 1.0)
-        f.append(points(ramp, eta_percent, ramp.f1, FRONT, "" if i else _FREED))
-        f.append(points(ramp, eta_percent, ramp.f2, REAR))
+        f.append(points(ramp, eta_percent, ramp.f1, style.FRONT, "" if i else _FREED))
+        f.append(points(ramp, eta_percent, ramp.f2, style.REAR))
     ends = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
     end = 100.0 * (p.usable_eta[1] - 1.0)
-    line: Stroke = {"color": BODY["color"], "linewidth": 0.9, "linestyle": LONG}
-    zero = Line(ends, (0.0, 0.0), {"color": BODY["color"], "linewidth": 0.6})
+    line: Stroke = {"color": style.BODY["color"], "linewidth": 0.9, "linestyle": style.LONG}
+    zero = Line(ends, (0.0, 0.0), {"color": style.BODY["color"], "linewidth": 0.6})
     return Panel(
         "f1-f2",
         "Force over load, less deceleration over g (Fig. 6)",
-        ETA,
+        style.ETA,
         "f1, f2 [1]",
         [*f, zero],
         [Mark(end, end, line, f"usable to {end:.2f} %, {p.usable[1]:.2f} g"),
-         Mark(end, ends[1], {"color": SHADE})],
+         Mark(end, ends[1], {"color": style.SHADE})],
         xlim=ends,
         columns=2,
     )  # fmt: skip

@@ -21,7 +21,7 @@ from calib.estimation.validate import (
 )
 from calib.show import torque
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import UNKNOWN, broken, budget_rows, pads, stop_by_stop, valid, word
+from calib.show.judged import UNKNOWN, broken, pads, stop_by_stop, valid, word
 from calib.show.origin import origin
 from calib.show.stop import stops_on_map, torque_and_pads
 from calib.store.evidence import CONSISTENT
@@ -177,21 +177,21 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
-    """Samples that are not valid, parts of the uncertainty, and agreement."""
-    rows: list[Row] = []
-    for r in results:
-        rows += [
-            (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
-            for why, share in r.refused.items()
-        ]
-        rows += budget_rows(r.budget or (), f"{r.log}, ")
+    """Samples that are not valid, and agreement."""
     together = agreement(results)
-    return rows + [
-        (
-            ", ".join(road.stops),
-            "on roads alike, pad friction differs from the mean by up to "
-            f"{100.0 * road.spread_f:.1f} % front and {100.0 * road.spread_r:.1f} % rear",
-        )
-        for road in (together.roads if together else ())
-        if road.spread_f is not None and road.spread_r is not None
+    return [
+        *(
+            (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
+            for r in results
+            for why, share in r.refused.items()
+        ),
+        *(
+            (
+                ", ".join(road.stops),
+                "on roads alike, pad friction differs from the mean by up to "
+                f"{100.0 * road.spread_f:.1f} % front and {100.0 * road.spread_r:.1f} % rear",
+            )
+            for road in (together.roads if together else ())
+            if road.spread_f is not None and road.spread_r is not None
+        ),
     ]

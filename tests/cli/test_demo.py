@@ -81,6 +81,7 @@ def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
     for figure in demo.glob("figures/*.png"):
         assert figure.read_bytes()[:4] == b"\x89PNG"
     text = (demo / "index.html").read_text(encoding="utf-8")
+    assert text.count("data:image/png") == len([*demo.glob("figures/*.png")])
     links = re.findall('<a href="([^"]+)"', text)
     assert all((demo / link).exists() for link in links)
     assert {*links} >= {str(p.relative_to(demo)) for p in demo.glob("pages/*.html")}
