@@ -13,9 +13,6 @@ def printable(text: str, keep: str = "") -> str:
 
     Spaces of any width stay, and the characters in ``keep``.
 
-    >>> import os
-    >>> print(printable(os.fsdecode(b"r\xfcck.csv")))
-    r\udcfcck.csv
     >>> print(printable("\x1b[2J \u202egnp"))
     \x1b[2J \u202egnp
     """

@@ -82,11 +82,8 @@ def si_of(unit: str) -> str:
 def to_si(values: Number, unit: str, si: str) -> Number:
     """Convert ``values``, any shape, from a written ``unit`` in any known spelling to ``si``.
 
-    The SI unit names the quantity: ``g`` is gravity for ``"m/s^2"``. Raises `UnknownUnit`.
-    Temperatures are absolute, not differences.
-
-    >>> to_si(28.84, "cm^2", "m^2")
-    0.002884
+    The SI unit names the quantity: ``g`` is gravity for ``"m/s^2"``. Temperatures are absolute, not
+    differences. Raises `UnknownUnit`.
     """
     u = unit_of(unit, si)
     return values * u.scale / u.per + u.offset

@@ -166,13 +166,9 @@ def publish(
 ) -> list[Path]:
     """Move everything from ``work``, made by `workshop`, into ``out``; return the paths.
 
-    Parameters
-    ----------
-    verdict : name of the file in ``work`` that is moved last.
-    stale : gives the names of files of earlier runs in ``out``, called under its lock. Those that
-        this run did not make again are removed; other files stay.
-
-    If a file cannot be moved, all new ones and the old verdict are removed. Raises OSError.
+    The file ``verdict`` is moved last. ``stale``, called under the lock of ``out``, names files of
+    earlier runs; those that this run did not make again are removed. If a file cannot be moved, all
+    new ones and the old verdict are removed. Raises OSError.
     """
     files = (path for path in work.rglob("*") if not path.is_dir())
     names = sorted(path.relative_to(work).as_posix() for path in files)

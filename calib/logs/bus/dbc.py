@@ -56,7 +56,7 @@ _COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
 
 
 class FlawedSignal(NamedTuple):
-    """A signal whose message cannot be read; its fields have the names of cantools."""
+    """A signal of a message that cannot be read; its fields have the names of cantools."""
 
     name: str
     unit: str

@@ -174,9 +174,9 @@ def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], lis
 def decode(
     frames: Frames, message: "Message | Flawed", signal: "Signal | FlawedSignal"
 ) -> ChannelTrace:
-    """The samples of one signal, NaN where their name says invalid; a state if all have a name.
+    """The samples of one signal. Raises LogError if its message is flawed in the DBC.
 
-    Raises LogError if the message is flawed in the DBC.
+    They are NaN where the name of a value says that it is invalid, and a state if all have names.
     """
     if isinstance(message, Flawed):
         raise message.error(signal.name)
@@ -222,7 +222,7 @@ def _raw(data: NDArray[np.uint8], signal: "Signal") -> NDArray[np.uint64]:
 
 
 def _first(signal: "Signal") -> int:
-    """The first bit, counted from the lowest one of each byte, in big endian from the highest."""
+    """The first bit, counted from the lowest of each byte, in big endian from the highest."""
     start = signal.start
     return start if signal.byte_order == "little_endian" else 8 * (start // 8) + 7 - start % 8
 

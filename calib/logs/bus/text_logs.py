@@ -166,7 +166,7 @@ _LAST_BYTE = re.compile(r".*\s([0-9A-F]{2}|RTR)", re.IGNORECASE | re.DOTALL)
 def _require_line_end(text: _Text, ending: str) -> None:
     """Raise LogError if the last line is cut off.
 
-    PEAK-Converter writes no end of line after the last one, which is whole with its last byte.
+    PEAK-Converter ends the last line with its last byte, which has two digits if it is whole.
     """
     is_frame = bool(_FORMATS[ending][1].match(text.last))
     may_be_whole = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(text.last))

@@ -115,9 +115,9 @@ _COUNTED = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE
 
 
 def is_clock(cell: str) -> bool:
-    """Whether a cell is a time of day with seconds, or a number with a unit of time.
+    """Whether a cell is a number with a unit of time, or a time of day with seconds.
 
-    Without hours a time of day has parts of a second.
+    Minutes and seconds alone, ``03:07.1``, are one if they have parts of a second.
     """
     match = _TIME.fullmatch(cell)
     of_day = match is not None and (match["h"] is not None or not match["s"].isdigit())

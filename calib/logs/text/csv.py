@@ -73,7 +73,7 @@ def _header(names: list[str], units: list[str], more: list[str], where: str) -> 
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table, from ``start`` on in ``data``, of which a slice would be a copy."""
+    """The rows of a table: ``data`` from byte ``start`` on."""
 
     data: bytes
     start: int

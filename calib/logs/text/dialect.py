@@ -81,7 +81,7 @@ def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> li
 
 
 def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:
-    """Whether more than half of the cells with a value are of a kind."""
+    """Whether more than half of the cells with a value are of this ``kind``."""
     filled = [cell for cell in column if cell not in EMPTY]
     return 2 * sum(map(kind, filled)) > len(filled)
 
@@ -132,7 +132,7 @@ class Layout:
 def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> Layout:
     """The layout of a table from ``begin`` on, with the most columns of numbers.
 
-    Raises LogError for none, and for one that begins in the same row with another separator.
+    Raises LogError if no separator gives one, or if two give one that begins in the same row.
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
@@ -227,7 +227,7 @@ def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
 def _block(table: Sequence[Sequence[str]], first: int, widths: tuple[int, int]) -> list[int]:
     """Indices of the lines of the header above the ``first`` row of samples.
 
-    Blank lines may stand below it, and above a row of units.
+    Blank lines below it, and above its row of units, are passed over.
     """
     block: list[int] = []
     for index in range(first - 1, -1, -1):

@@ -63,7 +63,7 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
 
 
 def text_of(data: bytes) -> tuple[str, str | None]:
-    """Text in UTF-8, or with a note in Windows-1252, which has all signs of ISO 8859-1."""
+    """The text, read as UTF-8; else, with a note, as Windows-1252, which has all of ISO 8859-1."""
     try:
         return data.decode("utf-8"), None
     except UnicodeDecodeError:
