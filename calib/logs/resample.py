@@ -96,12 +96,8 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
     rate_of = {key: 1.0 / max(step_of(time), INSTANT) for key, time in rasters.items()}
     rates = {w.name: rate_of[w.clock, w.time.size] for w in full}
     master = _master(channels, rates)
-    inside = (master.time >= low) & (master.time <= high)
-    time = master.time[inside]
-    filled = [
-        Filled(w.values[inside]) if _same_times(w, master) and w.time.size > 1 else _on(w, time)
-        for w in wanted
-    ]
+    time = master.time[(master.time >= low) & (master.time <= high)]
+    filled = [_on(w, time) for w in wanted]
     names = {w.name for w in channels}
     gaps = [in_words(x) for w, x in zip(wanted, filled, strict=True) if w.name in names]
     return Resampled(
@@ -110,7 +106,7 @@ def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
         (*notes, *_notes(channels, master, rates), *chain(*gaps), *cut),
         tuple(gap for item in filled for gap in item.bridged),
         rates,
-        tuple(w.name for w in full if not (w.state or _same_times(w, master))),
+        tuple(w.name for w in full if not (w.state or np.array_equal(w.time, master.time))),
     )
 
 
@@ -209,16 +205,11 @@ def _on(w: ChannelTrace, times: Array) -> Filled:
     return Filled(values)
 
 
-def _same_times(w: ChannelTrace, master: ChannelTrace) -> bool:
-    return np.array_equal(w.time, master.time)
-
-
 def _notes(full: list[ChannelTrace], master: ChannelTrace, rates: dict[str, float]) -> list[str]:
-    if all(_same_times(w, master) for w in full):
-        return []
+    on_it = [np.array_equal(w.time, master.time) for w in full]
     lines: dict[str, list[str]] = {}
-    for w in full:
-        way = "held" if w.state else "interpolated linearly"
-        how = "is the clock" if _same_times(w, master) else way
+    for w, is_clock in zip(full, on_it, strict=True):
+        how = "is the clock" if is_clock else "held" if w.state else "interpolated linearly"
         lines.setdefault(f"({w.clock}, {rates[w.name]:.4g} Hz) {how}", []).append(w.name)
-    return [f"{', '.join(names)} {how}" for how, names in lines.items()]
+    notes = [f"{', '.join(names)} {how}" for how, names in lines.items()]
+    return [] if all(on_it) else notes

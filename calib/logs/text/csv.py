@@ -53,10 +53,9 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
     for i in clocks:
         columns[i] = Column(columns[i].name, "s", columns[i].full or cells[i])
     lost = f"{zeros} zero bytes at the end were not read" if zeros else ""
-    above = f"{layout.above} lines above the header were not read" if layout.above else ""
     counted = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
     table = TextRows(data, layout.start, tuple(columns), where, separator, decimal, {*clocks})
-    notes = tuple(n for n in (lost, note, above, *counted, table.end()) if n)
+    notes = tuple(n for n in (lost, note, *counted, table.end()) if n)
     return ColumnSource(table.columns, table.read, notes)
 
 

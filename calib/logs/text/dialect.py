@@ -115,17 +115,13 @@ _RUN = 3  # rows with numbers that make a run; fewer, if the file has no more
 
 @dataclass(frozen=True)
 class Layout:
-    """Lines of the header, ``names``, ``units`` and ``more``, and the byte of the first sample.
-
-    ``above``: number of lines over the header; ``numbers``: indices of the columns of numbers.
-    """
+    """Lines of the header, the byte ``start`` of the first sample, and columns of ``numbers``."""
 
     separator: str
     names: bytes
     units: bytes
     more: bytes
     start: int
-    above: int
     numbers: list[int]
 
 
@@ -214,8 +210,7 @@ def _layout(
         b"" if i is None else lines[i] + separator.encode() * (width - len(table[i]))
         for i in (names, units, more)
     )
-    above = sum(bool(row) for row in table[:names])
-    return Layout(separator, names_line, units_line, more_line, starts[first], above, numbers)
+    return Layout(separator, names_line, units_line, more_line, starts[first], numbers)
 
 
 def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
