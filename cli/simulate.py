@@ -74,7 +74,7 @@ def simulate(
     elif manoeuvre is not None and log is None:
         speed = speed or SPEED
         with at_option("--manoeuvre", ModelError):
-            time, trace = make_trace(manoeuvre, speed, pressure, rate or RATE, duration)
+            time, trace = make_trace(manoeuvre, pressure, rate or RATE, duration)
         say(f"driving a {manoeuvre} with {car.name} from {speed:.1f} m/s")
         driven_log = drive(driven, time, trace, speed, name=manoeuvre)
     else:

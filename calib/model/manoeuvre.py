@@ -1,4 +1,4 @@
-"""Manoeuvres for the simulation: brake pressure over time from a first speed.
+"""Manoeuvres for the simulation: brake pressure over time.
 
     ramp ____/    step ___|----    stop ___/---    wave ___~~~~
 
@@ -20,30 +20,27 @@ _FOOT = 80e5  # rise of the pressure in a usual stop [Pa/s]: a foot reaches 30 b
 _SLOPE = 5e5  # rise of a ramp [Pa/s]: from 33 m/s the sedan of the paper stops before 50 bar
 _HOLD = 1.0  # time for which a ramp keeps its last pressure [s]
 _SWING, _FREQUENCY = 0.4, 0.7  # amplitude over the mean pressure [1] and frequency [Hz] of a wave
-_RATES = (40.0, 1000.0)  # lowest and highest sample rate of the program [Hz]
-_LONGEST = 600.0  # longest time of a manoeuvre [s]
-
 
 _USUAL = {
-    "ramp": (60e5, 60e5 / _SLOPE),
-    "step": (30e5, 20.0),
-    "stop": (30e5, 60.0),
-    "wave": (25e5, 20.0),
-    "coast": (0.0, 20.0),
+    "ramp": (60e5, _SLOPE, _HOLD),
+    "step": (30e5, _RISE, 20.0),
+    "stop": (30e5, _FOOT, 60.0),
+    "wave": (25e5, _RISE, 20.0),
+    "coast": (0.0, _RISE, 20.0),
 }
-"""Pressure [Pa] and time [s] where none is given."""
+"""Pressure [Pa] where none is given, its rise [Pa/s], and the time for which it is held [s]; of a
+coast the whole time."""
+
+_BOUNDS = {"pressure": (1.0, 1e9, "Pa"), "rate": (40.0, 1e3, "Hz"), "duration": (1e-3, 600.0, "s")}
+"""What can be driven; rates as the program has them."""
 
 NAMES = tuple(_USUAL)
 
 
 def manoeuvre(
-    name: str,
-    v0: float,
-    pressure: float | None = None,
-    rate: float = 200.0,
-    duration: float | None = None,
+    name: str, pressure: float | None = None, rate: float = 200.0, duration: float | None = None
 ) -> tuple[Array, Array]:
-    """Return time [s] and pressure [Pa] (n,) of the manoeuvre of that name, from ``v0`` [m/s].
+    """Return time [s] and pressure [Pa] (n,) of the manoeuvre of that name.
 
     It has ``rate`` samples a second. ``duration`` [s] is the time of the rise of a ramp, the length
     of a coast, and the time at ``pressure`` [Pa] of the others. Raises ModelError for an unknown
@@ -53,36 +50,22 @@ def manoeuvre(
         raise ModelError(f"unknown manoeuvre {name!r}", expected=f"one of {', '.join(NAMES)}")
     if name == "coast" and pressure is not None:
         raise ModelError("coast takes no pressure", do="leave the pressure out")
-    if not _RATES[0] <= rate <= _RATES[1]:
-        expected = f"{_RATES[0]:g} to {_RATES[1]:g} Hz"
-        raise ModelError(f"sample rate {rate:g} Hz", where=name, expected=expected)
-    for quantity, value, unit in (
-        ("pressure", pressure, "Pa"), ("first speed", v0, "m/s"), ("duration", duration, "s"),
-    ):  # fmt: skip
-        if value is not None and not 0.0 < value < np.inf:
-            raise ModelError(f"{quantity} {value:g} {unit}", where=name, expected="more than zero")
-    if duration is not None and duration > _LONGEST:
-        expected = f"up to {_LONGEST:g} s"
-        raise ModelError(f"duration {duration:g} s", where=name, expected=expected)
-    usual, time = _USUAL[name]
+    quantities = {"pressure": pressure, "rate": rate, "duration": duration}
+    for quantity, (low, high, unit) in _BOUNDS.items():
+        value = quantities[quantity]
+        if value is not None and not low <= value <= high:
+            expected = f"{low:g} to {high:g} {unit}"
+            raise ModelError(f"{quantity} {value:g} {unit}", where=name, expected=expected)
+    usual, slope, hold = _USUAL[name]
     level = usual if pressure is None else pressure
-    if duration is None:
-        duration = level / _SLOPE if name == "ramp" else time
-    corners, levels = np.array(_corners(name, level, duration)).T
-    clock = np.arange(int(np.floor(corners[-1] * rate + 1e-9)) + 1) / rate
-    trace = np.interp(clock, corners, levels)
-    if name == "wave":
-        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(clock - LEAD_IN - level / _RISE, 0.0)
-        trace *= 1.0 + _SWING * np.sin(phase)
-    return clock, trace
-
-
-def _corners(name: str, pressure: float, duration: float) -> list[tuple[float, float]]:
-    """Time [s] and pressure [Pa] at the ends of straight lines."""
-    if name == "coast":
-        return [(0.0, 0.0), (duration, 0.0)]
-    rise, hold = pressure / (_FOOT if name == "stop" else _RISE), duration
-    if name == "ramp":
-        rise, hold = duration, _HOLD
+    rise = level / slope
+    if duration is not None:
+        rise, hold = (duration, hold) if name == "ramp" else (rise, duration)
     top = LEAD_IN + rise
-    return [(LEAD_IN, 0.0), (top, pressure), (top + hold, pressure)]
+    end = hold if name == "coast" else top + hold
+    time = np.arange(int(np.floor(end * rate + 1e-9)) + 1) / rate
+    trace = np.interp(time, [LEAD_IN, top], [0.0, level])
+    if name == "wave":
+        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(time - LEAD_IN - rise, 0.0)
+        trace *= 1.0 + _SWING * np.sin(phase)
+    return time, trace

@@ -37,7 +37,7 @@ WHEEL_SPEEDS = tuple(f"omega_{w}" for w in WHEELS)
 
 @pytest.fixture(scope="module")
 def driven():
-    return simulate(MODEL, *manoeuvre("ramp", 30.0), 30.0, name="driven")
+    return simulate(MODEL, *manoeuvre("ramp"), 30.0, name="driven")
 
 
 def test_a_simulated_log_replayed_by_its_model_is_itself(driven):
