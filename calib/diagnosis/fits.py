@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.diagnosis.explanation.base import BASE
 from calib.diagnosis.explanation.fit import Fit, linearised
 from calib.diagnosis.explanation.gauss_newton import ROUGH, fit_logs
 from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, start_of
@@ -122,5 +123,5 @@ def _fitted(
     state = promise.state
     if unusual:
         usual = start_of(problem)
-        state = replace(usual, x=np.concatenate([usual.x, state.x[problem.base_size :]]))
+        state = replace(usual, x=np.concatenate([usual.x, state.x[BASE:]]))
     return fit_logs(problem, promise.hypothesis, state, near, least, ROUGH)

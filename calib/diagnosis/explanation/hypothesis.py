@@ -22,7 +22,7 @@ from calib.diagnosis.explanation.base import (
     base_sigma,
     sizes,
 )
-from calib.diagnosis.explanation.problem import DRAG, SHARE, Problem
+from calib.diagnosis.explanation.problem import Problem
 
 FADE = "pad_thermal_fade"
 
@@ -160,16 +160,8 @@ def elements_of(effects: Effects, name: str) -> list[Element]:
 
 
 def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
-    """All behind the base: the load that a known drag moves where the file does not say, effects.
-
-    That load is not sure to be as usual where the rest of the drag is known: its prior is wider.
-    """
-    effects = problem.vehicle.effects
-    out = [one for name in names for one in elements_of(effects, name)]
-    if problem.free_share:
-        (share,) = (one for one in elements_of(effects, DRAG) if one.parameter.name == SHARE)
-        out.insert(0, replace(share, sigma=STRENGTH))
-    return out
+    """The parameters of all these effects, which stand behind the base."""
+    return [one for name in names for one in elements_of(problem.vehicle.effects, name)]
 
 
 @dataclass(frozen=True)
@@ -195,9 +187,9 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
     most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRIOR) * [FORM_LIMIT]]
     slowest = max(run.step / run.averaged for run in problem.runs)
     sigma = np.append(base_sigma(slowest), [one.sigma for one in of_effects])
-    effects = [one.effect for one in of_effects][problem.base_size - LOW.size :]
+    effects = [one.effect for one in of_effects]
     return Prior(
-        np.array([*problem.base_size * [""], *effects, *len(most) * [""]]),
+        np.array([*BASE * [""], *effects, *len(most) * [""]]),
         np.concatenate([LOW, [one.low for one in of_effects], np.negative(most)]),
         np.concatenate([HIGH, [one.high for one in of_effects], most]),
         block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), FORM_PRIOR),
@@ -205,14 +197,10 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
 
 
 def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base, Effects]:
-    """Base and effects of a state.
-
-    The load that a known drag moves is that of the drag's own parameters where it is found anew.
-    """
+    """Base and effects of a state."""
     car_effects, parameters = problem.vehicle.effects, dict[str, dict[str, float]]()
     for one, fit in zip(elements(problem, hypothesis.names), state.x[BASE:].tolist(), strict=False):
-        values = parameters.setdefault(one.effect, dict(car_effects.parameters.get(one.effect, {})))
-        values[one.parameter.name] = one.value(fit)
+        parameters.setdefault(one.effect, {})[one.parameter.name] = one.value(fit)
     effects = car_effects.with_(
         Effects(parameters, sigma=car_effects.without(*hypothesis.names).sigma)
     )
@@ -227,7 +215,7 @@ def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base,
 def start_of(problem: Problem) -> State:
     """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
     return State(
-        _BEGIN * np.eye(problem.base_size)[NAMES.index("peak")],
+        _BEGIN * np.eye(BASE)[NAMES.index("peak")],
         np.zeros(len(FORM_PRIOR)),
         np.zeros((len(problem.runs), len(OWN))),
     )

@@ -27,8 +27,6 @@ from calib.diagnosis.explanation.channels import (
 )
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
-DRAG, SHARE = "aerodynamic_drag", "load_share"
-
 _COASTING = 1e5  # weight of a ripple without torque, as a pressure [Pa]: little beside a braked one
 _MARGIN = 8  # steps of evidence before the brake first bites that do not count as unbraked
 
@@ -57,17 +55,6 @@ class Problem:
     def alone(self) -> Self:
         """The same for a worker process, which tells nobody and has no workers of its own."""
         return replace(self, tell=silent, mapped=map)
-
-    @property
-    def base_size(self) -> int:
-        """Number of base parameters, the first ones of every vector."""
-        return BASE + self.free_share
-
-    @cached_property
-    def free_share(self) -> bool:
-        """Whether a drag is known, but not how much load it moves."""
-        drag = self.vehicle.effects.parameters.get(DRAG)
-        return drag is not None and SHARE not in drag
 
     @cached_property
     def courses(self) -> list[Array]:

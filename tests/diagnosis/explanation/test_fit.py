@@ -9,7 +9,7 @@ import calib
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import BASE, LOW, NAMES, OWN
+from calib.diagnosis.explanation.base import LOW, NAMES, OWN
 from calib.diagnosis.explanation.fit import Fit, innovations, linearised
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
 from calib.diagnosis.explanation.problem import Problem
@@ -112,26 +112,7 @@ def drag() -> HiddenCase:
     return draw("single", 10, (DRAG,), severity=1, only=("coast", "ramp", "step_high"))
 
 
-def knowing(case: HiddenCase, **known: float) -> Problem:
-    car = replace(case.vehicle, effects=Effects({DRAG: known} if known else {}))
-    return asked_of(replace(case, vehicle=car))
-
-
 def test_the_load_that_a_hidden_drag_moves_is_one_of_its_parameters(drag):
-    problem = knowing(drag)
-    assert problem.base_size == BASE
-    found = fitted(problem, (DRAG,)).effects.parameters[DRAG]
+    found = fitted(asked_of(drag), (DRAG,)).effects.parameters[DRAG]
     assert found["load_share"] == pytest.approx(0.0, abs=0.2)
     assert found["drag_area"] == pytest.approx(drag.hidden.drag_area, rel=0.03)
-
-
-def test_the_load_that_a_known_drag_moves_is_a_base_parameter_unless_the_file_says(drag):
-    area = drag.hidden.drag_area
-    found = fitted(problem := knowing(drag, drag_area=area))
-    assert problem.base_size == BASE + 1
-    assert found.effects.parameters[DRAG]["drag_area"] == area
-    assert found.effects.parameters[DRAG]["load_share"] == pytest.approx(0.0, abs=0.2)
-    at_road = fitted(given := knowing(drag, drag_area=area, load_share=1.0))
-    assert given.base_size == BASE
-    assert at_road.effects.parameters == {DRAG: {"drag_area": area, "load_share": 1.0}}
-    assert found.log_evidence > at_road.log_evidence + 10.0
