@@ -51,11 +51,6 @@ class VehicleKey:
         return f"{self.section}.{self.name}" if self.section else self.name
 
     @property
-    def usual(self) -> str:
-        """The usual range in words; empty for text."""
-        return f"{self.low:g} to {self.high:g}{behind(self.unit)}" if self.unit else ""
-
-    @property
     def default(self) -> float | None:
         """Value of an optional key that is not given; None where it has none."""
         part = Axle if self.section in (FRONT, REAR) else Vehicle
@@ -103,7 +98,7 @@ def vehicle_text() -> str:
 
 def _commented(key: VehicleKey) -> str:
     measure = f"measure: {key.measure}" if key.unit else key.measure
-    usual = [f"usual: {key.usual}"] if key.unit else []
+    usual = [f"usual: {key.low:g} to {key.high:g}{behind(key.unit)}"] if key.unit else []
     about = (*textwrap.wrap(key.meaning, 96), *textwrap.wrap(measure, 96), *usual)
     # a text of JSON is one of TOML; a number without a unit has no quotes
     value = key.example if key.unit == "1" else json.dumps(key.example, ensure_ascii=False)
