@@ -26,11 +26,6 @@ class Brakes:
     model: Model
     clamp: dict[str, Array]
 
-    @property
-    def wheels(self) -> tuple[str, ...]:
-        """The wheels that are computed."""
-        return tuple(self.clamp)
-
     def twin(self, w: str) -> str:
         """The computed wheel for ``w``: itself, or the left one of its axle."""
         return w if w in self.clamp else f"{w[0]}l"

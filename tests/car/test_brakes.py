@@ -22,7 +22,7 @@ def brakes(effects, own=None, p=PRESSURE):
 
 def test_without_effects_the_clamp_is_the_pedal_and_two_wheels_stand_for_four():
     found, rest = brakes({})
-    assert found.wheels == ("fl", "rl")
+    assert tuple(found.clamp) == ("fl", "rl")
     assert found.clamp["rl"] is rest.p_mc
     assert [found.twin(w) for w in ("fl", "fr", "rl", "rr")] == ["fl", "fl", "rl", "rl"]
     gain = 0.38 * 2 * 28.84e-4 * 0.1309  # Table I
@@ -42,7 +42,7 @@ def test_a_logged_wheel_pressure_is_behind_the_line_and_before_the_caliper():
     effects = {"hydraulic_delay": {"delay": 0.05}, "brake_threshold_pressure": {"threshold": 1e5}}
     own = {"rl": PRESSURE + 5e5}
     found, _ = brakes(effects, own)
-    assert found.wheels == ("fl", "fr", "rl", "rr")
+    assert tuple(found.clamp) == ("fl", "fr", "rl", "rr")
     assert found.clamp["rl"] == pytest.approx(PRESSURE + 4e5)
     assert found.clamp["rr"][5:] == pytest.approx(np.maximum(PRESSURE[:-5] - 1e5, 0.0))
     assert np.array_equal(found.clamp["fl"], found.clamp["fr"])

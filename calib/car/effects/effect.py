@@ -76,25 +76,11 @@ class Card:
         texts = (self.cause, self.equation, self.source, self.looks_like)
         if not (re.fullmatch("[a-z][a-z0-9_]*", self.name) and all(map(str.strip, texts))):
             raise ValueError(f"{self.name!r} is no name_of_words, or a text of the card is empty")
-        if len(self.units) < len(self.parameters):
+        if len({p.name for p in self.parameters}) < len(self.parameters):
             raise ValueError(f"{self.name}: two parameters of one name")
         for one in self.parameters[:1]:
             if not one.low <= self.neutral <= one.high or one.typical == self.neutral:
                 raise ValueError(f"neutral {self.neutral:g}: no strength, or the typical one")
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Unit of each parameter, by name."""
-        return {p.name: p.unit for p in self.parameters}
-
-    @property
-    def usual(self) -> dict[str, float]:
-        """Parameters at the usual size of the effect: one ``spread`` where the mean is neutral."""
-        strength, *others = self.parameters
-        size = strength.typical
-        if size == self.neutral:
-            size += strength.spread
-        return {strength.name: size} | {p.name: p.typical for p in others}
 
 
 @dataclass(frozen=True)
