@@ -134,7 +134,6 @@ def simulate(
 def replay(
     model: Model,
     log: Log,
-    stop_speed: float = 1.0,
     wheel_angle: Mapping[str, Array] | None = None,
     start_heat: tuple[float, float] = COLD,
 ) -> Log:
@@ -159,7 +158,6 @@ def replay(
         drive_torque={a: log[f"T_drive_{a}"] for a in AXLES if f"T_drive_{a}" in log},
         wheel_angle=wheel_angle,
         start_heat=start_heat,
-        stop_speed=stop_speed,
         name=log.name,
     )
 
