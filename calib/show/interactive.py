@@ -229,7 +229,8 @@ def _short(values: Array) -> Array:
 
 
 def _mark(fig: Any, mark: Mark) -> None:
-    more = {"legend_label": _plain(mark.label)} if mark.label else {}
+    more = {"level": "image"}  # behind the bands
+    more |= {"legend_label": _plain(mark.label)} if mark.label else {}
     if mark.start == mark.end:
         fig.vspan([mark.start], **_look(mark.look), **more)
     else:

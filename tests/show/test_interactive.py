@@ -71,6 +71,13 @@ def test_all_samples_of_a_line_are_in_the_page_once(sheet):
     assert len(found) == 9
 
 
+def test_what_is_marked_lies_behind_the_lines(sheet):
+    (made,) = (json.loads(drawn(sheet, ["b"], "x").data)["roots"],)
+    level = {one["attributes"]["glyph"]["name"]: one["attributes"].get("level", "glyph")
+             for one in every(made) if one.get("name") == "GlyphRenderer"}  # fmt: skip
+    assert level == {"Line": "glyph", "VSpan": "image", "VStrip": "image"}
+
+
 def every(value):
     """All dicts in a document."""
     if isinstance(value, dict):
