@@ -92,17 +92,13 @@ def command(
         infos |= {"report": get_args(_COMMON["report"])[1]} if report else {}
         writes = {name: info for name, info in infos.items() if info.writes is not None}
         is_file = any(info.writes != "folder" for info in writes.values())
-        common = {"report": report, "quiet": True, "verbose": True, "json": True, "force": is_file}
-        every = [*parameters.values()]
-        every += [_common(n) for n, wanted in common.items() if wanted and n not in parameters]
+        common = [*["report"] * report, "quiet", "verbose", "json", *["force"] * is_file]
+        every = [*parameters.values(), *(_common(n) for n in common if n not in parameters)]
 
         @wraps(body)
         def run(**values: Any) -> None:
-            this = this_run()
-            this.quiet, this.verbose = values["quiet"], values["verbose"]
-            this.force = values.get("force", False)
-            if this.quiet and this.verbose:
-                raise misuse("-q and -v exclude each other", "--quiet, --verbose")
+            this, is_forced = this_run(), values.get("force", False)
+            this.quiet, this.verbose, this.force = values["quiet"], values["verbose"], is_forced
             for name, info in infos.items():
                 if info.setting and not values[name]:
                     setting = from_settings(info.setting) if info.when(values) else None

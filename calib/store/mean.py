@@ -82,19 +82,15 @@ def _on_one_axis(start: float, curves: Sequence[Sequence[Array]]) -> _OneCurve:
 
     Blocks of a cell are summed, of the flags it has the upper median.
     """
-    axes = [x for x, *_ in curves]
-    axis = np.linspace(start, min(float(x[-1]) for x in axes), max(x.size for x in axes))
-    values, lower, upper, of_run = (
-        np.array([np.interp(axis, curve[0], curve[i]) for curve in curves]) for i in (1, 2, 3, 6)
+    end, rows = min(float(x[-1]) for x, *_ in curves), max(x.size for x, *_ in curves)
+    axis = np.linspace(start, end, rows)
+    values, lower, upper, count, flag, of_run = (
+        np.array([np.interp(axis, curve[0], curve[i]) for curve in curves]) for i in range(1, 7)
     )
     variance = ((upper - lower) / (2.0 * Z95)) ** 2
-    nearest = [np.abs(x[:, None] - axis).argmin(axis=0) for x in axes]
-    count, flag = (
-        np.array([curve[i][at] for curve, at in zip(curves, nearest, strict=True)]) for i in (4, 5)
-    )
-    middle = np.sort(flag, axis=0)[len(curves) // 2]
     parts = variance * of_run, variance * (1.0 - of_run)
-    return _OneCurve(axis, values, *parts, count.sum(axis=0), middle)
+    blocks, middle = np.rint(count.sum(axis=0)), np.ceil(np.median(flag, axis=0))
+    return _OneCurve(axis, values, *parts, blocks, middle)
 
 
 def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:

@@ -59,7 +59,6 @@ def test_what_is_typed_wrong_ends_with_2_and_one_document(brake_cal, path):
     document = parsed(ran)
     jsonschema.validate(document, documents()["error"].schema)
     assert (ran.code, document["error"]["kind"]) == (2, "usage")
-    assert brake_cal(*path, "-q", "-v", "--no-such").code == 2
 
 
 @pytest.mark.parametrize(
