@@ -17,8 +17,7 @@ from calib.estimation.estimator import COLUMNS, Estimate
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, proof_of
 from calib.store.version import Stored
-from calib.table.budget import STOP
-from calib.table.budget import summary as budget_summary
+from calib.table.budget import by_axle
 from calib.table.exported import Precision
 from calib.table.unseen import Unseen, unseen
 
@@ -72,7 +71,7 @@ def _of_log(r: Validation) -> dict[str, object]:
         ],
         "not_held": [j.figure for j in r.judgements if j.verdict == FAILED],
         "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
-        "budget": r.budget and budget_summary(*r.budget, STOP),
+        "budget": r.budget and by_axle(r.budget),
         "not_valid": r.refused,
         "rms_error_against": r.compared_with,
         "rms_error_by_method": {

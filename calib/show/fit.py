@@ -20,7 +20,7 @@ from calib.show.store import table_facts
 from calib.show.table import table_sheet
 from calib.store.figures import usability
 from calib.store.version import Stored
-from calib.table.budget import summary as budget_summary
+from calib.table.budget import by_axle
 from calib.table.unseen import Unseen, unseen, unseen_line
 
 _CURVES = "The curves of the table with their 95 % bands, and the measured points."
@@ -82,7 +82,7 @@ def document(fitted: Fitted) -> dict[str, object]:
         "new": not stored.existed,
         "answer": usability(stored),
         "calibration": table.calibration,
-        "budget": budget_summary(*table.budget.axles),
+        "budget": by_axle(table.budget.axles),
         "unseen": [one._asdict() for one in _unseen(fitted)],
         "effects": table.effect_values,
         "quality": table.quality,

@@ -84,11 +84,6 @@ def deviations(variances: _Variances) -> Parts:
     return {part: math.sqrt(x) for part, x in variances.items() if x > 0.0}
 
 
-def largest(parts: Parts) -> str:
-    """Name of the largest part."""
-    return max(parts, key=parts.__getitem__)
-
-
 def words(parts: Parts) -> str:
     r"""The three largest parts, as a 95 % interval has them.
 
@@ -112,7 +107,7 @@ def limiting(axles: Sequence[Parts]) -> str:
     """
     by_part: dict[str, list[str]] = {}
     for axle, parts in zip(AXLE_NAMES.values(), axles, strict=True):
-        most = largest(parts)
+        most = max(parts, key=parts.__getitem__)
         width = f"±{100.0 * Z95 * parts[most]:.0f}{NBSP}%"
         by_part.setdefault(_label(most), []).append(f"{width} {axle}")
     return ", ".join(f"{part} ({', '.join(of)})" for part, of in by_part.items())
@@ -141,15 +136,9 @@ def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
     return [line for _, line in sorted(lines)]
 
 
-def summary(front: Parts, rear: Parts, kind: str = RAMP) -> dict[str, object]:
-    """Both axles for a JSON file: their parts, the largest of each, and what reduces it."""
-    axles = {"front": front, "rear": rear}
-    most = {axle: largest(parts) for axle, parts in axles.items()}
-    shrinks = {
-        p: min(_useful(kind), key=lambda advice: advice.leaves.get(p, 2.0)) for p in most.values()
-    }
-    advice = {axle: {"part": p, "do": shrinks[p].do} for axle, p in most.items()}
-    return {**axles, "largest": advice}
+def by_axle(axles: Iterable[Parts]) -> dict[str, Parts]:
+    """The parts of both axles by their names, for a JSON file."""
+    return dict(zip(AXLE_NAMES.values(), axles, strict=True))
 
 
 def _useful(kind: str) -> list[_Advice]:

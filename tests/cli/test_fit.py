@@ -7,7 +7,7 @@ import pytest
 
 from calib.logs.write import write_csv
 from calib.store.store import Store
-from calib.table.budget import summary
+from calib.table.budget import by_axle
 from tests.cli.conftest import parsed
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, stop, swapped, with_pads
 from tests.support.tyre_files import written
@@ -35,7 +35,7 @@ def test_json_is_one_document(brake_cal, log, store):
     assert set(document["effects"]) == {"aerodynamic_drag", "rolling_resistance"}
     assert document["quality"]["runs"] == 1.0
     assert document["answer"]["usable"] is False  # a draft
-    assert document["budget"] == summary(*stored.table.budget.axles)
+    assert document["budget"] == by_axle(stored.table.budget.axles)
     assert document["remarks"] == list(stored.table.remarks)
 
 

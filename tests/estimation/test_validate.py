@@ -186,7 +186,6 @@ def test_summary_holds_everything_and_is_json(wet, passed, blind):
         axle, valid = getattr(passed.estimate.best, f"pads_{side[0]}"), passed.estimate.valid
         widths = np.sort(0.5 * np.log(axle.upper / axle.lower)[valid])
         assert half == pytest.approx(widths[(widths.size - 1) // 2], rel=1e-9)
-        assert first["budget"]["largest"][side]["part"] == max(parts, key=parts.get)
     assert first["digest"] == wet.digest
     assert first["rms_error_by_method"]["estimate"]["front"] == passed.baselines["estimate"][0]
     limit = first["limits"][0]
