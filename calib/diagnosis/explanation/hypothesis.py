@@ -201,9 +201,7 @@ def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base,
     car_effects, parameters = problem.vehicle.effects, dict[str, dict[str, float]]()
     for one, fit in zip(elements(problem, hypothesis.names), state.x[BASE:].tolist(), strict=False):
         parameters.setdefault(one.effect, {})[one.parameter.name] = one.value(fit)
-    effects = car_effects.with_(
-        Effects(parameters, sigma=car_effects.without(*hypothesis.names).sigma)
-    )
+    effects = car_effects.with_(Effects(parameters))
     if (walk := hypothesis.walk) is not None:
         values_of_walk = tuple(state.x[-len(walk.knots) :].tolist())
         term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values_of_walk)
