@@ -93,16 +93,14 @@ class StationCheck:
 class StationOutcome:
     """A car after its run at the station, and the verdict.
 
-    ``table`` fitted on ``ramps`` and ``coasts``; ``results`` of the hold-outs ``stops`` in their
-    order; ``golden`` table of its model; ``accepted`` why warnings are accepted; ``by`` who answers
-    for it, "" for the user of the computer; ``limits_file`` file of ``limits`` with its digest, ""
-    for the default ones.
+    ``table`` fitted on ``ramps`` and on coasts; ``results`` of the hold-outs in their order;
+    ``golden`` table of its model; ``accepted`` why warnings are accepted; ``by`` who answers for
+    it, "" for the user of the computer; ``limits_file`` file of ``limits`` with its digest, "" for
+    the default ones.
     """
 
     table: Table
     ramps: Sequence[Log]
-    coasts: Sequence[Log]
-    stops: Sequence[Log]
     results: tuple[Validation, ...]
     limits: Sequence[Limit]
     golden: Stored | None = None
@@ -131,9 +129,9 @@ class StationOutcome:
     @property
     def logs(self) -> list[tuple[str, str, str]]:
         """Role, name and digest of each log."""
-        fitted = [("ramp", log) for log in self.ramps] + [("coast", log) for log in self.coasts]
+        fitted = [x for x in self.table.provenance.logs if x.role in ("ramp", "coast")]
         stops = [(r.role, r.log, r.digest) for r in self.results]
-        return [(role, log.name, log.digest) for role, log in fitted] + stops
+        return [(x.role, x.name, x.digest) for x in fitted] + stops
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -225,7 +223,7 @@ def judged_car(
     for log in stops:
         results.append(validate_one(table, log, None, of_stops, mass=mass))
         report()
-    return StationOutcome(table, ramps, coasts, stops, tuple(results), limits, golden, **fields)
+    return StationOutcome(table, ramps, tuple(results), limits, golden, **fields)
 
 
 def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) -> None:
