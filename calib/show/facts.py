@@ -77,7 +77,7 @@ class Facts:
     rows : names and their texts.
     tables, notes, warnings, pictures : in this order.
     next : what to do next, a command where there is one.
-    parts : details, such as of each stop; ``folded`` ones are on a page alone, and open on demand.
+    parts : details, such as of each stop.
     """
 
     title: str = ""
@@ -92,7 +92,6 @@ class Facts:
     warnings: Sequence[PlausibilityWarning] = ()
     pictures: Sequence[Picture] = ()
     parts: "Sequence[Facts]" = ()
-    folded: bool = False
 
     @property
     def verdict_line(self) -> str:

@@ -3,7 +3,6 @@
 Only a live page has scripts, those of `calib.show.interactive`; it can be read without them.
 """
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +15,7 @@ import numpy as np
 from calib.base.templates import templates
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
-from calib.show.interactive import Drawn, drawn, source
+from calib.show.interactive import script, source
 from calib.show.numbers import whole
 from calib.show.sheet import Sheet, render
 
@@ -63,10 +62,9 @@ def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
     a screen, by scripts that are inside; it needs Bokeh.
     """
     pictures = _Pictures(live)
-    text = _template().render(
-        facts=facts, again=again, generator=_GENERATOR, pictures=pictures, warned=_warned
-    )
-    return text.lstrip()
+    functions = {"warned": _warned, "bokeh": source}
+    page = {"facts": facts, "again": again, "generator": _GENERATOR, "pictures": pictures}
+    return _template().render(page | functions).lstrip()
 
 
 def is_page(data: bytes) -> bool:
@@ -75,33 +73,19 @@ def is_page(data: bytes) -> bool:
 
 
 class _Pictures:
-    """The pictures of a page as panels; ``drawn`` are the interactive ones."""
+    """The pictures of a page as panels, and the ``scripts`` that fill the places of live ones."""
 
     def __init__(self, live: bool) -> None:
-        self.live, self.drawn = live, list[Drawn]()
+        self.live, self.scripts = live, list[str]()
 
     def panels(self, picture: Picture) -> list[tuple[str, str]]:
         """Each panel as SVG, with the place of its live picture, or ""."""
-        sheet = picture.make()
+        sheet, number = picture.make(), len(self.scripts)
         names = picture.names or sheet.names
-        places = dict.fromkeys(names, "")
+        places = {name: f"sheet-{number}-{i}" for i, name in enumerate(names)}
         if self.live:
-            self.drawn.append(drawn(sheet, names, f"sheet-{len(self.drawn)}"))
-            places = self.drawn[-1].places
-        return [(_panel(sheet, name), places[name]) for name in names]
-
-    @property
-    def source(self) -> str:
-        """The source of Bokeh; "" where no picture is live."""
-        return source() if self.drawn else ""
-
-    @property
-    def calls(self) -> list[str]:
-        """Script that fills each interactive picture, escaped for HTML."""
-        return [
-            f"live({one.data}, {json.dumps(one.roots)});".replace("<", "\\u003c")
-            for one in self.drawn
-        ]
+            self.scripts.append(script(sheet, places))
+        return [(_panel(sheet, name), places[name] * self.live) for name in names]
 
 
 def _panel(sheet: Sheet, name: str) -> str:

@@ -1,7 +1,7 @@
 """A sheet in the browser, drawn by Bokeh: panels that zoom together, values under the cursor.
 
-    Sheet --drawn--> Drawn: a place for each panel, and what Bokeh fills it with
-    source           Bokeh itself, which stands once in a page and fetches nothing
+    Sheet --script--> what fills the places of its panels, by live.js
+    source            Bokeh itself, which stands once in a page and fetches nothing
 
 Panels over one x axis share its ends, and an upright line at the cursor.
 """
@@ -9,8 +9,7 @@ Panels over one x axis share its ends, and an upright line at the cursor.
 import json
 import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from typing import Any
 
@@ -41,15 +40,6 @@ _COLOURS = 64
 _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A document as JSON ``data``, its models (``roots``), and ``places`` of the panels by name."""
-
-    places: dict[str, str]
-    data: str
-    roots: dict[str, str]
-
-
 def installed() -> bool:
     """Whether Bokeh is there; it comes with the `EXTRA`."""
     return find_spec("bokeh") is not None
@@ -62,17 +52,17 @@ def source() -> str:
     return "\n".join(Resources("inline", components=["bokeh"], minified=True).js_raw)
 
 
-def drawn(sheet: Sheet, names: Sequence[str], prefix: str) -> Drawn:
-    """The panels ``names`` of a sheet, in places whose names begin with ``prefix``."""
+def script(sheet: Sheet, places: Mapping[str, str]) -> str:
+    """Script that fills the ``places`` of panels by their names, escaped for HTML."""
     from bokeh.document import Document
 
     panels, making = {panel.name: panel for panel in sheet.panels}, _Making()
-    places = {name: f"{prefix}-{i}" for i, name in enumerate(names)}
     roots, document = {}, Document()
     for name, place in places.items():
         document.add_root(figure := making.figure(panels[name]))
         roots[figure.id] = place
-    return Drawn(places, json.dumps(document.to_json(deferred=False)), roots)
+    data = json.dumps(document.to_json(deferred=False))
+    return f"live({data}, {json.dumps(roots)});".replace("<", "\\u003c")
 
 
 class _Making:

@@ -69,7 +69,7 @@ def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
         tables=[_table(shown, "The last cars, failed and refused ones on top.")],
         notes=[f"{page} reloads itself every {_EVERY} s; {other} stays as it is."],
         pictures=_trends(runs[:_DRAWN]),
-        parts=[Facts("Earlier cars", tables=[_table(runs[_LAST:])], folded=True)],
+        parts=[Facts("Earlier cars", tables=[_table(runs[_LAST:])])],
     )
 
 

@@ -89,7 +89,7 @@ def station_facts(run: StationRun) -> Facts:
             Facts("The run", rows=_run(outcome, date)),
             Facts("The table", pictures=[curves]),
             Facts("The stops", pictures=[torque_and_pads(r) for r in outcome.results]),
-            Facts("Remarks", notes=outcome.table.remarks, folded=True),
+            Facts("Remarks", notes=outcome.table.remarks),
             origin(stored, outcome.logs, date),
         ],
     )

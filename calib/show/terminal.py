@@ -45,9 +45,8 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
 
 
 def _texts(facts: Facts) -> Facts:
-    """The facts without pictures, warnings, folded and empty parts."""
-    parts = [_texts(part) for part in facts.parts if not part.folded]
-    parts = [part for part in parts if part.filled]
+    """The facts without pictures, warnings and empty parts."""
+    parts = [part for part in map(_texts, facts.parts) if part.filled]
     return replace(facts, pictures=(), warnings=(), parts=parts)
 
 

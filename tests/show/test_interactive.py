@@ -11,7 +11,7 @@ from selenium.webdriver import ActionChains
 
 from calib.show.facts import Facts, Picture
 from calib.show.html import page_of
-from calib.show.interactive import drawn
+from calib.show.interactive import script
 from calib.show.panel import Field, Line, Mark, Panel
 from calib.show.sheet import Sheet
 from calib.show.style import DASHED, FRONT, REAR, as_text
@@ -59,12 +59,12 @@ def page(sheet, tmp_path_factory):
 
 
 def test_all_samples_of_a_line_are_in_the_page_once(sheet):
-    made = drawn(sheet, sheet.names, "x")
-    assert list(made.places) == ["a", "b", "c", "d"]
-    assert sorted(made.roots.values()) == ["x-0", "x-1", "x-2", "x-3"]
+    made = script(sheet, {name: f"place-{name}" for name in sheet.names})
+    document, end = json.JSONDecoder().raw_decode(made.removeprefix("live("))
+    assert made[end:].count("place-") == 4
     found = [
         value["array"]["data"]
-        for value in every(json.loads(made.data))
+        for value in every(document)
         if value.get("type") == "ndarray" and value.get("shape") == [TIME.size]
     ]
     # x of both; of them y, the ends of a band, a mean; of the curve its x and y
@@ -72,9 +72,9 @@ def test_all_samples_of_a_line_are_in_the_page_once(sheet):
 
 
 def test_what_is_marked_lies_behind_the_lines(sheet):
-    (made,) = (json.loads(drawn(sheet, ["b"], "x").data)["roots"],)
+    made, _ = json.JSONDecoder().raw_decode(script(sheet, {"b": "x"}).removeprefix("live("))
     level = {one["attributes"]["glyph"]["name"]: one["attributes"].get("level", "glyph")
-             for one in every(made) if one.get("name") == "GlyphRenderer"}  # fmt: skip
+             for one in every(made["roots"]) if one.get("name") == "GlyphRenderer"}  # fmt: skip
     assert level == {"Line": "glyph", "VSpan": "image", "VStrip": "image"}
 
 
