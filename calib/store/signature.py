@@ -93,8 +93,8 @@ def verify_signed(
 ) -> tuple[tuple[StoreEntry, ...], str]:
     """`Store.verify` with the signatures of a key, and a note as in `_Signed`.
 
-    Every version that was ever released must have one. Raises as `Store.verify`, and as
-    `require_signed` for the store as a whole.
+    Every version that was ever released must have one, and one that there is must be valid. Raises
+    as `Store.verify`, and as `require_signed` for the store as a whole.
     """
     now, memory = _looked_up(store, public)
     entries = store.verify(name, lambda entry: _with_signature(now, entry, public))
@@ -124,7 +124,8 @@ def _must_be_signed(now: Snapshot, name: str, version: int) -> bool:
 
 
 def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
-    if entry.stored is None or not _must_be_signed(now, entry.name, entry.version):
+    must = _must_be_signed(now, entry.name, entry.version)
+    if entry.stored is None or not (must or signer(entry.stored) == public.key_id):
         return entry
     try:
         return replace(entry, signed=_valid(now, entry.stored, public).stored.state.word)

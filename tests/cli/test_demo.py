@@ -134,7 +134,6 @@ BEFORE = (
     ("fleet runs", "--out runs/car-0815"),
     ("tables sign sedan", "--new-key"),
     ("fleet checked", "--out checked"),
-    ("fleet validated", "--out validated"),
 )
 """Examples, and a part of the one that makes what they read."""
 

@@ -151,6 +151,9 @@ def test_a_version_without_a_signature_of_the_key_is_refused(store):
     sign(store, "wagon@1", EVE)
     assert EVE.public.key_id in refusal(store, "wagon@1")
     refusal(store, "sedan@2", NAMESAKE)
+    sign(store, "wagon@1", ADA)
+    assert [v.signed for v in verify_signed(store, ADA.public, "wagon")[0]] == ["released"]
+    sign(store, "wagon@1", EVE)
     path = store.folder / "wagon" / "v0001.minisig"
     path.write_bytes(path.read_bytes()[:-9])
     refusal(store, "wagon@1", EVE)
