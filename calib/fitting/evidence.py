@@ -38,7 +38,7 @@ _LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest with other
 SCREENING_ERROR = 4.0  # largest error of ln of the odds by these draws, near those that count
 NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
 _NEAR = 6.0  # ln of the odds against a mistake from which no further sizes are tried
-_STEP, _TRIALS, _CHANGE = 0.05, 40, 0.1
+_STEP, _TRIALS, _CHANGE = 0.05, 40, 0.01
 """First step from the best of these sizes, over their range [1], most further sizes, and change of
 ln of the evidence at which they end."""
 
