@@ -1,6 +1,5 @@
 """Propose a channel map for a foreign log by names, units and physics, and try it on the log."""
 
-import json
 import os
 from collections.abc import Iterable, Iterator
 from collections.abc import Mapping as Named
@@ -187,12 +186,13 @@ def _rows(values: Named[str, object], defaults: Named[str, object]) -> list[str]
 
 def _written(value: object) -> str:
     """A value as TOML in one line."""
-    if isinstance(value, dict):
-        rows = (f"{_written(key)} = {_written(x)}" for key, x in value.items())
-        return f"{{{', '.join(rows)}}}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_written, value))}]"
-    return json.dumps(value).replace("\x7f", "\\u007f")  # the one sign that JSON leaves
+    import tomlkit
+
+    if not isinstance(value, dict):
+        return tomlkit.item(value).as_string()
+    table = tomlkit.inline_table()
+    table.update(value)
+    return table.as_string()
 
 
 def _paths(paths: Iterable[Path], folder: Path | None) -> list[str]:
