@@ -107,7 +107,8 @@ class PlausibilityWarning:
     @property
     def title(self) -> str:
         """What was measured, in words."""
-        return _OF[self.code][0].means if self.code in _OF else plain(self.code).name
+        of_code = _OF.get(self.code)
+        return (of_code[0].means if of_code else "") or plain(self.code).name
 
     @property
     def amount(self) -> str:

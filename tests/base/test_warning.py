@@ -6,7 +6,7 @@ import math
 import pytest
 
 from calib.base.errors import NotFiniteError
-from calib.base.warning import PlausibilityWarning, to_dict
+from calib.base.warning import UNITS, PlausibilityWarning, to_dict
 
 
 def made(code="pressure_zero", expected=(-0.5, 0.5)):
@@ -28,6 +28,14 @@ def test_a_bound_that_is_not_there_is_null(expected, words, ends):
     document = json.loads(json.dumps(to_dict(warning), allow_nan=False))
     assert document["expected"] == ends
     assert set(document) == {"code", "log", "measured", "expected", "causes", "do"}
+
+
+@pytest.mark.parametrize("code", [*UNITS, "valid_share"])
+def test_every_code_has_words(code):
+    """Those of its rule, or, where that has none, of its metric."""
+    title = made(code).title
+    assert title
+    assert title != code or "_" not in code
 
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
