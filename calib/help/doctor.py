@@ -11,11 +11,10 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 
-from calib.base.errors import InputError, SettingsError
+from calib.base.errors import SettingsError
 from calib.base.extras import EXTRAS
 from calib.base.names import NAME, PROGRAM, STORE
 from calib.base.plain import counted
-from calib.help.samples import sample_logs
 from calib.show.facts import Facts, Table
 from calib.store.folders import names_in, versions_in
 
@@ -70,11 +69,7 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
         settings, usual = _Finding("settings", FINE, file), project.settings["store"]
     except SettingsError as error:
         settings = _Finding("settings", WRONG, str(error), "mend the file")
-    try:
-        samples = _Finding("sample logs", FINE, str(sample_logs()))
-    except InputError as error:
-        samples = _Finding("sample logs", NOTE, error.problem, "`demo` and `qualify` need them")
-    return (*map(_package, packages()), _store(store or usual or STORE), samples, settings)
+    return (*map(_package, packages()), _store(store or usual or STORE), settings)
 
 
 def _package(package: tuple[Requirement, str, str]) -> _Finding:
