@@ -9,6 +9,7 @@ without memory, for one block or those of a whole log.
 """
 
 import math
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -120,7 +121,9 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
     """The answers of `step` to each block of a run (k,), from the start."""
     s = started(c)
     rows = zip(*(column.tolist() for column in x), strict=True)
-    return _answers(c, s, x, BlockState(*np.array([follow(c, s, Sample(*row)) for row in rows]).T))
+    states = chain.from_iterable(follow(c, s, Sample(*row)) for row in rows)
+    of_blocks = np.fromiter(states, np.float64).reshape(-1, len(BlockState._fields))
+    return _answers(c, s, x, BlockState(*of_blocks.T))
 
 
 def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array]) -> Answer:

@@ -23,6 +23,7 @@ from calib.estimation.known import known_resistance
 from calib.estimation.metrics import counted_samples, share
 from calib.estimation.reasons import Reason
 from calib.fitting.ensemble import ensemble_of
+from calib.fitting.hypotheses import DELAYS
 from calib.fitting.maps import predict_stops, scenarios
 from calib.fitting.mistakes import causes_of, measured
 from calib.model.ramp import prepare
@@ -49,9 +50,10 @@ _ASKS = {
     *("braking_force_missing", "unexplained_drag", "a_x_by_wheels", "v_of_wheels", "v_scale"),
 }
 """Warnings after which mistakes are compared: it takes half a second."""
-_FEWEST, _LATE, _BESIDE = 20, 4.0, 0.025
-"""From these on mistakes are compared: blocks of a braking and sigmas of a delay of the wheels,
-share of brake force beside the pressure [1]."""
+_FEWEST, _SURELY, _LATE, _BESIDE = 20, 4.0, 0.5 * DELAYS[0], 0.025
+"""From these on mistakes are compared: blocks of a braking, a delay of the wheels in sigma and [s],
+share of brake force beside the pressure [1]. Good stops have delays of up to 6 ms, by the form of
+the tyres; at 13 ms none is named yet, at 20 ms 8 ms and more are seen."""
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
 
 
@@ -105,8 +107,8 @@ def _goes_with_time(e: Estimate) -> bool:
     sigma = b.eta[use] * np.sqrt(2.0 / b.length) * e.noise.omega / np.maximum(b.omega_f[use], 1.0)
     columns = np.stack([z, z**2, G * z / b.speed[use], np.ones_like(z)], axis=1) / sigma[:, None]
     solution = np.linalg.lstsq(columns, b.eta[use] / sigma)[0]
-    delay = abs(float(solution[2])) / math.sqrt(np.linalg.pinv(columns.T @ columns)[2, 2])
-    return delay > _LATE
+    sigma_delay = math.sqrt(np.linalg.pinv(columns.T @ columns)[2, 2])
+    return abs(float(solution[2])) > max(_LATE, _SURELY * sigma_delay)
 
 
 def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterator[Measured]:

@@ -90,9 +90,9 @@ def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
 class _UnitSlips(NamedTuple):
     """Slips and loads of the axles by draw, (2, n, k) [1].
 
-    ``slip`` over the compliance; ``load`` over the weight; ``grown`` change of the load over that
-    at rest, which moves the radii; ``rolls`` (n, k) where both axles are on the road and below the
-    peaks of their tyres.
+    ``slip`` (..., 2, n, k) over the compliance; ``load`` over the weight; ``grown`` change of the
+    load over that at rest, which moves the radii; ``rolls`` (..., n, k) where both axles are on the
+    road and below the peaks of their tyres.
     """
 
     slip: Array
@@ -121,14 +121,16 @@ class LoadedTyres(NamedTuple):
         return LoadedTyres(*(np.take(x, draws, axis=-2) for x in self))
 
     def slips(self, forces: Array) -> _UnitSlips:
-        """Slips over compliance by (15), (16), with ``forces`` over the weight (2, n, k)."""
+        """Slips over compliance by (15), (16), with ``forces`` over the weight (..., 2, n, k)."""
         use = forces / self.on_road / self.most
-        unit = np.stack([mean_inverse(of_axle, self.forms) for of_axle in use])
+        unit = np.empty_like(use)
+        for axle in (0, 1):
+            unit[..., axle, :, :] = mean_inverse(use[..., axle, :, :], self.forms)
         return _UnitSlips(
             slip=self.most * unit * self.compliant,
             load=self.load,
             grown=self.grown,
-            rolls=np.all((use < NEAR_PEAK) & (self.load > _LEAST_LOAD), axis=0),
+            rolls=np.all((use < NEAR_PEAK) & (self.load > _LEAST_LOAD), axis=-3),
         )
 
 

@@ -56,6 +56,10 @@ class Cause:
     misfit: float
 
 
+_BySize = dict[Size, tuple[float, float]]
+"""ln of the evidence by size of a mistake, and the mean square residual of the best draw."""
+
+
 @cache
 def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
     """Draws of the default prior, with any pads' ratio; see `draw_cars`.
@@ -81,8 +85,8 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
 
 def _log_mean(x: Array) -> float:
     """ln of the mean of exp ``x`` (n,)."""
-    most = float(np.max(x))
-    return most + math.log(np.mean(np.exp(x - most))) if math.isfinite(most) else most
+    most = float(x.max())
+    return most + math.log(np.exp(x - most).mean()) if math.isfinite(most) else most
 
 
 class _Sum:
@@ -107,7 +111,8 @@ class _Sum:
         root = np.linalg.cholesky(self.absolute + np.outer(N, N) * self.relative)
         self.white = np.linalg.inv(root)
         self.unit = self.white @ N
-        self.log = -0.5 * math.log(self.unit @ self.unit) - float(np.log(np.diag(root)).sum())
+        self.information = float(self.unit @ self.unit)
+        self.log = -0.5 * math.log(self.information) - float(np.log(np.diag(root)).sum())
 
     def evidence(self, run: RampRun) -> tuple[float, float, float]:
         """ln of the evidence of ``run``, ln of the pads' level, and the misfit."""
@@ -115,10 +120,10 @@ class _Sum:
         if run.blocks.p_r is not self.run.blocks.p_r:
             sums = copy.copy(self)
             sums._read_pressures(run)
-        rolling = self.run.rolling
-        zero = np.mean(run.brake_sum[rolling]) if rolling.size else 0.0
-        forces = sums.white @ ((self._mean(run.brake_sum) - zero) / self.car.weight)
-        level = float(sums.unit @ forces / (sums.unit @ sums.unit))
+        rolling, brake = self.run.rolling, run.brake_sum
+        zero = brake[rolling].mean() if rolling.size else 0.0
+        forces = sums.white @ ((self._mean(brake) - zero) / self.car.weight)
+        level = float(sums.unit @ forces) / sums.information
         residual = forces - level * sums.unit
         square = float(residual @ residual)
         return sums.log - 0.5 * square, math.log(max(level, 1e-2)), square
@@ -132,44 +137,61 @@ class Evidence:
         self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
         self.loaded = self.regression.loaded(self.draws[0])
         self.sums = [_Sum(car, run) for run in runs]
-        self.as_read = self._evidence(runs)  # the same whatever the pads
+        self.sums_as_read = self._of_sums(runs)
+        self.as_read = self.regression.solve(*self.draws, self.loaded)
 
     def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
         """Odds of mistakes by some draws, scaled so that the best ``pads`` have those of all draws.
 
         These are the likeliest draws with other pads, and the first of all.
         """
-        level = float(np.mean([level for _, level, _ in self.as_read[0]]))
+        _, level, _ = self.sums_as_read
         priors = [self._prior(level, self.draws[0].log_pad_ratio, c.hypothesis.pads) for c in pads]
-        likely = np.argsort(-self.as_read[1].log_evidence - np.max(priors, axis=0), kind="stable")
+        likely = np.argsort(-self.as_read.log_evidence - np.max(priors, axis=0), kind="stable")
         part = self._by(np.union1d(likely[:_LIKELY], np.arange(_FIRST)))
-        nothing, *others = (part.cause(c.hypothesis, -math.inf).log_odds for c in pads)
-        correction = max(c.log_odds for c in pads) - max(nothing, *others)
-        causes = (part.cause(h, nothing - SCREENING_ERROR) for h in mistakes)
+        by_pads = [part.of_pads(c.hypothesis).log_odds for c in pads]
+        nothing, best = by_pads[0], max(by_pads)
+        correction = max(c.log_odds for c in pads) - best
+        # what explains less than half of what other pads do is no better between its sizes
+        least = 0.5 * (nothing + best)
+        causes = part.of_mistakes(mistakes, nothing - SCREENING_ERROR, least)
         return [replace(cause, log_odds=cause.log_odds + correction) for cause in causes]
 
     def _by(self, draws: Index) -> "Evidence":
         other, (e, centre, root) = copy.copy(self), self.draws
         other.draws = e.take(draws), centre[draws], root[draws]
         other.loaded = [tyres.take(draws) for tyres in self.loaded]
-        other.as_read = self.as_read[0], self.as_read[1].take(draws)
+        other.as_read = self.as_read.take(draws)
         return other
 
-    def cause(self, h: Hypothesis, nothing: float) -> Cause:
-        """The hypothesis with ln of (odds times evidence), and its best size.
+    def of_pads(self, h: Hypothesis) -> Cause:
+        """A hypothesis on the pads alone, with ln of (odds times evidence)."""
+        return self._cause(h, {(): self._weighed(h, self.sums_as_read, self.as_read)})
 
-        ``nothing`` ln of the evidence of "nothing wrong".
+    def of_mistakes(
+        self, mistakes: Sequence[Hypothesis], nothing: float, least: float
+    ) -> list[Cause]:
+        """The mistakes with ln of (odds times evidence), and the best size of each.
+
+        ``nothing`` ln of the evidence of "nothing wrong"; ``least`` that from which the size of a
+        mistake is searched for between those that are listed.
         """
-        fits = {size: self._size_evidence(h, size) for size in h.first}
-        if h.sizes != h.first and max(fits.values())[0] > nothing - _NEAR:
-            fits = {size: fits.get(size) or self._size_evidence(h, size) for size in h.sizes}
-        size = max(fits, key=lambda size: fits[size][0])
-        if h.undo and fits[size][0] > nothing:
-            del fits[size]  # its cell is as probable as the best size there
+        by_size = self._by_size([(h, size) for h in mistakes for size in h.first])
+        likely = [h for h in mistakes if max(by_size[h].values())[0] > nothing - _NEAR]
+        pairs = [(h, size) for h in likely for size in h.sizes if size not in by_size[h]]
+        for h, more in self._by_size(pairs).items():
+            every = by_size[h] | more
+            by_size[h] = {size: every[size] for size in h.sizes}
+        return [self._cause(h, of_h, least) for h, of_h in by_size.items()]
+
+    def _cause(self, h: Hypothesis, by_size: _BySize, least: float = math.inf) -> Cause:
+        size = max(by_size, key=lambda size: by_size[size][0])
+        if by_size[size][0] + math.log(h.odds) > least:
+            del by_size[size]  # its cell is as probable as the best size there
             size = self._best_near(h, size)
-            fits[size] = self._size_evidence(h, size)
-        log = _log_mean(np.array([log for log, _ in fits.values()])) + math.log(h.odds)
-        return Cause(h, max(log, NEVER), size, fits[size][1])  # no draw may explain it
+            by_size |= self._by_size([(h, size)])[h]
+        log = _log_mean(np.array([log for log, _ in by_size.values()])) + math.log(h.odds)
+        return Cause(h, max(log, NEVER), size, by_size[size][1])  # no draw may explain it
 
     def _best_near(self, h: Hypothesis, size: Size) -> Size:
         """The most probable size near ``size``, in the range of all: a ridge of two is narrow."""
@@ -179,7 +201,8 @@ class Evidence:
 
         def unlikely(x: Array) -> float:
             inside = np.all((x >= low) & (x <= high))
-            return -self._size_evidence(h, tuple(x.tolist()))[0] if inside else math.inf
+            tried = tuple(x.tolist())
+            return -self._by_size([(h, tried)])[h][tried][0] if inside else math.inf
 
         inward = np.where(start > 0.5 * (low + high), -_STEP, _STEP) * (high - low)
         first = np.vstack([start, start + np.diag(inward)])
@@ -189,24 +212,32 @@ class Evidence:
         )
         return tuple(nearest.x.tolist())
 
-    def _size_evidence(self, h: Hypothesis, size: Size) -> tuple[float, float]:
+    def _by_size(self, pairs: Sequence[tuple[Hypothesis, Size]]) -> "dict[Hypothesis, _BySize]":
+        """ln of the evidence of each size, and the mean square residual of its best draw."""
+        undone = [[h.undo(run, size) for run in self.runs] for h, size in pairs if h.undo]
+        if not undone:
+            return {}
+        split = self.regression.with_forces_of(undone).solve(*self.draws, self.loaded)
+        by_size: dict[Hypothesis, _BySize] = {h: {} for h, _ in pairs}
+        for i, (h, size) in enumerate(pairs):
+            by_size[h][size] = self._weighed(h, self._of_sums(undone[i]), split.take(i))
+        return by_size
+
+    def _weighed(
+        self, h: Hypothesis, sums: tuple[float, float, float], split: Solution
+    ) -> tuple[float, float]:
         """ln of the evidence of one size, and the mean square residual of its best draw."""
-        undo = h.undo
-        sums, split = self._evidence([undo(r, size) for r in self.runs]) if undo else self.as_read
-        level = float(np.mean([level for _, level, _ in sums]))
+        log, level, square = sums
         each = split.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
         residual = split.residual(int(np.argmax(each)))
-        square = sum(square for _, _, square in sums) + float(residual @ residual)
-        log = _log_mean(each) + sum(log for log, _, _ in sums)
-        return log, square / (residual.size + _POINTS * len(self.runs))
+        square += float(residual @ residual)
+        return _log_mean(each) + log, square / (residual.size + _POINTS * len(self.runs))
 
-    def _evidence(
-        self, runs: Sequence[RampRun]
-    ) -> tuple[list[tuple[float, float, float]], Solution]:
-        """`_Sum.evidence` of each run, and the regression of eta and slip of all."""
-        regression = self.regression.with_forces_of(runs)
-        sums = [of_run.evidence(run) for of_run, run in zip(self.sums, runs, strict=True)]
-        return sums, regression.solve(*self.draws, self.loaded)
+    def _of_sums(self, runs: Sequence[RampRun]) -> tuple[float, float, float]:
+        """`_Sum.evidence` of all ``runs``: sums of ln and of squares, mean of the level."""
+        each = [of_run.evidence(run) for of_run, run in zip(self.sums, runs, strict=True)]
+        log, level, square = zip(*each, strict=True)
+        return sum(log), float(np.mean(level)), sum(square)
 
     def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
         """ln of the prior density of this ``level`` and ``ratio`` (n,) over that of the draws."""

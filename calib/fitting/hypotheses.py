@@ -29,7 +29,7 @@ _TORQUES = (150.0, 250.0, 400.0, 600.0, 900.0, 1300.0)  # of a motor, at the whe
 _FULL = (4e5, 10e5, 20e5)  # pressures at which a motor gives all of it [Pa]
 _HANDS_OVER = (1.0, 4.0)  # speeds between which a motor hands over to the brakes [m/s]
 _KNEES, _SLOPES = (10e5, 15e5, 20e5, 25e5, 30e5), (0.2, 0.45)  # of a valve [Pa], [1]
-_DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # of the wheel speeds of an axle [s]
+DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # of the wheel speeds of an axle [s]
 _DRAGS = (1e5, 2e5, 3e5, 4.5e5, 7e5)  # residual pressures in one brake [Pa]
 _LEAST_DRIVE = 20.0  # logged torque of a braking car, below which it is noise [N m]
 
@@ -46,7 +46,7 @@ Size = tuple[float, ...]
 """Parameters of a mistake: (factor,), (torque, pressure), (delay,), (pressure,), (knee, slope)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hypothesis:
     """A mistake by its ``code`` in `rules.csv`; "" where nothing is wrong but perhaps the pads.
 
@@ -80,7 +80,7 @@ def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
 def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> Iterator[Hypothesis]:
     """Late wheel speeds, a dragging brake, and a motor, logged wrongly or not at all."""
     radius = brake.rolling_radius
-    delays, drags = (tuple((x,) for x in sizes) for sizes in (_DELAYS, _DRAGS))
+    delays, drags = (tuple((x,) for x in sizes) for sizes in (DELAYS, _DRAGS))
     yield Hypothesis(LATE, 0.01, delays, _FIRST_DELAYS, partial(_in_time, car, axle), axle=axle)
     undo = partial(_with_force, axle, partial(_dragging, brake))
     yield Hypothesis(DRAG, 0.004, drags, _FIRST_DRAGS, undo, axle=axle)

@@ -104,8 +104,8 @@ def _on_road(
     ``stiff`` and ``sigmas`` as of `_roads`.
     """
     rows = [regression.rows(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
-    slips = np.stack([np.abs(x[:2, :, :_GROUPS]).mean(axis=-1) for x in rows])  # rows of eta
-    by_peak = np.log(slips[1] / slips[0]).T / _STEP * sigmas[0]
+    slips = np.stack([np.abs(x[:, :2, :_GROUPS]).mean(axis=-1) for x in rows])  # rows of eta
+    by_peak = np.log(slips[1] / slips[0]) / _STEP * sigmas[0]
     alike = sigmas[1] ** 2 + float(STOP.a_x_scale.sigma[0]) ** 2
     apart = float(STOP.log_tyre.sigma[0]) ** 2 * np.eye(2)
     root_of_logs = np.linalg.cholesky(alike + apart + by_peak[:, :, None] * by_peak[:, None])

@@ -50,11 +50,13 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -
     """
     evidence = Evidence(car, runs, other_road)
     every = (Hypothesis("", 1.0), *hypotheses(car, runs))
-    pads = [evidence.cause(h, -math.inf) for h in every if not h.code]
+    pads = [evidence.of_pads(h) for h in every if not h.code]
     screened, base = evidence.screened([h for h in every if h.code], pads), pads[0].log_odds
     least = _least(pads, screened, other_road)
-    mistakes = (evidence.cause(c.hypothesis, base) if c.log_odds > least else c for c in screened)
-    causes = (*pads, *mistakes)
+    unlikely = [c for c in screened if c.log_odds <= least]
+    likely = [c.hypothesis for c in screened if c.log_odds > least]
+    mistakes = evidence.of_mistakes(likely, base, base - SCREENING_ERROR)
+    causes = (*pads, *unlikely, *mistakes)
     compared = (replace(cause, log_odds=cause.log_odds - base) for cause in causes)
     return tuple(sorted(compared, key=lambda cause: -cause.log_odds))
 

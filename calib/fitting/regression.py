@@ -67,11 +67,11 @@ def _carried_on(
 class _Ramp:
     """One ramp: means over its lead-in, which is the zero, and over k groups of blocks.
 
-    Of lead-in and groups, (1 + k,) [1]: ``brake`` force of both axles over the weight; ``moments``
-    other torques of the axles as forces over the weight, (2, 1 + k); ``log_odds`` ln of front over
-    rear pressure. ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip of the groups,
-    (2, k), without v against the speed by a_x; their ``errors`` by cause, (k, m), a column for each
-    error of one standard deviation.
+    Of lead-in and groups, (..., 1 + k) [1]: ``brake`` force of both axles over the weight;
+    ``moments`` other torques of the axles as forces over the weight, (..., 2, 1 + k); ``log_odds``
+    ln of front over rear pressure. ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip
+    of the groups, (..., 2, k), without v against the speed by a_x; their ``errors`` by cause,
+    (k, m), a column for each error of one standard deviation.
     """
 
     def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
@@ -79,29 +79,36 @@ class _Ramp:
         if not (braked.size and lead.size):
             raise ValueError("no blocks of a braking, or none of rolling before it")
         groups = [lead, *np.array_split(braked, min(most or braked.size, braked.size))]
-        self._mean = GroupMean(groups)
-        self.z = self._mean(run.quasi_static(car))
-        self._read_forces(car, run)
-        self._read_wheels(car, run)
+        self._car, self._run, self._mean = car, run, GroupMean(groups)
+        self.z, self.only = self._mean(run.quasi_static(car)), run.only
+        self.brake, self.moments, self.log_odds = (x[0] for x in self._forces([run]))
+        self.rows, self.errors = self._wheels(run)
 
-    def with_forces_of(self, car: Vehicle, run: RampRun) -> "_Ramp":
-        """The same ramp with the forces of ``run``, and its wheel speeds if they are others."""
+    def with_forces_of(self, runs: Sequence[RampRun]) -> "_Ramp":
+        """The same ramp with the forces of each of ``runs``, and its wheel speeds if others."""
         other = copy.copy(self)
-        other._read_forces(car, run)
-        if run.blocks.omega_f is not self._omega[0] or run.blocks.omega_r is not self._omega[1]:
-            other._read_wheels(car, run)
+        other.brake, other.moments, other.log_odds = self._forces(runs)
+        other.rows = np.array([self._rows_of(run) for run in runs])
         return other
 
-    def _read_forces(self, car: Vehicle, run: RampRun) -> None:
-        pressures = (self._mean(np.maximum(p, 1.0)) for p in (run.blocks.p_f, run.blocks.p_r))
-        brake = self._mean(run.brake_sum)
-        self.brake = (brake - brake[0]) / car.weight
-        self.moments = np.stack([self._mean(x / car.weight) for x in (run.drag_f, run.drag_r)])
-        self.log_odds, self.only = run.log_odds(*pressures), run.only
+    def _forces(self, runs: Sequence[RampRun]) -> tuple[Array, Array, Array]:
+        """Brake force, moments and pressures of each of ``runs``."""
+        each = [(x.brake_sum, x.drag_f, x.drag_r, x.blocks.p_f, x.blocks.p_r) for x in runs]
+        signals = np.array(each)
+        np.maximum(signals[:, 3:], 1.0, out=signals[:, 3:])
+        means = self._mean(signals)
+        brake, weight = means[:, 0], self._car.weight
+        log_odds = self._run.log_odds(means[:, 3], means[:, 4])
+        return (brake - brake[:, :1]) / weight, means[:, 1:3] / weight, log_odds
 
-    def _read_wheels(self, car: Vehicle, run: RampRun) -> None:
-        b, noise, mean = run.blocks, run.noise, self._mean
-        self._omega = b.omega_f, b.omega_r
+    def _rows_of(self, run: RampRun) -> Array:
+        b, own = run.blocks, self._run.blocks
+        same = b.omega_f is own.omega_f and b.omega_r is own.omega_r
+        return self.rows if same else self._wheels(run)[0]
+
+    def _wheels(self, run: RampRun) -> tuple[Array, tuple[dict[str, Array], dict[str, Array]]]:
+        """Rows of eta and slip, and their errors."""
+        b, noise, mean, car = run.blocks, run.noise, self._mean, self._car
         time = self._mean.sizes * b.length
         eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
         zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
@@ -119,14 +126,14 @@ class _Ramp:
             "noise": np.diag((np.sqrt(2.0 / time) * wheels)[1:]),
             "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED) * zeros,
         }
-        self.rows, self.errors = np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
+        return np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
 
 
 class Solution(NamedTuple):
-    """Posterior of the linear parameters of draws (n,), in standard normal numbers x.
+    """Posterior of the linear parameters of draws (..., n), in standard normal numbers x.
 
-    ``log_evidence`` (n,); ``mean`` (n, 3), ``precision`` (n, 3, 3) of x; ``design`` (3, n, k),
-    ``data`` (n, k) whitened.
+    ``log_evidence`` (..., n); ``mean`` (..., n, 3), ``precision`` (..., n, 3, 3) of x; ``design``
+    (..., n, 3, k), ``data`` (..., n, k) whitened.
     """
 
     log_evidence: Array
@@ -135,14 +142,13 @@ class Solution(NamedTuple):
     design: Array
     data: Array
 
-    def take(self, draws: Index) -> "Solution":
-        """The posterior of some ``draws``."""
-        axes = (0, 0, 0, 1, 0)
-        return Solution(*(np.take(x, draws, axis) for x, axis in zip(self, axes, strict=True)))
+    def take(self, places: int | Index) -> "Solution":
+        """The posterior at some places of the first axis."""
+        return Solution(*(x[places] for x in self))
 
     def residual(self, draw: int) -> Array:
         """Residual of one draw at its mean, in standard deviations (k,)."""
-        return np.asarray(self.data[draw] - self.mean[draw] @ self.design[:, draw])
+        return np.asarray(self.data[draw] - self.mean[draw] @ self.design[draw])
 
 
 class Regression:
@@ -163,11 +169,14 @@ class Regression:
         covariance = sum(error @ error.T for error in self.errors.values())
         self.white = np.linalg.inv(np.linalg.cholesky(np.asarray(covariance)))
 
-    def with_forces_of(self, runs: Sequence[RampRun]) -> "Regression":
-        """The same regression with forces and pressures of ``runs``; the errors stay."""
+    def with_forces_of(self, variants: Sequence[Sequence[RampRun]]) -> "Regression":
+        """The same regression with the forces of each of ``variants`` (s,) of its runs.
+
+        The errors stay; what it gives has an axis (s, ...) more.
+        """
         other = copy.copy(self)
-        pairs = zip(self.ramps, runs, strict=True)
-        other.ramps = [ramp.with_forces_of(self.car, run) for ramp, run in pairs]
+        pairs = zip(self.ramps, zip(*variants, strict=True), strict=True)
+        other.ramps = [ramp.with_forces_of(runs) for ramp, runs in pairs]
         return other
 
     def _errors_of(self, cause: str) -> Array:
@@ -192,22 +201,29 @@ class Regression:
         return [loaded_tyres(self.car, e, r.z) for r in self.ramps]
 
     def rows(self, e: Ensemble, loaded: Sequence[LoadedTyres] | None = None) -> tuple[Array, Mask]:
-        """Design matrix and data, (4, n, k); whether all tyres are below their peaks, (n,).
+        """Design matrix and data, (..., n, 4, k), and whether all tyres are below their peaks.
 
         ``loaded`` tyres of the draws ``e``, if they are known.
         """
-        rows, rolls = [], np.ones(e.size, dtype=bool)
-        for r, tyres in zip(self.ramps, loaded or self.loaded(e), strict=True):
-            share = front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds)
-            unit = tyres.slips(np.stack([share, 1.0 - share]) * r.brake + r.moments[:, None])
-            rolls &= unit.rolls.all(axis=1)
-            by, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
-            load, eta = unit.load[..., 1:], r.rows[0]
-            eta = eta * (1.0 - CAR.compliance.mean * unit.slip[0][:, 1:])
-            rows.append([by[0], -by[1], grown[1] - grown[0], eta])
-            slip = np.broadcast_to(r.rows[1], eta.shape)
-            rows.append([*load * by, -np.sum(load * grown, axis=0), slip])
-        return np.concatenate(rows, axis=-1), rolls
+        pairs = zip(self.ramps, loaded or self.loaded(e), strict=True)
+        rows, rolls = zip(*(self._rows_of(r, e, tyres) for r, tyres in pairs), strict=True)
+        return np.concatenate(rows, axis=-1), np.asarray(np.stack(rolls).all(axis=0))
+
+    def _rows_of(self, r: _Ramp, e: Ensemble, tyres: LoadedTyres) -> tuple[Array, Mask]:
+        """The same of one ramp."""
+        share = front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds[..., None, :])
+        brakes = np.stack([share, 1.0 - share], axis=-3) * r.brake[..., None, None, :]
+        unit = tyres.slips(brakes + r.moments[..., None, :])
+        by, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
+        load, front = unit.load[..., 1:], unit.slip[..., 0, :, 1:]
+        rows = np.empty((*front.shape[:-1], 4, 2 * front.shape[-1]))
+        of_eta, of_slip = np.split(rows, 2, axis=-1)
+        of_eta[..., 0, :], of_eta[..., 1, :] = by[..., 0, :, :], -by[..., 1, :, :]
+        of_eta[..., 2, :] = grown[1] - grown[0]
+        of_eta[..., 3, :] = r.rows[..., :1, :] * (1.0 - CAR.compliance.mean * front)
+        of_slip[..., :2, :] = (load * by).swapaxes(-3, -2)
+        of_slip[..., 2, :], of_slip[..., 3, :] = -np.sum(load * grown, axis=0), r.rows[..., 1:, :]
+        return rows, np.asarray(unit.rolls.all(axis=-1))
 
     def solve(
         self,
@@ -223,22 +239,23 @@ class Regression:
         ``loaded`` as of `rows`. ``anywhere``: beyond the peak of a tyre too, with the slip there.
         """
         rows, rolls = self.rows(e, loaded)
-        *H, y = rows @ self.white.T
-        y = y - np.einsum("ink,ni->nk", H, centre)
-        H = np.einsum("ink,nij->jnk", H, root)
-        A = np.einsum("ink,jnk->nij", H, H) + np.eye(3)
-        g = np.einsum("ink,nk->ni", H, y)
-        mean = np.linalg.solve(A, g[..., None])[..., 0]
-        square = np.einsum("nk,nk->n", y, y) - np.einsum("ni,ni->n", g, mean)
+        turned = np.zeros((e.size, 4, 4))  # to rows of x, and to data less those of the centre
+        turned[:, :3, :3], turned[:, 3, :3] = root.transpose(0, 2, 1), -centre
+        turned[:, 3, 3] = 1.0
+        white: Array = turned @ (rows @ self.white.T)
+        products: Array = white @ white.swapaxes(-2, -1)
+        A, g, square = products[..., :3, :3] + np.eye(3), products[..., 3, :3], products[..., 3, 3]
+        mean = np.asarray(np.linalg.solve(A, g[..., None])[..., 0], np.float64)
+        square = square - np.sum(g * mean, axis=-1)
         log = -0.5 * (square + np.log(np.linalg.det(A)))
-        linear = centre + np.einsum("nij,nj->ni", root, mean)
-        log = np.where(anywhere | rolls & np.all(linear[:, :2] > 0.0, axis=1), log, -np.inf)
-        return Solution(log, mean, A, np.asarray(H), y)
+        linear = centre + (root @ mean[..., None])[..., 0]
+        log = np.where(anywhere | rolls & np.all(linear[..., :2] > 0.0, axis=-1), log, -np.inf)
+        return Solution(log, mean, A, white[..., :3, :], white[..., 3, :])
 
     def residuals(self, e: Ensemble) -> Array:
         """Residuals of the rows, by draw, (n, k) [1]."""
-        *H, y = self.rows(e)[0]
-        return np.asarray(y - np.einsum("ink,ni->nk", H, e.linear))
+        rows = self.rows(e)[0]
+        return np.asarray(rows[:, 3] - (e.linear[:, None] @ rows[:, :3])[:, 0])
 
     def discrepancies(self, residual: Array, rng: np.random.Generator) -> dict[str, Array]:
         """Delay of v and discrepancies of the tyre form, by name of `Ensemble`, from residuals.

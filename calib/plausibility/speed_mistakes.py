@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.intervals import SURE, posterior
 from calib.base.names import AXLES, G
 from calib.car.lag import integral
@@ -73,7 +73,8 @@ def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
     """Mistakes that explain v, by axle, or by "" if both axles share them; most probable first."""
     car = run.vehicle
     radii = (car.front.rolling_radius, car.rear.rolling_radius) if car else (None, None)
-    by_axle = {a: _mistakes(run, a, radius) for a, radius in zip(AXLES, radii, strict=True)}
+    means = _Means.of_run(run)
+    by_axle = {a: _mistakes(run, means, a, radius) for a, radius in zip(AXLES, radii, strict=True)}
     named = {axle: _named(mistakes) for axle, mistakes in by_axle.items()}
     named = {axle: mistakes for axle, mistakes in named.items() if mistakes}
     if not named:
@@ -91,17 +92,15 @@ def _named(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
     return tuple(sorted(near, key=lambda m: m.log_odds, reverse=True))
 
 
-def _mistakes(run: Run, axle: str, radius: float | None) -> list[SpeedMistake]:
+def _mistakes(run: Run, means: "_Means", axle: str, radius: float | None) -> list[SpeedMistake]:
     """Offset and clock by the wheels of an axle, whose ``radius`` [m] may be unknown.
 
     Empty for a short log, and for an axle that brakes alone, whose slip is unknown. A mistake that
     fits badly is left out.
     """
-    if run.alone == axle:
+    if run.alone == axle or means.v.size < _FEWEST:
         return []
-    speed = _AxleSpeed.of_axle(run, axle, radius or NOMINAL_RADIUS)
-    if speed.v.size < _FEWEST:
-        return []
+    speed = _AxleSpeed.of_axle(run, means, axle, radius or NOMINAL_RADIUS)
     fits = speed.fits(list(_beliefs(_FILE if radius else _USUAL)))
     sound = np.logaddexp.reduce([fit.log for fit in fits if not fit.belief.kind])
     mistakes = []
@@ -161,9 +160,49 @@ class _Fit(NamedTuple):
     misfit: float
 
 
+class _Means(NamedTuple):
+    """Means (n,) over 0.1 s, where the car moves and no engine drives it, for both axles.
+
+    ``places`` (m,) whether each mean counts, of ``size`` samples; ``braked`` z, and the pressure to
+    its scale; ``shifts`` of v [m/s] by delay and rate error; ``late`` (n, 2) columns of these,
+    ``a_x`` (n, 5) those of the second equation, and the noise of v by it [m/s].
+    """
+
+    places: Mask
+    size: int
+    v: Array
+    braked: list[Array]
+    shifts: dict[tuple[float, float], Array]
+    late: Array
+    a_x: Array
+    a_x_noise: float
+
+    @classmethod
+    def of_run(cls, run: Run) -> "_Means":
+        """Compute the means of a run."""
+        d, size = run.driving, samples_in(SMOOTH, run.driving.step)
+        ends = run.slipping.first if run.slipping else math.inf
+        inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST) & (d.time < ends)
+        use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
+        time, lost = d.time - d.time[0], G * integral(d.time, d.z)
+        pairs = [(delay, 0.0) for delay in (0.0, *_LATE)] + [(0.0, rate) for rate in _RATES]
+        shifts = [lost - np.interp((time - late) / (1.0 + c), time, lost) for late, c in pairs]
+        signals = np.array([run.log["v"], d.z, time, lost, *shifts])
+        v, z, time, lost, *shifts = block_mean(signals, size)[:, use]
+        braked = [z]
+        if d.pressure is not None:
+            p = block_mean(d.pressure, size)[use]
+            braked.append(p * float(z @ p) / max(float(p @ p), 1.0))
+        late = np.stack([G * z, G * z * time], axis=1)
+        a_x = np.stack([np.ones_like(v), time, 0.5 * time**2, -z * v, -lost], axis=1)
+        noise = _noise(np.hstack([a_x, late]), v, shifts)
+        by_shift = dict(zip(pairs, shifts, strict=True))
+        return cls(use, size, v, braked, by_shift, late, a_x, noise)
+
+
 @dataclass(frozen=True)
 class _AxleSpeed:
-    """v [m/s] (n,) as means over 0.1 s, where the car moves and no engine drives it.
+    """v [m/s] (n,) and how the wheels of an axle and a_x explain it.
 
     ``columns`` (2 n, 14) of both equations: radius over ``radius`` [m], offset, slip (5), v_0,
     slope, its change, slip of v, scale, delay, rate; ``shifts`` (n,) of v by delay and rate;
@@ -178,33 +217,18 @@ class _AxleSpeed:
     brakes: Array
 
     @classmethod
-    def of_axle(cls, run: Run, axle: str, radius: float) -> "_AxleSpeed":
+    def of_axle(cls, run: Run, means: _Means, axle: str, radius: float) -> "_AxleSpeed":
         """Build the regression of an axle."""
-        d, size = run.driving, samples_in(SMOOTH, run.driving.step)
-        ends = run.slipping.first if run.slipping else math.inf
-        inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST) & (d.time < ends)
-        use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
         omega = 0.5 * (run.log[f"omega_{axle}l"] + run.log[f"omega_{axle}r"])
-        time, lost = d.time - d.time[0], G * integral(d.time, d.z)
-        pairs = [(delay, 0.0) for delay in (0.0, *_LATE)] + [(0.0, rate) for rate in _RATES]
-        shifts = [lost - np.interp((time - late) / (1.0 + c), time, lost) for late, c in pairs]
-        signals = (run.log["v"], omega, d.z, time, lost, *shifts)
-        v, omega, z, time, lost, *shifts = (block_mean(x, size)[use] for x in signals)
-        ones, braked = np.ones_like(v), [z]
-        if d.pressure is not None:
-            p = block_mean(d.pressure, size)[use]
-            braked.append(p * float(z @ p) / max(float(p @ p), 1.0))
-        late = np.stack([G * z, G * z * time], axis=1)
-        each = [radius * _by_wheels(omega, x) for x in braked]
+        omega = block_mean(omega, means.size)[means.places]
+        v, late, a_x, shifts = means.v, means.late, means.a_x, list(means.shifts.values())
+        each = [radius * _by_wheels(omega, x) for x in means.braked]
         noises = [_noise(np.hstack([A, late]), v, shifts) for A in each]
         wheels = each[int(np.argmin(noises))]
-        a_x = np.stack([ones, time, 0.5 * time**2, -z * v, -lost], axis=1)
-        of_a_x = _noise(np.hstack([a_x, late]), v, shifts)
-        noise = np.concatenate([min(noises) * ones, of_a_x * ones])
+        noise = np.repeat([min(noises), means.a_x_noise], v.size)
         columns = np.block([[wheels, 0.0 * a_x, late], [0.0 * wheels, a_x, late]])
-        by_shift = dict(zip(pairs, shifts, strict=True))
         brakes = np.array([1.0, 1.0] if run.alone is None else [0.0, _ROLLS])
-        return cls(v, columns, by_shift, radius, noise, brakes)
+        return cls(v, columns, means.shifts, radius, noise, brakes)
 
     def fits(self, beliefs: Sequence[_Belief]) -> list[_Fit]:
         """Posterior of the unknowns under each belief."""

@@ -131,7 +131,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     late, on = late[:, inside], on[:, inside]
     others = (np.broadcast_to(x[inside], late.shape) for x in (constant, slow))
     columns = np.stack([late, late * age[inside], on, *others], 1)
-    squares = left_of(products_of(columns, y[None]))
+    squares = left_of(products_of(columns, y))
     A = columns[int(np.argmin(squares))].T
     variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
     # maximum a posteriori over the delays that were tried
@@ -179,10 +179,11 @@ def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Arr
     width, apart = round(_WINDOW / step), round((_WINDOW + _BETWEEN) / step)
     if longest.size < 2 * apart:
         return _NO_STEP
-    levels, pressed = (
-        np.median(np.lib.stride_tricks.sliding_window_view(x[longest], width), axis=-1)
-        for x in (residual, nominal)
+    windows = np.lib.stride_tricks.sliding_window_view(
+        np.stack([residual, nominal])[:, longest], width, axis=1
     )
+    middle = [(width - 1) // 2, width // 2]
+    levels, pressed = np.partition(windows, middle, axis=-1)[..., middle].mean(axis=-1)
     steps = levels[apart:] - levels[:-apart]
     middles = time[longest][(apart + width) // 2 :][: steps.size]
     comparable = (np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY) & (

@@ -45,7 +45,7 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
             continue
         A = np.lib.stride_tricks.sliding_window_view(x, count).T.copy()
         y = a_x[reach : reach + n]
-        residual = float(left_of(products_of(A[None], y[None]))[0])
+        residual = float(left_of(products_of(A[None], y))[0])
         yield name, 1.0 - n / (n - count) * residual / float(y @ y)
 
 

@@ -36,8 +36,9 @@ class GroupMean:
         self._places, self._first = np.concatenate(groups), np.cumsum(self.sizes) - self.sizes
 
     def __call__(self, x: Array) -> Array:
-        """Mean of ``x`` (n,) over each group."""
-        return np.asarray(np.add.reduceat(x[self._places], self._first) / self.sizes)
+        """Mean of ``x`` (..., n) over each group."""
+        of_groups = x.take(self._places, axis=-1)
+        return np.asarray(np.add.reduceat(of_groups, self._first, axis=-1) / self.sizes)
 
 
 def trailing_mean(x: Array, width: int) -> Array:
@@ -147,9 +148,8 @@ def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
 
 
 def products_of(columns: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Products of ``columns`` (m, k, n) with each other, with ``y`` (m, n) or (n,), and of y."""
-    gram, side = columns @ np.swapaxes(columns, 1, 2), (columns @ y[..., None])[..., 0]
-    return gram, side, np.sum(y**2, axis=-1)
+    """Products of ``columns`` (m, k, n) with each other, with ``y`` (n,), and of y with itself."""
+    return columns @ np.swapaxes(columns, 1, 2), columns @ y, y @ y
 
 
 def left_of(products: tuple[Array, Array, Array], ridge: Array | float = 0.0) -> Array:

@@ -115,9 +115,12 @@ def pressure_delay(
     tried, inside, p = _shifted(time, pressed, places, slowed[places])
     drifting = (time[places] - time[places[0]]) * p
     some = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
-    others = (np.ones(places.size), *(x[places] for x in torques))
-    alike = [np.broadcast_to(x, inside.shape) for x in others]
-    columns = np.stack([*alike, *p, *drifting, *some], axis=1)
+    parts = (1.0, *(x[places] for x in torques), *p, *drifting, *some)
+    columns = np.empty((tried.size, len(parts), places.size))
+    for place, part in enumerate(parts):
+        columns[:, place] = part
+    beyond = ~inside.all(axis=1)
+    columns[beyond] *= inside[beyond, None]
     return _by_chance(tried, columns, z[places], inside, _FORCE * usual)
 
 
@@ -149,20 +152,21 @@ def _by_chance(
 ) -> PressureDelay | None:
     """Posterior of the delay; None where ``y`` (n,) is constant.
 
-    ``columns`` (m, k, n) of the regression with each of the delays ``tried`` [s] (m,), valid
-    ``inside`` (m, n); ``force`` prior sigma of the last two [1].
+    ``columns`` (m, k, n) of the regression with each of the delays ``tried`` [s] (m,), 0 but
+    ``inside`` (m, n), up to the end of the log; ``force`` prior sigma of the last two [1].
     """
     if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
         return None
-    columns, y, samples = columns * inside[:, None], y * inside, inside.sum(axis=1)
-    products = products_of(columns, y)
-    ridge, variance = np.zeros(columns.shape[1]), float(np.var(y[np.abs(tried).argmin()]))
+    samples = inside.sum(axis=1)
+    gram, side, _ = products_of(columns, y)
+    products, variance = (gram, side, inside @ y**2), float(np.var(y))
+    ridge = np.zeros(columns.shape[1])
     for _ in range(2):  # the first one gives the noise, and with it the weight of the prior
         squares = left_of(products, ridge) / samples + _EXACT
         cost = samples * np.log(squares / variance)
         best = int(np.argmin(cost))
-        A = columns[best].T
-        residual = (y[best] - A @ np.linalg.lstsq(A, y[best], rcond=None)[0])[: samples[best]]
+        A, inner = columns[best, :, : samples[best]].T, y[: samples[best]]
+        residual = inner - A @ np.linalg.lstsq(A, inner, rcond=None)[0]
         short = squares[best]
         lasting = max(lasting_variance(residual, size) for size in _GROUPS) + _EXACT
         ridge[-len(_BITES) :] = lasting / force**2

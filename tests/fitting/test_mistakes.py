@@ -130,11 +130,11 @@ def test_nothing_is_named_where_nothing_explains_the_ramp():
 
 
 def test_what_no_draw_explains_is_no_reason_to_end(monkeypatch):
-    of = Evidence._size_evidence
+    of = Evidence._weighed
     monkeypatch.setattr(
         Evidence,
-        "_size_evidence",
-        lambda e, h, size: (-np.inf, np.nan) if not h.code else of(e, h, size),
+        "_weighed",
+        lambda e, h, *more: of(e, h, *more) if h.code else (-np.inf, np.nan),
     )
     found = causes(noisy(ramp(REAL), 6))
     assert all(np.isfinite(cause.log_odds) for cause in found)

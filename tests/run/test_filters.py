@@ -54,10 +54,10 @@ def test_runs_tile_the_mask(mask):
 def test_what_is_left_is_numpy_s_for_each_fit():
     rng = np.random.default_rng(0)
     columns = rng.normal(size=(7, 3, 40)) * rng.uniform(1e-3, 1e5, (7, 3, 1))
-    y = rng.normal(size=(7, 40))
-    for one, of, square in zip(columns, y, left_of(products_of(columns, y)), strict=True):
-        left = of - one.T @ np.linalg.lstsq(one.T, of)[0]
-        assert square == pytest.approx(float(left @ left), abs=1e-8 * float(of @ of))
+    y = rng.normal(size=40)
+    for one, square in zip(columns, left_of(products_of(columns, y)), strict=True):
+        left = y - one.T @ np.linalg.lstsq(one.T, y)[0]
+        assert square == pytest.approx(float(left @ left), abs=1e-8 * float(y @ y))
 
 
 def test_a_ridge_is_as_rows_that_want_zero():
