@@ -4,14 +4,12 @@ logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> tabl
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import partial
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
-from calib.base.intervals import QUARTILE
 from calib.base.names import PROGRAM
 from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged, unexplained
 from calib.car.balance import front_biased_up_to
@@ -21,6 +19,7 @@ from calib.car.mass import mass_used, weighed
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import difference_curves, ramp_path, readable_up_to, tyre_curve
+from calib.fitting.disturbances import without_disturbances
 from calib.fitting.ensemble import SlipPrediction, draws_of
 from calib.fitting.evidence import Cause
 from calib.fitting.learning import learn
@@ -31,12 +30,11 @@ from calib.fitting.posterior import Posterior, parts_of
 from calib.fitting.prior import informative_priors
 from calib.fitting.quality import MOVE_ETA, explained, metrics, remarks, warnings_of
 from calib.logs.log import Log
-from calib.model.ramp import SETTINGS, RampRun, nominal_forces, prepare, sort_runs
+from calib.model.ramp import RampRun, prepare, sort_runs
 from calib.model.roller_bench import RollerBench
 from calib.plausibility.pads import of_calibration, require_possible_pads
 from calib.plausibility.rules import FIT
 from calib.run.blocks import BLOCK
-from calib.run.filters import runs as runs_of
 from calib.run.noise import worst_noise
 from calib.run.resistance import RESISTANCE, Resistance
 from calib.run.resistance import identify as identify_resistance
@@ -185,7 +183,7 @@ def _ready(
     felt = ((run.felt(sensor), run.noise.z) for run, sensor in judged_by)
     resistance = identify_resistance(car, felt)
     ready = (prepare(run, resistance.effects, sensor) for run, sensor in judged_by[: len(ramps)])
-    ramps_ready = [_without_disturbances(car, run) for run in ready]
+    ramps_ready = [without_disturbances(car, run) for run in ready]
     sensors = ((run, run.accelerometer(usual)) for run in stops)
     stops_ready = [prepare(run, resistance.effects, sensor) for run, sensor in sensors]
     return ramps_ready, stops_ready, resistance
@@ -249,53 +247,3 @@ def _provenance(
         program=PROGRAM,
         parents=tuple(TableReference(id_, table.digest) for id_, table in fleet.items()),
     )
-
-
-def _without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
-    """The ramp without the blocks of a bump or a gear shift, which ``left_out`` marks.
-
-        eta             ~ 1, N, N^2, N^3, dN/dt, t     over the braked blocks, N nominal force
-        demanded force  ~ 1, N, N t, dN/dt
-
-    Both follow the pressure smoothly. A deviation that passes within the ramp would bend the tyre's
-    curve; one that lasts to the end stays in.
-    """
-    left_out = np.zeros_like(run.use)
-    if np.count_nonzero(run.braked) >= SETTINGS.fewest_blocks:
-        nominal = np.add(*nominal_forces(vehicle, run, 0.0))
-        of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, nominal)
-        time, eta, force, N = (x[run.braked] for x in of_run)
-        N = N / np.max(N)
-        t = (time - np.mean(time)) / np.ptp(time)
-        rate, constant = np.gradient(N, time), np.ones_like(N)
-        spread = np.subtract(*np.quantile(eta, [0.95, 0.05]))
-        wild = _off([constant, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
-        least = SETTINGS.disturbance_of_force * np.max(force)
-        wild |= _off([constant, N, N * t, rate], force, least)
-        left_out[run.braked] = _passing(wild, N)
-    return replace(run, use=run.use & ~left_out, left_out=left_out)
-
-
-def _off(terms: list[Array], y: Array, least: float) -> Mask:
-    """Where ``y`` (n,) is off its smooth course by more than ``least`` and its usual scatter."""
-    from scipy.optimize import least_squares
-
-    A = np.column_stack(terms)
-    start = np.linalg.lstsq(A, y, rcond=None)[0]
-    smooth = least_squares(lambda x: A @ x - y, start, loss="cauchy", f_scale=least / 3.0)
-    residual = np.abs(A @ smooth.x - y)
-    scatter = np.median(residual) / QUARTILE
-    return np.asarray(residual > max(least, SETTINGS.disturbance_gate * scatter))
-
-
-def _passing(wild: Mask, N: Array) -> Mask:
-    """Groups of ``wild`` blocks (n,) that pass, with their neighbours; none where they are many.
-
-    A group passes if the run is calm before it, after it, and at more force than it had.
-    """
-    near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
-    left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5
-    for first, end in runs_of(near):
-        beyond = int(np.count_nonzero(~near & (np.max(N[first:end]) < N)))
-        left_out[first:end] = min(first, wild.size - end, beyond) >= few
-    return left_out & (np.mean(left_out) < SETTINGS.disturbance_share)

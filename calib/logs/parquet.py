@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.base.bounded import LOG
@@ -131,3 +132,12 @@ def numbers(column: Any) -> Array:
             part = np.where(bits[inside], part, np.nan)
         parts.append(part)
     return np.concatenate(parts)
+
+
+def column_of(x: NDArray[Any]) -> "pyarrow.Array":
+    """The column of an array (n,), for which `pyarrow.array` would import pandas."""
+    import pyarrow as pa
+
+    kind = {"b": pa.bool_(), "f": pa.float64(), "i": pa.int64()}[x.dtype.kind]
+    data = np.packbits(x, bitorder="little") if x.dtype.kind == "b" else np.ascontiguousarray(x)
+    return pa.Array.from_buffers(kind, x.size, [None, pa.py_buffer(data)])

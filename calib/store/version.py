@@ -24,7 +24,7 @@ from calib.base.digest import content_digest, sha256
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.shown import Shown
 from calib.base.write import sync
-from calib.logs.parquet import numbers
+from calib.logs.parquet import column_of, numbers
 from calib.store.folders import RECORD
 from calib.store.journal import CRLF, JOURNAL
 from calib.store.state import NOT_STORED, OUTSIDE, UNJUDGED, VersionState
@@ -138,7 +138,7 @@ def _curve_bytes(columns: dict[str, Array]) -> bytes:
 
     units = {name: {"unit": UNITS.get(name, "1")} for name in columns}
     fields = [pa.field(name, pa.float64(), metadata=unit) for name, unit in units.items()]
-    arrays = [pa.array(np.ascontiguousarray(x, dtype=np.float64)) for x in columns.values()]
+    arrays = [column_of(np.asarray(x, dtype=np.float64)) for x in columns.values()]
     table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
     sink = io.BytesIO()
     pq.write_table(table, sink, compression="none", use_dictionary=False)
