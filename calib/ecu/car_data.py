@@ -19,9 +19,9 @@ from calib.car.balance import force_per_pressure, front_share, rotating_shares
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
 from calib.ecu.car_source import Member, code, comments, header, initial
+from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects, require_plain
 from calib.estimation.online import CHANNELS, limits
-from calib.estimation.state import LEVEL, PADS, SLIP, Constants, constants
 from calib.exports.build import maps_of
 from calib.exports.dataset import MOST_AXES, Axis, Grid
 from calib.run.blocks import samples_of_block, time_of_block

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from calib.ecu.translation import structure, translated
-from calib.estimation import state
+from calib.estimation import constants, state
 from calib.estimation.online import ANSWERS, CHANNELS
 from calib.estimation.reasons import CHECKS, Reason
 from calib.estimation.state import Sample, State
@@ -83,9 +83,11 @@ def members_of(structure: Member) -> list[tuple[str, Member]]:
 
 @cache
 def comments(class_name: str) -> dict[str, str]:
-    """What `calib.estimation.state` says of each member of a class, its unit in brackets."""
+    """What the source says of each member of `Constants` or of the state, its unit in brackets."""
     row = r"^    (\w+): [^#\n]*(?:# (.*(?:\n    # .*)*))?$"
-    rows = re.findall(row, inspect.getsource(getattr(state, class_name)), re.MULTILINE)
+    rows = re.findall(
+        row, inspect.getsource({**vars(constants), **vars(state)}[class_name]), re.MULTILINE
+    )
     return {name: text.replace("\n    #", "") for name, text in rows}
 
 

@@ -16,10 +16,10 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
+from calib.estimation.constants import Constants
 from calib.estimation.reasons import Reason
 from calib.estimation.state import (
     Check,
-    Constants,
     LevelFilter,
     Means,
     Number,

@@ -21,11 +21,11 @@ from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
 from calib.car.mass import weighed
 from calib.car.vehicle import Vehicle
+from calib.estimation.constants import Constants
 from calib.estimation.known import as_driven, known_effects, nominal_car
 from calib.estimation.online import online, rows_of
 from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
-from calib.estimation.state import Constants
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals, eta_of
 from calib.run.blocks import Blocks, samples_of_block

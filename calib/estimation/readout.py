@@ -16,9 +16,10 @@ from calib.car.balance import brake_forces, front_share
 from calib.car.effects.effect import Pair
 from calib.car.forces import speed_ratio
 from calib.car.vehicle import Vehicle
+from calib.estimation.constants import Constants, constants
 from calib.estimation.known import known_effects, known_slips
 from calib.estimation.reasons import Reason
-from calib.estimation.state import Constants, Sample, constants
+from calib.estimation.state import Sample
 from calib.estimation.step import Answer, run, widened
 from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks, block_balance

@@ -6,7 +6,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import WHEELS
-from calib.estimation.state import Constants
+from calib.estimation.constants import Constants
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import since, without_single

@@ -11,6 +11,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
+from calib.estimation.constants import constants
 from calib.estimation.known import as_driven, require_plain
 from calib.estimation.online import (
     A_X,
@@ -29,7 +30,7 @@ from calib.estimation.online import (
 )  # fmt: skip
 from calib.estimation.readout import of_blocks, step_inputs, torques_of, with_before
 from calib.estimation.reasons import Reason, first_reason
-from calib.estimation.state import Sample, constants
+from calib.estimation.state import Sample
 from calib.estimation.step import Answer, started, step
 from calib.run.blocks import Blocks, samples_of_block, time_of_block
 from calib.run.lateral import LATERAL_TIME, turning

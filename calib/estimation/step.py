@@ -17,6 +17,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.base.names import G
+from calib.estimation.constants import Constants
 from calib.estimation.equations import (
     BlockState,
     block_state,
@@ -35,7 +36,7 @@ from calib.estimation.equations import (
     update_zero,
     zero_fits,
 )
-from calib.estimation.state import Constants, Sample, State
+from calib.estimation.state import Sample, State
 
 
 class Answer(NamedTuple):

@@ -14,8 +14,8 @@ from calib.base.errors import ProgramError
 from calib.ecu.car_data import numbers_of
 from calib.ecu.code import files_of, write_code
 from calib.ecu.native import Native
+from calib.estimation.constants import Constants
 from calib.estimation.online import ANSWERS, CHANNELS, answered, rows_of, samples_of
-from calib.estimation.state import Constants
 from calib.exports.compare import difference
 from calib.exports.read import read_back
 from calib.help.samples import sample_logs

@@ -8,10 +8,10 @@ import pytest
 
 from calib.base.names import WHEELS, G
 from calib.estimation.baselines import METHODS
+from calib.estimation.constants import Constants
 from calib.estimation.estimator import estimate
 from calib.estimation.known import known_resistance
 from calib.estimation.reasons import Reason
-from calib.estimation.state import Constants
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from calib.base.names import G
+from calib.estimation.constants import LEVEL, PADS, SLIP, Constants
 from calib.estimation.equations import update
 from calib.estimation.reasons import Reason
-from calib.estimation.state import LEVEL, PADS, SLIP, Constants, Sample, SpeedFilter
+from calib.estimation.state import Sample, SpeedFilter
 from calib.estimation.step import run as run_all
 from calib.estimation.step import started, step
 from calib.table.maps import LevelMap, Reader

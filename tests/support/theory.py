@@ -23,9 +23,10 @@ from calib.car.forces import axle_loads, speed_ratio
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
 from calib.estimation.baselines import METHODS, gain, gradient
+from calib.estimation.constants import Constants
+from calib.estimation.constants import constants as step_constants
 from calib.estimation.estimator import estimate
-from calib.estimation.state import Constants, Sample
-from calib.estimation.state import constants as step_constants
+from calib.estimation.state import Sample
 from calib.estimation.step import follow, started
 from calib.fitting.fit import fit
 from calib.logs.read import read_log

@@ -1,0 +1,206 @@
+"""Constants of the step: what it takes from a table, and its tuned numbers."""
+
+import math
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from calib.base.names import G
+from calib.car.beliefs import CAR, LOG, SENSOR, STOP
+from calib.car.braking import BITE, MOVING
+from calib.run.driving_record import NOMINAL_RADIUS, STEADY
+from calib.run.filters import samples_in
+from calib.run.noise import WALK, SensorNoise
+from calib.table.maps import Reader
+from calib.table.table import Table
+
+LEVEL = ("level", "level_lower", "level_upper")
+PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "change_upper")
+SLIP = ("log_slip", "log_slip_sigma")
+"""Columns of the maps that the step reads, in the shape in which it has them."""
+
+_ROADS = STOP.log_stiffness
+_ROAD_SIGMA = math.sqrt(np.average(np.hypot(_ROADS.mean, _ROADS.sigma) ** 2, weights=_ROADS.share))
+_WALKS = "level", "rate", "slip", "grade", "bias", "radius"
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What the step takes from a table, and its tuned numbers."""
+
+    pads: Reader  # of `PADS` over what is seen
+    slip: Reader  # of `SLIP` over the same
+    level: Reader  # of `LEVEL` over z
+    prior: Reader  # of `PADS` over z, before eta is read
+    noise_rim: float  # densities of the sensors' noise: of the wheels' rims [m/s s^0.5]
+    noise_z: float  # as in `SensorNoise`
+    noise_v: float
+    radii: float  # rolling radius of the front wheels over that of the rear ones, less 1 [1]
+    late: float  # time by which v comes after the wheel speeds [s], and its sigma
+    late_sigma: float
+    ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
+    block: float  # [s]
+    bite: float = BITE  # pressure of a brake that is applied [Pa]
+    moving: float = MOVING  # [m/s]
+    steady: float = STEADY  # deceleration of a car that rolls, at most [1]
+    q_radius: float = WALK  # of the zeros of eta and slip [1/sqrt(s)]
+    memory: float = 0.3  # of the means that go into the map [s]
+    before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
+    untouched: float = 7e4  # pressure up to which they do not [Pa]
+    settle: float = 0.3  # time of braking before an answer stands [s]
+    over: float = 1.0  # time after a release at which a stop is over [s]
+    least_pressure: float = 2e5  # [Pa]
+    least_z: float = 0.05  # below it eta says nothing [1]
+    usual_z: float = 0.1  # at which the maps are read before any braking [1]
+    least_mean_z: float = 0.01  # below it there is none [1]
+    least_share: float = 0.02  # of a level, or of the pressure that acts: below there is none [1]
+    least_level: float = 0.05  # of any pads: soaked ones [1]
+    most_level: float = 3.0  # the best of racing pads, with a tenth of error [1]
+    level_sigma: float = CAR.pad_level.sigma  # of a level before any braking [1]
+    q_level: float = 0.01  # [1/sqrt(s)]
+    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
+    q_rate: float = 0.02
+    jump: float = 3.0  # beyond it an error of prediction is a step of the level [sigma]
+    r_level: float = 0.007  # of a block, relative: road and body
+    lag: float = CAR.brake_lag.mean  # time constant of the brakes [s], and its sigma
+    lag_sigma: float = CAR.brake_lag.sigma
+    r_lag: float = 0.2  # of the force that is still to come: no brake lags by first order alone
+    least_lag: float = 0.004
+    apart: float = 0.02  # of the clocks of a_x and speeds [s]
+    zero: float = CAR.zero.sigma  # of a zero before any rolling [1]
+    offset: float = SENSOR.a_x_offset.sigma  # of bias and slope before any rolling [1]
+    q_bias: float = 1e-4  # of a_x as it warms up [1/sqrt(s)]
+    q_grade: float = 0.001  # of bias and slope [1/sqrt(s)]
+    scale: float = LOG.a_x_scale_step.mean  # a_x reads too much while braking, and its sigma
+    scale_sigma: float = LOG.a_x_scale_step.sigma
+    ageing: float = 0.01  # of a held ratio [1/sqrt(s)]
+    unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
+    narrower: float = 0.2  # by which a reading takes all of the place of what was known [1]
+    r_slip: float = 0.04  # of the slip of a block, relative
+    log_slip: float = CAR.log_slip.mean  # ln(slip/z) before any braking, 0.04, and its sigma [1]
+    log_slip_sigma: float = CAR.log_slip.sigma
+    q_slip: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
+    q_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
+    other_road: float = _ROAD_SIGMA  # of ln of the tyres' stiffness, over that of the ramp [1]
+    slowest: float = 0.3  # speed of the rims that counts, at least [m/s]
+    steering: float = math.radians(5.0)  # of the driver's wheel [rad]; as large as the signal
+    lateral: float = 3.0  # acceleration by the speeds of the wheels past which eta is another
+    # [m/s^2]; radii 0.5 % apart, left to right, look like as much at 30 m/s
+    lock: float = 0.15  # departure of a wheel from the others that only ABS or a lock shows [1]
+    slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
+    turning: float = MOVING / NOMINAL_RADIUS  # below that none locks [rad/s]
+    recover: float = 1.0  # after that the filters behind the signals have forgotten it [s]
+    unexplained: float = 0.02  # brake force that is no noise of a_x, at least [1]
+    errs: float = 10.0  # log likelihood ratio from which it is a_x, or a motor
+    most_evidence: float = 2.5  # that a block adds to it, at most: no bump is an error of a_x
+    drive_memory: float = 0.5  # [s]
+    usual_level: float = 1.0  # memory of the level before a step, and of what it says [s]
+    chatter: float = 8.0  # mean of squared innovations while ABS works, each at most
+    most_chatter: float = 36.0
+    chatter_memory: float = 0.7  # [s]
+    trusted: float = 2.0  # departure of the scale from its prior; beyond it, doubt [sigma]
+    far: float = 7.0  # of the offset from its prior [sigma]
+    far_scale: float = 10.0  # of the scale: a slope that begins in a stop moves it by 9
+    far_slip: float = 2.8  # of ln(slip/z), upwards
+    least_demand: float = -0.15  # of a car that brakes [1]
+    most_demand: float = 1.3
+    most_zero: float = 0.1  # of a zero of the demand [1]
+    most_radii: float = 0.05  # by which eta - 1 is from that of the file's radii [1]
+    refusals: float = 10.0  # of zeros in a row, after which none is known
+
+    # What a block needs of those above.
+    keep: float = field(init=False)  # share of the means that stays [1]
+    var_level: float = field(init=False)  # variances before any braking
+    var_rate: float = field(init=False)
+    var_lag: float = field(init=False)
+    var_log_slip: float = field(init=False)
+    var_zero: float = field(init=False)
+    var_offset: float = field(init=False)
+    var_scale: float = field(init=False)
+    var_z: float = field(init=False)  # of the means of a block, by noise
+    var_rim: float = field(init=False)
+    var_zero_z: float = field(init=False)
+    var_v: float = field(init=False)  # of the speed by the noise of a_x, and by clocks apart
+    var_apart: float = field(init=False)
+    walk_level: float = field(init=False)  # variances that a block adds
+    walk_rate: float = field(init=False)
+    walk_slip: float = field(init=False)
+    walk_grade: float = field(init=False)
+    walk_bias: float = field(init=False)
+    walk_radius: float = field(init=False)
+    share_chatter: float = field(init=False)  # of a block in a mean that forgets [1]
+    share_level: float = field(init=False)
+    share_drive: float = field(init=False)
+    walk_held: float = field(init=False)  # of a held ratio [1/s]
+    applied: float = field(init=False)  # times of braking and of rolling that count [s]
+    released: float = field(init=False)
+    most_share: float = field(init=False)  # of the pressure that acts [1]
+    trusted_scale: float = field(init=False)  # square of a departure without doubt
+    most_offset: float = field(init=False)  # departures of a car that is plausible
+    most_scale: float = field(init=False)
+    most_log_slip: float = field(init=False)
+    speed: float = field(init=False)  # that a car loses in a block at 1 g [m/s]
+
+    def __post_init__(self) -> None:
+        """Compute what a block needs."""
+        dt = self.block
+        of_block = {
+            "keep": math.exp(-dt / self.memory),
+            "var_level": self.level_sigma**2,
+            "var_rate": self.fade**2,
+            "var_lag": self.lag_sigma**2,
+            "var_log_slip": self.log_slip_sigma**2,
+            "var_zero": self.zero**2,
+            "var_offset": self.offset**2,
+            "var_scale": self.scale_sigma**2,
+            "var_z": self.noise_z**2 / dt,
+            "var_rim": self.noise_rim**2 / dt,
+            "var_zero_z": (self.noise_z**2 + 1e-8) / dt,
+            "var_v": (G * self.noise_z) ** 2 * dt,
+            "var_apart": (G * self.apart) ** 2,
+            **{f"walk_{x}": getattr(self, f"q_{x}") ** 2 * dt for x in _WALKS},
+            "share_chatter": dt / self.chatter_memory,
+            "share_level": dt / self.usual_level,
+            "share_drive": min(dt / self.drive_memory, 1.0),
+            "walk_held": self.ageing**2,
+            "applied": self.settle - 0.5 * dt,  # else a rounding could decide it
+            "released": self.over + 0.5 * dt,
+            "most_share": 1.0 / self.least_share,
+            "trusted_scale": (self.trusted * self.scale_sigma) ** 2,
+            "most_offset": self.far * self.offset,
+            "most_scale": self.far_scale * self.scale_sigma,
+            "most_log_slip": self.log_slip + self.far_slip * self.log_slip_sigma,
+            "speed": G * dt,
+        }
+        for name, value in of_block.items():
+            object.__setattr__(self, name, value)
+
+
+def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
+    """What the step takes from a ``table``; ``noise`` of the sensors."""
+    return Constants(
+        **_of_table(table),
+        noise_rim=float(table.vehicle.front.rolling_radius * noise.omega),
+        noise_z=float(noise.z),  # Python's numbers are three times as fast
+        noise_v=float(noise.v),
+        block=block,
+        settle=block * samples_in(Constants.settle, block),  # else a rounding could decide it
+    )
+
+
+@lru_cache(maxsize=4)
+def _of_table(table: Table) -> dict[str, Any]:
+    """Constants that depend on no log."""
+    car, draws = table.vehicle, table.draws
+    return {
+        "pads": Reader(table.map, PADS),
+        "slip": Reader(table.map, SLIP),
+        "level": Reader(table.level_map, LEVEL),
+        "prior": Reader(table.level_map, PADS),
+        "radii": car.front.rolling_radius / car.rear.rolling_radius - 1.0,
+        "late": float(np.mean(draws.v_late)),
+        "late_sigma": float(np.std(draws.v_late)),
+        "ramp_ratio": float(np.mean(draws.log_pad_ratio)),
+    }
