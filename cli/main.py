@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from calib.base.errors import AnswerError, BrakeCalError, FolderGone, UsageError, program_failure
+from calib.base.errors import AnswerError, BrakeCalError, UsageError, program_failure
 from calib.base.names import PROGRAM
 from cli.command import Group, Row, add, group
 from cli.console import STOPS, begin, complain, emit_json, say, this_run
@@ -189,7 +189,7 @@ def _failure(error: Any) -> BrakeCalError:
         try:
             os.getcwd()
         except FileNotFoundError:
-            return FolderGone("the working folder is gone", do="change to another")
+            return UsageError("the working folder is gone", do="change to another")
     return program_failure(error)
 
 

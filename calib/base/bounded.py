@@ -11,17 +11,16 @@ import os
 import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from io import BufferedReader
 from pathlib import Path
+from typing import NamedTuple
 
 from calib.base.errors import BrakeCalError, SettingsError
 
 _MEGA = 1_000_000
 
 
-@dataclass(frozen=True)
-class FileKind:
+class FileKind(NamedTuple):
     """A kind of file, and the ``megabytes`` that one may have or unpack to."""
 
     name: str

@@ -177,10 +177,6 @@ class SignatureRefused(StoreError):
     """A signature does not hold, is of another key or is malformed."""
 
 
-class FolderGone(UsageError):
-    """The folder in which the program runs was deleted."""
-
-
 class ProgramFailure(BrakeCalError):
     """The program itself failed: an error that nobody foresaw, or no memory."""
 

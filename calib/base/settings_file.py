@@ -2,9 +2,8 @@
 
 import os
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator
 
@@ -76,8 +75,7 @@ def read_settings(path: Path | None) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class Project:
+class Project(NamedTuple):
     """Settings as by `read_settings`, their ``file`` or None, and the ``folders`` searched."""
 
     settings: dict[str, Any]

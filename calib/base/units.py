@@ -4,8 +4,7 @@ A unit is accepted only where its quantity is expected: ``g`` is gravity for an 
 error for a mass, ``Hz`` is revolutions per second for a wheel speed.
 """
 
-from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +18,7 @@ class UnknownUnit(ValueError):
     """A unit that is not in the tables, or one of another quantity."""
 
 
-@dataclass(frozen=True)
-class Unit:
+class Unit(NamedTuple):
     """SI value = written * scale / per + offset; 28.84 / 1e4 is exact, 28.84 * 1e-4 is not."""
 
     scale: float = 1.0

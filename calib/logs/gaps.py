@@ -8,6 +8,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,8 +43,7 @@ class ChannelHole:
     length: float
 
 
-@dataclass(frozen=True)
-class Filled:
+class Filled(NamedTuple):
     """``values`` at the wanted times, and the gaps of over `GAP` steps within them."""
 
     values: Array

@@ -6,6 +6,7 @@ pressure     rises and falls with the deceleration
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,8 +69,7 @@ def rising(time: Array) -> NDArray[np.bool_]:
     return np.append(True, np.diff(time) > 0.0) if time.size else np.zeros(0, bool)
 
 
-@dataclass(frozen=True)
-class ColumnClock:
+class ColumnClock(NamedTuple):
     """Time of each row [s], shape (n,), and the mean step [s]."""
 
     time: Array

@@ -8,7 +8,7 @@ from calib.base.errors import BrakeCalError
 CLASSES = {n: c for n, c in vars(errors).items() if isinstance(c, type)}
 
 CODES = {
-    2: "BatchError RevisionError TableNotFound FolderGone",
+    2: "BatchError RevisionError TableNotFound UsageError",
     3: "LogError VehicleError ChannelMapError LimitsError ModelError SettingsError ExchangeError "
     "NotFiniteError ProgramError KeyFileError BenchError TyreError",
     4: "StoreError DamagedTable SignatureRefused",

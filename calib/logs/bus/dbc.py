@@ -63,8 +63,7 @@ class FlawedSignal(NamedTuple):
     length: int = 1
 
 
-@dataclass(frozen=True)
-class Flawed:
+class Flawed(NamedTuple):
     """A message that cannot be read, and ``why``; its fields have the names of cantools."""
 
     name: str
@@ -85,8 +84,7 @@ class Flawed:
         )
 
 
-@dataclass(frozen=True)
-class Dbc:
+class Dbc(NamedTuple):
     """Messages by bus and identifier; the bus "" is every bus. ``notes`` name the files."""
 
     buses: "dict[str, dict[Key, _Described]]"

@@ -11,7 +11,7 @@ from array import array
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +41,7 @@ _REAL = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
 """Types of raw integers and of the IEEE 754 numbers in them, by bits."""
 
 
-@dataclass(frozen=True)
-class Frames:
+class Frames(NamedTuple):
     """All frames of one identifier on one bus, in the order of the file.
 
     ``time`` [s] (n,); ``data`` (n, bytes), zero past the ``length`` (n,) of a frame.
