@@ -74,10 +74,6 @@ def pressure(e: Evidence) -> Iterator[Measured]:
     if not run.pressures:
         return
     delay, every = next(iter(run.pressures.values())), ", ".join(run.pressures)
-    in_time = abs(delay.surely) <= _LATE
-    if in_time:
-        most = max(delay.low, delay.high, key=abs)
-        yield Measured("pressure_clock", most, words={"channel": every})
     if master.saturated:
         return
     # on a ramp a zero that is too low looks like a delay; a correct zero has noise
@@ -86,7 +82,8 @@ def pressure(e: Evidence) -> Iterator[Measured]:
     how = f"{zero * cut}{every} {'are' if ',' in every else 'is'} {delay.words}"
     words = {"how": how, "entry": f"{delay.entry} to {every}"}
     yield Measured("pressure_late", delay.surely, words=words)
-    if in_time and not any(name.startswith("T_drive") for name in run.present):
+    motors = any(name.startswith("T_drive") for name in run.present)
+    if abs(delay.surely) <= _LATE and not motors:
         yield Measured("pressure_foreign", max(delay.in_time, 0.0), words={"channels": every})
 
 

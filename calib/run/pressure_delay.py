@@ -18,7 +18,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.names import AXLES, G
-from calib.base.warning import LIMITS, bounds_of
+from calib.base.warning import LIMITS
 from calib.car.braking import BITE
 from calib.logs.clock import step_of
 from calib.logs.log import Log
@@ -38,6 +38,7 @@ _USUAL, _SPREAD = 0.02, 0.06
 """Median and half width of the Cauchy prior of the delay [s]: brakes and filters are near it, and
 its tails allow a delay of a second."""
 _SURE = 0.98  # probability that the delay is above `low`, and that it is below `high` [1]
+_IN_TIME = 0.6  # longest delay of brakes [s]: a diagnosis looks for lags and delays of up to 0.5 s
 _KEPT, _BRAKED = 0.5, 0.25  # least shares of all and of braked samples within the log [1]
 _SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: above an engine in a low gear
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
@@ -175,6 +176,6 @@ def _by_chance(
     chance /= np.sum(chance)
     middle = np.cumsum(chance) - 0.5 * chance
     value, low, high = np.interp([0.5, 1.0 - _SURE, _SURE], middle, tried).tolist()
-    in_time = float(np.min(squares[np.abs(tried) <= bounds_of("pressure_clock")[1]]))
+    in_time = float(np.min(squares[np.abs(tried) <= _IN_TIME]))
     shares = 1.0 - float(short) / variance, 1.0 - in_time / variance
     return PressureDelay(value, low, high, *shares)

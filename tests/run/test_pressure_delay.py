@@ -9,7 +9,6 @@ import pytest
 
 from calib.car.lag import first_order
 from calib.logs.read import read_log
-from calib.plausibility.check import check
 from calib.run.run import Run
 from tests.support.made_runs import changed, made_run, ramp, stop
 from tests.support.refusals import why_not
@@ -166,17 +165,6 @@ def test_a_wheel_whose_pressure_does_not_change_says_nothing(bar):
     told = Run(hangs).pressures.values()
     assert told
     assert np.isfinite([x.value for x in told]).all()
-
-
-def test_where_a_log_does_not_tell_it_is_said():
-    """Pads that bite at 3 bar and 3 bar/s are as good as a delay of a second."""
-    slow = ramp(start=3.0, rate=3.0)
-    log = made_run(slow, duration=14.0, speed=40.0)
-    bitten = made_run(lambda t: np.maximum(slow(t) - 3.0, 0.0), duration=14.0, speed=40.0)
-    shifted = changed(log, a_x=bitten["a_x"])
-    assert not why_not(shifted, "fit")
-    assert "pressure_clock" in [x.code for x in check(shifted).warnings]
-    assert "pressure_clock" not in [x.code for x in check(log).warnings]
 
 
 def test_without_a_braking_or_a_lead_in_nothing_is_said():
