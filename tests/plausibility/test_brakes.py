@@ -42,7 +42,7 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
         (response(share=0.04, fading=0.06, fading_sigma=0.02), ["unexplained_braking_force"]),
         (response(fading=-0.09, fading_sigma=0.02), []),
         (response(share=-0.08), ["braking_force_missing"]),
-        (response(delay=-0.25), ["pressure_lag"]),
+        (response(delay=-0.15), ["pressure_lag"]),
         (response(delay=0.15), []),
         (response(delay=0.25, sigma=0.1), []),
         (response(step=_ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
