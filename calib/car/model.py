@@ -18,14 +18,10 @@ WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 
 @dataclass(frozen=True)
 class Model:
-    """A car that can be simulated.
+    """A car that can be simulated; the ``tyre`` is common to both axles.
 
-    Attributes
-    ----------
-    vehicle : masses, lengths, brakes; its list of effects does not count.
-    pad_friction_f, pad_friction_r : mu_p of the axles [1].
-    tyre : common to both axles.
-    effects : all effects that act in it.
+    ``vehicle`` masses, lengths, brakes, its list of effects does not count; ``pad_friction_f``,
+    ``pad_friction_r`` mu_p of the axles [1]; ``effects`` all that act in it.
     """
 
     vehicle: Vehicle

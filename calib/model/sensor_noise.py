@@ -23,14 +23,10 @@ _TIME_CONSTANT = 0.1
 
 @dataclass(frozen=True)
 class NoiseLevel:
-    """Noise of one channel, in its SI unit.
+    """Noise of one channel, in its SI unit: standard deviation ``sd`` before rounding.
 
-    Attributes
-    ----------
-    sd : standard deviation before rounding.
-    coloured : share of the variance that is correlated in time [1].
-    quantum : step of the reading; 0 for none.
-    floor : lowest value that the sensor reads.
+    ``coloured`` share of the variance that is correlated in time [1]; ``quantum`` step of the
+    reading, 0 for none; ``floor`` lowest value that the sensor reads.
     """
 
     sd: float

@@ -42,13 +42,10 @@ class DefinedIn:
 class Effects:
     """The effects that act in a car in addition to the paper's model.
 
-    Attributes
-    ----------
-    parameters : of the named effects [SI].
-    terms : empirical terms, whose cause is not known.
-    sigma : one standard deviation of each parameter [SI]; only where it is known.
-    user_defined : effects of the user by name, whether they act or not: a `DefinedIn`, or an
-        `OwnEffect` of `calib.car.effects.catalogue` where the file was given.
+    ``parameters`` of the named effects [SI]; ``terms`` empirical terms, whose cause is not known;
+    ``sigma`` one standard deviation of each parameter [SI], only where it is known;
+    ``user_defined`` effects of the user by name, whether they act or not: a `DefinedIn`, or an
+    `OwnEffect` of `calib.car.effects.catalogue` where the file was given.
     """
 
     parameters: _ByParameter = field(default_factory=dict)
