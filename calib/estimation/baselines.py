@@ -15,9 +15,8 @@ from collections.abc import Callable
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.balance import ForceBalance, force_balance
+from calib.car.balance import ForceBalance
 from calib.car.effects.effect import Pair
-from calib.car.effects.effects import Effects
 from calib.car.vehicle import Axle
 from calib.estimation.estimator import Estimate
 from calib.run.filters import recursive
@@ -52,33 +51,18 @@ def mean_gain(e: Estimate) -> Pair:
 # The paper's law ---------------------------------------------------------------------------------
 
 
-def _as_written(e: Estimate) -> Pair:
-    """The paper's law (23)-(25) as it is written, with nothing added.
+def _adapted(e: Estimate) -> Pair:
+    """Pad friction mu_n + zeta of the axles (n,) by the law on the brake forces of the curves.
 
-    d omega/dt is the difference of the axle's mean wheel speed over one sample, z that of a_x as
-    read, the loads are (6), (7). Nothing is smoothed or taken out, and the law is never frozen. The
-    paper leaves open: gamma, here one for both axles that gives the front axle `RATE`, and the rear
-    one of the reference car a seventh of it; mu_n, that of the estimate; P, that of the axle where
-    it is logged; and the zero of eta, here that of the table.
+    Each axle has its own gain, and is frozen where no pads bite.
     """
-    car, s = e.car, e.read
-    spin_f, spin_r = (np.diff(x, prepend=x[0]) / s.sample_time for x in (s.omega_f, s.omega_r))
-    b = force_balance(car, Effects(), s.time, s.speed, s.z, s.p_f, spin=(spin_f, spin_r))
-    return _adapted(e, _by_curves(e.table, e.eta, b), gain(car.front))
-
-
-def _adapted(e: Estimate, brakes: Pair, gamma: float | None = None) -> Pair:
-    """Pad friction mu_n + zeta of the axles (n,) by the law on their brake forces [N] (n,).
-
-    Each axle has its own gain, and is frozen where no pads bite; with one ``gamma`` never.
-    """
-    active = e.forces.active if gamma is None else True
+    brakes = _by_curves(e.table, e.eta, e.forces.balance)
 
     def adapt(axle: Axle, p: Array, brake: Array) -> Array:
         torque = axle.torque_gain * p
         y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
-        u = np.where(active, -torque, 0.0)  # (24)
-        return axle.pad_friction + gradient(y, u, gamma or gain(axle), e.read.sample_time)
+        u = np.where(e.forces.active, -torque, 0.0)  # (24)
+        return axle.pad_friction + gradient(y, u, gain(axle), e.read.sample_time)
 
     return adapt(e.car.front, e.read.p_f, brakes[0]), adapt(e.car.rear, e.read.p_r, brakes[1])
 
@@ -116,7 +100,6 @@ def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
 METHODS: dict[str, Callable[[Estimate], Pair]] = {
     "nominal": nominal,
     "mean_gain": mean_gain,
-    "gradient_as_written": _as_written,
-    "gradient_paper": lambda e: _adapted(e, _by_curves(e.table, e.eta, e.forces.balance)),
+    "gradient_paper": _adapted,
 }
 """The methods by the names that they have in files."""
