@@ -2,8 +2,8 @@
 
 Exchanged axles show 1/eta. The likelihoods of eta and of 1/eta over z are compared, each a mean
 over the scenarios of `calib.fitting.maps`. A front wheel exchanged with the rear one of the other
-side leaves eta flat and the sides apart, see `calib.run.wheels`; wheels of one side are refused
-before a stop is estimated.
+side leaves eta flat and the sides apart, see `calib.run.exchanged_wheels`; wheels of one side are
+refused before a stop is estimated.
 """
 
 import math
@@ -32,9 +32,9 @@ from calib.plausibility.forces import LEAST_ODDS
 from calib.plausibility.pads import of_changes
 from calib.plausibility.rules import VALIDATE, warnings_on
 from calib.run.brake_response import brake_response
+from calib.run.exchanged_wheels import crossed_diagonal
 from calib.run.resistance import Resistance
 from calib.run.run import Run
-from calib.run.wheels import crossed_diagonal
 from calib.table.budget import pad_levels
 from calib.table.table import Table
 

@@ -21,8 +21,8 @@ from calib.plausibility.evidence import Evidence
 from calib.plausibility.speed_mistakes import CLOCK, SpeedMistake, speed_mistakes
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE
+from calib.run.exchanged_wheels import crossed_side
 from calib.run.resistance import identify
-from calib.run.wheels import crossed_side
 
 _SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # units that are confused [m/s]
 _UNIT_KNOWN = 0.16

@@ -40,17 +40,16 @@ from calib.run.driving_record import (
     driving_record,
     sampling_of,
 )
+from calib.run.exchanged_wheels import WheelParts, wheel_parts
 from calib.run.noise import SensorNoise, lead_in_noise, sensor_noise
 from calib.run.pressure_delay import PressureDelay, delays_of
 from calib.run.sensors import Sensor, sensors_of
 from calib.run.wheels import (
     Axles,
     Slipping,
-    WheelParts,
     axles_of,
     slipping,
     slips_of,
-    wheel_parts,
 )
 
 if TYPE_CHECKING:

@@ -1,21 +1,8 @@
-"""The four wheels compared: radii, exchanged axles and sides, sign of a_x, ABS, locked wheels.
-
-What braking changes of the four slips s is split into three parts, each 0 but for the first on a
-car that brakes alike left and right:
-
-    E = (fl + fr - rl - rr)/2      front against rear: the front wheels slip more
-    L = (fl - fr + rl - rr)/2      left against right: a bend, unlike brakes, unlike tyres
-    X = (fl - fr - rl + rr)/2      one diagonal against the other
-
-Columns that change places change the parts: fl with rl makes X = -E and E = 0, fr with rr X = E,
-fl with rr L = -E, fr with rl L = E. One wheel that brakes more or less moves |X| and |L| alike, so
-X alone is no brake and no tyre, and no bend.
-"""
+"""The four wheels compared: radii, sign of a_x, ABS, locked wheels."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +21,8 @@ from calib.run.filters import (
     without_single,
 )
 
+LOW, HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [1]
+
 
 @dataclass(frozen=True)
 class IntervalEstimate:
@@ -51,10 +40,10 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
     ratio = _ratios(a, b, mask, step)
     if ratio.size < 3:
         return None
-    return IntervalEstimate(float(np.mean(ratio)), float(_half(ratio)))
+    return IntervalEstimate(float(np.mean(ratio)), float(half_width(ratio)))
 
 
-def _half(rolling: Array, braked: float = np.inf) -> Array:
+def half_width(rolling: Array, braked: float = np.inf) -> Array:
     """Half width of the 95 % interval of the mean of ``rolling`` (..., k).
 
     With ``braked`` blocks: of the change to their mean, with the same noise.
@@ -66,14 +55,14 @@ def _half(rolling: Array, braked: float = np.inf) -> Array:
     return np.asarray(stdtrit(count - 1, 0.975) * np.std(rolling, axis=-1, ddof=1) * share)
 
 
-def _means(x: Array, mask: Mask, step: float) -> Array:
+def wheel_means(x: Array, mask: Mask, step: float) -> Array:
     """Means over `wheel_block` within ``mask``; empty if that is short."""
     return block_mean(x[..., mask], samples_in(LIMITS.wheel_block, step))
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
     """``b/a - 1`` of means [1], without those in which the first wheel does not turn."""
-    first, second = _means(np.stack([a, b]), mask, step)
+    first, second = wheel_means(np.stack([a, b]), mask, step)
     turns = first > 0.0
     return np.asarray(second[turns] / first[turns] - 1.0)
 
@@ -108,7 +97,7 @@ def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Ax
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
-    braking = driving.braked & (driving.wheel_z < _HIGH) & (driving.speed > 5.0)
+    braking = driving.braked & (driving.wheel_z < HIGH) & (driving.speed > 5.0)
     braked = mismatch(front, rear, braking & (driving.wheel_z > 0.2), driving.step)
     if braked is not None and zero is not None:
         half = float(np.hypot(braked.half, zero.half))
@@ -120,7 +109,7 @@ def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Ax
         radius=rolling_radius(log, driving),
         slope=_against_wheels(driving, _all_roll(slips, driving)),
         eta_braked=braked if zero is not None else None,
-        eta_most=_most(front, rear, free, braking & (driving.wheel_z > _LOW), driving.step),
+        eta_most=_most(front, rear, free, braking & (driving.wheel_z > LOW), driving.step),
     )
 
 
@@ -134,7 +123,7 @@ def _most(
     thirds = np.array_split(slipping, 3)
     changes = [float(np.mean(third) - np.mean(rolling)) for third in thirds]
     largest = int(np.argmax(np.abs(changes)))
-    return IntervalEstimate(changes[largest], float(_half(rolling, thirds[largest].size)))
+    return IntervalEstimate(changes[largest], float(half_width(rolling, thirds[largest].size)))
 
 
 def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
@@ -230,83 +219,3 @@ def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
         scale = {w: float(np.median(v[free] / np.maximum(omega[w][free], 1e-6))) for w in WHEELS}
     floor = np.maximum(v, 1e-6)
     return {w: 1.0 - scale[w] * omega[w] / floor for w in WHEELS}
-
-
-_PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0  # E, L, X over wheels
-
-_LOW, _HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [1]
-
-
-@dataclass(frozen=True)
-class WheelParts:
-    """E, L and X while braking less those of the rolling car [1]; ``z`` mean deceleration [1]."""
-
-    axles: IntervalEstimate
-    sides: IntervalEstimate
-    diagonals: IntervalEstimate
-    z: float
-
-
-class _Crossed(NamedTuple):
-    """A front and a rear wheel whose columns are exchanged, and the ``part`` that shows it [1].
-
-    ``others``: the two wheels that slip more than the rest, as text.
-    """
-
-    wheels: tuple[str, str]
-    part: float
-    others: str
-
-    def __str__(self) -> str:
-        front, rear = self.wheels
-        return (
-            f"omega_{front} and omega_{rear} have changed places: while braking {self.others} slip "
-            f"{100 * abs(self.part):.2f} % more than the other two, and front and rear alike"
-        )
-
-
-def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
-    """Compare the wheels; None with fewer than three blocks of 0.2 s that roll, or that brake."""
-    braking = driving.braked & (driving.wheel_z > _LOW) & (driving.wheel_z < _HIGH)
-    braking &= driving.speed > 5.0
-    wheels = np.array([log[f"omega_{w}"] for w in WHEELS])
-    means = [_means(wheels, mask, driving.step) for mask in (driving.unbraked, braking)]
-    free, braked = (_PARTS @ (1.0 - x / x.mean(axis=0)) for x in means)
-    if min(free.shape[1], braked.shape[1]) < 3:
-        return None
-    change = np.mean(braked, axis=1) - np.mean(free, axis=1)
-    half = _half(free, braked.shape[1])
-    axles, sides, diagonals = map(IntervalEstimate, change.tolist(), half.tolist())
-    return WheelParts(axles, sides, diagonals, float(np.mean(driving.wheel_z[braking])))
-
-
-def _alone(part: IntervalEstimate, others: float, z: float) -> bool:
-    """Whether X or L exceeds the ``others``, and the effect of unlike brakes at ``z``."""
-    least = max(LIMITS.crossed_alone * others, LIMITS.crossed_least * z)
-    return bool(abs(part.value) - part.half >= least)
-
-
-def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed | None:
-    """Exchanged wheels of one side, if sure; ``alone`` the axle that brakes alone, or None."""
-    if parts is None:
-        return None
-    x = parts.diagonals
-    if not _alone(x, max(abs(parts.axles.value), abs(parts.sides.value)), parts.z):
-        return None
-    wheels = ("fl", "rl") if (x.value < 0.0) is (alone != "r") else ("fr", "rr")
-    return _Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
-
-
-def crossed_diagonal(parts: WheelParts | None, expected: float) -> _Crossed | None:
-    """Exchanged wheels of a diagonal, if likely; ``expected`` E [1] by the table of the car.
-
-    A bend changes L too, but not E.
-    """
-    if parts is None:
-        return None
-    part, e, x = parts.sides, abs(parts.axles.value), abs(parts.diagonals.value)
-    low, high = abs(expected) / LIMITS.crossed_alone, LIMITS.crossed_alone * abs(expected)
-    if not (_alone(part, max(e, x), parts.z) and low < abs(part.value) < high and e < low):
-        return None
-    wheels = ("fl", "rr") if (part.value < 0.0) is (expected > 0.0) else ("fr", "rl")
-    return _Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")

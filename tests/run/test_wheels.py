@@ -9,7 +9,8 @@ from calib.base.names import WHEELS
 from calib.plausibility.rules import PURPOSES
 from calib.run import wheels
 from calib.run.driving_record import driving_record
-from calib.run.wheels import crossed_diagonal, crossed_side, mismatch, wheel_parts
+from calib.run.exchanged_wheels import crossed_diagonal, crossed_side, wheel_parts
+from calib.run.wheels import mismatch
 from tests.studies.made_lines import PAIRS, exchanged, in_bend, line, recorded, with_brakes
 from tests.support.made_runs import RADIUS, SLIP_F, SLIP_R, changed, made_run, ramp, stop, with_slip
 from tests.support.refusals import why_not
