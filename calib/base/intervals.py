@@ -1,5 +1,6 @@
 """The normal distribution: quantiles, noise, posteriors, and mixtures."""
 
+import cmath
 import math
 from itertools import takewhile
 from typing import NamedTuple
@@ -26,10 +27,13 @@ def second_differences(white: float, walk: float, turned: float) -> tuple[Array,
     the unit circle make the average invertible (Brockwell and Davis, Time Series: Theory and
     Methods, section 3.1).
     """
-    covariance = [6.0 * white + 2.0 * walk + turned, -4.0 * white - walk, white]
-    roots = np.roots([*covariance[:0:-1], *covariance])
-    average = np.real(np.poly(sorted(roots, key=abs)[:2]))
-    return average, float(np.sqrt(white / average[-1]))
+    # of the spectrum over z^2, white y^2 - (4 white + walk) y + 4 white + 2 walk + turned is left,
+    # with y = z + 1/z
+    apart = cmath.sqrt(walk**2 - 4.0 * white * turned)
+    sums = [(4.0 * white + walk + sign * apart) / (2.0 * white) for sign in (1.0, -1.0)]
+    inner, other = (2.0 / (y + cmath.sqrt(y + 2.0) * cmath.sqrt(y - 2.0)) for y in sums)
+    average = np.array([1.0, -(inner + other).real, (inner * other).real])
+    return average, math.sqrt(white / average[-1])
 
 
 def scatter(x: Array) -> float:

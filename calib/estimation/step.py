@@ -83,12 +83,9 @@ def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
 
 def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """Update the zeros by blocks that lie far enough before a bite."""
-    for zero, walk in (
-        (s.demand, c.walk_bias),
-        (s.eta_less_1, c.walk_radius),
-        (s.zero_slip, c.walk_radius),
-    ):
-        zero.variance = min(zero.variance + walk, c.var_zero)
+    s.demand.variance = min(s.demand.variance + c.walk_bias, c.var_zero)
+    s.eta_less_1.variance = min(s.eta_less_1.variance + c.walk_radius, c.var_zero)
+    s.zero_slip.variance = min(s.zero_slip.variance + c.walk_radius, c.var_zero)
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
         wheels = c.var_rim / old.rim**2

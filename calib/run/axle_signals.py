@@ -245,12 +245,13 @@ def _without_runout(omega: Array, step: float) -> Array:
     if np.count_nonzero(inside) < _FEWEST or angle[-1] < 2.0 * np.pi * _TURNS:
         return omega
     rising = np.maximum.accumulate(angle)
-    turn = np.interp(angle + np.pi, rising, time) - np.interp(angle - np.pi, rising, time)
-    apart = omega[inside] * turn[inside] / (2.0 * np.pi) - 1.0
+    angles = angle[inside]
+    turn = np.interp(angles + np.pi, rising, time) - np.interp(angles - np.pi, rising, time)
+    apart = omega[inside] * turn / (2.0 * np.pi) - 1.0
     near = np.abs(apart) <= 5.0 * max(scatter(apart), 1e-9)
     if np.count_nonzero(near) < _FEWEST:
         return omega
-    apart, columns = apart[near], _turning(angle[inside][near])
+    apart, columns = apart[near], _turning(angles[near])
     first, second = slice(apart.size // 2), slice(apart.size // 2, None)
     whole, early, late = (
         np.linalg.solve(columns[:, of] @ columns[:, of].T, columns[:, of] @ apart[of])
