@@ -49,7 +49,7 @@ _ASKS = {
     *("level_changed", "pads_changed_apart", "unexplained_braking_force", "force_step"),
     *("braking_force_missing", "unexplained_drag", "a_x_by_wheels", "v_of_wheels", "v_scale"),
 }
-"""Warnings after which mistakes are compared: it takes half a second."""
+"""Warnings after which mistakes are compared, which takes as long as the rest of a stop."""
 _FEWEST, _SURELY, _LATE, _BESIDE = 20, 4.0, 0.5 * DELAYS[0], 0.025
 """From these on mistakes are compared: blocks of a braking, a delay of the wheels in sigma and [s],
 share of brake force beside the pressure [1]. Good stops have delays of up to 6 ms, by the form of
