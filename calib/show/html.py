@@ -37,12 +37,15 @@ _UNSEEN = re.compile(
     r"| id=\"[a-z2]+_\d+\"| transform=\"rotate\(-0 [^\"]*\"",
     re.DOTALL,
 )
-"""Parts of an SVG that show nothing, and the font, which `_FONT` has once."""
+"""Parts of an SVG that show nothing, and the font of each element; `_FONT` names it once."""
 _EMPTY, _TAG = "<g></g>", re.compile("<[^<>']*>")
+"""A group without content; a tag without an apostrophe, whose quotes can be exchanged for them."""
 _STYLE, _FONT = "<style type='text/css'>*{", "font-family: DejaVu Sans, Verdana, sans-serif; "
-"""Font of all letters, with one of its width for machines without it."""
+"""Font of all text, and fonts of similar width for machines without it."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
-_STRAIGHT = re.compile(r"(?<= d=\")M(?: [-\d.]+ [-\d.]+ \n[LM])+ [-\d.]+ [-\d.]+ \n(?=z?\n?\")")
+"""A coordinate with three decimals or more, inside a tag."""
+_STRAIGHT = re.compile(r"M(?: [-\d.]+ [-\d.]+ \nL)+ [-\d.]+ [-\d.]+ \n(?=z?\n?\"|M)")
+"""A line of straight pieces; a path has several where samples are missing between them."""
 _HALF_A_PIXEL = 1.0 / 3.0
 """Distance [pt] by which a point of a panel may lie off its line: half a pixel of a wide screen."""
 _AGAINST = "What speaks against the result, although it is given."
@@ -51,6 +54,7 @@ _AGAINST = "What speaks against the result, although it is given."
 @cache
 def _template() -> "Template":
     pages = templates("calib.show", markup=True)
+    # Markup, a kind of str, is escaped already.
     pages.finalize = lambda value: whole(value) if type(value) is str else value
     return pages.get_template("page.html.j2")
 
@@ -85,7 +89,7 @@ class _Pictures:
         places = {name: f"sheet-{number}-{i}" for i, name in enumerate(names)}
         if self.live:
             self.scripts.append(script(sheet, places))
-        return [(_panel(sheet, name), places[name] * self.live) for name in names]
+        return [(_panel(sheet, name), places[name] if self.live else "") for name in names]
 
 
 def _panel(sheet: Sheet, name: str) -> str:
@@ -93,7 +97,7 @@ def _panel(sheet: Sheet, name: str) -> str:
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
     svg = _UNSEEN.sub("", render(figure, ".svg", text=True).decode())
     # places are exact to a tenth of a point
-    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _STRAIGHT.sub(_from_last, svg))
+    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _STRAIGHT.sub(_shortened, svg))
     short = _TAG.sub(lambda tag: tag[0].replace('"', "'"), short)
     short = short.replace(_STYLE, _STYLE + _FONT, 1)
     while _EMPTY in short:
@@ -101,17 +105,18 @@ def _panel(sheet: Sheet, name: str) -> str:
     return f"data:image/svg+xml,{quote(short.encode(), safe=_UNQUOTED)}"
 
 
-def _from_last(path: re.Match[str]) -> str:
-    """A path of straight lines in relative coordinates, without points that cannot be seen."""
+def _shortened(path: re.Match[str]) -> str:
+    """A line in relative coordinates, without points that cannot be seen."""
     from matplotlib.path import Path
 
-    parts = (part.split() for part in re.split("[ML]", path[0])[1:])
+    parts = (part.split() for part in path[0].removeprefix("M").split("L"))
     line = Path(np.array([*parts], float))
     line.should_simplify, line.simplify_threshold = True, _HALF_A_PIXEL
     visible = np.asarray(line.cleaned(simplify=True).vertices)[:-1]
-    steps = 0.1 * np.diff(np.rint(10.0 * visible), axis=0, prepend=0.0)
-    ways = ([f"{way:.1f}".removesuffix(".0") for way in step] for step in steps if step.any())
-    return "m" + "l".join(f"{x}{' ' * (y[0] != '-')}{y}" for x, y in ways)
+    first, *steps = 0.1 * np.diff(np.rint(10.0 * visible), axis=0, prepend=0.0)
+    moves = (first, *(step for step in steps if step.any()))
+    ways = ([f"{way:.1f}".removesuffix(".0") for way in move] for move in moves)
+    return "M" + "l".join(f"{x}{' ' * (y[0] != '-')}{y}" for x, y in ways)
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:

@@ -1,16 +1,19 @@
 """Facts on a terminal and on a page: all texts come back, and none of them is obeyed."""
 
 import io
+import re
 from html.parser import HTMLParser
+from urllib.parse import unquote
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
-from calib.show.html import is_page, page_of
-from calib.show.panel import Panel
+from calib.show.html import _panel, is_page, page_of
+from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
 from cli.console import begin, emit, this_run
 
@@ -109,3 +112,20 @@ def test_a_table_that_is_too_wide_becomes_blocks_and_numbers_stay_whole(width, m
     assert all(text.count(cell) == 1 + (cell is not name) for name, *more in cells for cell in more)
     assert max(map(len, text.splitlines())) <= width
     assert text.count("front pads") == (2 if width == 40 else 1)
+
+
+def test_a_line_of_a_panel_keeps_its_gap_and_its_places():
+    x = np.linspace(0.0, 1.0, 101)
+    y = np.where(abs(x - 0.5) < 0.1, np.nan, np.sin(9.0 * x))
+    look = {"color": "#123456"}
+    panel = Panel("one", "One", "x", "y", [Line(x, y, look)], ylim=(-1.0, 1.0), xlim=(0.0, 1.0))
+    svg = unquote(_panel(Sheet("test", "test", (panel,)), "one"))
+    (path,) = re.findall(r"<path d='([^']*)'[^>]*#123456", svg)
+    parts = [re.findall(r"-?[\d.]+", part) for part in path.split("M")[1:]]
+    places = [np.cumsum(np.reshape(np.array(part, float), (-1, 2)), axis=0) for part in parts]
+    assert len(places) == 2
+    left, right = places
+    full = right[-1, 0] - left[0, 0]  # from x = 0 to x = 1
+    assert [left[-1, 0] - left[0, 0], right[0, 0] - left[0, 0]] == pytest.approx(
+        [0.4 * full, 0.6 * full], abs=0.011 * full
+    )
