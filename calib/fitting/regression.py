@@ -40,8 +40,8 @@ def _carried_on(
     """Slip (k,) against the speed that a_x gives from the lead-in on, and its errors by cause.
 
     v = v_0 - g int (1 - e) (z - o) dt with scale e and offset o; the wheels turn at v (1 - slip).
-    As the car slows, the part of the slip vanishes and that of e does not. ``mean`` averages over
-    groups of blocks, of a ``length`` each [s].
+    As the car slows, the part of the slip in v - R omega vanishes and that of e grows, so the two
+    separate. ``mean`` averages over groups of blocks, of a ``length`` each [s].
     """
     b, noise, lead, R = run.blocks, run.noise, run.rolling, car.front.rolling_radius
     rear = 1.0 - run.load_f / car.weight
@@ -56,10 +56,12 @@ def _carried_on(
     earlier = np.minimum.outer(t, t)
     walk = (_GRADE * earlier) ** 2 * (np.maximum.outer(t, t) / 2.0 - earlier / 6.0)
     off = G**2 * (noise.z**2 * earlier + walk) + np.diag(wheel**2 / length)
-    slope_sigma = np.sqrt(12.0 * wheel**2 / rolled**3 + (G * noise.z) ** 2 / rolled) / G
+    # The speed at the middle of the lead-in and its slope have independent errors.
+    of_slope = np.sqrt(12.0) * wheel / rolled * (t + 0.5 * rolled)
+    zeros = np.stack([of_slope, np.full_like(t, wheel), G * noise.z * t]) / np.sqrt(rolled)
     return (v_0 - (1.0 - LOG.a_x_scale.mean) * gone - u) / v, {
         "noise": np.linalg.cholesky(off / np.outer(v, v)),
-        "zeros": np.stack([-G * t * slope_sigma / v, 2.0 * wheel / np.sqrt(rolled) / v], axis=1),
+        "zeros": (zeros / v).T,
         "accelerometer": (-gone * LOG.a_x_scale.sigma / v)[:, None],
     }
 
@@ -70,8 +72,8 @@ class _Ramp:
     Of lead-in and groups, (..., 1 + k) [1]: ``brake`` force of both axles over the weight;
     ``moments`` other torques of the axles as forces over the weight, (..., 2, 1 + k); ``log_odds``
     ln of front over rear pressure. ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip
-    of the groups, (..., 2, k), without v against the speed by a_x; their ``errors`` by cause,
-    (k, m), a column for each error of one standard deviation.
+    of the groups, (..., 2, k); where v is not logged the slip is against the speed by a_x. Their
+    ``errors`` by cause, (k, m): a column for each error of one standard deviation.
     """
 
     def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
@@ -85,7 +87,7 @@ class _Ramp:
         self.rows, self.errors = self._wheels(run)
 
     def with_forces_of(self, runs: Sequence[RampRun]) -> "_Ramp":
-        """The same ramp with the forces of each of ``runs``, and its wheel speeds if others."""
+        """The same ramp with the forces, and the wheel speeds, of each of ``runs``."""
         other = copy.copy(self)
         other.brake, other.moments, other.log_odds = self._forces(runs)
         other.rows = np.array([self._rows_of(run) for run in runs])

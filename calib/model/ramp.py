@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.warning import REFUSE, unexplained
 from calib.car.balance import brake_forces
@@ -26,8 +27,6 @@ from calib.run.noise import SensorNoise, sigma_growth
 from calib.run.run import Run
 from calib.run.same_run import refuse_copies
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class _FitSettings:
@@ -38,26 +37,26 @@ class _FitSettings:
     outlier: float = 4.0
     """Residuals past this many sigma are named: of 500 blocks of noise one in 30 runs has one."""
     fastest: float = 0.5
-    """Change of the deceleration that the pressure makes [g/s] past which a block takes no part:
-    pads, brake lines and the body are then late by as much as eta shows. A ramp to 0.6 g within 3 s
+    """A block takes no part while the pressure changes the deceleration faster than this [g/s]: the
+    lag of pads, lines and body then moves eta by as much as its signal. A ramp to 0.6 g within 3 s
     has 0.2, a pedal that is let go at its end 1 to 3."""
     late: float = 0.15
-    """Time [s] for which this is so afterwards."""
+    """Time [s] for which blocks are left out after such a change, too."""
     disturbance_of_eta: float = 0.12
-    """How far eta stands out from its smooth course, over its range on the ramp, where something
-    else acts: a gear shift of 240 N m moves it by a third, a bump by as much as the range."""
+    """Departure of eta from its smooth course, divided by its range on the ramp, from which on
+    something else acts: a gear shift of 240 N m moves it by a third of the range, a bump by all."""
     disturbance_of_force: float = 0.03
-    """The same of the demanded brake force, over its largest."""
+    """Likewise of the demanded brake force, divided by its largest value."""
     disturbance_gate: float = 6.0
     """How many times the usual scatter both must stand out."""
     fewest_blocks: int = 20
-    """Fewest braked blocks of a ramp in which a disturbance is told, and that must be left of it
-    below its top; a fifth of them must be calm before and after a disturbance."""
+    """With fewer braked blocks no disturbance is looked for. As many must be left below the top of
+    the ramp without the disturbed ones, and a fifth of this number must be calm on either side."""
     disturbance_share: float = 0.3
-    """Share of the braked blocks from which on what stands out is no disturbance, but the car."""
+    """If more than this share of the braked blocks stands out, it is the car and no disturbance."""
     flat: float = 0.1
-    """Share of its first slope at which eta over z is too flat to be read backwards: there an error
-    of eta moves D ten times as far as it should."""
+    """The curve eta(z) is not read backwards where its slope is below this share of its first one:
+    there an error of eta moves D ten times as far as it should."""
     rows: int = 61
     """Rows of a look-up: linear interpolation between them errs by less than 1e-4 in D."""
     min_count: int = 3
@@ -77,9 +76,9 @@ class RampRun:
     ``load_f`` front axle load [N]; ``drag_f``, ``drag_r`` what slows the wheels besides
     the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
-    blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
-    is exact; ``only`` the axle that brakes alone, None where both do; ``left_out`` blocks
-    of the braking in which something else acts, see `calib.fitting.fit`.
+    blocks that take part; ``accelerometer`` the correction of z, with what is left open, None
+    where z is exact; ``only`` the axle that brakes alone, None where both do; ``left_out`` blocks
+    of the braking in which something else acts, see `calib.fitting.disturbances`.
     """
 
     name: str
@@ -106,7 +105,7 @@ class RampRun:
         return np.asarray(np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0)) + alone)
 
     def quasi_static(self, vehicle: Vehicle) -> Array:
-        """Deceleration [1] (k,) at which the axles have the loads of the run; effects move them."""
+        """Deceleration [1] (k,) that gives a rigid car without effects the same axle loads."""
         moved = self.load_f * vehicle.wheelbase / vehicle.weight - vehicle.cg_to_rear_axle
         return np.asarray(moved / vehicle.cg_height)
 
@@ -118,19 +117,19 @@ class RampRun:
 
     @cached_property
     def braking(self) -> Array:
-        """Brake force of both axles [N] (k,) from what is demanded of them on the lead-in.
+        """Brake force of both axles [N] (k,): ``brake_sum`` less its mean on the lead-in.
 
-        The brakes do nothing there: it is the zero of a_x, a slope, what else slows the car.
+        No brake acts there: that mean is the offset of a_x, the slope and other resistances.
         """
         zero = np.mean(self.brake_sum[self.rolling]) if self.rolling.size else 0.0
         return np.asarray(self.brake_sum - zero)
 
     def since_rolling(self, measured: Array) -> Array:
-        """Eta or slip [1] (k,) less what it was on the lead-in: what the brakes did to it.
+        """Eta [1] (k,) less what it was on the lead-in: what the brakes did to it.
 
         Wheels of two sizes differ by per cents, which is no slip.
         """
-        return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
+        return np.asarray(measured - np.mean(measured[self.rolling]))
 
 
 def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
