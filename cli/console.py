@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from calib.base.settings_file import Project
     from calib.show.facts import Facts
 
-STOPS = tuple(
+STOP_SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)
 )
 """Signals that ask a run to stop; SIGBREAK is that of Ctrl-Break on Windows."""
@@ -166,7 +166,7 @@ def _unwrapped(value: Any) -> Any:
 
 
 Step = Callable[..., None]
-"""Called after each step; or with a stage, the number of steps done and of all steps."""
+"""Called after each step without arguments, or as step(stage, steps_done, steps_in_all)."""
 
 
 @contextmanager

@@ -15,7 +15,7 @@ import typer
 from calib.base.errors import AnswerError, BrakeCalError, UsageError, program_failure
 from calib.base.names import PROGRAM
 from cli.command import Group, Row, add, group
-from cli.console import STOPS, begin, complain, emit_json, say, this_run
+from cli.console import STOP_SIGNALS, begin, complain, emit_json, say, this_run
 
 _UsageError: Any = typer.BadParameter.__base__
 """What typer raises for a wrong command line; it exports only the one for a wrong value."""
@@ -137,7 +137,7 @@ def main() -> None:
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     begin()
-    for number in STOPS:
+    for number in STOP_SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:  # as for a job of a shell's background
             signal.signal(number, _interrupt)
     code = _delivered(_run)

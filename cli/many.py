@@ -13,7 +13,16 @@ from calib.base.errors import printable
 from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import STOPS, complain, emit_line, json_text, misuse, progress, say, this_run
+from cli.console import (
+    STOP_SIGNALS,
+    complain,
+    emit_line,
+    json_text,
+    misuse,
+    progress,
+    say,
+    this_run,
+)
 from cli.options import argument, option
 from cli.outputs import check_folder, write_folder, writing
 
@@ -164,7 +173,7 @@ def watch(
 def _stopped() -> Iterator[Event]:
     """An event that Ctrl-C and SIGTERM set; a second signal kills."""
     stop = Event()
-    handlers = {number: signal.getsignal(number) for number in STOPS}
+    handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
 
     def end(*_signal: object) -> None:
         stop.set()

@@ -1,7 +1,7 @@
 """Options and arguments: how each is typed, and what it becomes before a command gets it.
 
-`option` and `argument` are typer's, with a conversion ``make``. To the type checker the type of an
-option is what the command gets, to typer what is typed.
+`option` and `argument` are typer's, with a conversion ``make``. The annotation of a parameter is
+the type that the command gets; ``typed`` is that which a user types, for typer.
 """
 
 from collections.abc import Callable, Collection
@@ -26,7 +26,7 @@ LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
 _LISTED = 60
-"""Most names that are listed after an unknown one; of more only the nearest."""
+"""Up to so many known names are listed after an unknown one; of a longer list only the nearest."""
 Make = Callable[[Any], Any] | str
 """A conversion: a function, or "module:NAME" of one that is imported when it is used."""
 
@@ -37,12 +37,16 @@ def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> A
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    more : for typer, and these: ``typed`` type of what is typed, if it is another one (a file by
-        default where the type is quoted); ``make`` conversion, ``always`` of None, too; ``names``
-        "module:NAME" of a collection: its names are completed, others refused; ``writes`` kind of
-        the file that it names as output, see `cli.outputs`, or "folder"; ``setting`` key in the
-        settings file of its value if not given, used where ``when`` is true of all that was given,
-        by name; ``built_in`` its value if nothing else gives one.
+    more : for typer, and these:
+
+        typed       type that is typed, if it differs; a path where the annotation is quoted
+        make        conversion
+        always      convert None, too
+        names       "module:NAME" of the known values: completed, others refused
+        writes      kind of the output file that it names, see `cli.outputs`, or "folder"
+        setting     key of the settings file that gives its value if it is not given
+        when        function of all given options by name: whether the setting is used
+        built_in    value if nothing else gives one
     """
     typer_option: Any = typer.Option  # its types take the first flag for a default
     return _declared(partial(typer_option, *flags), text, metavar, flags=flags, **more)
@@ -57,7 +61,7 @@ _OURS: dict[str, Any] = {
     "setting": "",
     "when": lambda given: True,
 }
-"""Our attributes of an option, with their default values."""
+"""Keys of ``more`` that typer does not know, with their default values."""
 
 
 def argument(text: str, metavar: str, **more: Any) -> Any:
@@ -210,7 +214,7 @@ KnownModel = Annotated[
     Path | None, option("Model of `diagnose`, whose effects are then known.", "M.toml")
 ]
 Workers = Annotated[int | None, option("Processes; else all cores.", "N", min=1, max=512)]
-BY = "Who says so; else the person of the settings, or the user of this computer."
+BY = "Name of who decides; else the person of the settings, or the user of this computer."
 By = Annotated[str | None, option(BY, "NAME", setting="by")]
 Reason = Annotated[str, option("Why, for the journal.", "TEXT", make=words)]
 TABLE = "name, name@version or path of a version"

@@ -34,7 +34,7 @@ def cores() -> int:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Limit linear algebra in this process to one thread, meanwhile.
+    """Limit linear algebra in this process to one thread within a `with` block.
 
     Matrices of some hundred rows take twice as long on two threads as on one.
     """
@@ -64,8 +64,8 @@ def workers(count: int, *preload: str) -> ProcessPoolExecutor:
 def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
     """Yield a `map` over ``count`` processes; `map` itself if it is 1.
 
-    Functions must be of a module, their items and results picklable, and a script must guard its
-    main part, as for every process of Python. Raises BatchError if a process died.
+    Functions must be at the top level of a module, their items and results picklable, and a script
+    must guard its main part, as for every process of Python. Raises BatchError if a process died.
     """
     if count <= 1:
         yield map
@@ -81,7 +81,7 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
     try:
         yield mapped
     except BrokenExecutor as error:
-        time.sleep(_STOPPING)  # what stopped the workers may stop this process, too
+        time.sleep(_STOPPING)  # a signal to all may end this process, too, before it reports
         flaw = "a worker process died"
         raise BatchError(flaw, do="repeat it; if memory ran out, with --workers 1") from error
     finally:

@@ -38,7 +38,7 @@ class _KeysSection(Section):
 
 
 class SettingsFile(FileSchema):
-    """Values of options that are not given on the command line. Paths lead from this file."""
+    """Values for options that are not given on the command line. Paths start in its folder."""
 
     store: Text | None = None
     vehicle: Text | None = None
@@ -53,11 +53,11 @@ class SettingsFile(FileSchema):
 def read_settings(path: Path | None) -> dict[str, Any]:
     """Values of a settings file by key, such as ``station.name``; None for those it does not have.
 
-    Paths lead from the working folder. Raises one SettingsError with all mistakes.
+    Paths are relative to the working folder. Raises one SettingsError with all mistakes.
     """
     file = read_toml(path, SettingsFile, SettingsError) if path else SettingsFile(schema=1)
     folder = path.absolute().parent if path else Path()
-    with suppress(ValueError):  # on another drive
+    with suppress(ValueError, OSError):  # another drive of Windows; no working folder any more
         folder = Path(os.path.relpath(folder))
 
     def place(written: str | None) -> Path | None:
@@ -67,8 +67,10 @@ def read_settings(path: Path | None) -> dict[str, Any]:
     return {
         **{key: place(getattr(file, key)) for key in ("store", "vehicle", "map", "limits")},
         "station.name": file.station.name,
+        # With a folder it is a path, else the name of a table.
         "station.golden": str(place(golden)) if golden and Path(golden).name != golden else golden,
         "station.export": file.station.export,
+        # The text of a key, else the path of its file.
         "keys.public": public if public and PUBLIC_KEY.fullmatch(public) else place(public),
         "require_signed": file.require_signed,
         "by": file.by,
@@ -87,7 +89,7 @@ def find_project() -> Project:
     """Find and read the settings file. Raises SettingsError if it is not valid."""
     named = os.environ.get(SETTINGS_VARIABLE)
     folders: tuple[Path, ...] = ()
-    file = Path(named) if named else None
+    file = Path(named) if named else None  # an empty variable: no settings file
     if named is None:
         with suppress(FileNotFoundError):  # somebody has deleted the working folder
             folders = (Path.cwd(), *Path.cwd().parents)

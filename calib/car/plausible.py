@@ -22,7 +22,7 @@ LEAST_FRONT_BIASED = bound("front_biased_up_to", "low")
 """Deceleration [g] up to which the front axle must lock first.
 
 Cars that control the rear pressure (EBD) have 0.4 or more by design. Pads that scatter by 3 %
-between the axles take up to 0.1 of it in one car of a thousand."""
+between the axles lower it by as much as 0.1 g in one car of a thousand."""
 
 _VALUES: dict[str, Callable[[Vehicle], float]] = {
     "wheelbase": lambda car: car.wheelbase,

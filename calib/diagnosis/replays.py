@@ -1,9 +1,9 @@
 """The hold-outs replayed open loop, and the gap that is left.
 
-A replay uses the pressure, the first speed and, for a ripple alone, the angle of the wheels, so an
-error of force, which an innovation of one step hides, adds up in v. The noise of a channel is
-estimated from its differences between samples. Its square is subtracted, so that a perfect model
-has no gap.
+A replay uses the pressures, the first speed, logged torques of motors and temperatures of discs,
+and, for a ripple alone, the angle of the wheels. So an error of force, which an innovation of one
+step hides, adds up in v. The noise of a channel is estimated from its differences between samples.
+Its square is subtracted from the mean square of the gap, so that a perfect model has none.
 """
 
 from collections.abc import Sequence
@@ -31,13 +31,13 @@ CHANNELS = tuple(UNITS)
 
 _LONGEST = 0.2
 """Longest time [s] between two samples whose differences show noise: twice the correlation time of
-that of a road, and a car hardly moves in that."""
+the noise that a road makes, and the car hardly moves in it."""
 _SLOW = 2.0**0.5
-"""Largest noise, over what samples that follow each other show of it: half of a road's is slow.
-What is more is motion, such as a ripple."""
+"""Largest ratio of the noise to what neighbouring samples show of it: half of the variance of a
+road's noise is too slow for them. What is more is motion, such as a ripple."""
 _STRAIGHT = 7.0
-"""Differences over four samples, over those from sample to sample, of a channel that runs in
-straight lines of four samples or more. A ripple of ten times the noise has four."""
+"""Ratio of the noise that shows over up to four samples to that from sample to sample, above which
+a channel was interpolated by straight lines. A ripple of ten times the noise has a ratio of 4."""
 _FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
 """Least noise (6,) of the channels, in their units: a simulated log may have none, and no car is
 described to better than that."""
@@ -47,7 +47,7 @@ _NEAR = 1.0  # step, in standard deviations, after which a linear model holds
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Mean squares of replay less measurement beyond noise, over those of noise.
+    """Mean square of replay less measurement, over that of the noise, less 1, at least 0.
 
     ``squares`` (2, logs, 6) before and after, without and with the effects, by log and channel [1];
     ``logs`` their names; ``noise`` (6,) sd of the channels, in their units.
@@ -85,7 +85,7 @@ class Gap:
 def gap_of(
     base_replays: Sequence[Log], replays_after: Sequence[Log], measured: Sequence[Log]
 ) -> Gap:
-    """Compare replays with their logs, over their common samples above 1 m/s."""
+    """Compare replays with their logs, up to the end of the shorter: a replay ends at 1 m/s."""
     noise = noises_of(measured)
     squares = [
         [_squares_of(*pair) for pair in zip(replays, measured, strict=True)]
@@ -108,7 +108,7 @@ def noises_of(measured: Sequence[Log]) -> Array:
 
 
 def _noise_of(log: Log, channel: str) -> float:
-    """The largest that third differences over up to `_LONGEST` show, which hold almost no motion.
+    """The largest noise in third differences over up to `_LONGEST`, which hold hardly any motion.
 
     A channel that runs in straight lines between its values shows little from sample to sample.
     """
@@ -120,7 +120,7 @@ def _noise_of(log: Log, channel: str) -> float:
 
 @dataclass(frozen=True)
 class HoldOuts:
-    """The logs that are held out, and the same as a ``problem`` with the noise of calibration."""
+    """The held-out ``logs``, and a ``problem`` of them with the noise of the calibration logs."""
 
     logs: tuple[Log, ...]
     problem: Problem
@@ -128,8 +128,7 @@ class HoldOuts:
     def replays(self, fit: Fit, random_effects: Array) -> tuple[Log, ...]:
         """Replay every log open loop with its ``random_effects`` (runs, 8).
 
-        Ripples follow the measured angle of the wheels; no torque and no speed is fed in. Raises
-        ModelError if it cannot be computed.
+        Ripples follow the measured angle of the wheels. Raises ModelError if it cannot be computed.
         """
         out = []
         for log, run in zip(self.logs, runs_of(self.problem, random_effects), strict=True):
@@ -152,9 +151,9 @@ def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
 
 @dataclass(frozen=True)
 class Replayed:
-    """A ``fit``, and ``simulated`` and ``base``, the same and the one without effects, as a model
-    can have them: without a discrepancy of the tyre.
+    """A ``fit``, and what a simulation makes of it, whose tyres cannot depart from their form.
 
+    ``simulated`` is the same hypothesis without that departure, ``base`` the one without effects.
     ``random_effects`` (runs, 8) of the hold-outs, ``logs`` their replays, ``base_logs`` those of
     the base, with the same pads and roads, so that effects alone make the difference.
     """
@@ -168,17 +167,18 @@ class Replayed:
 
 
 def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:
-    """Fit a hypothesis as a model can have it, and replay the hold-outs.
+    """Fit again without a departure of the tyre, and replay the hold-outs with and without effects.
 
-    With those of ``base``, as a model has it, or without where the fit is the base itself. Raises
-    ModelError.
+    ``base`` is the fit without effects, already without a departure; None if ``fit`` is the base.
+    Raises ModelError.
     """
-    plain = without_form(fit)
-    random_effects = placed(holdouts.problem, plain)
-    logs = holdouts.replays(plain, random_effects)
+    simulated = without_form(fit)
+    random_effects = placed(holdouts.problem, simulated)
+    logs = holdouts.replays(simulated, random_effects)
     if base is None:
-        return Replayed(fit, plain, plain, random_effects, logs, logs)
-    return Replayed(fit, plain, base, random_effects, holdouts.replays(base, random_effects), logs)
+        return Replayed(fit, simulated, simulated, random_effects, logs, logs)
+    base_logs = holdouts.replays(base, random_effects)
+    return Replayed(fit, simulated, base, random_effects, base_logs, logs)
 
 
 def without_form(fit: Fit) -> Fit:
@@ -189,7 +189,7 @@ def without_form(fit: Fit) -> Fit:
 
 
 def placed(holdouts: Problem, fit: Fit) -> Array:
-    """Random effects (runs, 8) of each hold-out, those that logs may have."""
+    """Random effects (runs, 8) fitted to each hold-out; those that no log may have stay 0."""
     S = fit.hypothesis.sizes
     random_effects, free = np.zeros((len(holdouts.runs), len(OWN))), np.flatnonzero(S)
     for _ in range(_ROUNDS):
@@ -198,7 +198,8 @@ def placed(holdouts: Problem, fit: Fit) -> Array:
         columns, previous = random_columns_of(placed_fit, free.tolist()), random_effects.copy()
         for one, N, states in zip(placed_fit.innovations, columns, random_effects, strict=True):
             products = Products.from_columns(np.zeros((0, one.size)), N, one, states[free])
-            states[free] -= products.reduced(S[free])[1][:, -1]
+            step = products.reduced(S[free])[1][:, -1]
+            states[free] -= step
         if np.all(np.abs(random_effects - previous) <= _NEAR * S):
             break
     return random_effects

@@ -39,9 +39,9 @@ the logs, it has named their cause, and nothing is warned of."""
 
 _FITTED = 3  # fits of logs with exchanged axles
 
-# differences of the sides [1]; a seized brake makes 0.001 to 0.008
-USUAL = 1e-3  # that tyres of one age make as they wear
-LARGEST = 5e-3  # that one new tyre makes
+# Largest difference of the radii of both sides [1] that is taken out of the wheel speeds.
+LARGEST = 5e-3  # one new tyre makes that
+USUAL = 1e-3  # tyres of one age do, where a seized brake (0.001 to 0.008) may be hidden
 
 
 def checked(
@@ -49,8 +49,8 @@ def checked(
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings on every log, in their order, also of what the search may explain.
 
-    Raises LogError for a mistake that must not be searched in, and ModelError when a known effect
-    cannot be taken out of a log.
+    Raises LogError for a mistake that makes a search meaningless, and ModelError when a known
+    effect cannot be taken out of a log.
     """
     if not holdout:
         raise LogError("no hold-out log", expected="--holdout LOG...", do="keep two stops back")
@@ -80,8 +80,8 @@ def unexplained_warnings(
 ) -> tuple[PlausibilityWarning, ...]:
     """The warnings that the result does not explain.
 
-    ``unexplained`` whether something significant is left; ``grouped`` whether the logs have
-    pads or roads of their own, which may be mistakes in their pressure.
+    ``unexplained`` whether something significant is left; ``grouped`` whether single
+    logs have pads or a road of their own in the result; a wrong pressure of a log looks like that.
     """
     explained = () if unexplained else tuple(c for c in _SEARCHED if c != _LEVEL or not grouped)
     return tuple(warning for warning in warnings if warning.code not in explained)
@@ -106,7 +106,7 @@ def _evidence_of(runs: Sequence[Run]) -> list[Evidence]:
 def require_right_axles(
     search: Search, logs: Sequence[Log], warnings: Sequence[PlausibilityWarning]
 ) -> None:
-    """Raise LogError if the ``logs`` of a search, hold-outs too, are swapped, some or all.
+    """Raise LogError if front and rear wheel speeds are swapped in some or all ``logs``.
 
     Some are those whose eta goes the wrong way by the ``warnings``; without any, nothing is tried.
     Where the rear wheels slip more, axles are swapped, or something brakes the rear wheels, such as

@@ -24,32 +24,36 @@ from calib.estimation.state import Sample, State
 from calib.table.exported import Precision
 
 SOURCE = Path(__file__).parent / "source"
-_MATH = {  # how a floating point calls sqrt, and has exp and ln
+_MATH = {  # by bits: the name of sqrt in C, terms of exp and ln, largest argument of exp
     32: {"function": "name##f", "terms": 8, "largest": 87},
     64: {"function": "name", "terms": 14, "largest": 700},
 }
 _IN_PYTHON = {"v", "log_odds", "driven"}  # of a `Sample`: the code has no such member
-_BY_HAND = {"waiting", "held_ratio", "zero_slip"}  # of a `State`: the code has its own, or no v
+_BY_HAND = {
+    "waiting",
+    "held_ratio",
+    "zero_slip",
+}  # of a `State`: bte.h declares them, or they serve v
 
 Member: TypeAlias = Any
-"""A member of a structure: a number (whole: a count), text as in C, a list, or a structure."""
+"""A member of a structure: a float, an int (a count), text as in C, a list, or a structure."""
 
 
-def code(how: Precision) -> str:
+def code(precision: Precision) -> str:
     """bte.c in a precision."""
     equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
-    facts = {"equations": translated(equations), "floating": how.floating}
-    return source("bte.c").substitute(_MATH[how.floating], **facts)
+    facts = {"equations": translated(equations), "floating": precision.floating}
+    return source("bte.c").substitute(_MATH[precision.floating], **facts)
 
 
-def header(numbers: Iterable[tuple[str, str]], how: Precision) -> tuple[str, str]:
-    """bte.h, and the number of its layout; ``numbers`` as C declares them, with a comment each."""
+def header(numbers: Iterable[tuple[str, str]], precision: Precision) -> tuple[str, str]:
+    """bte.h, and the checksum of its layout; ``numbers``: name and comment of each of a car."""
     structures = {type(x): x for _, x in members_of(State()) if is_dataclass(x)}
     read, answered = (((x.name, f"{x.meaning} [{x.unit}]") for x in of.values())
                       for of in (CHANNELS, ANSWERS))  # fmt: skip
     text = source("bte.h").safe_substitute(
-        real="float" if how.floating == 32 else "double",
-        cell=cell(how),
+        real="float" if precision.floating == 32 else "double",
+        cell=cell(precision),
         reasons="\n".join(f"    BTE_{x.name} = {int(x)}, /* {x.words} */" for x in Reason),
         count=len(CHANNELS),
         checks=", ".join(f"BTE_{x.upper()}" for x in CHECKS).replace(",", " = BTE_INPUTS,", 1),
@@ -65,19 +69,19 @@ def header(numbers: Iterable[tuple[str, str]], how: Precision) -> tuple[str, str
 
 
 def source(name: str) -> Template:
-    """A file of the folder of sources."""
+    """The template of that name among the sources."""
     return Template((SOURCE / name).read_text(encoding="utf-8"))
 
 
-def cell(how: Precision) -> str:
+def cell(precision: Precision) -> str:
     """Type of the cells of the maps in C."""
-    return f"int{how.bits}_t" if how.bits else "bte_real"
+    return f"int{precision.bits}_t" if precision.bits else "bte_real"
 
 
-def members_of(structure: Member) -> list[tuple[str, Member]]:
+def members_of(owner: Member) -> list[tuple[str, Member]]:
     """Members of a structure with their values, in the order of C: booleans come last."""
-    names = (x.name for x in fields(structure) if x.name not in _BY_HAND)
-    members = [(name, getattr(structure, name)) for name in names]
+    names = (x.name for x in fields(owner) if x.name not in _BY_HAND)
+    members = [(name, getattr(owner, name)) for name in names]
     return sorted(members, key=lambda member: isinstance(member[1], bool))
 
 
@@ -108,7 +112,7 @@ def _declared(kind: str, rows: Iterable[tuple[str, str]]) -> str:
 
 
 def initial(x: Member, bits: int) -> str:
-    """The initial value of a member in C, to the last bit of a floating point of ``bits``."""
+    """The initial value of a member in C, which reads back to the same float of ``bits``."""
     if is_dataclass(x) and not isinstance(x, type):
         x = dict(members_of(x))
     if isinstance(x, dict):

@@ -2,9 +2,10 @@
 
     calib/estimation/equations.py --ast--> static functions of bte.c
 
-Statements are assignments, if, calls and return. A tuple is assigned part by part; a returned
-NamedTuple is a structure, but a `BlockState` a view of the state; an annotated name is a pointer to
-a part of the state. Tests compare the numbers of both, as C means another thing by 1/2.
+Statements are assignments, if, calls and return. A tuple is assigned part by part. A returned
+NamedTuple becomes a structure; a `BlockState` is not copied, its fields are members of the state.
+An annotated name is a pointer to a part of the state. Tests compare the numbers of both, since C
+computes 1/2 in integers, for one.
 """
 
 import ast
@@ -49,7 +50,7 @@ def translated(source: str) -> str:
 
 
 def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
-    """Statements without margins; ``new`` how often each undeclared name is stored."""
+    """Statements without margins; ``new``: assignments of each local that is not yet declared."""
     for node in body:
         match node:
             case ast.ClassDef():
@@ -95,7 +96,7 @@ def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
 
 
 def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
-    """Targets with their values; indices of an array where only one side is a tuple."""
+    """Targets with their values; where only one side is a tuple, the other is an indexed array."""
     sides = [x.elts if isinstance(x, ast.Tuple) else x for x in (target, value)]
     count = max(len(x) if isinstance(x, list) else 0 for x in sides)
     if not count:
@@ -107,7 +108,7 @@ def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
     pairs = [(to, of) for to, of in zip(*parts, strict=True) if ast.unparse(to) != "_"]
     for i, (_, of) in enumerate(pairs):
         if {ast.unparse(x) for x in ast.walk(of)} & {ast.unparse(to) for to, _ in pairs[:i]}:
-            raise ValueError(f"one by one it is another in C: {ast.unparse(of)}")
+            raise ValueError(f"assigned before it is read in C: {ast.unparse(of)}")
     return pairs
 
 

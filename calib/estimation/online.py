@@ -26,10 +26,10 @@ from calib.table.table import Table
 
 
 class Variable(NamedTuple):
-    """A number of an ECU, or of its FMU [SI]; a row of `variables.csv`, which lists them by order.
+    """A variable of the ECU or of an FMU, in SI: a row of `variables.csv`, in their order.
 
     A working sensor reads ``low`` to ``high``, and changes by at most ``jump`` + ``rate`` dt over a
-    time dt. ``estimator`` and ``car``: its causality and variability in the FMU of either.
+    time dt. ``estimator``, ``car``: causality and variability in the FMU of each, "" if not there.
     """
 
     estimator: str
@@ -102,7 +102,7 @@ READ_OUT = tuple(FIELDS[name] for name in ANSWERS)
 def online(table: Table, car: Vehicle, log: Log) -> Readout:
     """What an ECU with a ``table`` answers to a ``log``, of which it reads `CHANNELS` alone.
 
-    ``car`` as driven, with the known effects that the ECU takes out; pad frictions are with them.
+    ``car`` as driven, with the known effects that the ECU takes out; pad frictions include them.
     While a sensor fails, as in a gap of the log, its last good reading counts.
     """
     rows, step = rows_of(log), log.sample_time
@@ -111,17 +111,21 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     time = step * np.arange(len(x), dtype=np.float64)
     channels = {"time": time, **dict(zip(CHANNELS, x.T, strict=True))}
     run = Run(replace(log, channels=channels), car, causal=True)
-    b, ran = run.blocks, run.corrected
+    b, corrected = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
-    unsure = fault | np.append(False, fault[:-1])  # a held reading has no spin
+    # Spin is a difference of two blocks: a held reading spoils its own and the next one.
+    unsure = fault | np.append(False, fault[:-1])
     spin_f = np.where(unsure, -G * b.z / car.front.rolling_radius, b.spin_f)
     spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
-    b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, ran.vehicle)
-    why = np.where(good, disturbances(used, ran.log, run.signals), Reason.FAULT)
-    readout = read_out(used, SensorNoise(**table.noise), run.signals, b, why, x[:, DRIVEN] > 0.5)
+    b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, corrected.vehicle)
+    disturbed_by = np.where(good, disturbances(used, corrected.log, run.signals), Reason.FAULT)
+    readout = read_out(
+        used, SensorNoise(**table.noise), run.signals, b, disturbed_by, x[:, DRIVEN] > 0.5
+    )
     reason = np.where(good, readout.step.reason, Reason.FAULT)
-    readout = readout.with_pads(ran.factor_f, ran.factor_r)
-    diagnosis = ~works @ 2.0 ** np.arange(len(CHANNELS))
+    readout = readout.with_pads(corrected.factor_f, corrected.factor_r)
+    # Bit i: channel i fails; above them the bits of the step.
+    diagnosis = (~works) @ (2.0 ** np.arange(len(CHANNELS)))
     diagnosis += 2.0 ** len(CHANNELS) * readout.step.diagnosis
     readout = replace(readout, step=readout.step._replace(reason=reason, diagnosis=diagnosis))
     return readout.take(rows) if rows.size < reason.size else readout
@@ -148,12 +152,12 @@ def held_readings(
     """
     low, high, jump = bounds
     inside = (x >= low) & (x <= high)
-    none = np.zeros(x.shape[1])
-    first, good = last_readings or (none, none)
+    nothing = np.zeros(x.shape[1])
+    first, last_good = last_readings or (nothing, nothing)
     in_range = _last(x, inside, first)
     previous = np.vstack([in_range[0] if last_readings is None else first, in_range[:-1]])
     works = inside & (np.abs(in_range - previous) <= jump)
-    return in_range, _last(x, works, good), works
+    return in_range, _last(x, works, last_good), works
 
 
 def _last(x: Array, good: Mask, first: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The data set of a table: on all rows or on the best selection of them, in double or rounded."""
+"""The data set of a table: with all rows or the best few, in double precision or rounded."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,15 +18,15 @@ from calib.table.table import Table
 
 UNIT = "1"  # of every axis and curve: speed ratios, slips and normalised forces
 
-_SHORT = {  # labels of the effects that nearly every table has; others are in full, and cut
+_SHORT = {  # labels of effects that nearly every table has; of others EFFECT_PARAMETER, cut
     ("aerodynamic_drag", "drag_area"): "drag_area",
     ("rolling_resistance", "coefficient"): "rolling_coeff",
 }
 
 _ETA = "eta = omega_rear/omega_front, zeroed while rolling unbraked"
-_G = "normalised force over slip, common tyre curve"
+_TYRE = "normalised force as a function of slip, common tyre curve"
 _AXES = {
-    "z": "z, brake force that the deceleration demands over M g, zeroed while rolling",
+    "z": "z, (brake force that the deceleration demands)/(M g), zeroed while rolling",
     "shift": "(eta - 1)/z",
     "slip": "ln(slip/z) less log_slip, over log_slip_sigma",
 }
@@ -54,27 +54,27 @@ def build(
 ) -> Dataset:
     """The data set of ``stored``, with ``points`` breakpoints on each axis, or all rows.
 
-    A map of more than ``most_axes`` is written in slices. ``first`` part of every label, else that
-    of the table's name. Raises ExchangeError for more points than rows, a width that C does not
-    have, and a rounded axis that does not increase.
+    A map of more than ``most_axes`` is written in slices. Every label begins with ``first``,
+    or with the table's name. Raises ExchangeError for more points than rows, a width that C does
+    not have, and a rounded axis that does not increase.
     """
-    table, how = stored.table, Precision(points, bits, single)
+    table, precision = stored.table, Precision(points, bits, single)
     first = prefix(stored.name if first is None else first)
-    axes, curves = zip(*_curves_of(table, first, how), strict=True)
-    map_axes, table_maps = zip(*maps_of(table, first, how, most_axes), strict=True)
+    axes, curves = zip(*_curves_of(table, first, precision), strict=True)
+    map_axes, table_maps = zip(*maps_of(table, first, precision, most_axes), strict=True)
     return Dataset(
         stored=stored,
         prefix=first,
         axes=(*axes, *chain.from_iterable(map_axes)),
         curves=tuple(chain.from_iterable(curves)),
         maps=tuple(chain.from_iterable(table_maps)),
-        scalars=tuple(_scalars(table, stored.version, first, how)),
+        scalars=tuple(_scalars(table, stored.version, first, precision)),
         bits=bits,
         single=single,
     )
 
 
-def _curves_of(table: Table, first: str, how: Precision) -> Iterator[tuple[Axis, list[Grid]]]:
+def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple[Axis, list[Grid]]]:
     """Each axis and its curves, on the rows that are kept."""
     p, d, g = table.paper, table.difference, table.tyre
     over_eta = {
@@ -82,26 +82,28 @@ def _curves_of(table: Table, first: str, how: Precision) -> Iterator[tuple[Axis,
         "f2": ("f2 = F_r - z", p.f2, p.f2_lower, p.f2_upper, p.count, p.flag),
         "D": ("D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag),
     }
-    over_slip = {"g": (_G, g.force, g.lower, g.upper, g.count, g.flag)}
+    over_slip = {"g": (_TYRE, g.force, g.lower, g.upper, g.count, g.flag)}
     for name, meaning, x, shared, origin, over in (
         ("eta", _ETA, p.eta, True, 1.0, over_eta),
         ("slip", "slip of the wheel", g.slip, False, 0.0, over_slip),
     ):
         name = label(first, name)
         y = np.array([values for _, values, *_ in over.values()])
-        rows = how.rows(name, x, y)
-        error, written = misfit(x, y, x[rows], y[:, rows]), how.axis(name, x[rows], origin)
+        rows = precision.rows(name, x, y)
+        error, written = misfit(x, y, x[rows], y[:, rows]), precision.axis(name, x[rows], origin)
         axis = Axis(name, meaning, UNIT, *written, shared, origin, len(x), error)
         curves = []
         for column, (means, *columns) in over.items():
             values, low, high, count, flag = (each[rows] for each in columns)
-            named = label(first, column), means, UNIT, *how.numbers(values)
+            named = label(first, column), means, UNIT, *precision.numbers(values)
             curves.append(Grid(*named, column, (low, high), count, flag, axes=(axis,)))
         yield axis, curves
 
 
 def _name(part: str, name: str) -> str:
-    """An axis or a column of a map in its label.
+    """Name of an axis or a column of a map as its label has it.
+
+    ``_0``: before eta is read, rho_0 of the step; ``slip_apart``: the tyre curve has ``slip``.
 
     >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
     ('slip_apart', 'z_level', 'ratio_0_lower')
@@ -113,12 +115,12 @@ def _name(part: str, name: str) -> str:
 
 
 def maps_of(
-    table: Table, first: str, how: Precision, most_axes: int
+    table: Table, first: str, precision: Precision, most_axes: int
 ) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
     """Axes and columns of each map; those with more axes than a format holds in slices."""
     for part in MAPS:
         table_map = getattr(table, part)
-        exported = written_map(table_map, how, label(first, part))
+        exported = written_map(table_map, precision, label(first, part))
         axes = tuple(
             Axis(
                 label(first, _name(part, name)), _AXES[name], UNIT, *written,
@@ -142,7 +144,7 @@ def _grid(name: str, column: str, axes: tuple[Axis, ...], exported: WrittenMap) 
 
 
 def _cut(grid: Grid, index: int) -> Grid:
-    """A map at one value of its last axis, without that axis."""
+    """A map at one value of its last axis, the fastest one, without that axis."""
     part, bounds = slice(index, None, grid.shape[-1]), grid.bounds
     return replace(
         grid,
@@ -154,7 +156,7 @@ def _cut(grid: Grid, index: int) -> Grid:
 
 
 def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
-    """A map at some values of its last axis, or at all: NAME_s1 at the first, and so on."""
+    """A map at each of ``rows``, values of its last axis, or at all: NAME_s1 at the first, ..."""
     return [
         replace(
             _cut(grid, grid.axis.numbers.index(x)), label=label(grid.label, f"s{i}"),
@@ -164,14 +166,14 @@ def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
     ]  # fmt: skip
 
 
-def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator[Scalar]:
+def _scalars(table: Table, version: int, first: str, precision: Precision) -> Iterator[Scalar]:
     car, pads = table.vehicle, table.calibration
     axles = (("f", car.front), ("r", car.rear))
 
     def scalar(
         name: str, meaning: str, unit: str, value: float, sigma: float | None = None
     ) -> Scalar:
-        written = how.wide.numbers(np.array([float(value)]))
+        written = precision.wide.numbers(np.array([float(value)]))
         return Scalar(label(first, name), meaning, unit, *written, sigma)
 
     yield scalar("version", "version of the table", "1", version)
@@ -199,6 +201,7 @@ def _scalars(table: Table, version: int, first: str, how: Precision) -> Iterator
     for name in ("load_exponent", "radius_load"):
         drawn = getattr(table.draws, name)
         yield scalar(name, f"{name} of the tyres", "1", np.mean(drawn), float(np.std(drawn)))
-    for of in effect_figures(table):
-        short = _SHORT.get((of.effect, of.name), f"{of.effect}_{of.name}")
-        yield scalar(short, f"{of.name} of {of.effect}", of.unit, of.value.value, of.value.sigma)
+    for figure in effect_figures(table):
+        short = _SHORT.get((figure.effect, figure.name), f"{figure.effect}_{figure.name}")
+        value, meaning = figure.value, f"{figure.name} of {figure.effect}"
+        yield scalar(short, meaning, figure.unit, value.value, value.sigma)

@@ -204,7 +204,7 @@ class Dataset:
         return tuple(one for one in self.maps if len(one.axes) > 1)
 
     @property
-    def numbers(self) -> str:
+    def number_format(self) -> str:
         """How the numbers of a file for an ECU are written."""
         if self.bits is None:
             return "float" if self.single else "double"
@@ -218,7 +218,7 @@ class Dataset:
 
     @property
     def quality(self) -> str:
-        """State of CDF 2.0: a table that is not released is preliminary, evidence makes it more."""
+        """State of CDF 2.0: preliminary until released; checked if a validation speaks for it."""
         if not self.stored.state.released:
             return "prelimCalibrated"
         return "checked" if self.stored.state.verdict else "calibrated"

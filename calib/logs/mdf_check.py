@@ -2,11 +2,12 @@
 
 MDF 4:
 ##XX  4 bytes unused  length  number of links  links  content
-##DG --> ##CG --> ##CN                count, bytes of a record; the bits of a channel within it
-     --> ##HL --> ##DL --> ##DT, ##DZ     present: the sum of their lengths, unpacked
+##DG --> ##CG --> ##CN                    ##CG: number of records, bytes of one; ##CN: its bits
+     --> ##HL --> ##DL --> ##DT, ##DZ     the data of the group, unpacked
 
-CAN loggers leave MDF 4 unfinished: the last ##DT goes up to the end, and no group counts. The
-record of a group is then identifier, bytes; that of a VLSD group identifier, length, bytes.
+CAN loggers leave MDF 4 unfinished: the last ##DT goes up to the end, and every group says that it
+has no records. Where groups share data, a record is: identifier, bytes; of a VLSD group:
+identifier, length, bytes.
 Source: ASAM MDF 4.1, sections on the identification block and on unfinalised files.
 """
 
@@ -30,7 +31,7 @@ _GROUP = struct.Struct("<QQHHLLL")
 _UNPACKED = struct.Struct("<8xQ")
 _MOST_LINKS = 10_000_000
 _TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
-"""Blocks whose first two links lead to one that no other has; asammdf would follow a ring."""
+"""Blocks whose first two links lead to a block of their own; asammdf would follow a ring."""
 _LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # first links of the same kind in MDF 3
 _START = 24  # bytes of a ##DT before its data
 _VARIABLE = 1  # flag of a group whose records differ in length; such a group has no channels
@@ -69,8 +70,9 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
             raise _short(path, len(head), _HEAD)
         flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
         if begin == b"UnFinMF":
-            lacks_more = not flags or flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
-            can_be_finished = not lacks_more and b"4.10" <= version < b"5"
+            unknown = flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
+            # Without flags nobody knows what is missing.
+            can_be_finished = flags > 0 and not unknown and b"4.10" <= version < b"5"
             _require(can_be_finished, path, f"flags {flags} of MDF {version!r}")
         if version[:1] not in (b"2", b"3", b"4"):
             text = version.decode(errors="replace")

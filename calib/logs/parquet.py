@@ -23,7 +23,7 @@ _MDF_CLOCK = "timestamps"  # name of the time index of a table exported by asamm
 
 
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
-    """Open a Parquet file; ``text_format`` is not used.
+    """Open a Parquet file; ``text_format`` is there for other readers only.
 
     A unit may also stand in the name. asammdf exports no unit; its index is the time in seconds.
     Time stamps are in seconds from the first row. Raises LogError for a file that is not whole.
@@ -85,9 +85,9 @@ def _column(field: "pyarrow.Field", is_index: bool) -> Column:
 
 
 def _clock_unit(kind: "pyarrow.DataType") -> float | None:
-    import pyarrow.types as of
+    import pyarrow.types as types
 
-    if of.is_timestamp(kind) or of.is_time(kind) or of.is_duration(kind):
+    if types.is_timestamp(kind) or types.is_time(kind) or types.is_duration(kind):
         return {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[kind.unit]
     return None
 
@@ -105,11 +105,11 @@ def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Arra
 
 def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
     """Raise LogError for a column that is not numeric, before its values take any memory."""
-    import pyarrow.types as of
+    import pyarrow.types as types
 
-    value = kind.value_type if of.is_dictionary(kind) else kind
-    numeric = of.is_integer(value) or of.is_floating(value) or of.is_decimal(value)
-    if numeric or of.is_boolean(value) or of.is_null(value) or _clock_unit(value) is not None:
+    value = kind.value_type if types.is_dictionary(kind) else kind
+    numeric = types.is_integer(value) or types.is_floating(value) or types.is_decimal(value)
+    if numeric or types.is_boolean(value) or types.is_null(value) or _clock_unit(value) is not None:
         return
     raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
 
@@ -117,7 +117,8 @@ def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
 def numbers(column: Any) -> Array:
     """Return a chunked column of numbers (n,); null is NaN.
 
-    `to_numpy` would import pandas, and `cast` functions, which takes longer than to read a log.
+    `to_numpy` would import pandas, and `cast` loads what computes: each takes longer than to read a
+    log. So doubles are read from their buffers, and only others are cast.
     """
     import pyarrow as pa
 
@@ -138,6 +139,6 @@ def column_of(x: NDArray[Any]) -> "pyarrow.Array":
     """The column of an array (n,), for which `pyarrow.array` would import pandas."""
     import pyarrow as pa
 
-    kind = {"b": pa.bool_(), "f": pa.float64(), "i": pa.int64()}[x.dtype.kind]
+    kind = pa.bool_() if x.dtype == bool else pa.from_numpy_dtype(x.dtype)
     data = np.packbits(x, bitorder="little") if x.dtype.kind == "b" else np.ascontiguousarray(x)
     return pa.Array.from_buffers(kind, x.size, [None, pa.py_buffer(data)])

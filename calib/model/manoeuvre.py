@@ -12,27 +12,29 @@ from calib.base.errors import ModelError
 
 LEAD_IN = 1.5  # unbraked time at the start [s]
 
-_RISE = 400e5
+_STEP_RATE = 400e5
 """Rise of the pressure in a step [Pa/s], as a real master cylinder limits it; a driver in an
 emergency reaches 60 bar in 0.15 s."""
 
-_FOOT = 80e5  # rise of the pressure in a usual stop [Pa/s]: a foot reaches 30 bar in about 0.4 s
-_SLOPE = 5e5  # rise of a ramp [Pa/s]: from 33 m/s the sedan of the paper stops before 50 bar
+_STOP_RATE = (
+    80e5  # rise of the pressure in a usual stop [Pa/s]: a foot reaches 30 bar in about 0.4 s
+)
+_RAMP_RATE = 5e5  # rise of a ramp [Pa/s]: from 33 m/s the sedan of the paper stops before 50 bar
 _HOLD = 1.0  # time for which a ramp keeps its last pressure [s]
 _SWING, _FREQUENCY = 0.4, 0.7  # amplitude over the mean pressure [1] and frequency [Hz] of a wave
 
 _USUAL = {
-    "ramp": (60e5, _SLOPE, _HOLD),
-    "step": (30e5, _RISE, 20.0),
-    "stop": (30e5, _FOOT, 60.0),
-    "wave": (25e5, _RISE, 20.0),
-    "coast": (0.0, _RISE, 20.0),
+    "ramp": (60e5, _RAMP_RATE, _HOLD),
+    "step": (30e5, _STEP_RATE, 20.0),
+    "stop": (30e5, _STOP_RATE, 60.0),
+    "wave": (25e5, _STEP_RATE, 20.0),
+    "coast": (0.0, _STEP_RATE, 20.0),
 }
 """Pressure [Pa] where none is given, its rise [Pa/s], and the time for which it is held [s]; of a
 coast the whole time."""
 
-_BOUNDS = {"pressure": (1.0, 1e9, "Pa"), "rate": (40.0, 1e3, "Hz"), "duration": (1e-3, 600.0, "s")}
-"""What can be driven; rates as the program has them."""
+_BOUNDS = {"pressure": (1.0, 3e7, "Pa"), "rate": (40.0, 1e3, "Hz"), "duration": (1e-3, 600.0, "s")}
+"""Least and largest value of each argument, with its unit; the rates are those of a log."""
 
 NAMES = tuple(_USUAL)
 
@@ -66,6 +68,6 @@ def manoeuvre(
     time = np.arange(int(np.floor(end * rate + 1e-9)) + 1) / rate
     trace = np.interp(time, [LEAD_IN, top], [0.0, level])
     if name == "wave":
-        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(time - LEAD_IN - rise, 0.0)
+        phase = 2.0 * np.pi * _FREQUENCY * np.maximum(time - top, 0.0)
         trace *= 1.0 + _SWING * np.sin(phase)
     return time, trace

@@ -6,8 +6,8 @@
       +--+------ F_n
 
 The rollers measure each axle alone, so the pads' ratio is known without any tyre: that of cold pads
-at walking speed. On the road they rub otherwise, on both axles much alike; what is unlike of that
-is in no sigma here.
+at walking speed. On the road their friction differs, by nearly the same factor on both axles; what
+differs between the axles is in no sigma here.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ from calib.car.vehicle import Vehicle
 from calib.table.table import Value
 
 TOLERANCE = 0.01
-"""Half of the 2 % that German rules allow the brake force shown to be off (Richtlinie fuer die
+"""Half of the error of 2 % that German rules allow for the brake force shown (Richtlinie fuer die
 Anwendung, Beschaffenheit und Pruefung von Bremspruefstaenden, Verkehrsblatt 2003, p. 303; 3 % for
 testers from before): a limit is taken as two standard deviations."""
 
@@ -41,11 +41,11 @@ _HELD = 60.0
 _COMMON = 0.5
 """Share of the variance of the machine that is its scale, the same for both axles, which stand on
 the same rollers. The rest is an axle's own: how the machine bends from small to large forces, how
-the wheels stand. No rule parts the two: half and half."""
+the wheels stand. No rule says how much is which: half and half."""
 
 _NO_LINE = 0.1
-"""Sigma of a slope over the slope above which its rows are on no line: pads of one grade are known
-as well as that without rollers."""
+"""Largest relative sigma of a slope; beyond it its rows are on no line: without any rollers pads of
+one grade are known as well."""
 
 _LEAST_SPREAD = 1e-6
 """Spread of nominal forces [N] below which they do not rise."""
@@ -55,7 +55,7 @@ _PADS = next(key for key in KEYS if key.path == "front.pad_friction")
 
 @dataclass(frozen=True)
 class AxleOnRollers:
-    """The rows of one axle: ``pressure`` p_mc [Pa], ``force`` of both its wheels [N], (n,) each."""
+    """The rows of one axle, three or more: ``pressure`` p_mc [Pa], ``force`` of both wheels [N]."""
 
     pressure: tuple[float, ...]
     force: tuple[float, ...]
@@ -79,9 +79,9 @@ class RollerBench:
     def log_pad_ratio(self, vehicle: Vehicle) -> Value:
         """ln of (mu_f/mu_r) over its value in the vehicle file [1].
 
-        Sigma from the scatter of the rows and what of the tolerance is each axle's own. The scatter
-        over the force is that of both axles together, of three rows alone nobody knows it;
-        Student's t says how well it is known.
+        Sigma from the scatter of the rows and what of the tolerance is each axle's own. The
+        relative scatter is that of both axles together, since few rows of one axle hardly determine
+        it; Student's t allows for the few.
 
         Raises BenchError for rows on no line that rises and for pads that no car has; ModelError
         for an effect of the vehicle that cannot be used.
@@ -146,9 +146,9 @@ def _nominal(vehicle: Vehicle, axle: str, pressure: Array, source: str) -> Array
 class _Line(NamedTuple):
     """A line through the rows of an axle.
 
-    ``slope`` of force over nominal force [1]; ``squares`` sum of those of what the rows are off,
-    over their mean force [1]; ``freedom`` rows less two; ``lever`` by how much the slope is off
-    for a scatter of 1 [1].
+    ``slope`` of force over nominal force [1]; ``squares`` sum of squared residuals, each over the
+    mean force [1]; ``freedom`` rows less two; ``lever`` sigma of the slope for a relative scatter
+    of 1 [1].
     """
 
     slope: float

@@ -31,8 +31,9 @@ _VALID = ("valid", "ecu_valid")
 class StoredResult:
     """Answers of the ECU to one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
 
-    ``name`` is the stem of the log, ``digest`` the SHA-256 of the file. ``verdict`` in words and
-    pad friction on the ramp [1] are those of the summary beside it; empty without one.
+    ``name`` is the stem of the log, ``digest`` the SHA-256 of the file. ``verdict``, in
+    words, and ``ramp_pads``, the pad friction on the ramp [1], come from the summary beside it;
+    both are empty without one.
     """
 
     name: str
@@ -73,11 +74,12 @@ def read_result(path: Path) -> StoredResult:
                 expected="a result of `brake-cal validate --out`",
             )
         values = {name: numbers(columns[name]) for name in COLUMNS}
-        best, ecu = (numbers(columns[name]) > 0.0 for name in _VALID)
+        by_v, by_ecu = (numbers(columns[name]) > 0.0 for name in _VALID)
     except (OSError, ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
     digest = hashlib.sha256(data).hexdigest()
-    return StoredResult(path.stem, digest, values, ecu & best.any(), *_summary_of(path))
+    # Where not even the estimate with v holds, no answer of the ECU does.
+    return StoredResult(path.stem, digest, values, by_ecu & by_v.any(), *_summary_of(path))
 
 
 def _summary_of(path: Path) -> tuple[str, tuple[float, ...]]:
@@ -85,8 +87,8 @@ def _summary_of(path: Path) -> tuple[str, tuple[float, ...]]:
     try:
         summary = json.loads(path.with_name(SUMMARY).read_bytes())
         (log,) = (one for one in summary["logs"] if one["log"] == path.stem)
-        proved = PASSED if log["proof"] != NONE else CONSISTENT
-        verdict = FAILED if log["verdict"] == FAILED else proved
+        passed = PASSED if log["proof"] != NONE else CONSISTENT
+        verdict = FAILED if log["verdict"] == FAILED else passed
         warnings = sum(one["log"] == path.stem for one in summary["warnings"])
         return verdict_words(log["role"], verdict, warnings), tuple(summary["ramp_pads"])
     except (OSError, ValueError, KeyError, TypeError):

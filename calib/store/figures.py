@@ -21,7 +21,7 @@ from calib.table.table import Scatter, Table, Value
 class _Usability:
     """Whether a version is ``usable``, and why, in ``may``; the ``next`` step.
 
-    ``decelerations``: range of the known rows [g]; ``ends``: why it ends there.
+    ``decelerations``: range of the measured rows [g]; ``ends``: why it ends there.
     """
 
     usable: bool
@@ -40,7 +40,7 @@ def usability(stored: Stored) -> _Usability:
     else:
         ends = "the ramp ends" if end is None else f"the ramp ends at {end:.2f} g"
     steps = {
-        RELEASED: f"brake-cal tables export {stored.name} --format ecu --out {stored.name}_ecu",
+        RELEASED: f"brake-cal tables export {stored.id} --format ecu --out {stored.name}_ecu",
         DRAFT: f"brake-cal validate {stored.id} STOP... --out results",
         REJECTED: "find the cause and fit the car again, or release it on new evidence",
     }
@@ -59,12 +59,13 @@ def verdict(stored: Stored) -> str:
     word = stored.state.word
     if word not in uses:
         return f"{stored.id} is {word}: do not use it"
-    return f"{stored.id} is {uses[word]}; valid up to {stored.table.paper.usable[1]:.2f}{NBSP}g"
+    end = f"{stored.table.paper.usable[1]:.2f}{NBSP}g"
+    return f"{stored.id} is {uses[word]}; curves valid up to {end}"
 
 
 @dataclass(frozen=True)
 class _MeanFigure:
-    """Mean ``value`` of several cars [1], and two shares of it [1].
+    """Mean ``value`` of several cars; ``half_width`` and ``between`` are relative to it [1].
 
     ``half_width`` of its 95 % interval without shared errors; ``between`` sigma of the cars.
     """
@@ -166,6 +167,6 @@ def row_of(entry: StoreEntry) -> ListedVersion:
 
 
 def chosen(rows: Iterable[ListedVersion], **equal: str | None) -> list[ListedVersion]:
-    """The rows with ``equal`` texts in any case; None matches all."""
+    """The rows whose texts are ``equal``, in upper or lower case; None matches all."""
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
     return [row for row in rows if all(row[key].lower() == x for key, x in wanted.items())]

@@ -23,7 +23,7 @@ from calib.table.table import FleetScatter, Provenance, Scatter, Table, TableRef
 
 _LEAST = ("deceleration_max", "eta_peak_is_real")
 _SUM = ("runs", "outliers")
-"""Metrics of a fit of which the mean table has the minimum, and the sum; of others the mean."""
+"""Metrics of a fit of which a mean table has the minimum or the sum; of others it has the mean."""
 
 _CAR_MARKS = ("serial", "vin")  # identifiers of one car
 
@@ -44,8 +44,9 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     Its bands and sigmas are those of one more car of the model. Its `FleetScatter` holds the
     scatter between the cars and the error of the mean.
 
-    Raises RevisionError with all reasons against a mean: fewer than two tables, one car or ramp
-    twice, different vehicles, means, a range of eta that is too short.
+    Raises RevisionError with all reasons against a mean: fewer than two tables; a table that is
+    unusable, is a mean itself or rests on other cars; a car or ramp twice; different vehicles; a
+    range of eta that is too short; the name of a parent.
     """
     flaws = [*_each(parents), *_pairs(parents)]
     if len(parents) < 2:
@@ -56,8 +57,8 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
         raise RevisionError("; ".join(flaws))
     parents = sorted(parents, key=lambda p: (p.name, p.version, p.digest))
     tables = [p.table for p in parents]
-    curves, of_D = mean_curves(tables)
-    pads, of_pads = mean_pads(tables)
+    curves, D_effects = mean_curves(tables)
+    pads, pad_effects = mean_pads(tables)
     pad_map, level_map, draws = mean_maps(tables)
     sensors = [n for n in tables[0].noise if all(n in t.noise for t in tables)]
     return Table(
@@ -71,7 +72,7 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
         remarks=_remarks(parents),
         provenance=_provenance(parents),
         warnings=tuple(dict.fromkeys(w for t in tables for w in t.warnings)),
-        spread=FleetScatter(of_D.freedom + 1, _scatters(of_D), *_scatters(of_pads)),
+        spread=FleetScatter(len(tables), _scatters(D_effects), *_scatters(pad_effects)),
         map=pad_map,
         level_map=level_map,
         draws=draws,

@@ -28,18 +28,18 @@ def violations(table: Table) -> tuple[str, ...]:
     return tuple(flaw for check in checks for flaw in check(table))
 
 
-def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
+def _parts(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
     for name in COLUMNS:
         yield name, columns(getattr(table, name))
 
 
 def _shapes(table: Table) -> Iterator[str]:
-    for curve, part in _columns(table):
+    for name, part in _parts(table):
         first, *others = sorted({column.shape for column in part.values()})
         if others or len(first) != 1:
-            yield f"{curve}: columns of different shapes {[first, *others]}"
+            yield f"{name}: columns of different shapes {[first, *others]}"
         elif first[0] < 2:
-            yield f"{curve}: fewer than two rows"
+            yield f"{name}: fewer than two rows"
 
 
 def require_finite(table: Table) -> None:
@@ -49,11 +49,12 @@ def require_finite(table: Table) -> None:
 
 
 def _finite(table: Table) -> Iterator[str]:
-    for curve, part in _columns(table):
-        for name, column in part.items():
+    for name, part in _parts(table):
+        for key, column in part.items():
             if not np.all(np.isfinite(column)):
-                yield f"{curve}.{name}: not finite in row {int(np.argmin(np.isfinite(column)))}"
-    for key, value in table.content()[0].items():
+                yield f"{name}.{key}: not finite in row {int(np.argmin(np.isfinite(column)))}"
+    record, _ = table.content()
+    for key, value in record.items():
         try:
             canonical_json({key: value})
         except ValueError:

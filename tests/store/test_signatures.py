@@ -227,7 +227,7 @@ def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen,
 # Writing
 
 
-def test_a_stopped_signature_leaves_no_lie(store, seen, monkeypatch):
+def test_if_signing_is_interrupted_no_wrong_signature_is_left(store, seen, monkeypatch):
     """On a full disk, and before each change of the disk by kill -9."""
     path = store.folder / "sedan" / "v0002.minisig"
     before = path.read_bytes()

@@ -1,7 +1,7 @@
 """Effects of the body (drag, grade, mass, pitch) and of the sensors.
 
-Drag:   F at the height of the road               load_share = 1: (6) and (7) as in the paper
-        F at that of the centre of gravity        load_share = 0: only tyre forces move load
+Drag F: acts at the height of the road            load_share = 1: (6) and (7) as in the paper
+        at that of the centre of gravity          load_share = 0: only tyre forces move load
 A share outside 0 to 1 adds a pitching moment; net lift is not modelled.
 
 Pitch:  z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
@@ -19,7 +19,7 @@ from calib.car.lag import second_order
 from calib.car.vehicle import Vehicle
 
 AIR_DENSITY = 1.2
-"""Density of air at 20 degC and 1013 hPa [kg/m^3], ISO 2533 rounded."""
+"""Density of air at 20 degC and 1013 hPa [kg/m^3], rounded."""
 
 
 def _drag(parameters: Parameters, v: Array) -> Array:
@@ -28,7 +28,10 @@ def _drag(parameters: Parameters, v: Array) -> Array:
 
 
 def _drag_height(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """(1 - s) F h/(W L) [1]: load transfer that (6) has too much for a drag F at the height h."""
+    """(1 - s) F h/(W L) [1]: load transfer over W that (6) counts too much, s the ``load_share``.
+
+    A drag F at the height h of the centre of gravity (s = 0) moves no load.
+    """
     share = parameters.get("load_share", 1.0)
     lever = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)
     return (1.0 - share) * lever * _drag(parameters, history.v)
@@ -40,7 +43,7 @@ def _grade(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
 
 
 def _on_grade(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Reading on a grade: specific force for ``felt`` = 1, dv/dt for 0."""
+    """Reading on a grade: with gravity for ``felt`` = 1, as a real sensor; dv/dt alone for 0."""
     return a_x + parameters["felt"] * G * parameters["grade"]
 
 
@@ -68,7 +71,7 @@ def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_
 
 
 def _filtered(parameters: Parameters) -> tuple[float, float]:
-    """T [s] and q T^2 [s^2]; q is ``filter_bend``, by default 0: first order."""
+    """T [s] and S = q T^2 [s^2] of S a'' + T a' + a; q is ``filter_bend``, 0 if not given."""
     T = parameters["filter_time"]
     return T, parameters.get("filter_bend", 0.0) * T**2
 
@@ -77,7 +80,7 @@ def _runout(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[st
     """Factors on the front wheel speeds from the runout of tone rings, once a turn.
 
     ``runout_side`` is 1 for the left ring only, -1 for the right one, 0 for both in step. The angle
-    counts from the first sample, or from the origin that the ripple of the run sets. Not valid for
+    is 0 at the first sample, unless the run gives another origin (`history.ripple`). Not valid for
     a damaged tooth, which gives a spike.
     """
     a, side = parameters["runout"], parameters["runout_side"]

@@ -60,14 +60,16 @@ def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
         if "\0" in text:
             raise csv.Error("it holds a NUL")
         delimiter = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
-        lines = [line for line in text.splitlines() if line.strip()]
-        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]
+        lines = csv.reader(text.splitlines(), delimiter=delimiter)
+        rows = [[cell.strip() for cell in row] for row in lines]
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
     heads = rows[0] if rows else []
     if not {"log", "car"} <= {*heads} <= {*_COLUMNS} or len({*heads}) < len(heads):
         raise InputError(f"columns {', '.join(heads)}", where=path, expected=_FILE)
     for number, row in enumerate(rows[1:], 2):
+        if not any(row):
+            continue
         cells = dict(zip(heads, row, strict=False))
         if len(row) > len(heads) or not (cells.get("log") and cells.get("car")):
             problem = f"row {number} has no log or car, or too many cells"

@@ -50,6 +50,7 @@ def metrics_of(
         "ramp_eta_zero": _largest(mismatches),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
+        # The cut stands for everything above it.
         "front_biased_up_to": min(front_biased_up_to(car), bound("front_biased_up_to", "cut")),
     }
     for axle in "fr":
@@ -107,7 +108,10 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
 
 
 def _slope(x: Array, y: Array, free: Array) -> tuple[float, float]:
-    """Slope d of y = d x and half its 95 % interval, with that of the zero of ``free``."""
+    """Slope d of y = d x, and the half width of its 95 % interval.
+
+    It includes the error of the zero, which is estimated from ``free``, the y of unbraked rolling.
+    """
     from scipy.special import stdtrit
 
     power = float(x @ x)

@@ -37,7 +37,7 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
     begin = 0
-    declared = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)  # spreadsheets
+    declared = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)  # of spreadsheets
     if declared:
         begin = declared.end()
         text_format = replace(text_format, separator=text_format.separator or declared[1].decode())
@@ -89,14 +89,16 @@ class TextRows:
         0.010,0.20,74.4\n         a shorter number and no end of line: cut off
         """
         data, start, width = self.data, self.start, len(self.columns)
-        tail = 40 * 32 * width
+        tail = 20 * 64 * width  # bytes of the last 20 rows, at 64 a cell
         text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
-        text = text or data[start:].rstrip(b"\r\n")[-tail:]  # many blank lines at the end
+        text = (
+            text or data[start:].rstrip(b"\r\n")[-tail:]
+        )  # only blank lines there: look further up
         lines = [line.decode(errors="replace") for line in text.splitlines()[-20:]]
         *earlier, last = (cells_of(line, self.separator) for line in lines)
         earlier = [row for row in earlier if row]
         widths = [len(row) for row in earlier if len(row) != width]
-        if 2 * len(widths) > len(earlier):  # not cut off: text of another kind
+        if 2 * len(widths) > len(earlier):  # no table, rather than one that is cut off
             rows = f"{len(widths)} of the {len(earlier)} rows before the last one"
             raise LogError(
                 f"{rows} have {min(widths)} to {max(widths)} cells",
@@ -113,8 +115,8 @@ class TextRows:
     def _shorter(self, cell: str, earlier: list[str]) -> bool:
         """Whether a last cell looks cut off, which not every cut one does.
 
-        It has fewer decimals than the earlier ones, where these all have as many; else it is
-        shorter than all of them.
+        If all earlier cells have the same number of decimals, it has fewer; otherwise it is shorter
+        than each of them.
         """
         decimals = [len(c.partition(self.decimal)[2]) for c in (cell, *earlier)]
         if len(set(decimals[1:])) == 1:
