@@ -15,6 +15,7 @@ import numpy as np
 
 from calib.base.errors import ExchangeError
 from calib.base.names import AXLES, G
+from calib.base.plain import rows
 from calib.car.balance import force_per_pressure, front_share, rotating_shares
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
@@ -144,53 +145,50 @@ def numbers_of(table: Table, sample_time: float, version: int = 0) -> list[Numbe
 
 
 def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
-    car, resistance, sensors = table.vehicle, known_effects(table).parameters, tuple(CHANNELS)
+    parts = {"axles": AXLES, "sensors": tuple(CHANNELS), "": ()}
+    values = _values_of_car(table, sample_time)
+    for row in rows("car_numbers.csv", "calib.ecu"):
+        yield Number(row["name"], values[row["name"]], row["comment"], parts[row["parts"]])
+
+
+def _values_of_car(table: Table, sample_time: float) -> dict[str, float | list[float]]:
+    """The values of `car_numbers.csv`, by name."""
+    car, resistance = table.vehicle, known_effects(table).parameters
     low, high, change = (x.tolist() for x in limits(sample_time, car))
     drag, rolling = resistance[DRAG[0]], resistance[ROLLING[0]]
-    on_ramp, axles = front_share(car, table.calibration.pad_log_ratio.value), (car.front, car.rear)
-    lever = car.cg_height / car.wheelbase
-    lift = (1.0 - drag.get("load_share", 1.0)) * lever
-    load = [float(x[0]) / car.weight for x in axle_loads(car, np.zeros(1))]
-    turning, radii = rotating_shares(car), [axle.rolling_radius for axle in axles]
-    lateral, slows = 1.0 - math.exp(-sample_time / LATERAL_TIME), Constants.slows * sample_time
-    recent = Constants.recover + 0.5 * sample_time  # else a rounding could decide it
-    yield Number("low", low, "least reading of a sensor that works", sensors)
-    yield Number("high", high, "largest reading", sensors)
-    yield Number("change", change, "largest change from call to call", sensors)
-    yield Number("sample_time", sample_time, "from call to call [s]")
-    yield Number("rests", _RESTS, "speed of every wheel of a car that rests [rad/s]")
-    yield Number("lateral_part", lateral, "of a sample in the low pass of the lateral speeds [1]")
-    yield Number("recent", recent, "time after ABS or a lock, with half a sample [s]")
-    yield Number("slowing", slows, "of a wheel on a road from call to call, at most [rad/s]")
-    yield Number("load", load, "share of an axle in the weight at rest [1]", AXLES)
-    yield Number("height", [lever, -lever], "share that moves at 1 g [1]", AXLES)
-    yield Number("track_width", car.track_width, "of the rear axle [m]")
-    leaning = 4.0 * car.cg_height / (G * car.track_width)
-    yield Number("leaning", leaning, "of a car in a bend, by the slip of its tyres [s^2/m]")
-    air = 0.5 * AIR_DENSITY * drag[DRAG[1]] / car.weight
-    yield Number("drag", air, "aerodynamic drag over weight and speed squared [s^2/m^2]")
-    yield Number("drag_lift", [-lift, lift], "share of an axle that moves by drag [1]", AXLES)
     at_20, grows = rolling[ROLLING[1]], rolling.get("rolling_growth", 0.0)
-    yield Number("rolling", at_20 * (1.0 - grows), "rolling resistance over load at rest [1]")
-    more = at_20 * grows / 20.0**2
-    yield Number("rolling_growth", more, "of it over the speed squared [s^2/m^2]")
-    yield Number("rolling_radius", radii, "of the wheels of an axle [m]", AXLES)
-    drive = [1.0 / (radius * car.weight) for radius in radii]
-    yield Number("drive", drive, "force over weight and torque of a motor [1/(N*m)]", AXLES)
-    yield Number("turns", [*turning], "mass of what turns over that of the car [1]", AXLES)
-    inertia = [share * radius / G for share, radius in zip(turning, radii, strict=True)]
-    yield Number("spinning", inertia, "force over weight and acceleration of a wheel [s^2]", AXLES)
-    rolls = 1.0 + sum(turning)
-    yield Number("rolls", rolls, "mass of the car with what turns, over its own [1]")
-    gains = [axle.torque_gain for axle in axles]
-    yield Number("torque_gain", gains, "torque of a wheel over pressure and friction [m^3]", AXLES)
-    friction = [axle.pad_friction for axle in axles]
-    yield Number("pad_friction", friction, "of the pads of the vehicle file [1]", AXLES)
-    force = sum(force_per_pressure(car)) / car.weight
-    yield Number("force", force, "brake force over weight and pressure with these pads [1/Pa]")
-    yield Number("share", front_share(car, 0.0), "of the front axle in it [1]")
-    shares = [on_ramp, 1.0 - on_ramp]
-    yield Number("ramp_share", shares, "of an axle in it with the pads of the ramp [1]", AXLES)
+    lever, axles = car.cg_height / car.wheelbase, (car.front, car.rear)
+    lift = (1.0 - drag.get("load_share", 1.0)) * lever
+    turning, radii = rotating_shares(car), [axle.rolling_radius for axle in axles]
+    on_ramp = front_share(car, table.calibration.pad_log_ratio.value)
+    return {
+        "low": low,
+        "high": high,
+        "change": change,
+        "sample_time": sample_time,
+        "rests": _RESTS,
+        "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),
+        "recent": Constants.recover + 0.5 * sample_time,  # else a rounding could decide it
+        "slowing": Constants.slows * sample_time,
+        "load": [float(x[0]) / car.weight for x in axle_loads(car, np.zeros(1))],
+        "height": [lever, -lever],
+        "track_width": car.track_width,
+        "leaning": 4.0 * car.cg_height / (G * car.track_width),
+        "drag": 0.5 * AIR_DENSITY * drag[DRAG[1]] / car.weight,
+        "drag_lift": [-lift, lift],
+        "rolling": at_20 * (1.0 - grows),
+        "rolling_growth": at_20 * grows / 20.0**2,
+        "rolling_radius": radii,
+        "drive": [1.0 / (radius * car.weight) for radius in radii],
+        "turns": [*turning],
+        "spinning": [share * radius / G for share, radius in zip(turning, radii, strict=True)],
+        "rolls": 1.0 + sum(turning),
+        "torque_gain": [axle.torque_gain for axle in axles],
+        "pad_friction": [axle.pad_friction for axle in axles],
+        "force": sum(force_per_pressure(car)) / car.weight,
+        "share": front_share(car, 0.0),
+        "ramp_share": [on_ramp, 1.0 - on_ramp],
+    }
 
 
 def _maps(grids: Iterable[Grid]) -> dict[str, list[Grid]]:

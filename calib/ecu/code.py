@@ -135,12 +135,7 @@ def write_code(
 
 
 def _write_bundle(
-    stored: Stored,
-    folder: Path,
-    how: Precision,
-    sample_time: float,
-    first: str,
-    elf: Path | None,
+    stored: Stored, folder: Path, how: Precision, sample_time: float, first: str, elf: Path | None
 ) -> list[Path]:
     texts = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
     texts |= {name: (SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}

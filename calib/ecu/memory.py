@@ -64,12 +64,13 @@ def _counters() -> Iterator[_Row]:
     yield "", "layout", "", "1", 0.0, 0.0, "ULONG"
     fails = f"bits of what fails, from the lowest: {' '.join(causes)}"
     yield "diagnosis", "diagnosis", fails[:250], "1", 0.0, 2.0 ** len(causes) - 1.0, "ULONG"
-    for i, (name, cause) in enumerate(causes.items()):
-        meaning = f"calls in which it failed: {cause}"
-        yield f"lasted_{name}", f"lasted[{i}]", meaning, "1", 0.0, 2.0**32 - 1.0, "ULONG"
-    for i, (name, cause) in enumerate(causes.items()):
-        meaning = f"how often it began to fail: {cause}"
-        yield f"often_{name}", f"often[{i}]", meaning, "1", 0.0, 2.0**16 - 1.0, "UWORD"
+    for counter, meaning, bits, kind in (
+        ("lasted", "calls in which it failed", 32, "ULONG"),
+        ("often", "how often it began to fail", 16, "UWORD"),
+    ):
+        for i, (name, cause) in enumerate(causes.items()):
+            about, most = f"{meaning}: {cause}", 2.0**bits - 1.0
+            yield f"{counter}_{name}", f"{counter}[{i}]", about, "1", 0.0, most, kind
 
 
 def _numbers(kind: str) -> Iterator[_Row]:
