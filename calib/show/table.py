@@ -37,7 +37,7 @@ def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
         title=f"Table {name}",
         note=_note(table, bool(ramps)),
         result=f"Brake torque front {front}, rear {rear} {UNIT} per bar, pads {pads} (95 %); "
-        f"valid up to {table.paper.usable[1]:.2f} g",
+        f"curves valid up to {table.paper.usable[1]:.2f} g",
     )
 
 
