@@ -106,7 +106,8 @@ class Diagnosis(Shown):
 
     def __repr__(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)
-        return f"Diagnosis: {self.verdict} {names}, {self.gap.closed:.0%} of the gap closed"
+        named = f"{self.verdict} {names}".strip()
+        return f"Diagnosis: {named}, {self.gap.closed:.0%} of the gap closed"
 
 
 def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:

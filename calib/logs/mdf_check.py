@@ -162,6 +162,7 @@ def _counted(
         groups: dict[int, _Group] = {}
         for place, block in _chain(data, data_group.links[1], b"##CG"):
             number, promised, varies, _, _, size, invalid = _GROUP.unpack_from(data, block.content)
+            _require(number not in groups, path, f"two groups with the identifier {number}")
             groups[number] = _Group(place, promised, size + invalid, bool(varies & _VARIABLE))
         begin, id_size = data_group.links[2], data[data_group.content]
         if not begin:

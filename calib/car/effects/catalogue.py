@@ -75,9 +75,18 @@ def with_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffect:
 def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
     """The vehicle that knows these effects of the user; none of them acts yet.
 
-    Raises ModelError for a file that differs from the one with which its parameters were fitted.
+    Raises ModelError for a file that differs from the one with which its parameters were fitted,
+    and for two effects of one name.
     """
-    files = {effect.name: effect for effect in own_effects}
+    files: dict[str, OwnEffect] = {}
+    for effect in own_effects:
+        if effect.name in files:
+            raise ModelError(
+                f"the effect {effect.name!r} is also defined in {files[effect.name].file}",
+                where=effect.file,
+                expected="another name",
+            )
+        files[effect.name] = effect
     defined = completed(vehicle.effects.user_defined, files, vehicle.name)
     return replace(vehicle, effects=replace(vehicle.effects, user_defined=defined))
 

@@ -24,6 +24,9 @@ Parameters = Mapping[str, float]
 Pair = tuple[Array, Array]
 
 
+_NAME = re.compile("[a-z][a-z0-9_]*")
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of an effect: SI unit, plausible range, and default prior.
@@ -44,6 +47,8 @@ class Parameter:
 
     def __post_init__(self) -> None:
         """Raise ValueError for what no fit can search."""
+        if not _NAME.fullmatch(self.name):
+            raise ValueError(f"{self.name!r} is no name_of_words")
         usual = (self.typical, self.typical if self.default is None else self.default)
         is_range = all(self.low <= value <= self.high for value in usual)
         if self.unit not in QUANTITIES:
@@ -74,7 +79,7 @@ class Card:
     def __post_init__(self) -> None:
         """Raise ValueError for what is missing, or named in two ways."""
         texts = (self.cause, self.equation, self.source, self.looks_like)
-        if not (re.fullmatch("[a-z][a-z0-9_]*", self.name) and all(map(str.strip, texts))):
+        if not (_NAME.fullmatch(self.name) and all(map(str.strip, texts))):
             raise ValueError(f"{self.name!r} is no name_of_words, or a text of the card is empty")
         if len({p.name for p in self.parameters}) < len(self.parameters):
             raise ValueError(f"{self.name}: two parameters of one name")

@@ -9,7 +9,6 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import fields, replace
-from hashlib import sha256
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from calib.base.bounded import EFFECT, bytes_of
+from calib.base.digest import sha256
 from calib.base.errors import ModelError
 from calib.base.names import WHEELS, G
 from calib.car.effects.catalogue import CATALOGUE, OwnEffect
@@ -52,7 +52,7 @@ def _read(path: Path) -> OwnEffect:
             where=path,
             expected="another name, and a first parameter that is its strength",
         )
-    return OwnEffect(path.name, sha256(source).hexdigest(), effect=checked(effect, str(path)))
+    return OwnEffect(path.name, sha256(source), effect=checked(effect, str(path)))
 
 
 def _executed(source: bytes, path: str) -> dict[str, Any]:
@@ -136,9 +136,9 @@ def _guarded(name: str, hook: Callable[..., Any], path: str) -> Callable[..., An
             return _like(nothing, result)
         except (AttributeError, KeyError, TypeError, ValueError):
             raise ModelError(
-                f"{name} returns another form, or numbers that are not finite",
+                f"{name} returns {_form(result)}",
                 where=_begin(path, hook),
-                expected="what `help(calib.car.effects.effect.Effect)` says",
+                expected=f"finite numbers in the form of {_form(nothing)}",
             ) from None
 
     return call
@@ -160,6 +160,14 @@ def _like(nothing: Any, result: Any) -> Any:
     if array.shape != np.shape(nothing) or not np.all(np.isfinite(array)):
         raise ValueError
     return array if array.shape else float(array)
+
+
+def _form(value: Any) -> str:
+    if isinstance(value, tuple | list):
+        return f"({', '.join(map(_form, value))})"
+    if isinstance(value, dict):
+        return f"a dict of {', '.join(map(str, value))}"
+    return f"shape {np.shape(value)}" if isinstance(value, np.ndarray) else repr(value)
 
 
 _CAR = Vehicle(

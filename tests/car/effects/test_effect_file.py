@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import ModelError
+from calib.car.effects.catalogue import with_own
 from calib.car.effects.effect_file import read_own_effects, trial
 from tests.support.effect_runs import made_motion
 from tests.support.own_effects import EXAMPLE, MOMENT, retarder
@@ -48,9 +49,9 @@ def test_what_a_file_prints_is_not_on_stdout(tmp_path, capsys):
     [
         ("return parameters['torqe'], 0.0", "KeyError"),
         ("motion.v[0] = 2.0", "read-only"),
-        ("return None", "form"),
-        ("return motion.v[1:], motion.v[1:]", "form"),
-        ("return motion.v, motion.v, motion.v", "form"),
+        ("return None", "None"),
+        ("return motion.v[1:], motion.v[1:]", "(399,)"),
+        ("return motion.v, motion.v, motion.v", "(400,)"),
         ("return motion.v * np.nan, motion.v", "finite"),
         ("return 1.0 + 0.0 * motion.v, 0.0 * motion.v", "neutral"),
     ],
@@ -97,3 +98,11 @@ def test_a_hook_that_goes_wrong_later_says_so_too(tmp_path):
     line = line_with(text, "assert")
     with pytest.raises(ModelError, match=rf"mine\.py:{line}: axle_moment raises AssertionError"):
         effect.axle_moment(CAR, {"torque": 1.0}, made_motion([60.0]))
+
+
+def test_two_files_cannot_define_one_effect(tmp_path):
+    files = [tmp_path / name for name in ("one.py", "other.py")]
+    for path in files:
+        path.write_text(retarder())
+    with pytest.raises(ModelError, match=r"also defined in one\.py"):
+        with_own(CAR, read_own_effects(files))
