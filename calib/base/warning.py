@@ -58,10 +58,9 @@ def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
 _ROWS = rows("rules.csv")
 _FIRST = {row["code"]: row for row in reversed(_ROWS)}
 RULES = tuple(_read(row, _FIRST[row["code"]]) for row in _ROWS)
-_OF = {
-    code: [rule for rule in RULES if rule.code == code]
-    for code in dict.fromkeys(r.code for r in RULES)
-}
+_OF: dict[str, list[_Rule]] = {}
+for _rule in RULES:
+    _OF.setdefault(_rule.code, []).append(_rule)
 LIMITS = SimpleNamespace(
     **{row["name"]: json.loads(row["value"]) for row in rows("log_limits.csv")}
 )

@@ -51,7 +51,7 @@ _RISE = np.diff(_OVER_USE, axis=1)
 
 
 def mean_inverse(use: Array, weights: Array) -> Array:
-    """X of tyres with ``weights`` (n, 5) of the forms, at ``use`` (n, k) [1]; odd in ``use``.
+    """X of tyres with ``weights`` (n, 5) of the forms, at ``use`` (..., n, k) [1]; odd in it.
 
     X/u is interpolated linearly over the root of 1 - u: faster than the forms, and within 1e-5.
     """

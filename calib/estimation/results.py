@@ -16,7 +16,7 @@ from calib.estimation.agreement import agreement
 from calib.estimation.estimator import COLUMNS, Estimate
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, proof_of
-from calib.logs.parquet import column_of
+from calib.logs.parquet import parquet_of
 from calib.store.version import Stored
 from calib.table.budget import by_axle
 from calib.table.exported import Precision
@@ -84,16 +84,7 @@ def _of_log(r: Validation) -> dict[str, object]:
 
 def _write_result(e: Estimate, path: Path) -> None:
     """Write the columns of one estimate as Parquet. Raises OSError if it cannot."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    columns = {name: column_of(x) for name, x in e.columns().items()}
-    units = {name: {"unit": COLUMNS[name]} for name in columns}
-    fields = [pa.field(name, x.type, metadata=units[name]) for name, x in columns.items()]
-    table = pa.Table.from_arrays([*columns.values()], schema=pa.schema(fields))
-    sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, compression="zstd")
-    write_whole(path, sink.getvalue().to_pybytes())
+    write_whole(path, parquet_of(e.columns(), COLUMNS, compression="zstd"))
 
 
 def write_results(results: list[Validation], summary: dict[str, object], out: Path) -> list[Path]:

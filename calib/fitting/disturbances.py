@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import QUARTILE
+from calib.base.intervals import scatter
 from calib.car.vehicle import Vehicle
 from calib.model.ramp import SETTINGS, RampRun, nominal_forces
 from calib.run.filters import runs
@@ -52,8 +52,7 @@ def _off(terms: list[Array], y: Array, least: float) -> Mask:
         residual = A @ course - y
         if np.max(np.abs(residual - last)) < _STAYS * least:
             break
-    scatter = np.median(np.abs(residual)) / QUARTILE
-    return np.asarray(np.abs(residual) > max(least, SETTINGS.disturbance_gate * scatter))
+    return np.asarray(np.abs(residual) > max(least, SETTINGS.disturbance_gate * scatter(residual)))
 
 
 def _passing(wild: Mask, N: Array) -> Mask:

@@ -123,9 +123,7 @@ class LoadedTyres(NamedTuple):
     def slips(self, forces: Array) -> _UnitSlips:
         """Slips over compliance by (15), (16), with ``forces`` over the weight (..., 2, n, k)."""
         use = forces / self.on_road / self.most
-        unit = np.empty_like(use)
-        for axle in (0, 1):
-            unit[..., axle, :, :] = mean_inverse(use[..., axle, :, :], self.forms)
+        unit = mean_inverse(use, self.forms)
         return _UnitSlips(
             slip=self.most * unit * self.compliant,
             load=self.load,

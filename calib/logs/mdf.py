@@ -58,7 +58,8 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
         for number, group in enumerate(mdf.groups)
         if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
     ]
-    columns, places, left_out = _channels(mdf, buses)
+    titles = _titles(mdf)
+    columns, places, left_out = _channels(mdf, buses, titles)
     notes += left_out
     needs_dbc = buses and (any(dbc.values()) or not columns)
     database = require_dbc(dbc, "mdf", where) if needs_dbc else Dbc({})
@@ -71,7 +72,7 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         chosen = [places[i - 1] for i in indices if i <= len(places)]
-        measured = dict(zip(chosen, _traces(mdf, chosen, where), strict=True))
+        measured = dict(zip(chosen, _traces(mdf, chosen, titles, where), strict=True))
         return [
             measured[places[i - 1]] if i <= len(places) else decode(*signals[i - 1 - len(places)])
             for i in indices
@@ -104,9 +105,10 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
                 raise damaged(where, flaw, f"bits within {size} bytes")
 
 
-def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
+def _channels(
+    mdf: Any, buses: Sequence[int], titles: Sequence[str]
+) -> tuple[list[Column], list[_Place], list[str]]:
     columns, places, notes = [], [], []
-    titles = _titles(mdf)
     for number, group in enumerate(mdf.groups):
         if number in buses or not (group.channel_group.cycles_nr and group.channels):
             continue
@@ -130,8 +132,10 @@ def _titles(mdf: Any) -> list[str]:
     return [f"{x}#{i}" if names.count(x) > 1 else x for i, x in enumerate(names)]
 
 
-def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace]:
-    result, titles = [], _titles(mdf)
+def _traces(
+    mdf: Any, places: Sequence[_Place], titles: Sequence[str], where: str
+) -> list[ChannelTrace]:
+    result = []
     for place, signal in zip(places, _select(mdf, places, True, where), strict=True):
         number, index = place
         group = mdf.groups[number]

@@ -1,7 +1,7 @@
 """Parquet with each channel's unit in the field metadata, and columns of Arrow as numbers."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -142,3 +142,18 @@ def column_of(x: NDArray[Any]) -> "pyarrow.Array":
     kind = pa.bool_() if x.dtype == bool else pa.from_numpy_dtype(x.dtype)
     data = np.packbits(x, bitorder="little") if x.dtype.kind == "b" else np.ascontiguousarray(x)
     return pa.Array.from_buffers(kind, x.size, [None, pa.py_buffer(data)])
+
+
+def parquet_of(
+    columns: Mapping[str, NDArray[Any]], units: Mapping[str, str], **options: Any
+) -> bytes:
+    """A Parquet file of ``columns`` (n,) with their ``units``; the same give the same bytes."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    arrays = {name: column_of(x) for name, x in columns.items()}
+    fields = [pa.field(n, x.type, metadata={UNIT_KEY: units[n]}) for n, x in arrays.items()]
+    sink = pa.BufferOutputStream()
+    table = pa.Table.from_arrays([*arrays.values()], schema=pa.schema(fields))
+    pq.write_table(table, sink, **options)
+    return bytes(sink.getvalue().to_pybytes())

@@ -107,7 +107,7 @@ def _mistakes(run: Run, means: "_Means", axle: str, radius: float | None) -> lis
     for kind, place in ((OFFSET, 1), (CLOCK, -1)):
         of_kind = [fit for fit in fits if fit.belief.kind == kind]
         best = max(of_kind, key=lambda fit: fit.log)
-        if _LASTING * best.misfit < _EXPLAINED * speed.v.size:
+        if _LASTING * best.misfit < _EXPLAINED * means.v.size:
             log_odds = float(np.logaddexp.reduce([fit.log for fit in of_kind]) - sound)
             sigma = math.sqrt(best.covariance[place, place])
             size, scale = float(best.unknowns[place]), float(best.unknowns[0])
@@ -202,16 +202,15 @@ class _Means(NamedTuple):
 
 @dataclass(frozen=True)
 class _AxleSpeed:
-    """v [m/s] (n,) and how the wheels of an axle and a_x explain it.
+    """How the wheels of an axle and a_x explain v, by its ``means`` (n,).
 
     ``columns`` (2 n, 14) of both equations: radius over ``radius`` [m], offset, slip (5), v_0,
-    slope, its change, slip of v, scale, delay, rate; ``shifts`` (n,) of v by delay and rate;
-    ``noise`` of v (2 n,) [m/s]; ``brakes`` factors on mean and sigma of the slip (2,) [1].
+    slope, its change, slip of v, scale, delay, rate; ``noise`` of v (2 n,) [m/s]; ``brakes``
+    factors on mean and sigma of the slip (2,) [1].
     """
 
-    v: Array
+    means: _Means
     columns: Array
-    shifts: dict[tuple[float, float], Array]
     radius: float
     noise: Array
     brakes: Array
@@ -228,21 +227,21 @@ class _AxleSpeed:
         noise = np.repeat([min(noises), means.a_x_noise], v.size)
         columns = np.block([[wheels, 0.0 * a_x, late], [0.0 * wheels, a_x, late]])
         brakes = np.array([1.0, 1.0] if run.alone is None else [0.0, _ROLLS])
-        return cls(v, columns, means.shifts, radius, noise, brakes)
+        return cls(means, columns, radius, noise, brakes)
 
     def fits(self, beliefs: Sequence[_Belief]) -> list[_Fit]:
         """Posterior of the unknowns under each belief."""
         mean, sigma = np.stack([self._prior(belief) for belief in beliefs], axis=1)
-        shifts = np.stack([self.shifts[belief.delay, belief.rate] for belief in beliefs])
+        shifts = np.stack([self.means.shifts[belief.delay, belief.rate] for belief in beliefs])
         rows = self.columns / self.noise[:, None]
-        r = np.tile(self.v - shifts, 2) / self.noise - mean @ rows.T
+        r = np.tile(self.means.v - shifts, 2) / self.noise - mean @ rows.T
         side = r @ rows
         x, covariances, evidence = posterior(rows.T @ rows, side, sigma)
         squares = (r - x @ rows.T) ** 2
         # r @ r - side @ x would lose the digits that decide
         misfit_and_prior = np.sum(squares, axis=1) + np.sum((x / sigma) ** 2, axis=1)
         logs = evidence - 0.5 * np.sum(side * x, axis=1) - 0.5 * misfit_and_prior
-        misfits = np.sum(squares[:, : self.v.size], axis=1)
+        misfits = np.sum(squares[:, : self.means.v.size], axis=1)
         unknowns = mean + x
         unknowns[:, -1] += [belief.rate for belief in beliefs]
         return [

@@ -142,17 +142,17 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
     shown = plain(metric.column.name, metric.column.unit)
     k, x, ends = shown.factor, np.asarray(metric.rows + 1, float), window(metric)
     y: Array = k * np.clip(metric.values, *ends)
-    few, axis = len(summary.logs) <= _NAMED, (0.0, len(summary.logs) + 1.0)
+    axis = (0.0, len(summary.logs) + 1.0)
     share = "90 % of the others" if metric.outlying.any() else "90 % of the logs"
     low, high = (np.full(2, k * end) for end in metric.inlier_range)
+    names = [Path(log).stem for log in summary.logs]
+    below = names_below(names)
     lines = [
-        Line(x, y, dots(NOMINAL, 4.5, ".", alpha=1.0 if few else 0.5)),
+        Line(x, y, dots(NOMINAL, 4.5, ".", alpha=1.0 if below else 0.5)),
         Line(axis, [k * metric.median] * 2, _THIN, f"median, {share}", (low, high)),
     ]
     if (outlying := metric.outlying).any():
         lines.append(Line(x[outlying], y[outlying], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
-    names = [Path(log).stem for log in summary.logs]
-    below = names_below(names)
     by_distance = np.argsort(-np.abs(metric.values - metric.median), kind="stable")
     farthest = [i for i in by_distance if metric.outlying[i]][:_NAMED]
     room = 0.06 * (ends[1] - ends[0])

@@ -97,7 +97,7 @@ def _panel(sheet: Sheet, name: str) -> str:
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
     svg = _UNSEEN.sub("", render(figure, ".svg", text=True).decode())
     # places are exact to a tenth of a point
-    short = _PLACE.sub(lambda found: f"{float(found[0]):.1f}", _STRAIGHT.sub(_shortened, svg))
+    short = _PLACE.sub(lambda place: f"{float(place[0]):.1f}", _STRAIGHT.sub(_shortened, svg))
     short = _TAG.sub(lambda tag: tag[0].replace('"', "'"), short)
     short = short.replace(_STYLE, _STYLE + _FONT, 1)
     while _EMPTY in short:

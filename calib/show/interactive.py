@@ -27,7 +27,7 @@ _HEIGHT, _ROW = 250, 20
 """Height of a panel and of each row of its legend [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
-_MARKERS = {"o": "circle", ".": "dot", "^": "triangle", "D": "diamond", "|": "cross"}
+_MARKERS = {"o": "circle", ".": "dot", "^": "triangle", "D": "diamond"}
 _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
 """A finger on a panel scrolls the page."""
 _LEGEND = {

@@ -15,7 +15,7 @@ _DIGESTS = "Inputs, with the SHA-256 of their bytes."
 def origin(
     stored: Stored,
     logs: Iterable[tuple[str, str, str]],
-    date: str = "",
+    date: str,
     files: Mapping[str, Path] | None = None,
 ) -> Facts:
     """Where the results come from: ``logs`` (role, name, SHA-256), and other ``files`` by role.
@@ -28,7 +28,7 @@ def origin(
         "Where it comes from",
         rows=[
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
-            ("Date", date or "not stated"),
+            ("Date", date),
             ("Program", PROGRAM),
         ],
         tables=[Cells(("file", "role", "SHA-256"), inputs, _DIGESTS)],

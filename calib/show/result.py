@@ -1,6 +1,5 @@
 """A stored result: the Parquet file that `brake-cal validate --out` writes for each log."""
 
-import hashlib
 import io
 import json
 from dataclasses import dataclass
@@ -8,6 +7,7 @@ from pathlib import Path
 
 from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
+from calib.base.digest import sha256
 from calib.base.errors import InputError
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.results import SUMMARY
@@ -77,7 +77,7 @@ def read_result(path: Path) -> StoredResult:
         by_v, by_ecu = (numbers(columns[name]) > 0.0 for name in _VALID)
     except (OSError, ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    digest = hashlib.sha256(data).hexdigest()
+    digest = sha256(data)
     # Where not even the estimate with v holds, no answer of the ECU does.
     return StoredResult(path.stem, digest, values, by_ecu & by_v.any(), *_summary_of(path))
 

@@ -1,11 +1,11 @@
 """A car at the station: its facts, and every file of its run, made before any is published."""
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from calib.base.digest import sha256
 from calib.base.write import write_whole
 from calib.estimation.limits import FAILED, WARNING
 from calib.estimation.results import fill, unseen_in
@@ -141,6 +141,6 @@ def store_and_write(
         written = to_text(document).encode()
         write_whole(work / DOCUMENT, written)
         expected = stored
-        stored = store.save(outcome.table, outcome.decision(hashlib.sha256(written).hexdigest()))
+        stored = store.save(outcome.table, outcome.decision(sha256(written)))
         if (stored.id, stored.state.word) == (expected.id, expected.state.word):
             return stored, document

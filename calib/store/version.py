@@ -10,7 +10,6 @@
 Parquet file, so that no damaged file is parsed; ``states`` names the journal.
 """
 
-import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +23,7 @@ from calib.base.digest import content_digest, sha256
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.shown import Shown
 from calib.base.write import sync
-from calib.logs.parquet import column_of, numbers
+from calib.logs.parquet import numbers, parquet_of
 from calib.store.folders import RECORD
 from calib.store.journal import CRLF, JOURNAL
 from calib.store.state import NOT_STORED, OUTSIDE, UNJUDGED, VersionState
@@ -132,17 +131,10 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
 
 
 def _curve_bytes(columns: dict[str, Array]) -> bytes:
-    """A Parquet file of named ``columns``, each (n,); the same columns give the same bytes."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    units = {name: {"unit": UNITS.get(name, "1")} for name in columns}
-    fields = [pa.field(name, pa.float64(), metadata=unit) for name, unit in units.items()]
-    arrays = [column_of(np.asarray(x, dtype=np.float64)) for x in columns.values()]
-    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
-    sink = io.BytesIO()
-    pq.write_table(table, sink, compression="none", use_dictionary=False)
-    return sink.getvalue()
+    """The file of named ``columns``, each (n,)."""
+    doubles = {name: np.asarray(x, dtype=np.float64) for name, x in columns.items()}
+    units = {name: UNITS.get(name, "1") for name in columns}
+    return parquet_of(doubles, units, compression="none", use_dictionary=False)
 
 
 def _read_curve(data: bytes) -> dict[str, Array]:

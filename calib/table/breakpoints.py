@@ -45,7 +45,7 @@ def place(x: Array, curves: Array, points: int) -> Index:
 
 
 def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
-    """Rows of ``x`` (n,) as in `place`, by the least weighted sum of squared errors.
+    """Rows of ``x`` (n,) as in `place`, by the least weighted sum of _squared errors.
 
     ``curves`` (k, n) are slices of a map, ``weights`` (k, n) those of its cells, so that corners
     that few draws reach do not take all breakpoints.
@@ -73,25 +73,25 @@ def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
         ]
     )
     k, i = np.unravel_index(int(np.argmax(np.abs(gaps))), gaps.shape)
-    squares = [squared(every, gap) for gap in gaps]
+    squares = [_squared(every, gap) for gap in gaps]
     rms = float(np.sqrt(max(squares) / (every[-1] - every[0])))
     return Misfit(float(abs(gaps[k, i])), float(every[i]), rms)
 
 
-def squared(x: Array, gap: Array) -> float:
+def _squared(x: Array, gap: Array) -> float:
     """Integral of the square of a ``gap`` that is linear between the points ``x``."""
     a, b = gap[:-1], gap[1:]
     return float(np.sum(np.diff(x) * (a * a + a * b + b * b)) / 3.0)
 
 
 def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
-    """Largest error and integral of the squared error of a line from row i to row j, (n, n)."""
+    """Largest error and integral of the _squared error of a line from row i to row j, (n, n)."""
     n = len(x)
     worst, square = np.full((n, n), np.inf), np.full((n, n), np.inf)
     for i, j, gaps in _lines(x, curves):
         gaps[:, 0] = gaps[:, -1] = 0.0
         worst[i, j] = np.abs(gaps).max()
-        square[i, j] = sum(squared(x[i : j + 1], gap) for gap in gaps)
+        square[i, j] = sum(_squared(x[i : j + 1], gap) for gap in gaps)
     return worst, square
 
 

@@ -5,7 +5,6 @@ Two tables are the same fit where program, logs, vehicle and settings are equal,
 differs by more than `TOLERANCE`.
 """
 
-import hashlib
 import json
 import math
 from collections.abc import Iterator
@@ -16,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
-from calib.base.digest import canonical_json
+from calib.base.digest import canonical_json, sha256
 from calib.base.intervals import Z95
 from calib.table.maps import MAPS, Map, PadMap
 from calib.table.table import Table, Value
@@ -150,8 +149,8 @@ def _gap(name: str, a: Map, column: str, b: Map) -> _CurveGap | None:
     shares = (m.share if isinstance(m, PadMap) else np.ones_like(m.z) for m in (a, b))
     in_bands = _quantile(_over(gap, band), np.minimum(*shares))
     worst = int(np.argmax(np.abs(gap)))
-    start, end, largest, at = (float(x) for x in (a.z[0], a.z[-1], gap[worst], a.z[worst]))
-    return _CurveGap(name, start, end, largest, at, in_bands)
+    start, end, largest, place = (float(x) for x in (a.z[0], a.z[-1], gap[worst], a.z[worst]))
+    return _CurveGap(name, start, end, largest, place, in_bands)
 
 
 def _quantile(x: Array, weights: Array) -> float:
@@ -219,7 +218,7 @@ def inputs(record: dict[str, Any]) -> str:
     logs = [{**log, "fingerprint": "fingerprint" in log} for log in origin["logs"]]
     inputs_of_fit = {name: record.get(name) for name in ("name", "vehicle")}
     inputs_of_fit["provenance"] = {**origin, "logs": logs}
-    return hashlib.sha256(canonical_json(inputs_of_fit)).hexdigest()
+    return sha256(canonical_json(inputs_of_fit))
 
 
 def same(a: Table, b: Table) -> bool:

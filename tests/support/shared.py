@@ -7,16 +7,17 @@ The key is the content of the arguments: of a function without a name that can b
 and what it encloses. Each who asks has a copy of its own.
 """
 
-import hashlib
 import os
 import pickle
-import tempfile
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 import cloudpickle
+
+from calib.base.digest import sha256
+from calib.base.write import write_whole
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
@@ -32,11 +33,9 @@ def shared(make: Callable[P, Result]) -> Callable[P, Result]:
         if FOLDER not in os.environ:
             return make(*given, **named)
         content = cloudpickle.dumps((make.__module__, make.__qualname__, given, named))
-        path = Path(os.environ[FOLDER], hashlib.sha256(content).hexdigest())
+        path = Path(os.environ[FOLDER], sha256(content))
         if not path.exists():
-            with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-                cloudpickle.dump(make(*given, **named), file)
-            os.replace(file.name, path)
+            write_whole(path, cloudpickle.dumps(make(*given, **named)))
         return pickle.loads(path.read_bytes())
 
     return made

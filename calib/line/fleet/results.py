@@ -60,8 +60,8 @@ class FleetFile:
         """A column of numbers, (n,); NaN if a log has none."""
         return np.asarray(self.table.column(name).cast("float64").to_numpy(), dtype=np.float64)
 
-    def values(self, name: str) -> tuple[str | bool | None, ...]:
-        """A column of text or of yes and no; () if there is none."""
+    def values(self, name: str) -> tuple[str | None, ...]:
+        """A column of text; () if there is none."""
         exists = name in self.table.column_names
         return tuple(self.table.column(name).to_pylist()) if exists else ()
 

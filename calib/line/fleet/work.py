@@ -1,6 +1,5 @@
 """Work on one log: read it, run the command, return its row. Errors become rows."""
 
-import hashlib
 import json
 import pickle
 from collections.abc import Callable, Iterable
@@ -9,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from calib.base.bounded import DBC, bytes_of
+from calib.base.digest import sha256
 from calib.base.errors import BatchError, BrakeCalError, ChannelMapError, printable
 from calib.base.names import PROGRAM, VERSION
 from calib.base.plain import finite
@@ -52,18 +52,14 @@ def _map_digest(mapped: ChannelMap) -> str:
     content = asdict(mapped)
     del content["where"]
     content["databases"] = {
-        bus: [_sha256(bytes_of(path, DBC, ChannelMapError, "a DBC")) for path in paths]
+        bus: [sha256(bytes_of(path, DBC, ChannelMapError, "a DBC")) for path in paths]
         for bus, paths in mapped.databases.items()
     }
     return _digest(content)
 
 
 def _digest(value: object) -> str:
-    return _sha256(json.dumps(value, sort_keys=True, default=str).encode())
-
-
-def _sha256(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
+    return sha256(json.dumps(value, sort_keys=True, default=str).encode())
 
 
 @dataclass(frozen=True)
@@ -97,7 +93,7 @@ def _run_item(job: Job, item: WorkItem) -> Row | None:
     digest, lost = None, False
     try:
         data = log_bytes(Path(item.path), item.name)
-        digest = _sha256(data)
+        digest = sha256(data)
         if digest == item.digest:
             return None
         require = () if job.command == Command.CHECK else REQUIRED

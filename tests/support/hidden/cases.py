@@ -8,7 +8,6 @@ The same seed gives the same case. Nothing in names, order or metadata tells wha
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -68,7 +67,6 @@ class HiddenCase:
     vehicle : what the program is told.
     calibration, holdout : noisy logs.
     hidden : all settings of the plant.
-    variety : what each run is driven with.
     """
 
     kind: str
@@ -77,10 +75,8 @@ class HiddenCase:
     calibration: tuple[Log, ...]
     holdout: tuple[Log, ...]
     hidden: Hidden
-    variety: Variety
 
 
-@lru_cache(16)
 @shared
 def draw(
     kind: str,
@@ -129,7 +125,6 @@ def draw(
         tuple(logs[n] for n in variety.calibration if n in logs),
         tuple(logs[n] for n in variety.holdout if n in logs),
         hidden,
-        variety,
     )
 
 

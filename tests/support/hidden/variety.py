@@ -33,11 +33,10 @@ class Variety:
     rate: float = 200.0
     noise: float = 1.0
     grounds: tuple[Ground, ...] = (Ground(),)
-    of_run: tuple[int, ...] = ()
 
     def ground(self, index: int) -> Ground:
         """The ground of the run at ``index``, calibration before hold-outs."""
-        return self.grounds[self.of_run[index]] if self.of_run else self.grounds[0]
+        return self.grounds[index % len(self.grounds)]
 
 
 FEW = (("coast", "ramp", "step_low"), ("stop_a",))
@@ -70,4 +69,4 @@ def unlike(rng: np.random.Generator) -> Variety:
         )
         for _ in range(count)
     )
-    return Variety(grounds=grounds, of_run=tuple(range(count)))
+    return Variety(grounds=grounds)
