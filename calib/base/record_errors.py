@@ -92,7 +92,7 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, s
 
 
 def _path(loc: _Place) -> str:
-    """Path as text, such as ``surfaces[0].start``."""
+    """Path as text, such as ``empirical[0].knots``."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
     return text.removeprefix(".")
 

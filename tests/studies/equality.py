@@ -61,7 +61,7 @@ LEFT_OUT = {
 }
 MASKED = (
     (re.compile(r"brake-cal \d+\.\d+[\w.+]*"), "brake-cal VERSION"),
-    (re.compile(r"<DATE>[\d-]+</DATE>"), "<DATE>"),  # `tables export` takes no date but today's
+    (re.compile(r"<DATE>[\d-]+</DATE>"), "<DATE>"),  # the day of storing: in a station's run today
 )
 DIGEST = re.compile(r"(?<![\w.])(?=[0-9a-f]*[a-f])(?:[0-9a-f]{64}|[0-9a-f]{16}|[0-9a-f]{12})(?!\w)")
 """A SHA-256, whole or its beginning. That of an input is compared. That of an output is not: it

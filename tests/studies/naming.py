@@ -75,10 +75,6 @@ PARAMETERS: dict[str, Callable[[Hidden], float]] = {
 """True values of parameters of the catalogue, SI, in the terms of the plant; where the plant goes
 its own way, as in rolling, fade or wetness, none is exactly right."""
 
-FACTORS = {"bar": 1e5, "%": 0.01, "kJ": 1e3, "%/bar": 1e-7, "1/bar": 1e-5, "ms": 1e-3,
-           "Hz": 2.0 * math.pi, "deg": math.pi / 180.0, "%/K": 0.01, "%*s/m": 0.01}  # fmt: skip
-"""Of units that are not of SI."""
-
 
 @dataclass(frozen=True)
 class Job:
@@ -139,7 +135,7 @@ def intervals(case: HiddenCase, found: Diagnosis) -> dict[str, bool]:
     for effect in found.effects:
         for name, told in effect.parameters.items():
             if effect.name in case.effects and name in PARAMETERS:
-                low, high = (x * FACTORS.get(told.unit, 1.0) for x in told.ci95)
+                low, high = told.ci95
                 true = PARAMETERS[name](case.hidden)
                 held[f"{effect.name}.{name}"] = bool(low <= true <= high)
     return held
