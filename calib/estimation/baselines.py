@@ -19,7 +19,7 @@ from calib.car.balance import ForceBalance
 from calib.car.effects.effect import Pair
 from calib.car.vehicle import Axle
 from calib.estimation.estimator import Estimate
-from calib.run.filters import recursive
+from calib.run.filters import recursive_filter
 from calib.table.table import Table
 
 RATE, PRESSURE = 8.0, 20e5
@@ -43,7 +43,9 @@ def mean_gain(e: Estimate) -> Pair:
     """
     u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
     pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
-    numerator, denominator = (recursive(x, pole) for x in (u * e.forces.balance.demanded, u * u))
+    numerator, denominator = (
+        recursive_filter(x, pole) for x in (u * e.forces.balance.demanded, u * u)
+    )
     factor = np.divide(numerator, denominator, out=np.ones_like(u), where=denominator > 0.0)
     return nominal(e, factor)
 

@@ -10,7 +10,7 @@ import numpy as np
 from calib.base.names import G
 from calib.car.beliefs import CAR, LOG, SENSOR, STOP
 from calib.car.braking import BITE, MOVING
-from calib.run.driving_record import NOMINAL_RADIUS, STEADY
+from calib.run.driving_record import NOMINAL_RADIUS, ROLLING_Z
 from calib.run.filters import samples_in
 from calib.run.noise import WALK, SensorNoise
 from calib.table.maps import Reader
@@ -44,7 +44,7 @@ class Constants:
     block: float  # [s]
     bite: float = BITE  # pressure of a brake that is applied [Pa]
     moving: float = MOVING  # [m/s]
-    steady: float = STEADY  # deceleration of a car that rolls, at most [1]
+    steady: float = ROLLING_Z  # deceleration of a car that rolls, at most [1]
     q_radius: float = WALK  # of the zeros of eta and slip [1/sqrt(s)]
     memory: float = 0.3  # of the means that go into the map [s]
     before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch

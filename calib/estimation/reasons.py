@@ -9,7 +9,7 @@ from calib.base.names import WHEELS
 from calib.estimation.constants import Constants
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
-from calib.run.filters import since, without_single
+from calib.run.filters import median_of_three, time_since
 from calib.run.lateral import lateral
 from calib.table.table import Table
 
@@ -57,8 +57,8 @@ def disturbances(table: Table, log: Log, s: Signals) -> Index:
     car, none = table.vehicle, np.zeros_like(s.time)
     slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
     acceleration = lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
-    since_abs = since(s.time, log.channels.get("abs_active", none) > 0.5)
-    signals = since_abs, since(s.time, _locks(log, s)), acceleration
+    since_abs = time_since(s.time, log.channels.get("abs_active", none) > 0.5)
+    signals = since_abs, time_since(s.time, _locks(log, s)), acceleration
     return first_reason(*signals, log.channels.get("steering", none), s.sample_time)
 
 
@@ -86,7 +86,7 @@ def _locks(log: Log, s: Signals) -> Mask:
     Where the fastest one slows more than a road lets a car slow, all may lock.
     """
     read = (log[f"omega_{w}"] for w in WHEELS)
-    wheels = np.stack([np.append(x[0], without_single(x)[:-1]) for x in read])  # causal
+    wheels = np.stack([np.append(x[0], median_of_three(x)[:-1]) for x in read])  # causal
     fastest = wheels.max(axis=0)
     if s.v is not None and s.lead_in.any():  # all four may lock together
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))

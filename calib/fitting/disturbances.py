@@ -8,7 +8,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.intervals import scatter
 from calib.car.vehicle import Vehicle
 from calib.model.ramp import SETTINGS, RampRun, nominal_forces
-from calib.run.filters import runs
+from calib.run.filters import true_intervals
 
 _MOST, _STAYS = 100, 1e-6
 """Most least squares of a smooth course, and change over the least disturbance at which it ends."""
@@ -62,7 +62,7 @@ def _passing(wild: Mask, N: Array) -> Mask:
     """
     near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
     left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5
-    for first, end in runs(near):
+    for first, end in true_intervals(near):
         beyond = int(np.count_nonzero(~near & (np.max(N[first:end]) < N)))
         left_out[first:end] = min(first, wild.size - end, beyond) >= few
     return left_out & (np.mean(left_out) < SETTINGS.disturbance_share)

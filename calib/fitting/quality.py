@@ -25,7 +25,7 @@ from calib.fitting.regression import Regression
 from calib.model.ramp import SETTINGS, RampRun
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import COAST, FIT, warnings_on
-from calib.run.filters import runs as runs_of
+from calib.run.filters import true_intervals
 from calib.run.resistance import ROLLING, Resistance
 from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
@@ -162,7 +162,7 @@ def remarks(
         b = run.blocks
         zero = float(np.mean(b.eta[run.rolling])) - 1.0
         yield f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)"
-        for first, after in [] if run.left_out is None else runs_of(run.left_out):
+        for first, after in [] if run.left_out is None else true_intervals(run.left_out):
             start, end = b.end[first] - b.length, b.end[after - 1]
             yield f"{run.name}: left out from {start:.2f} to {end:.2f} s: a bump, another force"
     for prior, p in prior_support:

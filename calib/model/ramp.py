@@ -22,7 +22,7 @@ from calib.car.vehicle import Vehicle
 from calib.plausibility.rules import COAST, FIT, VALIDATE, require_none, unusable
 from calib.run.accelerometer import Accelerometer
 from calib.run.blocks import Axle, Blocks, block_balance
-from calib.run.filters import since
+from calib.run.filters import time_since
 from calib.run.noise import SensorNoise, sigma_growth
 from calib.run.run import Run
 from calib.run.same_run import refuse_copies
@@ -210,7 +210,7 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
     # the pressure changes slowly enough, and has just before
     B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
     rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))
-    steady = since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
+    steady = time_since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
     return replace(ramp, use=ramp.use & is_zeroed & (b.lead_in | steady))
 
 

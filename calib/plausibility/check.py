@@ -181,7 +181,7 @@ def _event(event: BrakeEvent) -> str:
     return (
         f"{event.start:.2f} to {event.end:.2f} s{pressure}, to {event.z_high:.2f} g, "
         f"{3.6 * event.speed_start:.0f} to {3.6 * event.speed_end:.0f} km/h, "
-        f"rises for {event.rise:.1f} s by {event.rise_z:.2f} g"
+        f"rises for {event.rise_time:.1f} s by {event.rise_z:.2f} g"
     )
 
 

@@ -43,9 +43,9 @@ def use(e: Evidence) -> Iterator[Measured]:
     if not run.events:
         yield Measured("coasting", run.coasting)
         return
-    yield Measured("begins_braked", float(run.events[0].first == 0))
+    yield Measured("begins_braked", float(run.events[0].first_sample == 0))
     if not (run.slipping and run.slipping.locked):  # locked wheels do not show the speed
-        yield Measured("braking_time", sum(event.braking for event in run.events))
+        yield Measured("braking_time", sum(event.braking_time for event in run.events))
     yield from _ramp(run)
     if run.axles and (most := run.axles.eta_most):  # a table is a curve over eta
         alike = max(abs(most.value), most.half) < LIMITS.eta_alike
@@ -56,12 +56,12 @@ def use(e: Evidence) -> Iterator[Measured]:
 def _ramp(run: Run) -> Iterator[Measured]:
     """The best ramp of a run, else its widest rise, and its disturbances."""
     alone = run.alone is not None
-    good = [e for e in run.events if e.braking >= _RAMP_TIME and e.rise >= _RAMP_RISE]
+    good = [e for e in run.events if e.braking_time >= _RAMP_TIME and e.rise_time >= _RAMP_RISE]
     ramp = max(good, key=lambda e: e.rise_z, default=None)
     if ramp is None or ramp.rise_z < (_SPAN_ALONE if alone else _SPAN):
         ramp = max(run.events, key=lambda e: e.rise_z)
-    yield Measured("ramp_rise", ramp.rise)
-    yield Measured("ramp_time", ramp.braking)
+    yield Measured("ramp_rise", ramp.rise_time)
+    yield Measured("ramp_time", ramp.braking_time)
     in_pieces = ramp.z_high - ramp.z_low > 1.2 * ramp.rise_z
     how = f"the braking reaches {ramp.z_high:.2f} g, but not in one rise" if in_pieces else ""
     yield Measured("ramp_span_alone" if alone else "ramp_span", ramp.rise_z, words={"how": how})

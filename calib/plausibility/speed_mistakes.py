@@ -21,7 +21,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.intervals import SURE, posterior
 from calib.base.names import AXLES, G
 from calib.car.lag import integral
-from calib.run.driving_record import DRIVEN, GREATEST, NOMINAL_RADIUS, SMOOTH
+from calib.run.driving_record import DRIVEN_Z, GREATEST_Z, NOMINAL_RADIUS, SMOOTHING
 from calib.run.filters import block_mean, samples_in
 from calib.run.run import Run
 
@@ -180,9 +180,9 @@ class _Means(NamedTuple):
     @classmethod
     def of_run(cls, run: Run) -> "_Means":
         """Compute the means of a run."""
-        d, size = run.driving, samples_in(SMOOTH, run.driving.step)
+        d, size = run.driving, samples_in(SMOOTHING, run.driving.step)
         ends = run.slipping.first if run.slipping else math.inf
-        inside = d.moving & (d.z > -DRIVEN) & (d.z < GREATEST) & (d.time < ends)
+        inside = d.moving & (d.z > -DRIVEN_Z) & (d.z < GREATEST_Z) & (d.time < ends)
         use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
         time, lost = d.time - d.time[0], G * integral(d.time, d.z)
         pairs = [(delay, 0.0) for delay in (0.0, *_LATE)] + [(0.0, rate) for rate in _RATES]

@@ -20,7 +20,7 @@ from calib.car.plausible import LEAST_FRONT_BIASED
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.speed_mistakes import CLOCK, SpeedMistake, speed_mistakes
 from calib.run.blocks import Blocks
-from calib.run.driving_record import GREATEST, NOMINAL_RADIUS, SETTLE
+from calib.run.driving_record import GREATEST_Z, NOMINAL_RADIUS, SETTLE
 from calib.run.exchanged_wheels import crossed_side
 from calib.run.resistance import identify
 
@@ -218,7 +218,7 @@ def slip_of_v(e: Evidence) -> Iterator[Measured]:
     if rolling is None:
         return
     braking = (b.speed > MOVING) & (b.drive_f == 0.0) & (b.drive_r == 0.0)
-    braking &= (b.z > _BRAKED) & (b.z < GREATEST)
+    braking &= (b.z > _BRAKED) & (b.z < GREATEST_Z)
     rims = np.stack([rolling[0] * b.omega_f, rolling[1] * b.omega_r])
     slips = 1.0 - rims / np.maximum(b.speed, MOVING)
     pressed = np.stack([b.p_f, b.p_r]) > BITE

@@ -27,8 +27,8 @@ from calib.base.names import G
 from calib.car.beliefs import SENSOR
 from calib.car.braking import BITE
 from calib.run.blocks import Blocks
-from calib.run.driving_record import GREATEST
-from calib.run.filters import centred_mean, recursive, samples_in
+from calib.run.driving_record import GREATEST_Z
+from calib.run.filters import centred_mean, recursive_filter, samples_in
 from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
 _THERE, _STILL = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002])
@@ -169,7 +169,7 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
 
 def _usable(b: Blocks, apart: int) -> Mask:
     """Pairs of blocks ``apart`` in both of which the car moves and a_x has no glitch."""
-    usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST)
+    usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST_Z)
     return np.asarray(usable[apart:] & usable[:-apart])
 
 
@@ -205,7 +205,7 @@ def _against_speed(
     average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
     start = np.zeros_like(columns[:1])
     start[0, :2] = -1.0, 1.0  # noise of the first v, the reference of all others
-    rows = recursive(np.concatenate([columns, start]), average)[:, :last] / sigma
+    rows = recursive_filter(np.concatenate([columns, start]), average)[:, :last] / sigma
     products = rows @ rows.T
     likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
     precision, vector = np.zeros((3, 3)), np.zeros(3)

@@ -1,15 +1,15 @@
-"""Means over blocks of 50 ms: causal, a block is complete at its end.
+"""Means of the axle signals over blocks of 50 ms, their balance of forces, an axle braked alone.
 
-If one axle alone brakes, its share of the force is known, and its slip gives the stiffness of its
-tyres without the pads.
+Blocks are causal: a block is complete at its end.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 import numpy as np
 
 from calib.base.arrays import Array
+from calib.base.names import AXLES
 from calib.car.balance import ForceBalance, force_balance
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
@@ -24,9 +24,10 @@ BLOCK = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class Blocks(AxleSignals):
-    """Means over blocks of ``samples`` each, shapes (k,), SI; ``end`` of each block [s].
+    """Means over blocks of ``samples`` each, shapes (k,), SI.
 
-    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal).
+    ``end`` is the time of the last sample of each block [s]; ``spin_f``, ``spin_r`` are d omega/dt
+    from the block before [rad/s^2]; ``length`` is that of a block [s].
     """
 
     end: Array
@@ -34,10 +35,6 @@ class Blocks(AxleSignals):
     spin_r: Array
     samples: int
     length: float
-
-    def with_z(self, z: Array) -> "Blocks":
-        """The same with another deceleration [1] (k,)."""
-        return replace(self, z=z)
 
     @property
     def eta(self) -> Array:
@@ -49,34 +46,37 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
     """Means over consecutive blocks of about ``length`` [s]; a shorter rest is left out."""
     n = samples_of_block(s.sample_time, length)
     last = slice(n - 1, s.time.size // n * n, n)
-    step = round(n * s.sample_time, 9)  # the mean step would change as a log goes on
-    shared = (field.name for field in fields(AxleSignals) if field.name != "lead_in")
-    signals = ((name, getattr(s, name)) for name in shared)
-    means: dict[str, Any] = {name: x if x is None else block_mean(x, n) for name, x in signals}
-    omega_f, omega_r = (means[f"omega_{axle}"] for axle in "fr")
+    # rounded to 1 ns, as the mean sample time of a log changes while the log grows
+    block_length = round(n * s.sample_time, 9)
+    means: dict[str, Any] = {}
+    for name in (field.name for field in fields(AxleSignals) if field.name != "lead_in"):
+        x = getattr(s, name)
+        means[name] = None if x is None else block_mean(x, n)
+    omega_f, omega_r = means["omega_f"], means["omega_r"]
     return Blocks(
         **means,
         end=s.time[last],
-        spin_f=np.diff(omega_f, prepend=omega_f[0]) / step,
-        spin_r=np.diff(omega_r, prepend=omega_r[0]) / step,
+        spin_f=np.diff(omega_f, prepend=omega_f[0]) / block_length,
+        spin_r=np.diff(omega_r, prepend=omega_r[0]) / block_length,
         lead_in=s.lead_in[last],
         samples=n,
-        length=step,
+        length=block_length,
     )
 
 
 def samples_of_block(sample_time: float, length: float = BLOCK) -> int:
     """Samples of a block of about ``length`` [s], at least one: at 50 Hz two, at 150 Hz seven."""
-    return max(1, int(length / sample_time + 0.45))  # no usual rate is near the edge of rounding
+    # 0.45, not 0.5: no usual rate is near the edge of rounding then, so jitter changes no number
+    return max(1, int(length / sample_time + 0.45))
 
 
 def time_of_block(sample_time: float) -> float:
-    """Length [s] of a block of a steady clock, rounded to 1 ns."""
+    """Length [s] of a block, rounded to 1 ns, for a clock of constant ``sample_time`` [s]."""
     return round(samples_of_block(sample_time) * sample_time, 9)
 
 
 def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
-    """`force_balance` of each block, with the measured spin of the wheels, (k,)."""
+    """Forces on the car in each block, (k,), with the measured spin of the wheels."""
     drive, spin = (b.drive_f, b.drive_r), (b.spin_f, b.spin_r)
     return force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, drive, spin)
 
@@ -85,9 +85,15 @@ Axle = Literal["f", "r"]
 
 
 def braked_alone(log: Log) -> Axle | None:
-    """The axle whose pressure alone passes `BITE`, else None; blind to a motor on the other."""
+    """Return the axle that alone has a pressure above `BITE`, or None.
+
+    The share of the force of such an axle is known, so its slip gives the stiffness of its tyres
+    without the pads. A motor that brakes the other axle is not seen.
+    """
     if "p_mc" not in log:
         return None
     n = samples_of_block(log.sample_time)
-    front, rear = (bool(np.any(block_mean(axle_pressure(log, axle), n) > BITE)) for axle in "fr")
-    return None if front == rear else "f" if front else "r"
+    front, rear = (bool(np.any(block_mean(axle_pressure(log, axle), n) > BITE)) for axle in AXLES)
+    if front == rear:
+        return None
+    return "f" if front else "r"

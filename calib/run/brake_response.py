@@ -25,7 +25,14 @@ from calib.car.effects.wheels import FADE_OUT
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 from calib.run.axle_signals import Signals
-from calib.run.filters import block_mean, lasting_variance, left_of, products_of, samples_in, since
+from calib.run.filters import (
+    block_mean,
+    inner_products,
+    long_run_variance,
+    residual_squares,
+    samples_in,
+    time_since,
+)
 
 _STEP = 0.02  # of the means that are compared [s]
 _TRIED = 0.06  # step of the delays that are tried [s]; Gauss-Newton steps refine the best
@@ -131,9 +138,9 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     late, on = late[:, inside], on[:, inside]
     others = (np.broadcast_to(x[inside], late.shape) for x in (constant, slow))
     columns = np.stack([late, late * age[inside], on, *others], 1)
-    squares = left_of(products_of(columns, y))
+    squares = residual_squares(inner_products(columns, y))
     A = columns[int(np.argmin(squares))].T
-    variance = lasting_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
+    variance = long_run_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
     # maximum a posteriori over the delays that were tried
     best = int(np.argmin(squares / variance + ((tried - _USUAL) / _SPREAD) ** 2))
     lagged, delay = best >= tried.size - _LAGS.size, float(tried[best])
@@ -146,7 +153,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         level = float(free[0])
         if not (level > 0.0 and usual > 0.0):
             return None
-        variance = lasting_variance(y - A @ free, _GROUP)
+        variance = long_run_variance(y - A @ free, _GROUP)
         smeared = _WIDTH * (delay**2 + _USUAL**2)
         spread = {2: _FORCE * usual, 4: _FADING * usual, 5: level * _SPREAD, 6: level * smeared}
         precision, side = A.T @ A / variance, A.T @ y / variance
@@ -207,8 +214,8 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """Samples (n,) of the lead-in, and of braking with what is just before and after it."""
     if not active.any():
         return np.zeros_like(active)
-    soon = since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
-    fast = (s.lead_in | soon | (since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
+    soon = time_since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
+    fast = (s.lead_in | soon | (time_since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
     return np.asarray(fast | (active & (s.speed > _GONE)))
 
 

@@ -17,7 +17,7 @@ from calib.base.names import WHEEL_SPEEDS
 from calib.base.warning import LIMITS, bounds_of
 from calib.logs.clock import GAP
 from calib.logs.log import Log
-from calib.run.filters import left_of, products_of
+from calib.run.filters import inner_products, residual_squares
 from calib.run.sensors import resolution_of
 
 _WIDEST, _MOST_LAGS = 0.15, 40  # reach of a derivative [s], and at most [samples]
@@ -45,7 +45,7 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
             continue
         A = np.lib.stride_tricks.sliding_window_view(x, count).T.copy()
         y = a_x[reach : reach + n]
-        residual = float(left_of(products_of(A[None], y))[0])
+        residual = float(residual_squares(inner_products(A[None], y))[0])
         yield name, 1.0 - n / (n - count) * residual / float(y @ y)
 
 

@@ -1,6 +1,6 @@
-r"""Approximate motion of the car in a run: speed, deceleration, brake events.
+r"""Approximate motion of the car in a log: speed, deceleration and brake events.
 
-It needs no vehicle file.
+No vehicle file is needed. The file also holds the `Sampling` of the log's clock.
 
     p_mc   ___/~~~~\_____/~~\__
               |    |     |  |
@@ -14,36 +14,46 @@ import numpy as np
 
 from calib.base.arrays import Array, Mask
 from calib.base.names import WHEELS, G
-from calib.base.warning import LIMITS
 from calib.car.braking import BITE, MOVING
 from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
-from calib.run.filters import block_mean, centred_mean, runs, samples_in
+from calib.run.filters import block_mean, centred_mean, samples_in, true_intervals
 
-BITE_Z = 0.08  # least braking if no pressure is logged [g]: above drag and engine
-STEADY = 0.15  # largest deceleration of a car that rolls [g]
-DRIVEN = 0.05
-"""Felt acceleration [g] of no rolling car, since a slope is not felt, and beyond the bias of an
-accelerometer: the engine drives, and the slip of its wheels shows in eta."""
-GREATEST = 1.5  # deceleration that no road car reaches [g]: a glitch of a_x
-_SHORTEST, _PAUSE = 0.3, 0.2  # shortest brake event, and shortest release that ends one [s]
-_STROKE = 0.25  # means by which a rise is judged [s]: over pedal tremble, below a ramp
-SETTLE = 0.1  # left out between lead-in and first event [s]: pressure rises before the bite
-SMOOTH = 0.1  # width of the centred mean that reduces the noise [s]
+BITE_Z = 0.08
+"""Deceleration [g] above which a car counts as braked where no pressure is logged: more than drag
+and an engine in gear make."""
+
+ROLLING_Z = 0.15  # largest deceleration of a car that rolls unbraked [g]
+
+DRIVEN_Z = 0.05
+"""Acceleration [g] beyond which the engine drives the car, so that the slip of the driven wheels
+shows in eta. A slope is not felt by the accelerometer, and its bias is smaller."""
+
+GREATEST_Z = 1.5  # deceleration that no road car reaches [g]: beyond it a_x has a glitch
+_SHORTEST = 0.3  # shortest brake event [s]
+_PAUSE = 0.2  # shortest release of the brakes that ends an event [s]
+_STROKE = 0.25  # length of the means whose rise is judged [s]: below a ramp, above pedal tremble
+SETTLE = 0.1  # time left out between lead-in and first event [s]: pressure rises before the bite
+SMOOTHING = 0.1  # width of the centred mean that reduces the noise [s]
 NOMINAL_RADIUS = 0.32  # rolling radius of a usual wheel [m], for a speed if ``v`` is not logged
 
 
-def rolls(z: Array) -> Mask:
-    """Whether a smoothed felt deceleration (n,) [g] is that of a rolling car."""
-    return np.asarray((z > -DRIVEN) & (z < STEADY))
+def is_rolling(z: Array) -> Mask:
+    """Whether a car with the smoothed deceleration ``z`` [g] (n,) rolls, neither braked nor driven.
+
+    ``z`` is that of the accelerometer, which does not feel a slope.
+    """
+    return np.asarray((z > -DRIVEN_Z) & (z < ROLLING_Z))
 
 
 @dataclass(frozen=True)
 class DrivingRecord:
-    """Smoothed signals of a run, shapes (n,), SI.
+    """Smoothed signals of a log, shapes (n,), SI; ``step`` is the sample time.
 
-    ``wheel`` mean of the four wheel speeds; ``speed`` reference speed, else that of the wheels at
-    a nominal radius; ``z`` by ``a_x``, ``wheel_z`` by the wheels at that radius [1].
+    ``wheel`` is the mean of the four wheel speeds. ``speed`` is the reference speed, or the wheels'
+    speed at `NOMINAL_RADIUS` if ``v`` is not logged. The deceleration [1] is ``z`` by ``a_x``, and
+    ``wheel_z`` by the wheels at `NOMINAL_RADIUS`. ``braked`` is true in the brake events,
+    ``before_braking`` until `SETTLE` before the first event.
     """
 
     time: Array
@@ -58,116 +68,123 @@ class DrivingRecord:
 
     @cached_property
     def moving(self) -> Mask:
-        """Mask (n,): the car is fast enough to be judged."""
+        """Mask (n,) of samples in which the car is fast enough for its slip to be computed."""
         return self.speed > MOVING
 
     @cached_property
     def unbraked(self) -> Mask:
-        """Mask (n,): steady motion before the first braking; all of it if that is too short."""
-        steady = ~self.braked & self.moving & rolls(self.z)
-        first = self.before_braking & steady
-        return first if first.sum() * self.step >= 0.5 else steady
+        """Mask (n,) of unbraked rolling before the first event; anywhere if it is under 0.5 s."""
+        rolling = ~self.braked & self.moving & is_rolling(self.z)
+        lead_in = self.before_braking & rolling
+        return lead_in if lead_in.sum() * self.step >= 0.5 else rolling
 
 
 @dataclass(frozen=True)
 class BrakeEvent:
-    """One application of the brakes, times in s, speeds in m/s; ``first`` is a sample number.
+    """One application of the brakes; times in s, speeds in m/s, decelerations in g.
 
-    ``pressure`` highest [Pa] or None; ``z_low`` to ``z_high`` [1]; ``braking`` time above 3 m/s;
-    ``rise`` length of the longest steady rise and ``rise_z`` its range of deceleration [1].
+    ``first_sample`` is the index of its first sample; ``pressure`` the highest one [Pa] or None if
+    not logged; ``z_low`` to ``z_high`` the range of the deceleration; ``braking_time`` that above
+    `MOVING`; ``rise_time`` the length of the longest steady rise, ``rise_z`` the range of the
+    deceleration in that rise.
     """
 
     start: float
     end: float
-    first: int
+    first_sample: int
     pressure: float | None
     z_low: float
     z_high: float
     speed_start: float
     speed_end: float
-    braking: float
-    rise: float
+    braking_time: float
+    rise_time: float
     rise_z: float
 
 
 def driving_record(log: Log) -> DrivingRecord:
-    """Approximate motion. The log must have ``time``, ``a_x`` and the four wheel speeds."""
+    """Compute the approximate motion of a log with ``a_x`` and the four wheel speeds."""
     time, step = log.time, log.sample_time
-    width = samples_in(SMOOTH, step) | 1
+    width = samples_in(SMOOTHING, step) | 1
     wheel = centred_mean(np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0), width)
     speed = centred_mean(log["v"], width) if "v" in log else NOMINAL_RADIUS * wheel
     z = centred_mean(-log["a_x"] / G, width)
     pressure = centred_mean(log["p_mc"], width) if "p_mc" in log else None
     active = pressure > BITE if pressure is not None else (z > BITE_Z) & (speed > 0.5)
-    # short pauses are closed, short applications dropped
     braked = np.array(active)
-    for start, end in runs(~braked):
+    # a short release within an event counts as braked, a short application as unbraked
+    for start, end in true_intervals(~braked):
         braked[start:end] = start > 0 and end < time.size and (end - start) * step < _PAUSE
-    for start, end in runs(braked):
+    for start, end in true_intervals(braked):
         braked[start:end] = (end - start) * step >= _SHORTEST
     first = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
-    rolls_first = np.arange(time.size) < first
+    before_braking = np.arange(time.size) < first
     wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
-    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, rolls_first)
+    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, before_braking)
 
 
 def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
-    """The applications of the brake, in order of time."""
-    return tuple(_event(driving, slice(start, end)) for start, end in runs(driving.braked))
+    """Return the applications of the brakes in order of time."""
+    spans = true_intervals(driving.braked)
+    return tuple(_event(driving, slice(start, end)) for start, end in spans)
 
 
 def _event(driving: DrivingRecord, part: slice) -> BrakeEvent:
+    """Describe the brake event in the samples of ``part``."""
     time, speed, moving = driving.time[part], driving.speed[part], driving.moving[part]
     z = driving.z[part][moving] if moving.any() else driving.z[part]
     pressure = None if driving.pressure is None else float(driving.pressure[part].max())
-    rise, rise_z = _steady_rise(driving, part)
+    rise_time, rise_z = _steady_rise(driving, part)
     return BrakeEvent(
         start=float(time[0]),
         end=float(time[-1]),
-        first=part.start,
+        first_sample=part.start,
         pressure=pressure,
         z_low=float(z.min()),
         z_high=float(z.max()),
         speed_start=float(speed[0]),
         speed_end=float(speed[-1]),
-        braking=float(moving.sum() * driving.step),
-        rise=rise,
+        braking_time=float(moving.sum() * driving.step),
+        rise_time=rise_time,
         rise_z=rise_z,
     )
 
 
 def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
-    """Length [s] and span [g] of the longest steady rise in an event.
+    """Length [s] and range of z [g] of the longest steady rise in the event ``part``.
 
-    In it means of the pressure (else of z) over `_STROKE` never fall by more than 5 % of their
-    range. It counts from 5 to 95 % of its range, so that a step and a long hold are short.
+    A rise is judged by the pressure, or by z if no pressure is logged. It is steady while its means
+    over `_STROKE` never fall by more than 5 % of their range. Its length counts from 5 to 95 % of
+    its height, so that a step followed by a long hold is short.
     """
     moving = driving.moving[part]
-    drive = driving.z[part] if driving.pressure is None else driving.pressure[part]
-    drive, z = drive[moving], driving.z[part][moving]
+    rising = driving.z[part] if driving.pressure is None else driving.pressure[part]
+    rising, z = rising[moving], driving.z[part][moving]
     n = samples_in(_STROKE, driving.step)
-    if drive.size < 2 * n:
+    if rising.size < 2 * n:
         return 0.0, 0.0
-    best = (0.0, 0.0)
-    strokes = block_mean(drive, n)
-    falls = np.diff(strokes) < -0.05 * np.ptp(strokes)
-    for a, b in runs(np.concatenate([[True], ~falls])):
-        first = max(a - 1, 0)
-        stretch = drive[first * n : b * n]
-        low, high = stretch[0], stretch.max()
-        begin = int(np.flatnonzero(stretch <= low + 0.05 * (high - low))[-1])
-        end = int(np.argmax(stretch >= low + 0.95 * (high - low)))
+    longest = (0.0, 0.0)
+    means = block_mean(rising, n)
+    falls = np.diff(means) < -0.05 * np.ptp(means)
+    # mean k is in the interval if it has not fallen from mean k - 1, where the rise begins
+    for start_mean, end_mean in true_intervals(np.concatenate([[True], ~falls])):
+        start = max(start_mean - 1, 0) * n
+        rise = rising[start : end_mean * n]
+        low, height = rise[0], rise.max() - rise[0]
+        begin = int(np.flatnonzero(rise <= low + 0.05 * height)[-1])
+        end = int(np.argmax(rise >= low + 0.95 * height))
         if end > begin:
-            part_z = z[first * n + begin : first * n + end + 1]
-            best = max(best, (float((end - begin) * driving.step), float(np.ptp(part_z))))
-    return best
+            z_range = float(np.ptp(z[start + begin : start + end + 1]))
+            longest = max(longest, (float((end - begin) * driving.step), z_range))
+    return longest
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Clock of a log: ``duration`` [s], mean ``rate`` [Hz], ``gaps`` as (start [s], length [s]).
+    """Clock of a log: number of ``samples``, ``duration`` [s] and mean ``rate`` [Hz].
 
-    ``jitter`` root mean square deviation of the steps from their mean, without gaps [s].
+    ``jitter`` is the root mean square deviation of the steps from their mean, without gaps [s];
+    ``gaps`` are pairs of start and length [s].
     """
 
     samples: int
@@ -178,7 +195,7 @@ class Sampling:
 
 
 def sampling_of(time: Array) -> Sampling:
-    """Sampling of a strictly increasing time [s], shape (n,)."""
+    """Describe the clock of a strictly increasing time [s], shape (n,)."""
     steps, step = np.diff(time), step_of(time)
     wide = steps > GAP * step
     jitter = steps[~wide] - step
@@ -189,8 +206,3 @@ def sampling_of(time: Array) -> Sampling:
         jitter=float(np.sqrt(np.mean(jitter**2))),
         gaps=tuple((float(time[i]), float(steps[i])) for i in np.flatnonzero(wide)),
     )
-
-
-def standing(log: Log) -> Mask:
-    """Where no wheel turns (n,)."""
-    return np.asarray(np.max([log[f"omega_{w}"] for w in WHEELS], axis=0) < LIMITS.standing)

@@ -1,10 +1,13 @@
-"""Events of a run: its lead-in, bites, brakings and standstills, in order of time."""
+"""Events of a log in order of time: its lead-in, bites, brakings and standstills."""
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from calib.base.names import WHEEL_SPEEDS
+from calib.base.warning import LIMITS
 from calib.logs.log import Log
-from calib.run.driving_record import standing
-from calib.run.filters import runs
+from calib.run.filters import true_intervals
 from calib.run.run import Run
 
 LEAD_IN, BITES, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
@@ -12,7 +15,7 @@ LEAD_IN, BITES, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
 
 @dataclass(frozen=True)
 class RunEvent:
-    """A lead-in, bite, braking or standstill, from ``start`` to ``end`` [s]; a bite is a moment."""
+    """An event of a ``kind`` above, from ``start`` to ``end`` [s]; a bite is a moment."""
 
     kind: str
     start: float
@@ -20,24 +23,28 @@ class RunEvent:
 
 
 def run_events(log: Log) -> tuple[RunEvent, ...]:
-    """The events in order of time; none without ``a_x`` and the four wheel speeds.
+    """Return the events in order of time; none without ``a_x`` and the four wheel speeds.
 
-    Brakings are those of `check`; the lead-in is its longest part.
+    Brakings are the brake events of `Run`, a bite is the begin of one. Of the lead-in, which may
+    have gaps, it is the longest part.
     """
     run = Run(log)
     if not run.moves:
         return ()
-    rolling = sorted(runs(run.rolling), key=lambda part: log.time[part[0]] - log.time[part[1] - 1])
-    brakings = runs(run.driving.braked)
+    brakings = true_intervals(run.driving.braked)
+    lead_in = true_intervals(run.rolling)
+    lengths = [log.time[end - 1] - log.time[start] for start, end in lead_in]
+    longest = [lead_in[int(np.argmax(lengths))]] if lead_in else []
+    stands = np.max([log[name] for name in WHEEL_SPEEDS], axis=0) < LIMITS.standing
     spans = {
-        LEAD_IN: rolling[:1],
+        LEAD_IN: longest,
         BITES: [(start, start + 1) for start, _ in brakings],
         BRAKING: brakings,
-        STANDSTILL: runs(standing(log)),
+        STANDSTILL: true_intervals(stands),
     }
     events = [
         RunEvent(kind, float(log.time[start]), float(log.time[end - 1]))
-        for kind, each in spans.items()
-        for start, end in each
+        for kind, intervals in spans.items()
+        for start, end in intervals
     ]
     return tuple(sorted(events, key=lambda event: event.start))

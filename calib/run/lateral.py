@@ -1,8 +1,10 @@
-"""Lateral acceleration from the speeds of the left and right rear wheels.
+"""Lateral acceleration a_y from the speeds of the left and right rear wheels.
 
-    v^2/R = (omega_r - omega_l)/omega v^2/l_w     free-rolling wheels of equal radius
+    a_y = v^2/R = (omega_r - omega_l)/omega v^2/l_w     free-rolling wheels of equal radius
 
-Radii that differ by 0.5 % look like 3 m/s^2 at 30 m/s; a straight run shows that difference.
+R is the radius of the bend, l_w the track width, omega the mean of both wheels. Wheel radii that
+differ by 0.5 % look like 3 m/s^2 at 30 m/s; a straight run shows that difference. A braked wheel
+slips in proportion to its force over its load, and the outer wheel carries more load (`turning`).
 """
 
 import numpy as np
@@ -14,11 +16,11 @@ from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
 
-LATERAL_TIME = 0.2  # over which the wheels are compared [s]: their noise alone is 1 m/s^2
+LATERAL_TIME = 0.2  # time constant of the low-pass [s]: noise of a sample alone makes 1 m/s^2
 
 
 def sides(log: Log) -> Array:
-    """How much faster the right rear wheel turns than the left one [1] (n,)."""
+    """Right less left rear wheel speed over their mean [1] (n,)."""
     left, right = log["omega_rl"], log["omega_rr"]
     return np.asarray((right - left) / np.maximum(0.5 * (right + left), 1.0))
 
@@ -31,14 +33,13 @@ def lateral(
     slip: Array | float = 0.0,
     height: float = 0.0,
 ) -> Array:
-    """Lateral acceleration [m/s^2] (n,), positive to the left.
+    """Lateral acceleration [m/s^2] (n,), positive in a left bend.
 
-    ``track_width`` [m]; ``straight`` value of `sides` on a straight road [1]; braking ``slip`` of
-    the rear wheels [1] (n,); ``height`` of the centre of gravity [m]. Each axle carries its share
-    of the roll moment.
+    ``track_width`` l_w [m]; ``straight`` value of `sides` on a straight road [1]; ``slip`` of the
+    braked rear wheels [1] (n,); ``height`` h of the centre of gravity [m].
     """
-    turned = turning(sides(log) - straight, s.speed, track_width, slip, height)
-    return low_pass(turned, s.sample_time, LATERAL_TIME)
+    a_y = turning(sides(log) - straight, s.speed, track_width, slip, height)
+    return low_pass(a_y, s.sample_time, LATERAL_TIME)
 
 
 def turning(
@@ -48,8 +49,15 @@ def turning(
     slip: Array | float,
     height: float,
 ) -> Array:
-    """`lateral` before the low-pass; ``apart`` value of `sides` [1] and ``speed`` [m/s], (n,)."""
-    geometric = track_width / np.maximum(speed, MOVING) ** 2
-    # the outer wheel carries 2 h/(g l_w) a_y more of its load and slips less, the inner one more
-    leaned = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)
-    return np.asarray(apart / (geometric + leaned))
+    """Lateral acceleration [m/s^2] (n,) before the low-pass; other arguments as of `lateral`.
+
+    ``apart`` is the value of `sides` [1] less that on a straight road, ``speed`` v [m/s], (n,):
+
+        apart = a_y (l_w/v^2 + 4 slip h/(g l_w))
+
+    The outer wheel carries 2 h/(g l_w) a_y more of its load and slips less by that share, the inner
+    one more, if each axle carries its share of the roll moment.
+    """
+    by_bend = track_width / np.maximum(speed, MOVING) ** 2
+    by_load = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)
+    return np.asarray(apart / (by_bend + by_load))

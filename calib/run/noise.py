@@ -1,12 +1,13 @@
-"""Noise of each sensor, white and coloured, and the ageing of the zeros of eta and slip.
+"""Noise of each sensor, and the weight of a sample of the lead-in by its age.
 
-    r  noise density of what is zeroed [s^0.5]       a mean over T has sd r/sqrt(T)
-    q  random walk of the zero [1/s^0.5]             over T it walks by q sqrt(T)
-    tau = r/q                                        steady gain of the Kalman filter: 1/tau
+    r  noise density of eta or slip [s^0.5]          its mean over T has sd r/sqrt(T)
+    q  random walk of the zero [1/s^0.5]             the zero walks by q sqrt(T) over T
+    tau = r/q [s]                                    steady gain of the Kalman filter: 1/tau
 
-Rolling radii walk, so the last seconds before the bite count most. The steady filter weighs by
-exp(-age/tau) and has the variance r^2/tau = r q, half noise and half walk (Simon, Optimal State
-Estimation, section 7.1). A lead-in much shorter than tau is a plain mean.
+The zero of eta or slip is the mean of its lead-in. Rolling radii walk, so the last seconds before
+the bite count most: the steady filter weighs by exp(-age/tau) and has the variance r^2/tau = r q,
+half noise and half walk (Simon, Optimal State Estimation, section 7.1). Over a lead-in much shorter
+than tau the weights are equal.
 """
 
 from dataclasses import dataclass, fields
@@ -14,6 +15,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from calib.base.arrays import Array, Mask
+from calib.base.names import AXLES
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals
@@ -23,13 +25,16 @@ from calib.run.filters import block_mean, samples_in
 _NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
 """Lower bounds of the noise densities: no sensor on a car is better, but a simulation may be."""
 
+_GROUP = 0.2  # length of the means in which the correlation of noise is seen [s]
+
 
 @dataclass(frozen=True)
 class SensorNoise:
     """Long-run noise density of the sensors: a mean over T [s] has sd density/sqrt(T).
 
-    ``omega`` [rad/s s^0.5] of one axle mean; ``z`` [s^0.5]; ``v`` [m/s s^0.5]; ``omega_white``
-    [rad/s] the white part of one axle mean.
+    ``omega`` [rad/s s^0.5] is that of the mean wheel speed of an axle, ``z`` [s^0.5] and ``v``
+    [m/s s^0.5] those of deceleration and reference speed. ``omega_white`` [rad/s] is the standard
+    deviation of the white part of the mean wheel speed of an axle.
     """
 
     omega: float
@@ -40,32 +45,34 @@ class SensorNoise:
 
 def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
     """The largest of each noise: an estimator must not promise more than in the worst run."""
-    return SensorNoise(*(max(getattr(n, f.name) for n in noises) for f in fields(SensorNoise)))
+    largest = {f.name: max(getattr(n, f.name) for n in noises) for f in fields(SensorNoise)}
+    return SensorNoise(**largest)
 
 
 def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
-    """Noise of the sensors from the whole run.
+    """Estimate the noise of the sensors from the whole run.
 
-    Half of left minus right wheel speed has the noise of the axle mean, without motion. The
-    pressure explains ``z``, the wheels explain ``v``.
+    The motion of the car is removed from ``z`` by the pressure, and from ``v`` by the wheels.
     """
     step, moving = b.length, b.speed > MOVING
-    halves = _halves(log)
-    omega = [_long_run_density(block_mean(h, b.samples)[moving], step) for h in halves]
+    halves = _half_differences(log)
+    omega = [_long_run_density(block_mean(x, b.samples)[moving], step) for x in halves]
     v = 0.0 if b.v is None else _long_run_density(b.v[moving], step, b.omega_r[moving], 2.0)
     return SensorNoise(
         omega=max(_rms(omega), _NOISE_FLOOR["omega"]),
         z=max(_long_run_density(b.z[moving], step, b.p_f[moving]), _NOISE_FLOOR["z"]),
         v=max(v, _NOISE_FLOOR["v"]),
-        omega_white=_rms([_white(h) for h in halves]),
+        omega_white=_rms([_white_sigma(x) for x in halves]),
     )
 
 
-def _halves(log: Log) -> list[Array]:
-    return [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
+def _half_differences(log: Log) -> list[Array]:
+    """Half of left less right wheel speed by axle: it has the noise of the mean, but no motion."""
+    return [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in AXLES]
 
 
-def _white(x: Array) -> float:
+def _white_sigma(x: Array) -> float:
+    """Standard deviation of the white noise of ``x`` (n,), from its first differences."""
     return float(np.std(np.diff(x)) / np.sqrt(2.0))
 
 
@@ -77,53 +84,63 @@ _COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 """Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
-_FEW = 10  # samples of a lead-in that show no noise: every second estimate is 25 % off
+_FEW = 10  # samples of a lead-in that are too few: half of the estimates would be 25 % off
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Noise of the sensors from the lead-in alone, for causal use: white part times `_COLOUR`."""
+    """Estimate the noise from the lead-in alone, for causal use: white noise times `_COLOUR`.
+
+    All are 0 for a lead-in of `_FEW` samples or less.
+    """
     if np.count_nonzero(s.lead_in) <= _FEW:
         return SensorNoise(0.0, 0.0, 0.0, 0.0)
-    omega = _rms([_white(half[s.lead_in]) for half in _halves(log)])
-    z, v = (0.0 if x is None else _white(x[s.lead_in]) for x in (s.z, s.v))
-    step = np.sqrt(s.sample_time)
-    white = {"omega": omega, "z": z, "v": v}
-    return SensorNoise(**{n: _COLOUR[n] * x * step for n, x in white.items()}, omega_white=omega)
+    omega = _rms([_white_sigma(x[s.lead_in]) for x in _half_differences(log)])
+    root = np.sqrt(s.sample_time)
+    return SensorNoise(
+        omega=_COLOUR["omega"] * omega * root,
+        z=_COLOUR["z"] * _white_sigma(s.z[s.lead_in]) * root,
+        v=0.0 if s.v is None else _COLOUR["v"] * _white_sigma(s.v[s.lead_in]) * root,
+        omega_white=omega,
+    )
 
 
 def _long_run_density(
-    x: Array, step: float, companion: Array | None = None, window: float = 4.0, group: float = 0.2
+    x: Array, step: float, companion: Array | None = None, window: float = 4.0
 ) -> float:
     """Long-run noise density [unit s^0.5] of block means ``x`` taken every ``step`` [s].
 
-    Blocks are averaged to ``group`` [s]. In each ``window`` [s] a parabola and the ``companion``
-    signal are subtracted. The residual is an AR(1) process with the long-run standard deviation
+    Blocks are averaged to groups of `_GROUP` [s]. In each ``window`` [s] the motion of the car is
+    subtracted: a parabola and the ``companion``, a signal with the same motion. The residual is
+    taken as an AR(1) process with coefficient r and long-run standard deviation
     sd sqrt((1 + r)/(1 - r)); r is corrected for the fitted degrees of freedom and not below 0.
     Noise with a time constant of 0.1 s comes out 10 % too low, 30 % with a ``window`` of 2 s
-    (tests/run/test_noise.py). Below 8 groups the noise is taken as white.
+    (tests/run/test_noise.py). With fewer than 8 groups the noise is taken as white.
     """
-    per_group = samples_in(group, step)
+    per_group = samples_in(_GROUP, step)
     groups = x.size // per_group
     step *= per_group
-    length = min(max(8, round(window / step)), groups)
+    length = min(max(8, round(window / step)), groups)  # of a window [groups]
     windows = groups // length if length >= 8 else 0
     if windows == 0:
         return float(np.std(x) * np.sqrt(step / per_group))
 
+    def by_window(blocks: Array) -> Array:
+        """Group means, (windows, length)."""
+        return block_mean(blocks, per_group)[: windows * length].reshape(windows, length)
+
+    y = by_window(x)
     t = np.broadcast_to(np.linspace(-1.0, 1.0, length), (windows, length))
-    y, *others = (
-        block_mean(values, per_group)[: windows * length].reshape(windows, length)
-        for values in (x, companion)
-        if values is not None
-    )
-    regressors = [np.ones_like(t), t, t**2, *others]
-    basis, _ = np.linalg.qr(np.stack(regressors, axis=-1))
+    regressors = [np.ones_like(t), t, t**2]
+    if companion is not None:
+        regressors.append(by_window(companion))
+    basis, _ = np.linalg.qr(np.stack(regressors, axis=-1))  # (w = windows, l = length, k)
     residual = y - np.einsum("wlk,wk->wl", basis, np.einsum("wlk,wl->wk", basis, y))
     fitted = len(regressors)
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median leaves the brake application out of the variance, but r has it: up to 3 times high
+    # the median excludes the window of the brake application, but r includes it: at most 3 times
+    # the true density
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     r = lagged / total * length / (length - 1) + fitted / length
@@ -132,19 +149,19 @@ def _long_run_density(
 
 
 WALK = 1.2e-5
-"""Random walk q of the ratio of two rolling radii, and of radius to v [1/s^0.5]. A tyre that warms
-by 30 K in five minutes gains 0.1 % of radius, 3e-6 a second. With r = 4e-5 of usual wheel speeds
-tau is 3 s: the zero lags by 1e-5 and has noise of 2e-5. A q that makes 0.1 % in five minutes would
-forget a lead-in within half a second: over seconds a warming tyre is steadier than a walk."""
+"""Random walk q of the zeros, by rolling radii that change [1/s^0.5]. A tyre that warms by 30 K in
+five minutes gains 0.1 % of radius, 3e-6 a second. With r = 4e-5 s^0.5 of usual wheel speeds tau is
+3 s: the zero lags by 1e-5 and has noise of 2e-5. A q that makes 0.1 % in five minutes would forget
+a lead-in within half a second: over seconds a warming tyre is steadier than a walk."""
 
-_OLDEST = 12.0  # age over tau beyond which a sample is forgotten: its weight is 6e-6
+_OLDEST = 12.0  # age over tau from which a sample has no weight instead of exp(-12) = 6e-6
 
 
 def sigma_growth(time: Array, rolling: Mask, density: Array) -> Array:
-    """Factor (n,) on the sigma of samples measured while ``rolling`` (n,), by their age.
+    """Factor (n,) on the sigma of samples of the lead-in, ``rolling`` (n,), by their age.
 
-    ``time`` [s], ``density`` r [s^0.5], (n,). 1 at the end of the rolling and outside it; infinite
-    where a sample is forgotten.
+    It is exp(age/(2 tau)), so that the weights are exp(-age/tau). ``time`` [s] and ``density`` r
+    [s^0.5] are (n,). The factor is 1 outside the lead-in and infinite from `_OLDEST` on.
     """
     if not rolling.any():
         return np.ones_like(time)

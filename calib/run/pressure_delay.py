@@ -23,14 +23,14 @@ from calib.car.braking import BITE
 from calib.logs.clock import step_of
 from calib.logs.log import Log
 from calib.run.axle_signals import axle_pressure
-from calib.run.driving_record import BITE_Z, DRIVEN, GREATEST, DrivingRecord, rolls
+from calib.run.driving_record import BITE_Z, DRIVEN_Z, GREATEST_Z, DrivingRecord, is_rolling
 from calib.run.filters import (
     centred_mean,
-    lasting_variance,
-    left_of,
-    products_of,
+    inner_products,
+    long_run_variance,
+    residual_squares,
     samples_in,
-    since,
+    time_since,
 )
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
@@ -88,7 +88,7 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
     names = [name for pair in pairs if all(x in log for x in pair) for name in pair]
     pressures = [axle_pressure(log, axle) for axle in AXLES] if names else [log["p_mc"]]
     drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
-    use = driving.moving & (log.time < limit) & (np.abs(log["a_x"]) <= GREATEST * G)
+    use = driving.moving & (log.time < limit) & (np.abs(log["a_x"]) <= GREATEST_Z * G)
     delay = pressure_delay(log.time, driving.z, pressures, drives, use)
     return dict.fromkeys(names or ["p_mc"], delay) if delay else {}
 
@@ -102,15 +102,15 @@ def pressure_delay(
     where the car moves, no wheel is at its limit yet and ``z`` is valid; (n,) each.
     """
     step, (time, use, (z, *means)) = step_of(time), _means(time, use, z, *pressures, *drives)
-    use = use & (z > -DRIVEN)
+    use = use & (z > -DRIVEN_Z)
     pressed, torques = [p / BITE for p in means[: len(pressures)]], means[len(pressures) :]
     slowed = z > _SLOWS
     active = (np.max(pressed, axis=0) > 1.0) | slowed
-    rolling = ~np.logical_or.accumulate(slowed) & rolls(z)  # the pressure may be early
+    rolling = ~np.logical_or.accumulate(slowed) & is_rolling(z)  # the pressure may be early
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
-    places = np.flatnonzero(use & (rolling | (since(time, active) < LIMITS.pressure_after)))
+    places = np.flatnonzero(use & (rolling | (time_since(time, active) < LIMITS.pressure_after)))
     places = places[:: samples_in(LIMITS.pressure_every, step)]
     usual = abs(float(np.median(z[use & active])))
     tried, inside, p = _shifted(time, pressed, places, slowed[places])
@@ -159,17 +159,17 @@ def _by_chance(
     if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
         return None
     samples = inside.sum(axis=1)
-    gram, side, _ = products_of(columns, y)
+    gram, side, _ = inner_products(columns, y)
     products, variance = (gram, side, inside @ y**2), float(np.var(y))
     ridge = np.zeros(columns.shape[1])
     for _ in range(2):  # the first one gives the noise, and with it the weight of the prior
-        squares = left_of(products, ridge) / samples + _EXACT
+        squares = residual_squares(products, ridge) / samples + _EXACT
         cost = samples * np.log(squares / variance)
         best = int(np.argmin(cost))
         A, inner = columns[best, :, : samples[best]].T, y[: samples[best]]
         residual = inner - A @ np.linalg.lstsq(A, inner, rcond=None)[0]
         short = squares[best]
-        lasting = max(lasting_variance(residual, size) for size in _GROUPS) + _EXACT
+        lasting = max(long_run_variance(residual, size) for size in _GROUPS) + _EXACT
         ridge[-len(_BITES) :] = lasting / force**2
     log_chance = -0.5 * cost * short / lasting - np.log1p(((tried - _USUAL) / _SPREAD) ** 2)
     chance = np.exp(log_chance - np.max(log_chance))

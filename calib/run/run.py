@@ -245,7 +245,7 @@ class Run:
     def felt(self, sensor: Accelerometer | None) -> Blocks:
         """Blocks with z corrected by the accelerometer; as read without one."""
         b = self.blocks
-        return b if sensor is None else b.with_z(sensor.corrected(b.z))
+        return b if sensor is None else replace(b, z=sensor.corrected(b.z))
 
     def balance(self, effects: Effects) -> BrakeBalance:
         """Forces of the run with nominal pads and the ``effects`` known of body and wheels."""

@@ -9,8 +9,8 @@ from calib.base.arrays import Array
 from calib.base.names import CHANNELS
 from calib.base.warning import LIMITS
 from calib.logs.log import Log
-from calib.run.driving_record import SMOOTH, DrivingRecord
-from calib.run.filters import runs
+from calib.run.driving_record import SMOOTHING, DrivingRecord
+from calib.run.filters import true_intervals
 
 _RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be zero: a motor that only brakes has negative torque."""
@@ -71,7 +71,7 @@ class Sensor:
         same = np.concatenate([[False], np.diff(self._x) == 0])
         return tuple(
             (float(driving.time[start - 1]), float(driving.time[end - 1]))
-            for start, end in runs(same, int(LIMITS.hanging / driving.step) - 1)
+            for start, end in true_intervals(same, int(LIMITS.hanging / driving.step) - 1)
             if (end - start) * driving.step >= LIMITS.hanging
             and _others_move(self.channel, self.log, driving, slice(start - 1, end))
         )
@@ -139,9 +139,9 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
     """
     if driving is None:
         return False
-    start, end = max(runs(pressure == pressure.max()), key=lambda run: run[1] - run[0])
+    start, end = max(true_intervals(pressure == pressure.max()), key=lambda run: run[1] - run[0])
     start += round(LIMITS.followed / driving.step)
-    followed = slice(start, end - round(SMOOTH / driving.step))
+    followed = slice(start, end - round(SMOOTHING / driving.step))
     z = driving.z[followed][driving.moving[followed]]
     return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
 
@@ -152,7 +152,7 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
     Both ends of the interval are left out: smoothing mixes in samples from outside, and each wheel
     speed of a stopping car jumps to 0 at another time.
     """
-    edge = round(SMOOTH / driving.step)
+    edge = round(SMOOTHING / driving.step)
     inside = slice(part.start + edge, part.stop - edge)
     if name == "v" or name.startswith("omega"):
         others = [w for w in log.channels if w.startswith("omega") and w != name]

@@ -1,14 +1,14 @@
-r"""Delay of the reference speed, 0.1 to 0.3 s for a satellite receiver.
+r"""Delay of the reference speed v, 0.1 to 0.3 s for a satellite receiver.
 
     v read(t) = v_0 + (1 + c) I(t - tau) + e t        I = int a_x dt
 
-    a_x   ------\______        v   --------\                the corner at the bite, and all that
-                                            \               z does after it, come tau later
-    scale c and slope e do not move a corner, so tau can be separated from them
+    a_x   ------\______        v   --------\                v has a corner at the bite, tau later
+                                            \               than a_x; so has all that follows
 
-A v on the bus of the other channels has a delay of sigma `USUAL`, the remainder is a state of the
-filter. A late v has any delay up to `_LATEST`, constant over the log. Both hypotheses are weighed
-by their likelihood. A late v is replaced by v(t + tau).
+The scale c of a_x and the slope e (bias and grade) do not move a corner, so the delay tau can be
+separated from them. Two hypotheses are weighed by their likelihood: a v in time, on the bus of the
+other channels, whose delay has the standard deviation `USUAL`; and a late v, with any delay up to
+`_LATEST`, constant over the log. A late v is replaced by v(t + tau).
 
 Wrong where the wheel speeds are as late as v, or the filter of a_x is slower than that of v.
 """
@@ -21,13 +21,13 @@ from calib.base.arrays import Array, Mask
 from calib.base.intervals import second_differences, white_noise
 from calib.base.names import G
 from calib.car.lag import integral
-from calib.run.driving_record import GREATEST
-from calib.run.filters import block_mean, recursive, samples_in
+from calib.run.driving_record import GREATEST_Z
+from calib.run.filters import block_mean, recursive_filter, samples_in
 
 _BLOCK = 0.05  # length of the means that are compared [s]
 
 USUAL = 0.02
-"""One sigma [s] of the delay of a v on the bus of the other channels."""
+"""Standard deviation [s] of the delay of a v in time."""
 
 _LATEST = 0.5
 """Greatest delay [s] that is tried: receivers have 0.1 to 0.3 s, slow filters more. v within this
@@ -36,31 +36,29 @@ time of the start may be from before the log, and is not compared."""
 _ODDS = 0.05  # prior odds of a late v: few take v from a receiver
 
 _SCALE = 0.05
-"""One sigma of the scale of a_x [1], wider than that of a sensor, so that no delay has to explain a
-wrong scale."""
+"""Standard deviation of the scale c of a_x [1], wider than that of a sensor, so that no delay has
+to explain a wrong scale."""
 
 EVEN, CHANGING = 0.0002, 0.015
-"""Random walk of the grade in a second [g/s^0.5]: tracks are even to 1 mm in 2 m; a crest of 6 km
-radius changes it by 0.005 at 30 m/s, a bridge or a ramp by 0.02."""
+"""Random walk of the grade on an even and on a changing road [g/s^0.5]: tracks are even to 1 mm in
+2 m; a crest of 6 km radius changes the grade by 0.005 a second at 30 m/s, a bridge by 0.02."""
 
 ODDS_ROAD = np.array([0.97, 0.03])
-"""Prior probability of a constant and a changing slope on roads that are chosen for such runs."""
+"""Prior probability of an even and a changing road: roads are chosen for such runs."""
 
 _BRAKES = 1.5  # least deceleration that shows a delay [m/s^2]
-
-_LIKELY, _SURE = 0.3, 0.95
-"""Probability of a late v from which it is not used as read, and from which it is corrected."""
-
-_STEP = 0.01  # of the delays that are tried [s]: half of `_SHARP`
+_LIKELY = 0.3  # probability of a late v from which v is not used as read
+_SURE = 0.95  # probability of a late v from which the delay is corrected
+_STEP = 0.01  # step of the delays that are tried [s]: half of `_SHARP`
 
 _SHARP = 0.02
-"""Sigma of a delay [s] from which v is left out instead of shifted: at 0.5 g it makes 0.1 m/s, a
-tenth of the slip."""
+"""Standard deviation of a delay [s] from which v is left out instead of shifted: at 0.5 g it makes
+0.1 m/s, a tenth of the slip."""
 
 
 @dataclass(frozen=True)
 class SpeedDelay:
-    """Delay of v [s], its ``sigma``, and the probability ``chance`` that v is late at all."""
+    """Delay of v, ``value`` with ``sigma`` [s], and the probability ``chance`` that v is late."""
 
     value: float
     sigma: float
@@ -73,7 +71,7 @@ class SpeedDelay:
 
     @property
     def sharp(self) -> bool:
-        """Whether the delay may be corrected."""
+        """Whether the delay is known well enough to be corrected."""
         return self.sigma < _SHARP and self.chance > _SURE
 
 
@@ -81,19 +79,24 @@ IN_TIME = SpeedDelay(0.0, USUAL, chance=0.0)
 
 
 def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
-    """Delay of ``v`` [m/s] against ``a_x`` [m/s^2]; ``time`` [s], all (n,), ``step`` [s]."""
+    """Estimate the delay of ``v`` [m/s] after ``a_x`` [m/s^2], as in the head of the file.
+
+    ``time`` [s] and the signals are (n,), ``step`` is the sample time [s]. The result is `IN_TIME`
+    for a v that is likely in time, and where the log does not show a delay.
+    """
     even = _DelayEvidence.from_signals(time, v, a_x, step)
-    if even is None or abs(even.first()) < 2.0 * USUAL:
+    if even is None or abs(even.first_guess()) < 2.0 * USUAL:
         return IN_TIME
     tried = np.arange(-5.0 * USUAL, _LATEST + 0.5 * _STEP, _STEP)
     roads = even, even.on_road(CHANGING)
-    misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])
+    misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])  # (2, m)
     count = np.count_nonzero(even.usable)
-    noisier = max(misfit.min() / max(count, 1), 1.0)  # noise beyond that of the medians
-    likelihood = -0.5 * misfit / noisier - count * np.log([[road.sigma] for road in roads])
-    likelihood = np.logaddexp(*(likelihood - likelihood.max() + np.log(ODDS_ROAD)[:, None]))
-    usual = np.exp(likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
-    late = np.exp(likelihood) * (tried > 0.0) / _LATEST
+    excess = max(misfit.min() / max(count, 1), 1.0)  # variance of the noise over the assumed one
+    log_likelihood = -0.5 * misfit / excess - count * np.log([[road.sigma] for road in roads])
+    of_roads = log_likelihood - log_likelihood.max() + np.log(ODDS_ROAD)[:, None]
+    log_likelihood = np.logaddexp(*of_roads)  # (m,), the road marginalised
+    usual = np.exp(log_likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
+    late = np.exp(log_likelihood) * (tried > 0.0) / _LATEST
     chance = float(_ODDS * late.sum() / (usual.sum() + _ODDS * late.sum()))
     if chance < _LIKELY:
         return IN_TIME
@@ -103,7 +106,7 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
 
 
 def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
-    """A late v [m/s] (n,) with its delay corrected; a_x extrapolates it at the end."""
+    """Return v(t + tau) [m/s] (n,) of a late v; the integral of a_x extrapolates it at the end."""
     gained = integral(time, a_x)
     later = time + delay.value
     after = gained - np.interp(time[-1] - delay.value, time, gained)
@@ -112,10 +115,13 @@ def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
 
 @dataclass(frozen=True)
 class _DelayEvidence:
-    """v (k,) by blocks of ``size`` samples and ``length`` [s], and the integral of a_x (n,).
+    """Block means of v, to be compared with those of the integral of a_x at a delay.
 
-    ``noise`` variance of v and of a step of the integral [m^2/s^2]; ``average`` and ``sigma``
-    whiten second differences; ``begins`` (k - 2, 2) spans the unknown v and slope at the start.
+    ``gained`` is the integral of a_x [m/s] at ``time`` [s] (n,); ``v`` are means (k,) over blocks
+    of ``size`` samples and ``length`` [s]. ``noise`` holds the variance of a mean of v and that of
+    the integral's growth over a block [m^2/s^2]. Second differences are compared where ``usable``
+    (k - 2,); the filter ``average`` and ``sigma`` make them white (`second_differences`). The
+    columns of ``start`` (k - 2, 2) span the unknown first v and slope.
     """
 
     time: Array
@@ -127,7 +133,7 @@ class _DelayEvidence:
     noise: tuple[float, float]
     average: Array
     sigma: float
-    begins: Array
+    start: Array
 
     @classmethod
     def from_signals(
@@ -135,45 +141,46 @@ class _DelayEvidence:
     ) -> "_DelayEvidence | None":
         """Evidence on an even road; None where the log is short or brakes too little."""
         size = samples_in(_BLOCK, step)
-        means, slowing = block_mean(v, size), block_mean(a_x, size)
-        if means.size < 20 or np.min(slowing) > -_BRAKES:
+        means, a_x_means = block_mean(v, size), block_mean(a_x, size)
+        if means.size < 20 or np.min(a_x_means) > -_BRAKES:
             return None
         h = size * step
-        white, walk = (max(white_noise(x, 2) ** 2, 1e-12) for x in (means, h * slowing))
-        usable = (means > 2.0) & (np.abs(slowing) < GREATEST * G)
+        white, walk = (max(white_noise(x, 2) ** 2, 1e-12) for x in (means, h * a_x_means))
+        usable = (means > 2.0) & (np.abs(a_x_means) < GREATEST_Z * G)
         usable &= h * np.arange(means.size) >= _LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
-        none, gained = np.zeros(1), integral(time, a_x)
-        evidence = cls(time, gained, means, usable, size, h, (white, walk), none, 1.0, none)
+        unset, gained = np.zeros(1), integral(time, a_x)  # `on_road` sets the filter
+        evidence = cls(time, gained, means, usable, size, h, (white, walk), unset, 1.0, unset)
         return evidence.on_road(EVEN)
 
-    def on_road(self, walks: float) -> "_DelayEvidence":
-        """The same on a road whose slope walks by ``walks`` [g/s^0.5]."""
-        turned = (G * self.length * walks) ** 2 * self.length
+    def on_road(self, grade_walk: float) -> "_DelayEvidence":
+        """Return the evidence on a road whose grade walks by ``grade_walk`` [g/s^0.5]."""
+        turned = (G * self.length * grade_walk) ** 2 * self.length
         average, sigma = second_differences(*self.noise, turned)
         first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
-        begins = np.linalg.qr(recursive(first.T, average).T)[0]
-        return replace(self, average=average, sigma=sigma, begins=begins)
+        start = np.linalg.qr(recursive_filter(first.T, average).T)[0]
+        return replace(self, average=average, sigma=sigma, start=start)
 
-    def first(self) -> float:
-        """Delay by one Gauss-Newton step from 0 [s], to exclude cheaply that there is one."""
+    def first_guess(self) -> float:
+        """Delay [s] by one Gauss-Newton step from 0: it excludes a delay at little cost."""
         y, x = self._white(0.0)
-        shift = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
-        A = np.column_stack([x, shift])
+        by_delay = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
+        A = np.column_stack([x, by_delay])
         precision = A.T @ A + np.diag([_SCALE**-2, _LATEST**-2])
         return float(np.linalg.solve(precision, A.T @ y)[1])
 
     def misfit(self, delay: float) -> float:
-        """Residual sum of squares over the noise at a ``delay`` [s], with the best scale."""
+        """Residual sum of squares over the variance at a ``delay`` [s], with the best scale c."""
         y, x = self._white(delay)
         return float(y @ y - (x @ y) ** 2 / (float(x @ x) + _SCALE**-2))
 
     def _white(self, delay: float) -> tuple[Array, Array]:
-        """Difference of v and the column of the scale, whitened to sigma 1, (k - 2,)."""
+        """Difference v - I(t - tau) and the column I of the scale c, white, sigma 1, (k - 2,)."""
         gained = block_mean(np.interp(self.time - delay, self.time, self.gained), self.size)
         return self._filtered(self.v - gained), self._filtered(gained)
 
     def _filtered(self, x: Array) -> Array:
-        white = recursive(np.where(self.usable, np.diff(x, 2), 0.0), self.average)
-        white -= self.begins @ (self.begins.T @ white)
+        """Second differences of ``x`` (k,), white, without the part of the unknown start."""
+        white = recursive_filter(np.where(self.usable, np.diff(x, 2), 0.0), self.average)
+        white -= self.start @ (self.start.T @ white)
         return np.asarray(white / self.sigma)

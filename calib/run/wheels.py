@@ -15,10 +15,10 @@ from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord
 from calib.run.filters import (
     block_mean,
     centred_mean,
-    runs,
+    median_of_three,
     samples_in,
     sliding_minimum,
-    without_single,
+    true_intervals,
 )
 
 LOW, HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [1]
@@ -180,7 +180,7 @@ def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
     inside = driving.braked & driving.moving
     cycles, locked, first = [], [], math.inf
     for wheel, slip in slips.items():
-        for start, end in runs(inside & (slip > LIMITS.deep_back)):
+        for start, end in true_intervals(inside & (slip > LIMITS.deep_back)):
             deepest, time = slip[start:end].max(), (end - start) * driving.step
             if deepest > LIMITS.deep:
                 first = min(first, float(driving.time[start]))
@@ -200,7 +200,7 @@ def _swings(slip: Array, driving: DrivingRecord, inside: Mask) -> list[float]:
     width = samples_in(LIMITS.swing_time, driving.step) | 1
     above = inside & (driving.speed > MOVING)
     above &= slip - sliding_minimum(slip, width) > LIMITS.swing
-    starts = [float(driving.time[start]) for start, _ in runs(above)]
+    starts = [float(driving.time[start]) for start, _ in true_intervals(above)]
     near = np.diff(starts) < LIMITS.abs_cycle
     return starts if np.count_nonzero(near) + 1 >= LIMITS.swings else []
 
@@ -211,7 +211,7 @@ def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     Zero on the unbraked part if there is one.
     """
     width = samples_in(0.03, driving.step) | 1
-    omega = {w: centred_mean(without_single(log[f"omega_{w}"]), width) for w in WHEELS}
+    omega = {w: centred_mean(median_of_three(log[f"omega_{w}"]), width) for w in WHEELS}
     free = driving.unbraked
     v, scale = np.max(list(omega.values()), axis=0), dict.fromkeys(WHEELS, 1.0)
     if "v" in log and free.any():

@@ -19,7 +19,7 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import Truth, truth_of
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import Validation
-from calib.run.filters import runs
+from calib.run.filters import true_intervals
 from calib.show import style
 from calib.show.facts import Picture
 from calib.show.judged import broken, word
@@ -198,7 +198,7 @@ def _panel(
     for i, (why, (mask, lasts)) in enumerate(stop.refused.items()):
         look: Stroke = {"color": _GREYS[min(i, len(_GREYS) - 1)]}
         label = f"not valid: {why}" if named and lasts >= _LEAST else ""
-        for start, end in runs(mask):
+        for start, end in true_intervals(mask):
             last = stop.time[min(end, stop.time.size - 1)]
             marks.append(Mark(stop.time[start], last, look, label))
             label = ""

@@ -13,7 +13,7 @@ from calib.logs.channel_map import Mapping
 from calib.logs.clock import REPEATED, TIME_UNITS, check_steps, step_of
 from calib.logs.gaps import ONLY
 from calib.logs.resample import rows_on_one_clock
-from calib.run.filters import runs
+from calib.run.filters import true_intervals
 from calib.suggest.columns import (
     GIVE_RADIUS,
     SMOOTH,
@@ -129,7 +129,9 @@ def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Ar
     if motion is None:
         return None
     fast = motion > _SLOW * float(motion.max())
-    start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, motion.size))
+    start, end = max(
+        true_intervals(fast), key=lambda run: run[1] - run[0], default=(0, motion.size)
+    )
     margin = 2 * clock.width(SMOOTH)  # smoothing distorts the ends
     whole = end - start > 6 * margin
     part = slice(start + margin, end - margin) if whole else slice(start, end)

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
-from calib.run.axle_signals import _without_runout, signals
+from calib.run.axle_signals import signals
+from calib.run.runout import without_runout
 from tests.support.made_runs import changed, made_run, stop
 from tests.support.reference_car import CAR, REAL, noisy
 from tests.support.reference_car import stop as plant_stop
@@ -130,14 +131,14 @@ def test_a_ring_is_told_by_the_angle_of_its_wheel(size, phase, order, seed):
     omega = slowing(bite=0.02)
     noise = 0.02 * np.random.default_rng(seed).standard_normal(TIME.size)
     read = omega * (1.0 + size * np.cos(order * angle(omega) + phase)) + noise
-    left = (_without_runout(read, DT) - noise) / omega - 1.0
+    left = (without_runout(read, DT) - noise) / omega - 1.0
     assert np.sqrt(np.mean(left[TIME < 8.0] ** 2)) < 0.15 * size
 
 
 @given(st.integers(0, 2**31), st.floats(0.0, 0.03))
 def test_a_good_ring_is_left_alone(seed, bite):
     read = slowing(bite) + 0.02 * np.random.default_rng(seed).standard_normal(TIME.size)
-    np.testing.assert_array_equal(_without_runout(read, DT), read)
+    np.testing.assert_array_equal(without_runout(read, DT), read)
 
 
 def test_wheels_of_the_plant_are_left_alone():
@@ -150,4 +151,4 @@ def test_wheels_of_the_plant_are_left_alone():
 def test_a_few_turns_tell_nothing(seconds):
     omega = np.full(round(seconds / DT), 60.0)
     read = omega * (1.0 + 2e-3 * np.cos(angle(omega)))
-    np.testing.assert_array_equal(_without_runout(read, DT), read)
+    np.testing.assert_array_equal(without_runout(read, DT), read)

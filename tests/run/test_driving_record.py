@@ -25,19 +25,21 @@ def test_ramp_is_one_event(rate):
     assert event.pressure == pytest.approx(33.0e5, rel=0.02)
     assert event.z_high == pytest.approx(33.0 / BAR_PER_G, rel=0.02)
     assert event.speed_start == pytest.approx(30.0, abs=0.15)
-    assert event.rise == pytest.approx(0.9 * (7.0 - 1.75), rel=0.05)
+    assert event.rise_time == pytest.approx(0.9 * (7.0 - 1.75), rel=0.05)
     assert event.rise_z == pytest.approx(0.9 * (33.0 - 1.5) / BAR_PER_G, rel=0.05)
 
 
 def test_step_with_a_long_hold_does_not_rise_for_long():
     (event,) = events_of(made_run(stop()))
-    assert event.rise < 0.3
-    assert event.braking > 5.0
+    assert event.rise_time < 0.3
+    assert event.braking_time > 5.0
 
 
 def test_braking_counts_only_above_walking_pace():
     (event,) = events_of(made_run(stop(start=1.0, level=35.0), speed=10.0))
-    assert event.braking == pytest.approx(7.0 / (0.5 * G), abs=0.1)  # from 10 to 3 m/s with 0.5 g
+    assert event.braking_time == pytest.approx(
+        7.0 / (0.5 * G), abs=0.1
+    )  # from 10 to 3 m/s with 0.5 g
 
 
 def test_lead_in_ends_before_the_brake_and_is_all_of_a_coast():

@@ -8,12 +8,12 @@ from hypothesis.extra.numpy import arrays
 
 from calib.run.filters import (
     centred_mean,
-    lasting_variance,
-    left_of,
+    inner_products,
+    long_run_variance,
     low_pass,
-    products_of,
-    runs,
+    residual_squares,
     trailing_mean,
+    true_intervals,
 )
 
 floats = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
@@ -44,7 +44,7 @@ def test_trailing_mean_is_the_plain_one(x, n):
 @given(mask=arrays(bool, st.integers(0, 40)))
 def test_runs_tile_the_mask(mask):
     rebuilt = np.zeros_like(mask)
-    for start, end in runs(mask):
+    for start, end in true_intervals(mask):
         assert start < end
         assert not rebuilt[max(start - 1, 0) : end].any()  # apart from the one before
         rebuilt[start:end] = True
@@ -55,9 +55,9 @@ def test_what_is_left_is_numpy_s_for_each_fit():
     rng = np.random.default_rng(0)
     columns = rng.normal(size=(7, 3, 40)) * rng.uniform(1e-3, 1e5, (7, 3, 1))
     y = rng.normal(size=40)
-    for one, square in zip(columns, left_of(products_of(columns, y)), strict=True):
-        left = y - one.T @ np.linalg.lstsq(one.T, y)[0]
-        assert square == pytest.approx(float(left @ left), abs=1e-8 * float(y @ y))
+    for A, square in zip(columns, residual_squares(inner_products(columns, y)), strict=True):
+        residual = y - A.T @ np.linalg.lstsq(A.T, y)[0]
+        assert square == pytest.approx(float(residual @ residual), abs=1e-8 * float(y @ y))
 
 
 def test_a_ridge_is_as_rows_that_want_zero():
@@ -69,11 +69,13 @@ def test_a_ridge_is_as_rows_that_want_zero():
     )
     rows, wanted = np.vstack([columns[0].T, np.diag(np.sqrt(ridge))]), np.append(y, np.zeros(3))
     left = wanted - rows @ np.linalg.lstsq(rows, wanted)[0]
-    assert left_of(products_of(columns, y), ridge)[0] == pytest.approx(float(left @ left), rel=1e-7)
+    assert residual_squares(inner_products(columns, y), ridge)[0] == pytest.approx(
+        float(left @ left), rel=1e-7
+    )
 
 
 def test_an_error_that_lasts_counts_for_as_long():
     rng = np.random.default_rng(2)
     white = rng.normal(size=40_000)
-    assert lasting_variance(white, 4) == pytest.approx(1.0, rel=0.05)
-    assert lasting_variance(np.repeat(white, 4), 4) == pytest.approx(4.0, rel=0.05)
+    assert long_run_variance(white, 4) == pytest.approx(1.0, rel=0.05)
+    assert long_run_variance(np.repeat(white, 4), 4) == pytest.approx(4.0, rel=0.05)
