@@ -35,7 +35,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from calib.base.names import VERSION
-from calib.base.shown import Shown
+from calib.base.viewable import Viewable
 
 if TYPE_CHECKING:
     from calib.car.model import default_model as default_model
@@ -75,12 +75,12 @@ fast."""
 __all__ = [*_HOMES]
 
 
-def _view(name: str) -> Callable[[Shown], Any]:
+def _view(name: str) -> Callable[[Viewable], Any]:
     """A function of `calib.show.notebook`, which is imported when it is used."""
     return lambda result: getattr(import_module("calib.show.notebook"), name)(result)
 
 
-Shown.views.update(plot=_view("plot"), page=_view("page"))
+Viewable.views.update(plot=_view("plot"), page=_view("page"))
 
 
 def __getattr__(name: str) -> Any:

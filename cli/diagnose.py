@@ -51,7 +51,7 @@ def diagnose(
     logs of --holdout. Exit code 0, or 130 if stopped.
     """
     from calib.base.plain import counted
-    from calib.base.processes import cores, side_by_side
+    from calib.base.processes import cores, parallel_map
     from calib.car.effects.catalogue import with_own
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.diagnosis import files_of, to_dict, write_folder
@@ -63,7 +63,7 @@ def diagnose(
     car = with_own(vehicle, effect)
     # a function of one's own acts in one process only
     count = 1 if car.effects.user_defined else workers or min(cores(), 8)
-    with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
+    with parallel_map(count, "calib.diagnosis.diagnose") as mapped:
         with progress() as step:
             runs = read_all([*logs, *holdout], channel_map, step)
         say(f"searching {counted(len(logs), 'log')}, confirming on {len(holdout)}")

@@ -122,9 +122,9 @@ def write_page(out: Path, result: object, live: bool = True, option: str = OUT) 
 
 def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:
     """Write all files into a folder, or none; ``last`` is published after all others."""
-    from calib.base.write import publish, workshop, write_whole
+    from calib.base.write import publish, work_folder, write_whole
 
-    with writing(out), workshop(out) as work:
+    with writing(out), work_folder(out) as work:
         for name, content in contents:
             write_whole(work / name, content)
         paths = publish(work, out, last)

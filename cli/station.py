@@ -74,7 +74,7 @@ def station(
     used it ends with 3, stores nothing, and writes refused.json alone.
     """
     from calib.base.plain import counted
-    from calib.base.write import workshop
+    from calib.base.write import work_folder
     from calib.line.station.files import outputs_of, publish_run, why_not_exported
     from calib.line.station.golden import golden_table
     from calib.line.station.station import judged_car
@@ -110,7 +110,7 @@ def station(
                 by=by or "",
                 limits_file=_limits_file(),
             )
-        with writing(out), workshop(out) as work:
+        with writing(out), work_folder(out) as work:
             stored, document = store_and_write(outcome, store, forms, work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")

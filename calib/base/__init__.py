@@ -1,1 +1,1 @@
-"""Errors, units, names, files and the statistics that no room owns."""
+"""Errors, units, names, files and statistics that all other packages of `calib` use."""

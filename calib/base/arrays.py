@@ -1,4 +1,4 @@
-"""Types of arrays. Shapes are in the docstrings."""
+"""Types of NumPy arrays. The docstring of each function gives the shapes of its arrays."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,8 +1,8 @@
-"""Open files of others safely: regular files alone, not larger than the bound of their kind.
+"""Read files of users safely: only regular files, and none above the size limit of its kind.
 
-A named pipe would wait for ever, a device has no end, and a few kilobytes of gzip can unpack to
-gigabytes. The bounds keep a reader below about 1 GB and 20 s. A variable raises a bound:
-`BRAKE_CAL_MOST_LOG=500 brake-cal check long.csv` allows logs of 500 MB.
+Reading a named pipe may wait for ever, a device has no end, and a few kilobytes of gzip can unpack
+to gigabytes. With these limits, reading a file takes at most about 1 GB of memory and 20 s. An
+environment variable raises a limit: with `BRAKE_CAL_MOST_LOG=500`, a log may have 500 MB.
 """
 
 import errno
@@ -21,74 +21,72 @@ _MEGA = 1_000_000
 
 
 class FileKind(NamedTuple):
-    """A kind of file, and the ``megabytes`` that one may have or unpack to."""
+    """A kind of file, and the size limit in ``megabytes``, before and after unpacking."""
 
     name: str
     megabytes: float
 
     @property
     def variable(self) -> str:
-        """Environment variable of another bound [MB]."""
+        """Name of the environment variable with which users set another limit [MB]."""
         return f"BRAKE_CAL_MOST_{self.name.upper()}"
 
     @property
-    def most(self) -> int:
-        """Largest size [bytes]. Raises SettingsError for a variable that is no number above 0."""
+    def max_bytes(self) -> int:
+        """Size limit [bytes]. Raises SettingsError for a variable that is no number above 0."""
         written = os.environ.get(self.variable, "")
         try:
             megabytes = float(written) if written else self.megabytes
         except ValueError:
-            megabytes = math.nan
+            megabytes = math.nan  # is refused below
         if not 0 < megabytes < math.inf:
             flaw, expected = f"{written!r} is no size", "a number of MB, such as 500"
             raise SettingsError(flaw, where=self.variable, expected=expected)
         return int(megabytes * _MEGA)
 
-    def excess(self, subject: str = "it has") -> str:
+    def too_large(self, subject: str = "it has") -> str:
         """Message for a file that is too large."""
-        most = f"{self.most / _MEGA:g} MB"
-        return f"{subject} more than {most}; if it is meant, set {self.variable} to more MB"
+        limit = f"{self.max_bytes / _MEGA:g} MB"
+        return f"{subject} more than {limit}; if it is meant, set {self.variable} to more MB"
 
 
-# Text and Parquet, as unpacked: an hour of 13 channels at 200 Hz has 100 MB of text.
-LOG = FileKind("log", 120)
-# MDF and bus logs; loggers begin a new file at 512 MB or before.
-RECORDING = FileKind("recording", 600)
+LOG = FileKind("log", 120)  # text and Parquet; an hour of 13 channels at 200 Hz is 100 MB of text
+RECORDING = FileKind("recording", 600)  # MDF and bus logs; loggers split their files at 512 MB
 DBC = FileKind("dbc", 8)
 TOML = FileKind("toml", 1)
 PLAN = FileKind("plan", 16)
 EFFECT = FileKind("effect", 1)
-CALIBRATION = FileKind("calibration", 16)  # DCM and CDF that come back
+CALIBRATION = FileKind("calibration", 16)  # DCM and CDF
 VALIDATION = FileKind("validation", 16)  # JSON that `validate` and `station` wrote
 RESULT = FileKind("result", 120)  # Parquet that `validate` wrote
-PROGRAM = FileKind("program", 512)  # ELF; one without debug information is a hundredth of it
-TABLE = FileKind("table", 16)  # each file of a version in a store, and what was seen of stores
+PROGRAM = FileKind("program", 512)  # ELF; without debug information it has about 5 MB
+TABLE = FileKind("table", 16)  # each file of a version in a store
 JOURNAL = FileKind("journal", 64)  # some 100,000 lines
 KEY = FileKind("key", 0.016384)  # keys and signatures: no file of minisign is longer
 
 
-# without O_NONBLOCK, opening a pipe without a writer blocks; Windows has O_BINARY alone
-_NAMES = ("O_NONBLOCK", "O_CLOEXEC", "O_BINARY")
-_FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in _NAMES)
+# Without O_NONBLOCK, opening a pipe that nobody writes to blocks. Windows has O_BINARY alone.
+_FLAG_NAMES = ("O_NONBLOCK", "O_CLOEXEC", "O_BINARY")
+_READ_FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in _FLAG_NAMES)
 
 
 def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
-    """Open a regular file, or a link to one, for reading.
+    """Open a regular file, or a link to a regular file, for reading.
 
     Raises OSError with a readable ``strerror``, also for a pipe, a device or too large a file.
     """
     try:
-        handle = os.open(path, _FLAGS)
-    except ValueError as cause:  # a nul in the name
+        handle = os.open(path, _READ_FLAGS)
+    except ValueError as cause:  # a null character in the name
         raise OSError(errno.EINVAL, "no such name is possible", str(path)) from cause
     file = os.fdopen(handle, "rb")
     try:
-        state = os.fstat(handle)
-        if not stat.S_ISREG(state.st_mode):
-            kind_of_node = "a directory" if stat.S_ISDIR(state.st_mode) else "a pipe or a device"
-            raise OSError(errno.EINVAL, f"{kind_of_node} is not a file", str(path))
-        if state.st_size > kind.most:
-            raise OSError(errno.EFBIG, kind.excess(), str(path))
+        status = os.fstat(handle)
+        if not stat.S_ISREG(status.st_mode):
+            node = "a directory" if stat.S_ISDIR(status.st_mode) else "a pipe or a device"
+            raise OSError(errno.EINVAL, f"{node} is not a file", str(path))
+        if status.st_size > kind.max_bytes:
+            raise OSError(errno.EFBIG, kind.too_large(), str(path))
     except BaseException:
         file.close()
         raise
@@ -96,21 +94,21 @@ def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
 
 
 def read_bounded(path: Path, kind: FileKind) -> bytes:
-    """The bytes of a regular file. Raises OSError as `open_bounded` does."""
+    """Return the bytes of a regular file. Raises OSError as `open_bounded` does."""
     with open_bounded(path, kind) as file:
-        most = kind.most
-        data = file.read(most + 1)
-    if len(data) > most:  # it grew, or its system does not know its size
-        raise OSError(errno.EFBIG, kind.excess(), str(path))
+        limit = kind.max_bytes
+        data = file.read(limit + 1)
+    if len(data) > limit:  # the file grew, or its system did not tell its size
+        raise OSError(errno.EFBIG, kind.too_large(), str(path))
     return data
 
 
-POINTER = b"version https://git-lfs"  # begin of a file of git LFS that was not fetched
+POINTER = b"version https://git-lfs"  # the first bytes of a file that git LFS has not fetched
 
 
 @contextmanager
 def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str) -> Iterator[None]:
-    """Raise OSErrors within the context as ``error`` of the file ``where``."""
+    """Raise ``error`` for the file ``where`` in place of an OSError within the context."""
     try:
         yield
     except (FileNotFoundError, NotADirectoryError) as cause:
@@ -122,7 +120,7 @@ def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str)
 def bytes_of(
     path: Path, kind: FileKind, error: Callable[..., BrakeCalError], expected: str
 ) -> bytes:
-    """The bytes of a regular file. Raises ``error``, which names what was ``expected``."""
+    """Return the bytes of a regular file. Raises ``error``, which says what was ``expected``."""
     with errors_as(error, path, expected):
         data = read_bounded(path, kind)
     if data.startswith(POINTER):

@@ -1,4 +1,4 @@
-"""SHA-256 over content, whatever the file format or its compression."""
+"""SHA-256 of content, which depends neither on the file format nor on its compression."""
 
 import hashlib
 import json
@@ -11,7 +11,10 @@ from calib.base.arrays import Array
 
 
 def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> str:
-    """SHA-256 over the record as canonical JSON and every column as little-endian float64."""
+    """SHA-256 [hex] of the record as canonical JSON and each column as little-endian float64.
+
+    ``curves`` holds the columns, any shape, by the name of the curve and of the column.
+    """
     digest = hashlib.sha256(canonical_json(record))
     for curve in sorted(curves):
         for column in sorted(curves[curve]):
@@ -21,7 +24,10 @@ def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) 
 
 
 def canonical_json(record: dict[str, Any]) -> bytes:
-    """JSON with sorted keys and no spaces, the same for equal content. ValueError for inf, NaN."""
+    """JSON with sorted keys and no spaces: equal bytes for equal content.
+
+    Raises ValueError for a number that is not finite.
+    """
     return json.dumps(record, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 

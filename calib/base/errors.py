@@ -1,4 +1,11 @@
-"""The errors a user can cause, as one tree, with their exit codes.
+"""The errors that a user can cause, with their exit codes, as one tree of classes.
+
+    BrakeCalError
+        InputError      a file of the user cannot be used: LogError, VehicleError ...
+        UsageError      a wrong command line
+        StoreError      the table store is damaged, or refuses
+        ProgramFailure  a fault of the program itself
+        AnswerError     the answer cannot be written
 
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
@@ -9,21 +16,25 @@ import unicodedata
 
 
 def printable(text: str, keep: str = "") -> str:
-    r"""Text with control characters, marks of writing direction and invalid UTF-8 escaped.
+    r"""Return the text with control characters, direction marks and invalid UTF-8 escaped.
 
-    Spaces of any width stay, and the characters in ``keep``.
+    Spaces of any width and the characters in ``keep`` stay.
 
     >>> print(printable("\x1b[2J \u202egnp"))
     \x1b[2J \u202egnp
     """
-    if text.isprintable():
-        return text
-    shown = (c in keep or c.isprintable() or unicodedata.category(c) == "Zs" for c in text)
-    return "".join(c if whole else ascii(c)[1:-1] for c, whole in zip(text, shown, strict=True))
+
+    def escaped(character: str) -> str:
+        is_space = unicodedata.category(character) == "Zs"
+        if character in keep or character.isprintable() or is_space:
+            return character
+        return ascii(character)[1:-1]  # without the quotes
+
+    return text if text.isprintable() else "".join(map(escaped, text))
 
 
 def one_line(text: str) -> str:
-    """Text in one line; control characters are escaped."""
+    """Return the text in one line, with control characters escaped."""
     return printable(" ".join(line.strip() for line in text.splitlines() if line.strip()))
 
 
@@ -32,7 +43,7 @@ class BrakeCalError(Exception):
 
     exit_code = 1
     advice = ""
-    """The next step where an error of this kind names no other."""
+    """The next step for the user where an error of this kind is raised without ``do``."""
 
     def __init__(
         self,
@@ -43,22 +54,25 @@ class BrakeCalError(Exception):
         do: str = "",
         lines: tuple[str, ...] = (),
     ):
-        """Build the message, one line and one more for each of the further mistakes in ``lines``.
+        """Build the message: one line, then ``lines``, one for each further mistake.
 
-        ``problem`` with the value given; ``where``: file, channel or key; ``do`` the next step.
+        ``problem`` says what was wrong and which value was given. ``where`` is the file, channel or
+        key. ``expected`` is what would have been right. ``do`` is the next step for the user.
         """
-        parts = (problem, expected, do or self.advice)
-        self.problem, self.expected, self.do = map(one_line, parts)
+        self.problem, self.expected = one_line(problem), one_line(expected)
+        self.do = one_line(do or self.advice)
         self.where = where
-        head = self.problem if where is None else f"{printable(str(where))}: {self.problem}"
-        sentences = (head, f"expected {self.expected}" if expected else "", self.do)
-        whole = "; ".join(filter(None, sentences))
         self.lines = tuple(map(one_line, lines))
-        super().__init__("\n  ".join([whole, *self.lines]))
+        sentence = self.problem if where is None else f"{printable(str(where))}: {self.problem}"
+        if self.expected:
+            sentence += f"; expected {self.expected}"
+        if self.do:
+            sentence += f"; {self.do}"
+        super().__init__("\n  ".join([sentence, *self.lines]))
 
     @property
     def kind(self) -> str:
-        """Name of the kind for programs.
+        """Name of this kind of error in JSON: the name of the class in small letters.
 
         >>> DamagedTable("edited").kind, ChannelMapError("empty").kind
         ('damaged_table', 'channel_map')
@@ -67,7 +81,7 @@ class BrakeCalError(Exception):
         return "_".join(words).lower()
 
     def to_dict(self) -> dict[str, object]:
-        """The error as plain data, see `calib.base.record`."""
+        """Return the error as it stands in a JSON document."""
         return {
             "kind": self.kind,
             "message": str(self),
@@ -99,11 +113,11 @@ class ChannelMapError(InputError):
 
 
 class BenchError(InputError):
-    """Forces of a roller brake tester are unreadable, or on no line that rises with pressure."""
+    """Forces of a roller brake tester are unreadable, or do not rise linearly with pressure."""
 
 
 class TyreError(InputError):
-    """A tyre property file is unreadable, incomplete, or of no tyre of the car."""
+    """A tyre property file is unreadable, incomplete, or of a tyre that does not fit the car."""
 
 
 class LimitsError(InputError):
@@ -127,7 +141,7 @@ class NotFiniteError(InputError):
 
 
 def not_finite(quantity: str, where: object) -> NotFiniteError:
-    """The error for a computed ``quantity`` that is not finite."""
+    """Return the error for a computed ``quantity`` that is not finite."""
     flaw = f"{quantity} comes out as no finite number, so nothing is concluded from it"
     do = "look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`"
     return NotFiniteError(flaw, where=where, expected="logs and a vehicle file of one car", do=do)
@@ -148,11 +162,11 @@ class UsageError(BrakeCalError):
 
 
 class BatchError(UsageError):
-    """A batch cannot start: other settings, folder in use, no scheduler, unfit workers."""
+    """A batch of logs, or work in several processes, cannot start or go on."""
 
 
 class RevisionError(UsageError):
-    """Tables cannot be merged."""
+    """The tables that were named cannot be merged."""
 
 
 class StoreError(BrakeCalError):
@@ -168,23 +182,23 @@ class TableNotFound(StoreError):
 
 
 class DamagedTable(StoreError):
-    """A version or the journal of a store is not what was written."""
+    """A version or the journal of a store was changed after it was written."""
 
     advice = "restore it from a copy of the store, or fit the car again"
 
 
 class SignatureRefused(StoreError):
-    """A signature does not hold, is of another key or is malformed."""
+    """A signature is malformed, of another key, or not of this content."""
 
 
 class ProgramFailure(BrakeCalError):
-    """The program itself failed: an error that nobody foresaw, or no memory."""
+    """The program itself failed: an unforeseen exception, or not enough memory."""
 
     exit_code = 6
 
 
 def program_failure(error: BaseException) -> ProgramFailure:
-    """The error to report for one that nobody caught."""
+    """Return the error that reports an exception which nobody caught."""
     if isinstance(error, MemoryError):
         return ProgramFailure("not enough memory", do="give it more memory, or smaller logs")
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}".removesuffix(": ")

@@ -1,4 +1,4 @@
-"""Optional packages: the extras for users, and what each adds."""
+"""Packages that are installed only on request, by extra: `pip install 'brake-cal[mdf]'`."""
 
 from importlib import import_module
 from types import ModuleType
@@ -14,17 +14,21 @@ EXTRAS = {
     "elf": "addresses of a linked program in an A2L",
     "frames": "results as data frames in Python",
 }
+"""Each extra, and what it adds for users."""
 
 
 def need(
     module: str, extra: str, where: object = None, error: type[BrakeCalError] = BrakeCalError
 ) -> ModuleType:
-    """Import ``module``; raise ``error`` with what to install if it is missing."""
+    """Import and return ``module``, which the ``extra`` installs.
+
+    Raises ``error``, which says what to install for ``where``, if the module is missing.
+    """
     try:
         return import_module(module)
     except ModuleNotFoundError as cause:
         package = module.split(".")[0]
         if cause.name is None or cause.name.split(".")[0] != package:
-            raise
+            raise  # the package is installed, but lacks a package that it needs
         do = f"pip install '{NAME}[{extra}]', for {EXTRAS[extra]}"
         raise error(f"{package} is not installed", where=where, do=do) from cause

@@ -1,8 +1,7 @@
-"""The normal distribution: quantiles, noise, posteriors, and mixtures."""
+"""Statistics of normal errors: quantiles, noise of signals, posteriors, likelihood ratios."""
 
 import cmath
 import math
-from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -10,30 +9,18 @@ import numpy as np
 from calib.base.arrays import Array
 
 Z95 = 1.96  # half width of a 95 % interval over sigma; more digits would change stored bands
-QUARTILE = 0.6745  # median of |x| over sigma, the upper quartile; outputs rest on four digits
-NINETY = 1.645  # 90 % quantile of |x| over sigma
+QUARTILE = 0.6745  # median of |x| over sigma; four digits, since outputs rest on them
+Z90 = 1.645  # 90 % quantile of |x| over sigma
 
-SURE, CERTAIN = 3.0, 8.0
-"""ln of the odds from which a mistake is reported, and from which it is certain: 20 and 3,000 to 1.
+LIKELY_LOG_ODDS = 3.0
+"""ln of the odds from which a mistake is reported: 20 to 1."""
 
-A car near ideal balance, with tyres of an unusual form and no motor, had 6.4 for a motor."""
+CERTAIN_LOG_ODDS = 8.0
+"""ln of the odds from which a mistake counts as certain: 3,000 to 1.
 
-
-def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:
-    """The moving average (3,) and sigma of second differences of v against the integral of a_x.
-
-    ``white`` variance of v, ``walk`` of a step of the integral, ``turned`` of a change of its step,
-    as by a slope that walks [m^2/s^2]. The roots of their spectrum come in pairs z, 1/z; those in
-    the unit circle make the average invertible (Brockwell and Davis, Time Series: Theory and
-    Methods, section 3.1).
-    """
-    # of the spectrum over z^2, white y^2 - (4 white + walk) y + 4 white + 2 walk + turned is left,
-    # with y = z + 1/z
-    apart = cmath.sqrt(walk**2 - 4.0 * white * turned)
-    sums = [(4.0 * white + walk + sign * apart) / (2.0 * white) for sign in (1.0, -1.0)]
-    inner, other = (2.0 / (y + cmath.sqrt(y + 2.0) * cmath.sqrt(y - 2.0)) for y in sums)
-    average = np.array([1.0, -(inner + other).real, (inner * other).real])
-    return average, math.sqrt(white / average[-1])
+A sound log can reach 6.4: without a motor, a car near ideal balance whose tyres have an unusual
+form did so for the hypothesis of a motor.
+"""
 
 
 def scatter(x: Array) -> float:
@@ -42,9 +29,10 @@ def scatter(x: Array) -> float:
 
 
 def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
-    """Standard deviation of white noise on a smooth x (n,), by differences over ``lag`` samples.
+    """Standard deviation of the white noise on a smooth signal ``x`` (n,).
 
-    Third differences contain almost no motion, and their median no bite of a brake.
+    It follows from differences of ``order`` between values ``lag`` samples apart. Third differences
+    contain almost no motion of the car, and their median ignores the bite of a brake.
     """
     for _ in range(order):
         x = x[lag:] - x[:-lag]
@@ -52,30 +40,40 @@ def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
 
 
 def noise_over(x: Array, longest: float) -> list[float]:
-    """`white_noise` of x (n,) over 1, 2, 4 ... up to ``longest`` samples, and to a third of x."""
-    lags = (1 << i for i in range(64))
-    within = takewhile(lambda lag: lag <= longest and 3 * lag < x.size, lags)
-    return [white_noise(x, lag=lag) for lag in within]
+    """`white_noise` of ``x`` (n,) with lags of 1, 2, 4 ... samples.
 
-
-class Mixture(NamedTuple):
-    """Mean (..., n) and covariance (..., n, n) of a mixture of k hypotheses.
-
-    ``weights`` (..., k), ``means`` (..., k, n) under each; ``evidence`` (...) logarithm of the
-    likelihood under all of them, up to a constant.
+    The lags end at ``longest``, or earlier where a third of ``x`` is shorter.
     """
+    lags = [2**i for i in range(x.size.bit_length())]
+    return [white_noise(x, lag=lag) for lag in lags if lag <= longest and 3 * lag < x.size]
 
-    mean: Array
-    covariance: Array
-    weights: Array
-    means: Array
-    evidence: Array
+
+def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:
+    """Return the moving average (3,) that gives second differences, and the sigma of its input.
+
+    The differences are those of v less the integral of a_x. This signal is white noise of variance
+    ``white``, plus a random walk with steps of variance ``walk``, plus a walk whose step is itself
+    a random walk, with changes of variance ``turned``, as on a changing slope; all in m^2/s^2. With
+    y = z + 1/z the spectrum of the second differences is
+
+        white (2 - y)^2 + walk (2 - y) + turned
+
+    Its zeros are pairs z and 1/z. Those within the unit circle give the moving average that can be
+    inverted (Brockwell and Davis, Time Series: Theory and Methods, section 3.1).
+    """
+    root = cmath.sqrt(walk**2 - 4.0 * white * turned)
+    zeros_y = [(4.0 * white + walk + sign * root) / (2.0 * white) for sign in (1.0, -1.0)]
+    # z + 1/z = y has the zero z = 2/(y + sqrt(y^2 - 4)) within the unit circle
+    first, second = (2.0 / (y + cmath.sqrt(y + 2.0) * cmath.sqrt(y - 2.0)) for y in zeros_y)
+    average = np.array([1.0, -(first + second).real, (first * second).real])
+    return average, math.sqrt(white / average[-1])
 
 
 class Posterior(NamedTuple):
-    """Posterior of linear Gaussian models, shapes (..., n) and (..., n, n).
+    """Posterior of n unknowns of linear Gaussian models.
 
-    ``evidence`` (...): logarithm of the likelihood over that where all unknowns are zero.
+    ``means`` (..., n); ``covariances`` (..., n, n); ``evidence`` (...) logarithm of the marginal
+    likelihood over the likelihood where all unknowns are zero.
     """
 
     means: Array
@@ -87,9 +85,9 @@ def posterior(information: Array, side: Array, sigma: Array) -> Posterior:
     """Posterior of unknowns with independent priors about zero of ``sigma`` (..., n).
 
     ``information`` (..., n, n) and ``side`` (..., n) are the normal equations of the measurement,
-    information x = side. Solved in units of sigma, so that wide priors cost no digits.
+    information x = side. They are solved in units of sigma, so that wide priors cost no digits.
     """
-    scale = sigma[..., :, None] * sigma[..., None, :]
+    scale = sigma[..., :, None] * sigma[..., None, :]  # (..., n, n)
     total = np.eye(sigma.shape[-1]) + scale * information
     covariances = scale * np.linalg.inv(total)
     side = np.broadcast_to(side, covariances.shape[:-1])
@@ -98,40 +96,57 @@ def posterior(information: Array, side: Array, sigma: Array) -> Posterior:
     return Posterior(means, covariances, evidence)
 
 
+class Mixture(NamedTuple):
+    """Posterior of n unknowns under k hypotheses together.
+
+    ``mean`` (..., n) and ``covariance`` (..., n, n) of the mixture; ``weights`` (..., k) posterior
+    probabilities of the hypotheses; ``means`` (..., k, n) under each hypothesis; ``evidence`` (...)
+    logarithm of the marginal likelihood of the mixture, up to a constant.
+    """
+
+    mean: Array
+    covariance: Array
+    weights: Array
+    means: Array
+    evidence: Array
+
+
 def weigh_hypotheses(
     information: Array, side: Array, sigma: Array, odds: Array, likelihood: Array
 ) -> Mixture:
     """Weigh k hypotheses by their marginal likelihoods.
 
-    ``information`` (..., k, n, n), ``side`` (..., k, n) and ``sigma`` (k, n) as in `posterior`;
-    prior ``odds`` (k,), up to a factor; ``likelihood`` (..., k) its logarithm where all unknowns
-    are zero, up to a common constant.
+    ``information`` (..., k, n, n), ``side`` (..., k, n) and ``sigma`` (k, n) are as in `posterior`.
+    ``odds`` (k,) are the prior odds, up to a common factor. ``likelihood`` (..., k) is the
+    logarithm of the likelihood where all unknowns are zero, up to a common constant.
     """
     means, covariances, evidence = posterior(information, side, sigma)
-    evidence = evidence + likelihood + np.log(odds)
-    most = evidence.max(axis=-1, keepdims=True)
-    weights = np.exp(evidence - most)
+    evidence = evidence + likelihood + np.log(odds)  # (..., k)
+    largest = evidence.max(axis=-1, keepdims=True)
+    weights = np.exp(evidence - largest)  # without overflow
     total_weight = weights.sum(axis=-1, keepdims=True)
     weights /= total_weight
     mean = np.einsum("...k,...ki->...i", weights, means)
-    apart = means - mean[..., None, :]
-    spread = covariances + apart[..., :, None] * apart[..., None, :]
-    mixed = np.einsum("...k,...kij->...ij", weights, spread)
-    return Mixture(mean, mixed, weights, means, (most + np.log(total_weight))[..., 0])
+    offsets = means - mean[..., None, :]  # (..., k, n)
+    second_moments = covariances + offsets[..., :, None] * offsets[..., None, :]
+    covariance = np.einsum("...k,...kij->...ij", weights, second_moments)
+    total_evidence = (largest + np.log(total_weight))[..., 0]
+    return Mixture(mean, covariance, weights, means, total_evidence)
 
 
-_MOST = 300.0  # largest logarithm of a ratio
+_MAX_LOG_RATIO = 300.0  # largest logarithm of a likelihood ratio, so that exp does not overflow
 
 
 def likelihood_ratio(x: float, sigma: float, spread: float) -> float:
     """Likelihood ratio of a quantity that is present to one that is zero, at most e^300.
 
-    Present, it has a half-normal prior of ``spread`` M above zero. Measured as x with ``sigma`` u:
-    2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)), h = hypot(u, M), Phi the normal distribution.
+    The quantity is measured as ``x`` with the standard deviation ``sigma``, u. If present, it is
+    positive, with a half-normal prior of scale ``spread``, M. With h^2 = u^2 + M^2 and the normal
+    distribution Phi the ratio is 2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)).
     """
     h = math.hypot(sigma, spread)
-    normal = 0.5 * math.erfc(-x * spread / (sigma * h * math.sqrt(2.0)))
+    normal = 0.5 * math.erfc(-x * spread / (sigma * h * math.sqrt(2.0)))  # Phi
     if normal == 0.0:
         return 0.0
-    apart = 1.0 / sigma**2 - 1.0 / h**2
-    return math.exp(min(math.log(2.0 * sigma / h * normal) + 0.5 * x**2 * apart, _MOST))
+    exponent = 0.5 * x**2 * (1.0 / sigma**2 - 1.0 / h**2)
+    return math.exp(min(math.log(2.0 * sigma / h * normal) + exponent, _MAX_LOG_RATIO))

@@ -1,8 +1,8 @@
-"""The program's name and version, and the list of quantities with unit and sign.
+"""The program's name, the axles and wheels, and the channels of a log with unit and sign.
 
-Inside the program all is SI; bar, km/h, rpm and cm^2 occur only in input and output. Forces,
-torques and slips are positive when they brake. ``a_x`` has the sign of ISO 8855: forward positive,
-so that braking is negative; ``z = -a_x/g`` is positive when braking.
+Inside the program every quantity is in SI; bar, km/h, rpm and cm^2 occur only in input and output.
+Forces, torques and slips are positive when they brake. ``a_x`` has the sign of ISO 8855: forward is
+positive, so ``a_x`` is negative while braking, and the deceleration ``z = -a_x/g`` is positive.
 """
 
 import re
@@ -14,8 +14,8 @@ VERSION = "0.1.0"
 PROGRAM = f"{NAME} {VERSION}"
 
 SETTINGS_FILE = "brake-cal.toml"
-SETTINGS_VARIABLE = "BRAKE_CAL_SETTINGS"  # path of a settings file; empty for none
-PUBLIC_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")  # of minisign, the second line of its file
+SETTINGS_VARIABLE = "BRAKE_CAL_SETTINGS"  # path of a settings file; if empty, no file is read
+PUBLIC_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")  # a key of minisign, the second line of its file
 STORE = Path("tables")  # the default store
 
 G = 9.80665  # standard gravity [m/s^2], ISO 80000-3
@@ -28,12 +28,13 @@ WHEEL_PRESSURES = tuple(f"p_{w}" for w in WHEELS)
 
 
 class _Quantity(NamedTuple):
-    """A logged quantity with its unit in the canonical log file and inside the program."""
+    """A channel: its ``unit`` in a log file, its ``si`` unit inside the program."""
 
     name: str
     unit: str
     si: str
     required: bool = False
+    """Whether every log must have the channel."""
 
 
 _QUANTITIES = (
@@ -52,28 +53,31 @@ _QUANTITIES = (
 CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 """The canonical channels, in the order in which a log is written."""
 
-FLAGS = ("abs_active",)  # 0 or 1 and nothing between
+FLAGS = ("abs_active",)  # channels that are 0 or 1, with no value between
 
-TRUTH = "true_"  # prefix of the truth channels of a simulation
+TRUTH = "true_"  # prefix of the truth channels, which a simulation writes
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
-"""SI unit of each truth channel of a simulation, by prefix. Fit, estimator and diagnosis never read
-them."""
+"""SI unit of each truth channel by the part of its name before the wheel or axle.
+
+Fit, estimator and diagnosis never read these channels.
+"""
 
 _TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
-_FILES_OF_STORE = ("journal.jsonl", "journal.head")  # no folder of a table may be named so
-_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)  # of Windows
+_STORE_FILES = ("journal.jsonl", "journal.head")  # they stand beside the folders of the tables
+_WINDOWS_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 TABLE_NAMES = (
     "letters, digits and . _ - only, at most 100, a letter or digit first, no dot last, no file of "
     "the store, and no device of Windows (CON, NUL, COM1)"
 )
-"""Valid names of a vehicle and its table."""
+"""The rule for names of a vehicle and its table, as an error message states it."""
 
 
 def names_a_table(name: str) -> bool:
-    """Whether a vehicle's name can be that of its table, which is a folder of a store.
+    """Whether a vehicle's name can be the name of its table, which is a folder of a store.
 
     >>> [names_a_table(x) for x in ("sedan-2up", "a b", "journal.head", "nul.2", "car.")]
     [True, False, False, False, False]
     """
-    reserved = name.lower() in _FILES_OF_STORE or _DEVICE.fullmatch(name)
-    return bool(_TABLE_NAME.fullmatch(name)) and ".." not in f"{name}." and not reserved
+    is_reserved = name.lower() in _STORE_FILES or bool(_WINDOWS_DEVICE.fullmatch(name))
+    has_wrong_dot = ".." in name or name.endswith(".")
+    return bool(_TABLE_NAME.fullmatch(name)) and not is_reserved and not has_wrong_dot

@@ -1,7 +1,8 @@
-"""Every metric by its key in JSON files and limits files, from `metrics.csv`.
+"""Numbers and names as people read them, tables of a package, and the list of all metrics.
 
-A row has its name and unit for people, its meaning, its possible values, and for the station its
-limits, the reason for them and the next step where they do not hold.
+A metric is a number that judges a table or a stop. `metrics.csv` has one row for each, by its key
+in JSON files and limits files: name and unit for people, meaning, possible values, limits with
+their reason, and the next step where a value is outside them.
 """
 
 import csv
@@ -16,11 +17,11 @@ NBSP = "\xa0"  # no-break space
 
 def counted(number: int, noun: str) -> str:
     """A number with its noun: `2 logs`."""
-    return f"{number} {noun}{'s' * (number != 1)}"
+    return f"1 {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def quoted(names: Sequence[str], most: int = 10) -> str:
-    """Names in quotes: the first ones, and how many more there are.
+    """The first ``most`` names in quotes, and how many more there are.
 
     >>> quoted(["p", "v", "a"], 2)
     "'p', 'v' and 1 more"
@@ -49,23 +50,39 @@ def signed_percent(share: float) -> str:
 
 
 def range_words(low: str, high: str) -> str:
-    """A range between two written numbers; an end that is empty is open.
+    """A range between two written numbers; an empty text means that there is no such bound.
 
     >>> range_words("1", "2"), range_words("1", ""), range_words("", "2"), range_words("", "")
     ('1 to 2', 'at least 1', 'at most 2', 'none')
     """
     if low and high:
         return low if low == high else f"{low} to {high}"
-    return f"at least {low}" if low else f"at most {high}" if high else "none"
+    if low:
+        return f"at least {low}"
+    return f"at most {high}" if high else "none"
 
 
-def finite(value: float | None) -> float | None:
-    """A number for a file; None if it is unknown or not finite."""
+def finite_or_none(value: float | None) -> float | None:
+    """The number as a file holds it: None if it is unknown or not finite."""
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-class Ends(NamedTuple):
-    """Limits of a metric; None where an end is open."""
+def rows(file: str, package: str = "calib.base") -> list[dict[str, str]]:
+    """The rows of a CSV file in a package, each as texts by the name of the column."""
+    text = (files(package) / file).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+def texts_of(cell: str) -> tuple[str, ...]:
+    """The texts in a cell of a CSV file, which "|" separates."""
+    return tuple(text for text in cell.split("|") if text)
+
+
+class MetricLimits(NamedTuple):
+    """Limits of a metric: a value outside ``low`` to ``high`` fails.
+
+    A value outside ``warn_low`` to ``warn_high`` gives a warning. None where there is no limit.
+    """
 
     low: float | None = None
     high: float | None = None
@@ -73,21 +90,22 @@ class Ends(NamedTuple):
     warn_high: float | None = None
 
 
-_OPEN = Ends()
+_NO_LIMITS = MetricLimits()
 
 
 @dataclass(frozen=True)
-class _Plain:
-    """One row of `metrics.csv`; None where an end is open.
+class Metric:
+    """One row of `metrics.csv`; None where a range has no such end.
 
-    ``scope``: "car" for the station, "stop" for a validation, else "". ``unit`` is the displayed
-    one, or "", and ``factor`` converts from SI. ``step``: smallest relevant difference [SI], which
-    gives the displayed decimals, or 0. Possible values are ``least`` to ``most``; ``cut`` stands
-    for all larger ones.
+    ``scope`` is "car" where the station judges the metric, "stop" where a validation does, else "".
+    ``unit`` is the displayed unit, or "", and ``factor`` converts from SI to it. ``step`` is the
+    smallest relevant difference [SI], which gives the displayed decimals, or 0. Possible values are
+    ``least`` to ``most``; the value ``cut`` stands for all larger values.
 
-    The station fails outside ``low`` to ``high`` and warns outside ``warn_low`` to ``warn_high``;
-    ``judged`` is the place in its order, 0 if it is not judged. ``stop``: limits of `validate`, and
-    default of the station.
+    ``low`` to ``warn_high`` are limits of the station as in `MetricLimits`; ``judged`` is the place
+    of the metric in the station's order, 0 if the station does not judge it. ``stop`` has the
+    limits of `validate`, which are also the station's limits for stops. A ``required`` metric fails
+    where its value is not known. ``reason`` is that of the limits; ``action`` the next step.
     """
 
     name: str
@@ -103,7 +121,7 @@ class _Plain:
     high: float | None = None
     warn_low: float | None = None
     warn_high: float | None = None
-    stop: Ends = _OPEN
+    stop: MetricLimits = _NO_LIMITS
     required: bool = False
     meaning: str = ""
     reason: str = ""
@@ -114,31 +132,32 @@ class _Plain:
         """Name and unit: `Valid samples [%]`."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
-    def value(self, value: float | None, digits: int = 4) -> str:
-        """A value in the displayed unit, without that unit.
+    def value(self, value: float | None) -> str:
+        """A value in the displayed unit, without that unit; four digits where `step` is 0.
 
-        >>> _Plain("Valid samples", "%", 100.0, 0.002).value(0.9516)
+        >>> Metric("Valid samples", "%", 100.0, 0.002).value(0.9516)
         '95.2'
         """
         if value is None or not math.isfinite(value):
             return "not known"
-        shown = self.factor * value
+        displayed = self.factor * value
         if not self.step:
-            return f"{shown:.{digits}g}"
-        places = max(0, -math.floor(math.log10(self.factor * self.step) + 1e-9))
-        return f"{shown:z.{places}f}"
+            return f"{displayed:.4g}"
+        decimals = max(0, -math.floor(math.log10(self.factor * self.step) + 1e-9))
+        return f"{displayed:z.{decimals}f}"
 
     def with_unit(self, value: float | None) -> str:
-        """A value with its unit, `95.2 %`, unbroken."""
+        """A value with its unit and a no-break space between them, `95.2 %`."""
         text = self.value(value)
         if self.unit and text != "not known":
             text += f"{NBSP}{self.unit}"
-        return text + " or more" * (value is not None and value == self.cut)
+        is_cut = value is not None and value == self.cut
+        return f"{text} or more" if is_cut else text
 
     def bounds(self, low: float | None, high: float | None) -> str:
         r"""A range in the displayed unit, not rounded to `step`.
 
-        >>> _Plain("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
+        >>> Metric("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
         'at least 12.5\xa0%'
         """
         least, most = ("" if x is None else f"{self.factor * x:.10g}" for x in (low, high))
@@ -146,42 +165,35 @@ class _Plain:
         return range_words(least, most) + unit
 
 
-def rows(file: str, package: str = "calib.base") -> list[dict[str, str]]:
-    """The rows of a table in a package."""
-    text = (files(package) / file).read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))
+_TEXT_COLUMNS = ("scope", "name", "unit", "meaning", "reason", "action")
+_OTHER_COLUMNS = ("key", "judged", "required")  # all columns but these and the texts are numbers
 
 
-def listed(cell: str) -> tuple[str, ...]:
-    """The texts of a cell that holds several."""
-    return tuple(filter(None, cell.split("|")))
-
-
-def _read(row: dict[str, str]) -> _Plain:
-    texts = ("scope", "name", "unit", "meaning", "reason", "action")
+def _read(row: dict[str, str]) -> Metric:
     cells: dict[str, Any] = {
-        name: row[name] if name in texts else float(row[name])
-        for name in row
-        if row[name] and name not in ("key", "judged", "required")
+        name: cell if name in _TEXT_COLUMNS else float(cell)
+        for name, cell in row.items()
+        if cell and name not in _OTHER_COLUMNS
     }
-    stop = Ends(**{end: cells.pop(f"stop_{end}", None) for end in Ends._fields})
+    stop = MetricLimits(**{end: cells.pop(f"stop_{end}", None) for end in MetricLimits._fields})
     judged, required = int(row["judged"] or 0), row["required"] == "yes"
-    return _Plain(**cells, stop=stop, judged=judged, required=required)
+    return Metric(**cells, stop=stop, judged=judged, required=required)
 
 
-METRICS: dict[str, _Plain] = {row["key"]: _read(row) for row in rows("metrics.csv")}
+METRICS: dict[str, Metric] = {row["key"]: _read(row) for row in rows("metrics.csv")}
+"""All metrics by key, in the order of the file."""
 
 
 def meanings(scope: str) -> dict[str, str]:
     """Keys and meanings of the metrics of a "car" or of a "stop", in their order."""
-    return {key: one.meaning for key, one in METRICS.items() if one.scope == scope}
+    return {key: metric.meaning for key, metric in METRICS.items() if metric.scope == scope}
 
 
-def bound(key: str, end: str, *, of_stop: bool = False) -> float:
-    """A limit, by the name of its column."""
-    return float(getattr(METRICS[key].stop if of_stop else METRICS[key], end))
+def limit_of(key: str, end: str) -> float:
+    """Return a number of a metric, by the name of its column, such as "warn_high"."""
+    return float(getattr(METRICS[key], end))
 
 
-def plain(key: str, unit: str = "1") -> _Plain:
-    """The metric of a key; an unknown one is displayed by its key and ``unit``."""
-    return METRICS.get(key) or _Plain(key, "" if unit == "1" else unit)
+def metric_of(key: str, unit: str = "1") -> Metric:
+    """The metric of a key. An unknown key is displayed as it is, with ``unit``."""
+    return METRICS.get(key) or Metric(key, "" if unit == "1" else unit)

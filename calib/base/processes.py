@@ -1,4 +1,4 @@
-"""Processes and threads on this machine: how many, how they start, how they end."""
+"""Work in several processes on this machine: how they start, and how they end."""
 
 import multiprocessing
 import os
@@ -13,14 +13,14 @@ from typing import Protocol, TypeVar
 
 from calib.base.errors import BatchError
 
-_STOPPING = 0.3  # time for a signal to reach all processes of a group [s]
+_SIGNAL_TIME = 0.3  # time in which a signal reaches all processes of a group [s]
 
 T = TypeVar("T")
 R = TypeVar("R")
 
 
-class Mapped(Protocol):
-    """Type of `map`, and of that which `side_by_side` yields."""
+class MapFunction(Protocol):
+    """Type of `map` and of the functions that `parallel_map` yields."""
 
     def __call__(self, function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
         """Yield the results in the order of the items."""
@@ -34,22 +34,22 @@ def cores() -> int:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Limit linear algebra in this process to one thread within a `with` block.
+    """Limit linear algebra in this process to one thread within the context.
 
     Matrices of some hundred rows take twice as long on two threads as on one.
     """
-    import scipy.linalg.lapack  # noqa: F401  # a library loaded later is not limited
+    import scipy.linalg.lapack  # noqa: F401  # the limit holds only for libraries loaded before it
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1, user_api="blas"):
         yield
 
 
-def workers(count: int, *preload: str) -> ProcessPoolExecutor:
-    """``count`` processes, each with one thread for linear algebra.
+def worker_pool(count: int, *preload: str) -> ProcessPoolExecutor:
+    """Start ``count`` processes, each with one thread for linear algebra.
 
-    Except on Windows they are forked from a server that has imported the modules ``preload``. They
-    ignore interrupts, which the parent handles, and end with it.
+    Except on Windows the processes are forked from a server that has imported the modules
+    ``preload``. They ignore interrupts, which their parent handles, and end when the parent ends.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -57,45 +57,47 @@ def workers(count: int, *preload: str) -> ProcessPoolExecutor:
     if "forkserver" in multiprocessing.get_all_start_methods():
         context = multiprocessing.get_context("forkserver")
         context.set_forkserver_preload(list(preload))
-    return ProcessPoolExecutor(count, context, initializer=_start)
+    return ProcessPoolExecutor(count, context, initializer=_start_worker)
 
 
 @contextmanager
-def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
-    """Yield a `map` over ``count`` processes; `map` itself if it is 1.
+def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
+    """Yield a function like `map` that uses ``count`` processes; `map` itself if ``count`` is 1.
 
-    Functions must be at the top level of a module, their items and results picklable, and a script
-    must guard its main part, as for every process of Python. Raises BatchError if a process died.
+    As always with Python's processes, mapped functions must be at the top level of a module, their
+    items and results must be picklable, and a script must guard its main part. The processes import
+    the module ``preload`` first. Raises BatchError if a process died.
     """
     if count <= 1:
         yield map
         return
-    pool = workers(count, preload)
+    pool = worker_pool(count, preload)
     for _ in range(count):
-        pool.submit(os.getpid)  # a process starts with its first work: let it import meanwhile
+        pool.submit(os.getpid)  # starts a process, which imports while this one goes on
 
     def mapped(function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
-        listed_items = list(items)
-        return pool.map(function, listed_items, chunksize=max(1, len(listed_items) // (3 * count)))
+        work = list(items)
+        chunk = max(1, len(work) // (3 * count))  # three chunks for each process even out its load
+        return pool.map(function, work, chunksize=chunk)
 
     try:
         yield mapped
     except BrokenExecutor as error:
-        time.sleep(_STOPPING)  # a signal to all may end this process, too, before it reports
+        time.sleep(_SIGNAL_TIME)  # a signal to the whole group ends this process, too, unreported
         flaw = "a worker process died"
         raise BatchError(flaw, do="repeat it; if memory ran out, with --workers 1") from error
     finally:
-        end(pool)
+        terminate(pool)
 
 
-def end(pool: ProcessPoolExecutor) -> None:
-    """Terminate the workers at once."""
+def terminate(pool: ProcessPoolExecutor) -> None:
+    """End all processes of the pool at once."""
     for process in list((pool._processes or {}).values()):
         process.terminate()
     pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _start() -> None:
+def _start_worker() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

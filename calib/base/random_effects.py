@@ -1,11 +1,11 @@
-"""The mean of several things that were measured alike, and what one more of them may be.
+"""The mean of k things that were measured alike, and the prediction for one thing more.
 
     x_i = mean + b_i + e_i        b_i ~ N(0, between)        e_i ~ N(0, v), v known
 
-The scatter s^2 of the x_i is that of both, so s/sqrt(k) is the error of their mean, and one more
-thing that is measured like these lies s sqrt(1 + 1/k) about it, with Student's t of k - 1 degrees
-of freedom: exact for normal x_i. Things may agree by chance, so no interval is narrower than the
-normal one of v alone.
+The scatter s^2 of the x_i holds both variances, so s/sqrt(k) is the standard error of their mean.
+The value of one thing more, measured like these, lies s sqrt(1 + 1/k) about the mean. For normal
+x_i, Student's t of k - 1 degrees of freedom gives exact intervals. A few x_i may agree by chance,
+so no interval is narrower than the normal interval of v alone.
 
 Not true where the e_i are correlated: add shared errors to the error of the mean, not to v.
 """
@@ -20,45 +20,46 @@ from calib.base.intervals import Z95
 
 @dataclass(frozen=True)
 class RandomEffects:
-    """Mean of k things, for each of n quantities. Shapes (n,), in the quantities' units.
+    """Mean of k things, for each of n quantities; shapes (n,), in the units of the quantities.
 
-    ``sigma`` standard error of the mean, and ``one_more`` standard deviation of one more thing
-    about it, both to be used with Student's t of ``freedom`` = k - 1; ``between`` standard
-    deviation between the things, without that of their own errors.
+    ``sigma`` is the standard error of the mean. ``prediction_sigma`` is the standard deviation of
+    the value of one thing more about the mean. For intervals, use both with Student's t of
+    ``freedom`` = k - 1. ``between`` is the standard deviation of the b_i.
     """
 
     mean: Array
     sigma: Array
-    one_more: Array
+    prediction_sigma: Array
     between: Array
     freedom: int
 
 
 def random_effects(values: Array, variances: Array) -> RandomEffects:
-    """Mean of ``values`` (k, n) with known ``variances`` (k, n) of their own, k of 2 or more.
+    """Mean of the ``values`` (k, n) with the known ``variances`` (k, n) of their errors, k >= 2.
 
-    >>> found = random_effects(np.array([[1.0], [3.0]]), np.array([[0.5], [0.5]]))
-    >>> found.mean.tolist(), (found.between**2).round(9).tolist(), found.freedom
+    >>> effects = random_effects(np.array([[1.0], [3.0]]), np.array([[0.5], [0.5]]))
+    >>> effects.mean.tolist(), (effects.between**2).round(9).tolist(), effects.freedom
     ([2.0], [1.5], 1)
     """
-    x, own = np.asarray(values, float), np.mean(variances, axis=0)
+    x, error_variance = np.asarray(values, float), np.mean(variances, axis=0)
     k, scatter = x.shape[0], np.var(x, axis=0, ddof=1)
-    between = np.sqrt(np.maximum(scatter - own, 0.0))
-    scatter = np.maximum(scatter, own * (Z95 / quantile95(k - 1)) ** 2)
-    sigma, one_more = np.sqrt(scatter / k), np.sqrt(scatter * (1.0 + 1.0 / k))
-    return RandomEffects(x.mean(axis=0), sigma, one_more, between, k - 1)
+    between = np.sqrt(np.maximum(scatter - error_variance, 0.0))
+    # with Student's t this is as wide as the normal interval of the errors alone
+    scatter = np.maximum(scatter, error_variance * (Z95 / quantile95(k - 1)) ** 2)
+    sigma, prediction_sigma = np.sqrt(scatter / k), np.sqrt(scatter * (1.0 + 1.0 / k))
+    return RandomEffects(x.mean(axis=0), sigma, prediction_sigma, between, k - 1)
 
 
 def quantile95(freedom: int) -> float:
-    """0.975 quantile of Student's t."""
+    """0.975 quantile of Student's t, the half width of a 95 % interval over sigma."""
     from scipy.special import stdtrit
 
     return float(stdtrit(freedom, 0.975))
 
 
-def as_sigma(t: float, freedom: int) -> float:
-    """The quantile of the normal distribution as rare as ``t`` of Student's t."""
+def normal_equivalent(t: float, freedom: int) -> float:
+    """The standard normal number that is as improbable as ``t`` of Student's t."""
     from scipy.special import ndtri, stdtr
 
-    tail = max(float(stdtr(freedom, -abs(t))), 1e-300)  # 37 sigma
+    tail = max(float(stdtr(freedom, -abs(t))), 1e-300)  # at most 37 standard deviations
     return float(np.copysign(-ndtri(tail), t))

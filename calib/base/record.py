@@ -1,4 +1,4 @@
-"""Records in files: what a TOML or JSON file may contain, as pydantic models.
+"""Schemas of TOML and JSON files as pydantic models, here beside a file of the schema.
 
     class PadsSection(Section):                                [pads]
         front: Annotated[float, QuantityMark("1", 0.02, 1.0)]  front = 0.38
@@ -6,7 +6,8 @@
     class ModelFile(FileSchema):                               schema = 1
         pads: PadsSection
 
-All mistakes of a file are one message, and its JSON Schema follows from the models. Loads pydantic.
+All mistakes in a file are reported in one message. The JSON Schema of a file follows from its
+model.
 """
 
 import math
@@ -32,8 +33,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from calib.base.errors import BrakeCalError, InputError
 from calib.base.record_errors import one_error, wrong
-from calib.base.toml import did_you_mean, load_toml, quantity, shown
-from calib.base.units import behind
+from calib.base.toml import did_you_mean, load_toml, quantity, shortened
+from calib.base.units import unit_suffix
 
 S = TypeVar("S", bound="Section")
 
@@ -44,17 +45,20 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
     written_as: ClassVar[str] = ""
-    """What a message expects where a value is not a table; by default the table's name."""
+    """How users write this table, for the message where a value is not a table.
+
+    By default the message names the table: ``[pads]``.
+    """
 
 
 class FileSchema(Section):
-    """A whole file, with the version of its schema."""
+    """A file, whose key ``schema`` is the version of its schema."""
 
     schema_version: Literal[1] = Field(alias="schema")
 
 
 class ByName(Section):
-    """A table whose keys are all optional; `entries` are in the order of the file."""
+    """A table in which every key is optional, and which keeps the order of the file."""
 
     _order: tuple[str, ...] = PrivateAttr(())
 
@@ -73,9 +77,10 @@ class ByName(Section):
 def section(
     title: str, about: str, keys: Mapping[str, tuple[Any, Any]], base: type[Section] = Section
 ) -> Any:
-    """Return the schema of a table from type and default of each key.
+    """Return the schema of a table from the type and the default of each key.
 
-    The default is None for an optional key, ``...`` for a required one.
+    The default is None for an optional key, ``...`` for a required key. ``title`` names the schema,
+    and ``about`` describes the table in JSON Schema.
     """
     fields: dict[str, Any] = {
         name: (kind | None if default is None else kind, default)
@@ -85,16 +90,18 @@ def section(
 
 
 def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
-    """Return the schema of a table from the type of each possible entry."""
-    schema: type[ByName] = section(title, about, {n: (k, None) for n, k in entries.items()}, ByName)
+    """Return the schema of a table from the type of each possible entry, as in `section`."""
+    keys = {name: (kind, None) for name, kind in entries.items()}
+    schema: type[ByName] = section(title, about, keys, ByName)
     return schema
 
 
 @dataclass(frozen=True)
 class QuantityMark:
-    """Marks a float of a file: written with a unit, stored in SI, plausible from low to high.
+    """Marks a float of a file: written with a unit, read in SI, plausible from ``low`` to ``high``.
 
-    ``si`` None allows any quantity; "1" is a plain number or a percentage. Bounds in SI.
+    ``si`` is the SI unit: "1" for a plain number or a percentage, None for any quantity. ``low``
+    and ``high`` are in that unit.
     """
 
     si: str | None
@@ -102,19 +109,19 @@ class QuantityMark:
     high: float = math.inf
 
     def read(self, written: object) -> float:
-        """Value [SI]. Raises `wrong` for another quantity or a value out of bounds."""
+        """Return the value [SI]. Raises the error `wrong` for another quantity or a wrong size."""
         try:
             value = quantity(written, self.si, None, InputError)
         except InputError as cause:
             raise wrong(cause.problem, cause.expected, cause.do) from cause
         if not self.low <= value <= self.high:
-            flaw = f"{value:g}{behind(self.si or '1')} is not believable"
+            flaw = f"{value:g}{unit_suffix(self.si or '1')} is not believable"
             raise wrong(flaw, self._range, "check the sign, the unit and the decimal point")
         return value
 
     @property
     def _range(self) -> str:
-        return f"{self.low:g} to {self.high:g}{behind(self.si or '1')}"
+        return f"{self.low:g} to {self.high:g}{unit_suffix(self.si or '1')}"
 
     def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -135,10 +142,10 @@ class OneOf:
     choices: tuple[str, ...]
 
     def read(self, written: object) -> Any:
-        """The value itself. Raises `wrong` for any other."""
+        """Return the value itself. Raises the error `wrong` for a value that is no choice."""
         if not isinstance(written, str) or written not in self.choices:
             hint = did_you_mean(written, self.choices) if isinstance(written, str) else ""
-            raise wrong(shown(written), f"one of {', '.join(map(repr, self.choices))}", hint)
+            raise wrong(shortened(written), f"one of {', '.join(map(repr, self.choices))}", hint)
         return written
 
     def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -156,7 +163,10 @@ def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
 
 
 def validated(document: object, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
-    """Check a document, plain values or JSON. Raises one ``error`` with all mistakes."""
+    """Return a document, plain values or the bytes of JSON, as a checked ``schema``.
+
+    Raises one ``error`` with all mistakes in the document ``where``.
+    """
     try:
         if isinstance(document, bytes):
             return schema.model_validate_json(document)
@@ -174,7 +184,7 @@ def json_schema(schema: type[Section]) -> dict[str, Any]:
 
 
 class _WithoutNull(GenerateJsonSchema):
-    """TOML has no null: an optional key is left out instead."""
+    """Generates JSON Schema without null, which TOML lacks: an optional key may be left out."""
 
     def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
         return self.generate_inner(schema["schema"])

@@ -1,15 +1,16 @@
-"""Mistakes in a file: pydantic's errors in plain words, all in one message."""
+"""Messages about mistakes in a file: pydantic's errors in plain words, all in one message."""
 
+from collections.abc import Iterator
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from calib.base.errors import BrakeCalError
-from calib.base.toml import did_you_mean, nearest, shown
+from calib.base.toml import did_you_mean, nearest, shortened
 
-_LISTED = 100  # most mistakes in a message
+_MAX_LISTED = 100  # mistakes in one message
 
 _EXPECTED = {
     "string_type": "text in quotes",
@@ -20,13 +21,29 @@ _EXPECTED = {
     "list_type": "a list",
     "tuple_type": "a list",
 }
-_NO_TABLE = ("model_type", "dict_type", "model_attributes_type")
+"""What a message expects, by pydantic's type of the error."""
+_NOT_A_TABLE = ("model_type", "dict_type", "model_attributes_type")
+"""Pydantic's errors for a value where a table is expected."""
 
 _Place = tuple[int | str, ...]  # keys and indices from the top of a file to a value
 
 
+class _Mistake(NamedTuple):
+    """A mistake at ``place``; ``expected`` and ``do`` may be ""."""
+
+    place: str
+    problem: str
+    expected: str = ""
+    do: str = ""
+
+    def error(self, kind: type[BrakeCalError], where: object = None) -> BrakeCalError:
+        """Return the error for this mistake in the file ``where``."""
+        location = ": ".join(str(part) for part in (where, self.place) if part)
+        return kind(self.problem, where=location or None, expected=self.expected, do=self.do)
+
+
 def wrong(problem: str, expected: str = "", do: str = "") -> PydanticCustomError:
-    """Return the error for a validator to raise: value given, value expected, what to do."""
+    """Return the error that a validator raises: what was wrong, what was expected, what to do."""
     return PydanticCustomError("wrong", "{what}", {"what": problem, "expected": expected, "do": do})
 
 
@@ -34,94 +51,100 @@ def one_error(
     cause: ValidationError, schema: type[BaseModel], where: object, error: type[BrakeCalError]
 ) -> BrakeCalError:
     """Return one error that lists all mistakes in the file ``where``."""
-    every = cause.errors(include_url=False)
-    details, more = every[:_LISTED], max(len(every) - _LISTED, 0)
-    version = [d for d in details if d["loc"] == ("schema",)]
-    # a misspelt key is also reported as missing: only the spelling counts
-    intended = [
-        (*d["loc"][:-1], nearest(str(d["loc"][-1]), _keys(schema, d["loc"][:-1])))
-        for d in details
-        if d["type"] == "extra_forbidden"
-    ]
-    mistakes = [
-        _mistake(detail, schema)
-        for detail in version or details
-        if detail["type"] != "missing" or detail["loc"] not in intended
-    ]
+    all_details = cause.errors(include_url=False)
+    details, unlisted = all_details[:_MAX_LISTED], max(len(all_details) - _MAX_LISTED, 0)
+    # in a file of another schema, only the version is reported
+    details = [detail for detail in details if detail["loc"] == ("schema",)] or details
+    mistakes = [_mistake(detail, schema) for detail in _without_misspelt(details, schema)]
     if len(mistakes) == 1:
-        place, problem, expected, do = mistakes[0]
-        location = ": ".join(str(part) for part in (where, place) if part)
-        return error(problem, where=location or None, expected=expected, do=do)
-    lines = [
-        str(error(problem, where=place or None, expected=expected, do=do))
-        for place, problem, expected, do in mistakes
-    ]
-    unlisted = [f"and {more} more"] if more else []
-    return error(f"{len(mistakes) + more} errors", where=where, lines=(*lines, *unlisted))
+        return mistakes[0].error(error, where)
+    lines = [str(mistake.error(error)) for mistake in mistakes]
+    if unlisted:
+        lines.append(f"and {unlisted} more")
+    return error(f"{len(mistakes) + unlisted} errors", where=where, lines=tuple(lines))
 
 
-def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> tuple[str, str, str, str]:
-    """Place, problem, expected value and remedy of a mistake."""
-    kind, loc, value = detail["type"], detail["loc"], shown(detail["input"])
-    path, parent = _path(loc), _path(loc[:-1])
+def _without_misspelt(
+    details: list[ErrorDetails], schema: type[BaseModel]
+) -> Iterator[ErrorDetails]:
+    """Leave out missing keys that are only misspelt, since the misspelt key is reported, too."""
+    intended = set[_Place]()
+    for detail in details:
+        if detail["type"] == "extra_forbidden":
+            table, written = detail["loc"][:-1], str(detail["loc"][-1])
+            intended.add((*table, nearest(written, _keys(schema, table)) or ""))
+    for detail in details:
+        if detail["type"] != "missing" or detail["loc"] not in intended:
+            yield detail
+
+
+def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
+    """Return a mistake in plain words."""
+    kind, place, value = detail["type"], detail["loc"], shortened(detail["input"])
+    path, table = _path(place), _path(place[:-1])
     context = detail.get("ctx", {})
-    if loc == ("schema",):
+    if place == ("schema",):
         if kind == "missing":
-            return parent, "no schema", "a line 'schema = 1' at the top", ""
-        return parent, f"schema {value}", "schema = 1", ""
+            return _Mistake(table, "no schema", "a line 'schema = 1' at the top")
+        return _Mistake(table, f"schema {value}", "schema = 1")
     if kind == "wrong":
-        return path, context["what"], context["expected"], context["do"]
+        return _Mistake(path, context["what"], context["expected"], context["do"])
     if kind == "json_invalid":
-        return "", f"not JSON ({context['error']})", "", ""
+        return _Mistake("", f"not JSON ({context['error']})")
     if kind == "literal_error":
-        return path, value, context["expected"], ""
+        return _Mistake(path, value, context["expected"])
     if kind == "missing":
-        return parent, f"key {loc[-1]!r} is missing", f"a value for {loc[-1]!r}", ""
+        return _Mistake(table, f"key {place[-1]!r} is missing", f"a value for {place[-1]!r}")
     if kind == "extra_forbidden":
-        keys = _keys(schema, loc[:-1])
-        hint = did_you_mean(str(loc[-1]), keys)
+        keys = _keys(schema, place[:-1])
+        hint = did_you_mean(str(place[-1]), keys)
         expected = "" if hint or not keys else f"one of {', '.join(keys)}"
-        return parent, f"unknown key {shown(loc[-1])}", expected, hint
-    wanted = _kind_at(schema, loc)
-    if kind in _NO_TABLE:
-        written_as = getattr(wanted, "written_as", "") or (path and f"[{path}]")
-        return path, f"{value} is not a table", written_as, ""
-    if kind == "list_type" and _is_section(_plain((*get_args(wanted), None)[0])):
-        return path, value, f"[[{path}]] with double brackets", ""
-    return path, value, _EXPECTED.get(kind, detail["msg"]), ""
+        return _Mistake(table, f"unknown key {shortened(place[-1])}", expected, hint)
+    type_there = _type_at(schema, place)
+    if kind in _NOT_A_TABLE:
+        written_as = getattr(type_there, "written_as", "") or (path and f"[{path}]")
+        return _Mistake(path, f"{value} is not a table", written_as)
+    if kind == "list_type" and _is_section(_item_type(type_there)):
+        return _Mistake(path, value, f"[[{path}]] with double brackets")
+    return _Mistake(path, value, _EXPECTED.get(kind, detail["msg"]))
 
 
-def _path(loc: _Place) -> str:
-    """Path as text, such as ``empirical[0].knots``."""
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
+def _path(place: _Place) -> str:
+    """Return a place as text, such as ``empirical[0].knots``."""
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)
     return text.removeprefix(".")
 
 
-def _keys(schema: type[BaseModel], loc: _Place) -> list[str]:
-    """The allowed keys of the table at ``loc``."""
-    kind = _kind_at(schema, loc)
-    fields = kind.model_fields.items() if _is_section(kind) else ()
+def _keys(schema: type[BaseModel], place: _Place) -> list[str]:
+    """The allowed keys of the table at ``place``."""
+    table = _type_at(schema, place)
+    fields = table.model_fields.items() if _is_section(table) else ()
     return [field.alias or name for name, field in fields]
 
 
-def _kind_at(schema: type[BaseModel], loc: _Place) -> Any:
-    """The type of the value at ``loc`` in a schema."""
+def _type_at(schema: type[BaseModel], place: _Place) -> Any:
+    """The type of the value at ``place`` in a schema."""
     kind: Any = schema
-    for key in loc:
+    for key in place:
         if _is_section(kind):
-            kind = kind.model_fields[str(key)].annotation
-        else:  # an item of a list, a tuple of any length or a dict
-            kind = next((a for a in reversed(get_args(kind)) if a is not Ellipsis), None)
-        kind = _plain(kind)
+            kind = _bare(kind.model_fields[str(key)].annotation)
+        else:
+            kind = _item_type(kind)
     return kind
 
 
-def _plain(kind: Any) -> Any:
+def _item_type(kind: Any) -> Any:
+    """The type of an item of a list, a tuple of any length or a dict; None for other types."""
+    arguments = [argument for argument in get_args(kind) if argument is not Ellipsis]
+    return _bare(arguments[-1]) if arguments else None
+
+
+def _bare(kind: Any) -> Any:
     """A type without ``Annotated`` and without None."""
     if get_origin(kind) is Annotated:
-        return _plain(get_args(kind)[0])
+        return _bare(get_args(kind)[0])
     if get_origin(kind) in (Union, UnionType):
-        return _plain(next(a for a in get_args(kind) if a is not type(None)))
+        return _bare(next(a for a in get_args(kind) if a is not type(None)))
     return kind
 
 

@@ -1,4 +1,4 @@
-"""`brake-cal.toml`, the settings of a project, in the working folder or the nearest above it."""
+"""Settings of a project: `brake-cal.toml` in the working folder, or in the nearest one above it."""
 
 import os
 from contextlib import suppress
@@ -11,74 +11,76 @@ from calib.base.errors import SettingsError
 from calib.base.names import PUBLIC_KEY, SETTINGS_FILE, SETTINGS_VARIABLE
 from calib.base.record import FileSchema, Section, read_toml
 from calib.base.record_errors import wrong
-from calib.base.toml import shown
+from calib.base.toml import shortened
 
 
-def _text(written: object) -> object:
+def _printable(written: object) -> object:
     if isinstance(written, str) and not (written.strip() and written.isprintable()):
-        raise wrong(f"{shown(written)} says nothing that can be printed", "text of one line")
+        raise wrong(f"{shortened(written)} says nothing that can be printed", "text of one line")
     return written
 
 
-Text = Annotated[str, BeforeValidator(_text)]
+_Text = Annotated[str, BeforeValidator(_printable)]
 
 
 class _StationSection(Section):
     """Settings of `brake-cal station`."""
 
-    name: Text | None = None
-    golden: Text | None = None
-    export: list[Text] | None = None
+    name: _Text | None = None
+    golden: _Text | None = None
+    export: list[_Text] | None = None
 
 
 class _KeysSection(Section):
-    """Keys that signatures are checked with."""
+    """Keys with which signatures are checked."""
 
-    public: Text | None = None
+    public: _Text | None = None
 
 
 class SettingsFile(FileSchema):
-    """Values for options that are not given on the command line. Paths start in its folder."""
+    """Values for options that are not on the command line. Paths are relative to its folder."""
 
-    store: Text | None = None
-    vehicle: Text | None = None
-    map: Text | None = None
-    limits: Text | None = None
+    store: _Text | None = None
+    vehicle: _Text | None = None
+    map: _Text | None = None
+    limits: _Text | None = None
     station: _StationSection = _StationSection()
     keys: _KeysSection = _KeysSection()
     require_signed: bool | None = None
-    by: Text | None = None
+    by: _Text | None = None
 
 
 def read_settings(path: Path | None) -> dict[str, Any]:
-    """Values of a settings file by key, such as ``station.name``; None for those it does not have.
+    """Return the values of a settings file by key, such as ``station.name``.
 
-    Paths are relative to the working folder. Raises one SettingsError with all mistakes.
+    A key that the file lacks has the value None. The returned paths are relative to the working
+    folder. Raises one SettingsError with all mistakes.
     """
     file = read_toml(path, SettingsFile, SettingsError) if path else SettingsFile(schema=1)
     folder = path.absolute().parent if path else Path()
-    with suppress(ValueError, OSError):  # another drive of Windows; no working folder any more
+    # fails between drives of Windows, and where somebody has deleted the working folder
+    with suppress(ValueError, OSError):
         folder = Path(os.path.relpath(folder))
 
-    def place(written: str | None) -> Path | None:
+    def path_of(written: str | None) -> Path | None:
         return None if written is None else folder / written
 
     golden, public = file.station.golden, file.keys.public
+    is_path = bool(golden) and Path(str(golden)).name != golden  # else it is the name of a table
+    is_key = bool(public) and PUBLIC_KEY.fullmatch(str(public))  # else it is the path of a file
     return {
-        **{key: place(getattr(file, key)) for key in ("store", "vehicle", "map", "limits")},
+        **{key: path_of(getattr(file, key)) for key in ("store", "vehicle", "map", "limits")},
         "station.name": file.station.name,
-        # With a folder it is a path, else the name of a table.
-        "station.golden": str(place(golden)) if golden and Path(golden).name != golden else golden,
+        "station.golden": str(path_of(golden)) if is_path else golden,
         "station.export": file.station.export,
-        # The text of a key, else the path of its file.
-        "keys.public": public if public and PUBLIC_KEY.fullmatch(public) else place(public),
+        "keys.public": public if is_key else path_of(public),
         "require_signed": file.require_signed,
         "by": file.by,
     }
 
 
 class Project(NamedTuple):
-    """Settings as by `read_settings`, their ``file`` or None, and the ``folders`` searched."""
+    """Settings as `read_settings` gives them, their ``file`` or None, the ``folders`` searched."""
 
     settings: dict[str, Any]
     file: Path | None
@@ -86,14 +88,18 @@ class Project(NamedTuple):
 
 
 def find_project() -> Project:
-    """Find and read the settings file. Raises SettingsError if it is not valid."""
-    named = os.environ.get(SETTINGS_VARIABLE)
+    """Find and read the settings file. Raises SettingsError if it is not valid.
+
+    The variable `BRAKE_CAL_SETTINGS` names the file; if the variable is empty, there is none.
+    """
+    variable = os.environ.get(SETTINGS_VARIABLE)
+    if variable is not None:
+        file = Path(variable) if variable else None
+        return Project(read_settings(file), file, ())
     folders: tuple[Path, ...] = ()
-    file = Path(named) if named else None  # an empty variable: no settings file
-    if named is None:
-        with suppress(FileNotFoundError):  # somebody has deleted the working folder
-            folders = (Path.cwd(), *Path.cwd().parents)
-        candidates = (folder / SETTINGS_FILE for folder in folders)
-        files = (Path(os.path.relpath(path)) for path in candidates if os.path.isfile(path))
-        file = next(files, None)
+    with suppress(FileNotFoundError):  # somebody has deleted the working folder
+        folders = (Path.cwd(), *Path.cwd().parents)
+    candidates = (folder / SETTINGS_FILE for folder in folders)
+    files = (Path(os.path.relpath(path)) for path in candidates if os.path.isfile(path))
+    file = next(files, None)
     return Project(read_settings(file), file, folders)

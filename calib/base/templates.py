@@ -1,4 +1,4 @@
-"""Templates of a room, as all files are made from them: strict, and without the lines of tags."""
+"""The settings of Jinja that all files of the program are made with."""
 
 from typing import TYPE_CHECKING
 
@@ -7,7 +7,11 @@ if TYPE_CHECKING:
 
 
 def templates(room: str, *, markup: bool) -> "Environment":
-    """The templates of the package ``room``; ``markup``: of HTML or XML, all values are escaped."""
+    """Return the templates of the package ``room``; an unknown variable is an error.
+
+    With ``markup`` they are HTML or XML, and all values are escaped. A line that holds only a tag
+    of the template leaves no line in the file.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     return Environment(

@@ -1,4 +1,4 @@
-"""TOML text, quantities with units, and suggestions for misspelt words."""
+"""Reading TOML files, quantities with units in them, and suggestions for misspelt words."""
 
 import difflib
 import math
@@ -15,13 +15,12 @@ from calib.base.units import UnknownUnit, si_of, to_si
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """A number in a quantity, as a regular expression."""
 
-_QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)  # without blanks around it
-_LONGEST = 60  # characters of a wrong value in a message, or of a word that is compared
-_MOST_PARTS = 100  # of a dotted key; tomllib takes seconds and gigabytes for thousands of them
+_QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)  # number and unit
+_MAX_CHARACTERS = 60  # of a wrong value in a message, and of a word that is compared
+_MAX_PARTS = 100  # of a dotted key; tomllib takes seconds and gigabytes for thousands of parts
 
-_LONG_KEY = re.compile(
-    r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{_MOST_PARTS}}}"
-)
+_KEY_PART_WITH_DOT = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
+_LONG_KEY = re.compile(rf"(?<![\w-])(?:{_KEY_PART_WITH_DOT}){{{_MAX_PARTS}}}")
 
 
 def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
@@ -30,7 +29,7 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
     try:
         text = data.decode("utf-8-sig")
         if _LONG_KEY.search(text):
-            raise ValueError(f"a key of more than {_MOST_PARTS} parts")
+            raise ValueError(f"a key of more than {_MAX_PARTS} parts")
         return tomllib.loads(text)
     except (ValueError, RecursionError) as cause:
         expected = 'a TOML file; quantities and texts stand in quotes, with a point: "1.5 kg"'
@@ -38,19 +37,21 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
 
 
 def nearest(word: str, words: Collection[str]) -> str | None:
-    """Return the known word that is most like ``word``; None if none is similar.
+    """Return the known word that is most like ``word``; None if no word is similar.
 
-    Words with the same letters, or with all parts of ``word``, come first.
+    A word of the same letters is preferred, then a word with all parts of ``word``.
     """
-    if len(word) > _LONGEST:  # comparing takes quadratic time
+    if len(word) > _MAX_CHARACTERS:  # comparing takes quadratic time
         return None
     close = difflib.get_close_matches(word, words, n=len(words)) if words else []
     parts = set(word.split("_"))
-    return min(
-        close,
-        key=lambda one: (sorted(one) != sorted(word), not parts <= set(one.split("_"))),
-        default=None,
-    )
+
+    def difference(candidate: str) -> tuple[bool, bool]:
+        has_other_letters = sorted(candidate) != sorted(word)
+        lacks_a_part = not parts <= set(candidate.split("_"))
+        return has_other_letters, lacks_a_part
+
+    return min(close, key=difference, default=None)
 
 
 def did_you_mean(word: str, words: Collection[str]) -> str:
@@ -60,35 +61,36 @@ def did_you_mean(word: str, words: Collection[str]) -> str:
 
 
 def quantity(value: object, si: str | None, where: object, error: type[InputError]) -> float:
-    """A number in SI from a quantity in a TOML file, such as ``"28.84 cm^2"``.
+    """Return the number in SI of a quantity in a TOML file, such as ``"28.84 cm^2"``.
 
-    ``si`` is the unit wanted, None for any; only a dimensionless quantity may be a plain number.
-    Raises ``error`` at ``where`` for a missing or wrong unit, or a number that is not finite.
+    ``si`` is the SI unit of the quantity, or None for any quantity. Only a dimensionless quantity
+    may be a plain number. Raises ``error`` at ``where`` for a missing or wrong unit, or a number
+    that is not finite.
     """
     dimensionless = si in ("1", None)
     written = value if isinstance(value, str) else repr(value)
     match = _QUANTITY.fullmatch(written.strip())
     if match is None or match[2].startswith(","):
         expected = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'
-        raise error(f"{shown(value)} is not a quantity", where=where, expected=expected)
+        raise error(f"{shortened(value)} is not a quantity", where=where, expected=expected)
     number, unit = float(match[1]), match[2]
     if not math.isfinite(number):
-        raise error(f"{shown(value)} is not finite", where=where, expected="a finite number")
+        raise error(f"{shortened(value)} is not finite", where=where, expected="a finite number")
     if not unit and not dimensionless:
         expected = f'a unit, such as "{number:g} {si}"'
-        raise error(f"{shown(value)} has no unit", where=where, expected=expected)
+        raise error(f"{shortened(value)} has no unit", where=where, expected=expected)
     try:
         return to_si(number, unit or "1", si or si_of(unit or "1"))
     except UnknownUnit as cause:
         raise error(str(cause), where=where) from cause
 
 
-def shown(value: object) -> str:
-    """A given value as a message shows it."""
+def shortened(value: object) -> str:
+    """Return a value of the user as a message shows it, cut if it is long."""
     text = repr(value)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+    return text if len(text) <= _MAX_CHARACTERS else f"{text[:_MAX_CHARACTERS]}..."
 
 
 def written_quantity(value: float, si: str) -> str | float:
-    """Text that `quantity` reads back exactly, ``"1744.0 kg"``; a plain number for ``si`` "1"."""
+    """Return what `quantity` reads back exactly: ``"1744.0 kg"``, or the number for ``si`` "1"."""
     return float(value) if si == "1" else f"{float(value)!r} {si}"

@@ -1,11 +1,13 @@
-"""Write files completely or not at all, and all files of a run in a folder together.
+"""Write a file completely or not at all, and all files of a run into a folder together.
 
-    out/.lock                    is locked while a run is published or a store changed
-    out/.making-<random>.lock    is locked while a run makes its files
-    out/.making-<random>/        where it makes them
+    out/.making-<random>/        here a run makes its files: `work_folder`
+    out/.making-<random>.lock    is locked meanwhile
+    out/                         here `publish` moves them, the verdict last
+    out/.lock                    is locked meanwhile, and while a store is changed
 
-The old verdict is removed first and the new one written last. A killed run leaves the old run, the
-new one, or no verdict, and a folder that the next run deletes. No file is replaced or removed while
+The verdict is the file by which people see whether a run is complete, such as `summary.json`. The
+old verdict is removed first and the new verdict moved last. So a killed run leaves the old run, the
+new run, or no verdict; the next run deletes its work folder. No file is replaced or removed while
 it is open or locked, which Windows forbids.
 """
 
@@ -19,15 +21,15 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
-_LOCK = ".lock"  # of a folder, and how the lock file of a work folder ends
-_WORK = ".making-"
-_RETRIES = (0.02, 0.1, 0.5, 2.0)  # waits for a file that a reader or scanner holds on Windows [s]
+_LOCK = ".lock"  # lock file of a folder, and end of the name of a work folder's lock file
+_WORK = ".making-"  # begin of the name of a work folder
+_WAITS = (0.02, 0.1, 0.5, 2.0)  # for a file that a reader or scanner has open on Windows [s]
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write ``content`` to ``path`` atomically, and to the disk. Raises OSError.
+    """Write ``content`` to ``path`` atomically, and flush it to the disk. Raises OSError.
 
-    The new file is made beside it, as ``.<name>.<random>.new``.
+    The new file is first written as ``.<name>.<random>.new`` in the same folder.
     """
     new = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
     try:
@@ -43,22 +45,22 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def _replace(source: Path, target: Path) -> None:
-    waits = [*_RETRIES] if sys.platform == "win32" else []
-    while True:
+    """Rename a file over another file; on Windows, wait for a reader that has it open."""
+    for wait in _WAITS if sys.platform == "win32" else ():
         try:
             os.replace(source, target)
-            break
+            return
         except PermissionError:
-            if not waits:
-                raise
-            time.sleep(waits.pop(0))
+            time.sleep(wait)
+    os.replace(source, target)
 
 
 @contextmanager
 def locked_folder(folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder, which is made if missing, and removed if it then stays empty.
+    """Hold the lock of a folder within the context. Raises OSError.
 
-    It holds between computers if the file system supports that. Raises OSError.
+    A missing folder is made, and removed if it is empty at the end. The lock holds between
+    computers if the file system supports that.
     """
     is_new = not folder.exists()
     try:
@@ -74,44 +76,48 @@ def locked_folder(folder: Path) -> Iterator[None]:
 def _locked(path: Path, wait: bool = True) -> Iterator[None]:
     """Hold the lock file ``path``, which is removed afterwards; its folder is made.
 
-    Raises BlockingIOError if another process holds it and ``wait`` is false, OSError.
+    Raises BlockingIOError if another process holds the lock and ``wait`` is false, else OSError.
     """
     from filelock import FileLock, Timeout, UnixFileLock
 
     handles = list[int]()
-    if removes := issubclass(FileLock, UnixFileLock):  # the other kind removes its file itself
+    is_unix = issubclass(FileLock, UnixFileLock)
+    if is_unix:  # this kind leaves the file in place, so it is removed below
         lock = FileLock(path, mode=0o666, preserve_lock_file=True, on_acquired=handles.append)
     else:
         lock = FileLock(path)
     while not lock.is_locked:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with suppress(FileNotFoundError):  # its last holder removed the empty folder
+        with suppress(FileNotFoundError):  # the last holder has just removed the empty folder
             try:
                 lock.acquire(blocking=wait)
             except Timeout as cause:
                 raise BlockingIOError(errno.EAGAIN, "locked", str(path)) from cause
-            if removes and not _is_open_at(path, handles[-1]):
-                lock.release()
+            if is_unix and not _is_open_at(path, handles[-1]):
+                lock.release()  # the last holder has removed this file: lock the next one
     try:
         yield
     finally:
-        if removes:
+        if is_unix:
             path.unlink(missing_ok=True)
         lock.release()
 
 
 def _is_open_at(path: Path, handle: int) -> bool:
-    """Whether a handle is of the file that is at ``path`` now, not of one that was removed.
+    """Whether an open file is the file at ``path``, and not a file that was removed there.
 
     ``path`` is opened anew, since a network file system may have a removed file in its cache.
     """
-    with suppress(FileNotFoundError), path.open("rb") as now:
-        return os.path.samestat(os.fstat(now.fileno()), os.fstat(handle))
+    with suppress(FileNotFoundError), path.open("rb") as present:
+        return os.path.samestat(os.fstat(present.fileno()), os.fstat(handle))
     return False
 
 
 def sync(path: Path) -> None:
-    """Wait until a file, or the names in a folder, are on the disk; Windows has no such folders."""
+    """Wait until a file, or the list of files in a folder, is on the disk.
+
+    For a folder on Windows, where that is not possible, do nothing.
+    """
     if sys.platform == "win32" and path.is_dir():
         return
     handle = os.open(path, os.O_RDWR if sys.platform == "win32" else os.O_RDONLY)
@@ -122,32 +128,27 @@ def sync(path: Path) -> None:
 
 
 def _flush(handle: int) -> None:
-    """Flush a file to the disk; macOS would leave it in the cache of the disk."""
+    """Flush a file to the disk. On macOS fsync alone would leave it in the cache of the disk."""
     if sys.platform == "darwin":
         import fcntl
 
-        with suppress(OSError):  # a file system of another kind
+        with suppress(OSError):  # the file system does not support it
             fcntl.fcntl(handle, fcntl.F_FULLFSYNC)
             return
     os.fsync(handle)
 
 
 @contextmanager
-def workshop(out: Path) -> Iterator[Path]:
-    """Make a hidden work folder in ``out``, on the same file system; it is deleted afterwards.
+def work_folder(out: Path) -> Iterator[Path]:
+    """Make a hidden work folder in ``out``, so on the same file system; delete it afterwards.
 
-    Those of killed runs are deleted, and a new ``out`` that stays empty. Raises OSError at once if
-    ``out`` cannot be written.
+    Work folders of killed runs are deleted, too. If ``out`` is made here and stays empty, it is
+    removed. Raises OSError at once if ``out`` cannot be written.
     """
     is_new = not out.exists()
     out.mkdir(parents=True, exist_ok=True)
     try:
-        for name in {path.name.removesuffix(_LOCK) for path in out.glob(f"{_WORK}*")}:
-            with (
-                suppress(BlockingIOError, PermissionError),
-                _locked(out / f"{name}{_LOCK}", wait=False),
-            ):
-                shutil.rmtree(out / name, ignore_errors=True)
+        _delete_abandoned(out)
         work = out / f"{_WORK}{secrets.token_hex(4)}"
         with _locked(work.with_name(f"{work.name}{_LOCK}")):
             work.mkdir(0o700)
@@ -161,49 +162,67 @@ def workshop(out: Path) -> Iterator[Path]:
                 out.rmdir()
 
 
+def _delete_abandoned(out: Path) -> None:
+    """Delete the work folders of runs that no longer hold their lock."""
+    for name in {path.name.removesuffix(_LOCK) for path in out.glob(f"{_WORK}*")}:
+        with (
+            suppress(BlockingIOError, PermissionError),  # the run is alive, or of another user
+            _locked(out / f"{name}{_LOCK}", wait=False),
+        ):
+            shutil.rmtree(out / name, ignore_errors=True)
+
+
 def publish(
     work: Path, out: Path, verdict: str, stale: Callable[[Path], Iterable[str]] | None = None
 ) -> list[Path]:
-    """Move everything from ``work``, made by `workshop`, into ``out``; return the paths.
+    """Move all files from a `work_folder` into ``out``, the file ``verdict`` last.
 
-    The file ``verdict`` is moved last. ``stale``, called under the lock of ``out``, names files of
-    earlier runs; those that this run did not make again are removed. If a file cannot be moved, all
-    new ones and the old verdict are removed. Raises OSError.
+    ``stale`` is called under the lock of ``out`` and names files of earlier runs. Those that this
+    run did not make again are removed. If a file cannot be moved, the new files and the old verdict
+    are removed. Returns the paths of the new files. Raises OSError.
     """
     files = (path for path in work.rglob("*") if not path.is_dir())
     names = sorted(path.relative_to(work).as_posix() for path in files)
-    names = [*(name for name in names if name != verdict), verdict]
-    refuse_obstacles(out, names)
+    others = [name for name in names if name != verdict]
+    refuse_obstacles(out, [*others, verdict])
     for path in work.rglob("*"):
         sync(path)
     with locked_folder(out):
-        old = {name for name in (stale(out) if stale else ()) if _is_inside(out, name)} - {*names}
+        named = list(stale(out)) if stale else []
+        old = {name for name in named if name not in names and _is_inside(out, name)}
         _remove(out, [verdict])
         sync(out)
         _remove(out, old)
         try:
-            for name in names:
-                if name == verdict:  # when the others are on the disk
-                    for parent in {(out / other).parent for other in names}:
-                        sync(parent)
-                (out / name).parent.mkdir(parents=True, exist_ok=True)
-                _replace(work / name, out / name)
-            sync(out)
+            for name in others:
+                _move(name, work, out)
+            for folder in {(out / name).parent for name in others}:
+                sync(folder)  # before the verdict says that the other files are there
+            _move(verdict, work, out)
+            sync((out / verdict).parent)
         except BaseException:
-            _remove(out, names)
+            _remove(out, [*others, verdict])
             raise
-    return [out / name for name in names]
+    return [out / name for name in (*others, verdict)]
+
+
+def _move(name: str, work: Path, out: Path) -> None:
+    (out / name).parent.mkdir(parents=True, exist_ok=True)
+    _replace(work / name, out / name)
 
 
 def _is_inside(out: Path, name: str) -> bool:
-    """Whether a path stays within the folder ``out``, also through links."""
+    """Whether the path ``name`` stays within the folder ``out``, also through links."""
     path = PurePosixPath(name)
-    plain = bool(path.parts) and not path.is_absolute() and ".." not in path.parts
-    return plain and (out / name).parent.resolve().is_relative_to(out.resolve())
+    is_relative = bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+    return is_relative and (out / name).parent.resolve().is_relative_to(out.resolve())
 
 
 def refuse_obstacles(out: Path, names: Iterable[str]) -> None:
-    """Raise OSError for a folder in the place of a file of ``names``, or a file for its folder."""
+    """Raise OSError where a folder is in the place of a file of ``names``.
+
+    The same holds for a file in the place of a folder that one of these files needs.
+    """
     for name in names:
         if (out / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(out / name))
@@ -213,12 +232,12 @@ def refuse_obstacles(out: Path, names: Iterable[str]) -> None:
 
 
 def _remove(out: Path, names: Iterable[str]) -> None:
-    """Delete files, and their folders that are empty then."""
+    """Delete files, and their folders if they are then empty."""
     for name in names:
         if not (out / name).is_dir():
             (out / name).unlink(missing_ok=True)
         for folder in _folders(out, name):
-            with suppress(OSError):  # missing, or with other files
+            with suppress(OSError):  # the folder is missing, or holds other files
                 folder.rmdir()
 
 

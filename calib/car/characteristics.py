@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from calib.base.names import AXLE_NAMES, G
-from calib.base.plain import finite
+from calib.base.plain import finite_or_none
 from calib.base.units import BAR
 from calib.car.balance import front_biased_up_to, front_share, pressure_per_g
 from calib.car.forces import axle_loads
@@ -29,7 +29,7 @@ def characteristics(vehicle: Vehicle) -> dict[str, Any]:
         "wheelbase": vehicle.wheelbase,
         "pressure_per_g": pressure_per_g(vehicle) / BAR,
         "front_share": front_share(vehicle, 0.0),
-        "front_biased_up_to": finite(front_biased_up_to(vehicle)),
+        "front_biased_up_to": finite_or_none(front_biased_up_to(vehicle)),
         "rear_lifts_at": vehicle.cg_to_front_axle / vehicle.cg_height,
     }
     of_axles = {}

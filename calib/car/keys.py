@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from calib.base.plain import listed, rows
-from calib.base.units import behind, from_si, si_of
+from calib.base.plain import rows, texts_of
+from calib.base.units import from_si, si_of, unit_suffix
 from calib.car.vehicle import Axle, Vehicle
 
 CHASSIS, FRONT, REAR = "chassis", "front", "rear"
@@ -66,7 +66,7 @@ class VehicleKey:
 def _read(row: dict[str, str]) -> VehicleKey:
     numbers = {name: float(row[name] or 0.0) for name in ("low", "high", "least", "most")}
     values: dict[str, Any] = {**row, **numbers, "optional": row["optional"] == "yes"}
-    return VehicleKey(**values | {end: listed(row[end]) for end in ("too_low", "too_high")})
+    return VehicleKey(**values | {end: texts_of(row[end]) for end in ("too_low", "too_high")})
 
 
 KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
@@ -98,7 +98,7 @@ def vehicle_text() -> str:
 
 def _commented(key: VehicleKey) -> str:
     measure = f"measure: {key.measure}" if key.unit else key.measure
-    usual = [f"usual: {key.low:g} to {key.high:g}{behind(key.unit)}"] if key.unit else []
+    usual = [f"usual: {key.low:g} to {key.high:g}{unit_suffix(key.unit)}"] if key.unit else []
     about = (*textwrap.wrap(key.meaning, 96), *textwrap.wrap(measure, 96), *usual)
     # a text of JSON is one of TOML; a number without a unit has no quotes
     value = key.example if key.unit == "1" else json.dumps(key.example, ensure_ascii=False)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from calib.base.errors import ModelError
 from calib.base.toml import did_you_mean
-from calib.base.units import behind
+from calib.base.units import unit_suffix
 from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import Card
 from calib.car.effects.effects import Effects
@@ -76,9 +76,9 @@ def _checked(card: Card, values: Mapping[str, float], where: str) -> dict[str, f
     for key, parameter in cards.items():
         if key in values and not parameter.low <= values[key] <= parameter.high:
             raise ModelError(
-                f"{values[key]:g}{behind(parameter.unit)} is not believable",
+                f"{values[key]:g}{unit_suffix(parameter.unit)} is not believable",
                 where=f"{where}.{key}",
-                expected=f"{parameter.low:g} to {parameter.high:g}{behind(parameter.unit)}",
+                expected=f"{parameter.low:g} to {parameter.high:g}{unit_suffix(parameter.unit)}",
             )
         if key not in values and parameter.default is None:
             expected = f"a value for {key!r}"

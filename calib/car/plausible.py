@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from calib.base.plain import bound, finite, listed, rows
+from calib.base.plain import finite_or_none, limit_of, rows, texts_of
 from calib.base.units import from_si
 from calib.base.warning import PlausibilityWarning
 from calib.car.balance import front_biased_up_to, front_share, lock_efficiency, pressure_per_g
@@ -18,7 +18,7 @@ from calib.car.vehicle import Vehicle
 _GOOD_ROAD = 0.8
 """Friction [1] that dry asphalt surely offers: `lock_efficiency` is judged there."""
 
-LEAST_FRONT_BIASED = bound("front_biased_up_to", "low")
+LEAST_FRONT_BIASED = limit_of("front_biased_up_to", "low")
 """Deceleration [g] up to which the front axle must lock first.
 
 Cars that control the rear pressure (EBD) have 0.4 or more by design. Pads that scatter by 3 %
@@ -63,8 +63,8 @@ def _of_key(key: VehicleKey) -> _Figure:
 
 def _of_row(row: dict[str, str]) -> _Figure:
     """Without a lowest value the station's limit counts, without a highest one none."""
-    code, causes = row["code"], (listed(row["too_low"]), listed(row["too_high"]))
-    low, high = float(row["low"] or bound(code, "low")), float(row["high"] or math.inf)
+    code, causes = row["code"], (texts_of(row["too_low"]), texts_of(row["too_high"]))
+    low, high = float(row["low"] or limit_of(code, "low")), float(row["high"] or math.inf)
     return _Figure(code, _VALUES[code], low, high, *causes, row["do"])
 
 
@@ -78,7 +78,7 @@ def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     """Warnings of figures outside their usual range; the values of the file first."""
     warnings = []
     for figure in _FIGURES:
-        value, ends = figure.value_of(vehicle), (figure.low, finite(figure.high))
+        value, ends = figure.value_of(vehicle), (figure.low, finite_or_none(figure.high))
         if not figure.low <= value <= figure.high:
             causes = figure.too_low if value < figure.low else figure.too_high
             warnings.append(

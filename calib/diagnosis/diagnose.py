@@ -6,7 +6,7 @@ calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (som
 """
 
 from calib.base.errors import ModelError
-from calib.base.processes import Mapped, one_blas_thread
+from calib.base.processes import MapFunction, one_blas_thread
 from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import SLOWING, acts_on
 from calib.car.vehicle import Vehicle
@@ -35,7 +35,7 @@ def diagnose(
     calibration: list[Log],
     holdout: list[Log],
     tell: Tell = silent,
-    mapped: Mapped = map,
+    mapped: MapFunction = map,
 ) -> Diagnosis:
     """Find where a car and its model disagree, name the missing effect, and confirm it.
 
@@ -47,7 +47,7 @@ def diagnose(
     holdout : one or more logs, on which the effect must close the gap.
     tell : called at each step with the stage in words, the steps of it that are done, and their
         number.
-    mapped : carries out independent pieces of work, see `calib.base.processes.side_by_side`.
+    mapped : carries out independent pieces of work, see `calib.base.processes.parallel_map`.
         Effects of one's own, which other processes do not know, are tried in this one.
 
     Returns

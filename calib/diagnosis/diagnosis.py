@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from calib.base.shown import Shown
+from calib.base.viewable import Viewable
 from calib.base.warning import PlausibilityWarning
-from calib.base.write import publish, workshop, write_whole
+from calib.base.write import publish, work_folder, write_whole
 from calib.car.model import Model
 from calib.diagnosis.replays import CHANNELS, UNITS, Gap
 from calib.diagnosis.verdict import Unexplained
@@ -78,7 +78,7 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Diagnosis(Shown):
+class Diagnosis(Viewable):
     """The whole answer.
 
     ``replays_before`` and ``replays_after`` are the hold-outs replayed open loop; ``unexplained``
@@ -177,7 +177,7 @@ def write_folder(diagnosis: Diagnosis, report: str, out: Path) -> list[Path]:
 
     document = json.dumps(to_dict(diagnosis), indent=2, allow_nan=False) + "\n"
     sims = (*diagnosis.replays_before, *diagnosis.replays_after)
-    with workshop(out) as work:
+    with work_folder(out) as work:
         write_whole(work / _DOCUMENT, document.encode())
         write_model(diagnosis.model_after, work / _MODEL)
         write_whole(work / _REPORT, report.encode())

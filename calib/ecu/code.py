@@ -20,7 +20,7 @@ import numpy as np
 from calib.base.errors import ExchangeError
 from calib.base.names import CHANNELS as LOGGED
 from calib.base.plain import counted
-from calib.base.write import publish, workshop, write_whole
+from calib.base.write import publish, work_folder, write_whole
 from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.ecu.car_data import CAR, axes_of, code_grids, numbers_of, sources
@@ -152,7 +152,7 @@ def _write_bundle(
     whole = build(stored, how.points, how.bits, first=first)
     version = replace(whole.scalars[0], fixed=None)
     shown = replace(whole, curves=(), scalars=(version,), single=how.floating == 32)
-    with workshop(folder) as work:
+    with work_folder(folder) as work:
         for name, text in texts.items():
             write_whole(work / name, Template(text).safe_substitute(facts).encode())
         for form in _TOOLS:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.base.plain import bound, finite
+from calib.base.plain import finite_or_none, limit_of
 from calib.estimation.estimator import Estimate
 from calib.estimation.validate import Validation
 
@@ -51,7 +51,7 @@ class _Agreement:
     @property
     def differ(self) -> bool:
         """Whether stops are too far apart to have the same pads: where the station warns."""
-        front, rear = (bound(f"repeatability_{axle}", "warn_high") for axle in "fr")
+        front, rear = (limit_of(f"repeatability_{axle}", "warn_high") for axle in "fr")
         return self.largest_departure_f > front or self.largest_departure_r > rear
 
 
@@ -73,7 +73,7 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
         spread = np.abs(group[:, :2] / pads - 1.0).max(axis=0) if len(group) > 1 else (None, None)
         names = tuple(answered[i].log for i in ungrouped[like])
         roads.append(
-            _Road(names, math.exp(group[:, 3].mean()), *pads.tolist(), *map(finite, spread))
+            _Road(names, math.exp(group[:, 3].mean()), *pads.tolist(), *map(finite_or_none, spread))
         )
         ungrouped = ungrouped[~like]
     spreads = [(road.spread_f, road.spread_r) for road in roads if road.spread_f is not None]

@@ -14,7 +14,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
 from calib.base.extras import need
-from calib.base.shown import Shown
+from calib.base.viewable import Viewable
 from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
@@ -57,7 +57,7 @@ Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is 
 
 
 @dataclass(frozen=True)
-class Estimate(Shown):
+class Estimate(Viewable):
     """The estimate of one log, at its rate, and what it rests on.
 
     ``table`` with the car as driven, ``car`` the same with nominal pads and all known effects;

@@ -16,7 +16,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, Field, FiniteFloat, create_model, model_validator
 
 from calib.base.errors import LimitsError
-from calib.base.plain import Ends
+from calib.base.plain import MetricLimits
 from calib.base.record import FileSchema, Section, by_name, read_toml
 from calib.base.record_errors import wrong
 from calib.estimation.limits import Limit
@@ -86,6 +86,6 @@ def read_limits(path: Path, metrics: Collection[str]) -> tuple[Limit, ...]:
     if not entries:
         raise LimitsError("no limits in it", where=path, expected="metrics in the table [limits]")
     return tuple(
-        Limit(name, *Ends(*(x if isfinite(x) else None for x in one.ends)), one.required)
+        Limit(name, *MetricLimits(*(x if isfinite(x) else None for x in one.ends)), one.required)
         for name, one in entries
     )

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.plain import finite, meanings
+from calib.base.plain import finite_or_none, meanings
 from calib.car.balance import front_share
 from calib.car.braking import MOVING
 from calib.estimation.baselines import METHODS
@@ -96,7 +96,7 @@ def score(e: Estimate) -> Figures:
         figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
     for name, word in _NAMES.items():
         figures = {key.replace(name, word): x for key, x in figures.items()}
-    return {key: finite(figures.get(key)) for key in METRICS}
+    return {key: finite_or_none(figures.get(key)) for key in METRICS}
 
 
 def counted_samples(e: Estimate) -> Mask:

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from calib.base.plain import finite
+from calib.base.plain import finite_or_none
 from calib.base.warning import to_dict as warning_dict
-from calib.base.write import publish, workshop, write_whole
+from calib.base.write import publish, work_folder, write_whole
 from calib.estimation.agreement import agreement
 from calib.estimation.estimator import COLUMNS, Estimate
 from calib.estimation.limits import FAILED, PASSED
@@ -64,9 +64,9 @@ def _of_log(r: Validation) -> dict[str, object]:
         "role": r.role,
         "verdict": PASSED if r.passed else FAILED,
         "proof": r.proof,
-        "figures": {key: finite(value) for key, value in r.figures.items()},
+        "figures": {key: finite_or_none(value) for key, value in r.figures.items()},
         "limits": [
-            {"figure": j.figure, "value": finite(j.value), "min": j.low, "max": j.high}
+            {"figure": j.figure, "value": finite_or_none(j.value), "min": j.low, "max": j.high}
             | {"warn": [j.warn_low, j.warn_high], **j.outcome}
             for j in r.judgements
         ],
@@ -93,7 +93,7 @@ def write_results(results: list[Validation], summary: dict[str, object], out: Pa
     All of them or none, the summary last. Results of other logs in ``out`` stay. Raises OSError if
     ``out`` cannot be written.
     """
-    with workshop(out) as work:
+    with work_folder(out) as work:
         fill(results, summary, work)
         return publish(work, out, SUMMARY)
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from calib.base.shown import Shown
+from calib.base.viewable import Viewable
 from calib.base.warning import PlausibilityWarning
 from calib.car.mass import MassUsed, mass_used
 from calib.car.vehicle import Vehicle, require_same_car
@@ -42,7 +42,7 @@ NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves not
 
 
 @dataclass(frozen=True)
-class Validation(Shown):
+class Validation(Viewable):
     """One log: its estimate, its metrics, its judgements, and what stands beside them.
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it validates

@@ -16,7 +16,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.names import G
-from calib.base.warning import VOID, WARN, Measured, PlausibilityWarning, judged
+from calib.base.warning import VOID, WARN, Measured, PlausibilityWarning, rule_warnings
 from calib.car.braking import BITE, MOVING
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
@@ -80,7 +80,7 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
     does = VOID, WARN
     warnings = (
         *warnings_on(evidence, VALIDATE, does),
-        *judged(log_run.log.name, of_table, VALIDATE, does),
+        *rule_warnings(log_run.log.name, of_table, VALIDATE, does),
     )
     asks = any(one.code in _ASKS for one in warnings) or share(e.valid, counted_samples(e)) <= 0.5
     asks = asks or _beside_pressure(evidence) or _goes_with_time(e)
@@ -88,7 +88,7 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         log_run.slipping.locked or log_run.slipping.cycles
     )
     named = _mistakes(e, resistance, evidence) if asks and rolls else ()
-    return (*judged(log_run.log.name, named, VALIDATE), *warnings)
+    return (*rule_warnings(log_run.log.name, named, VALIDATE), *warnings)
 
 
 def _beside_pressure(evidence: Evidence) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.base.errors import LogError
 from calib.base.names import PROGRAM
-from calib.base.warning import REFUSE, Measured, PlausibilityWarning, judged, unexplained
+from calib.base.warning import REFUSE, Measured, PlausibilityWarning, rule_warnings, unexplained
 from calib.car.balance import front_biased_up_to
 from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE
@@ -144,9 +144,9 @@ def fit(
             {"ramp": ramps, "coast": coasts, "stop": stops}, bench, tyre, fleet or {}
         ),
         warnings=(
-            *judged(vehicle.name, [Measured(prior.code, p) for prior, p in support], FIT),
+            *rule_warnings(vehicle.name, [Measured(prior.code, p) for prior, p in support], FIT),
             *mistakes,
-            *judged(car.name, of_calibration(car, pads, pad_prior), FIT),
+            *rule_warnings(car.name, of_calibration(car, pads, pad_prior), FIT),
             *warnings,
         ),
         budget=budget,
@@ -163,12 +163,12 @@ def _mistakes(
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings of mistakes that explain the ramps; raises LogError where one is certain."""
     mistakes, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
-    if certain(causes) and (why := judged(logs, mistakes, FIT, (REFUSE,))):
+    if certain(causes) and (why := rule_warnings(logs, mistakes, FIT, (REFUSE,))):
         raise refused(
             "; or ".join(one.text for one in why),
             expected="forces that the pressure and the logged torques make",
         )
-    return judged(logs, mistakes, FIT)
+    return rule_warnings(logs, mistakes, FIT)
 
 
 def _ready(

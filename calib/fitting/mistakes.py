@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from calib.base.intervals import CERTAIN, SURE
+from calib.base.intervals import CERTAIN_LOG_ODDS, LIKELY_LOG_ODDS
 from calib.base.names import AXLE_NAMES
 from calib.base.units import BAR
 from calib.base.warning import Measured
@@ -68,9 +68,9 @@ def _least(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -
     """
     best = max(pads, key=lambda cause: cause.log_odds)
     most = max((cause.log_odds for cause in screened), default=NEVER)
-    if other_road and most < best.log_odds + SURE - SCREENING_ERROR:
+    if other_road and most < best.log_odds + LIKELY_LOG_ODDS - SCREENING_ERROR:
         return math.inf
-    return max(best.log_odds, most) - SURE * max(best.misfit, 1.0) - SCREENING_ERROR
+    return max(best.log_odds, most) - LIKELY_LOG_ODDS * max(best.misfit, 1.0) - SCREENING_ERROR
 
 
 def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
@@ -79,7 +79,9 @@ def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
     None where "nothing wrong" is among them, or where no hypothesis explains the ramps.
     """
     best = causes[0]
-    sure = SURE * max(best.misfit, 1.0)  # a larger misfit makes the odds as much less sure
+    sure = LIKELY_LOG_ODDS * max(
+        best.misfit, 1.0
+    )  # a larger misfit makes the odds as much less sure
     near = tuple(c for c in causes if c.log_odds > best.log_odds - sure)
     usual = (USUAL_PADS, USUAL_PADS)
     nothing = next(c.misfit for c in causes if not c.hypothesis.code and c.hypothesis.pads == usual)
@@ -101,13 +103,17 @@ def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...
 def certain(causes: Sequence[Cause]) -> bool:
     """Whether it is certainly a mistake: no pads explain the ramps as well."""
     near = _candidates(causes)
-    return bool(near) and near[0].log_odds > CERTAIN and all(c.hypothesis.code for c in near)
+    return (
+        bool(near) and near[0].log_odds > CERTAIN_LOG_ODDS and all(c.hypothesis.code for c in near)
+    )
 
 
 def other_than_pads(causes: Sequence[Cause]) -> str:
     """A mistake that explains the ramps nearly as well as other pads do, in words; or ""."""
     best = max(c.log_odds for c in causes if not c.hypothesis.code)
-    near = (c for c in causes if c.hypothesis.code in _IN_WORDS and c.log_odds > best - SURE)
+    near = (
+        c for c in causes if c.hypothesis.code in _IN_WORDS and c.log_odds > best - LIKELY_LOG_ODDS
+    )
     for cause in near:
         axle = AXLE_NAMES[cause.hypothesis.axle]
         return _IN_WORDS[cause.hypothesis.code].format(axle=axle, size=cause.size[0])

@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.errors import LogError
-from calib.base.warning import Measured, PlausibilityWarning, judged
+from calib.base.warning import Measured, PlausibilityWarning, rule_warnings
 from calib.car.balance import front_biased_up_to
 from calib.car.mass import MassUsed
 from calib.car.plausible import plausible
@@ -180,7 +180,7 @@ def warnings_of(
     yield from (w for w in plausible(filed) if not w.code.startswith("pad_friction"))
     car = ramps[0].car
     if ROLLING[0] not in car.effects:
-        yield from judged(car.name, [Measured("rolling_resistance", identified.mean[1])])
+        yield from rule_warnings(car.name, [Measured("rolling_resistance", identified.mean[1])])
     rolling = (
         identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts)) if coasts else identified
     )

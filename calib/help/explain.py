@@ -30,11 +30,13 @@ def explained(code: str) -> Facts:
 def _rules(code: str) -> list[Row]:
     rows: list[Row] = []
     for rule in (one for one in RULES if one.code == code):
-        causes = [cause for cell in (*rule.causes, *rule.below) if (cause := _open(cell)) != "..."]
+        causes = [
+            cause for cell in (*rule.causes, *rule.causes_below) if (cause := _open(cell)) != "..."
+        ]
         purposes = ", ".join(rule.purposes)
         rows += [
-            ("measures", f"{rule.means}, in {rule.unit}" if rule.unit != "1" else rule.means),
-            ("expected", f"{_range(rule.low, rule.high)} ({purposes}), {_ELSE[rule.does]}"),
+            ("measures", f"{rule.title}, in {rule.unit}" if rule.unit != "1" else rule.title),
+            ("expected", f"{_range(rule.low, rule.high)} ({purposes}), {_ELSE[rule.consequence]}"),
             *(("or" if i else "likely", cause) for i, cause in enumerate(causes)),
             ("what to do", _open(rule.do)),
         ]

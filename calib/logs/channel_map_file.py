@@ -18,7 +18,7 @@ from calib.base.errors import ChannelMapError
 from calib.base.names import CHANNELS, TRUTH
 from calib.base.record import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
 from calib.base.record_errors import wrong
-from calib.base.toml import shown
+from calib.base.toml import shortened
 from calib.base.units import UnknownUnit, unit_of
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
@@ -31,7 +31,7 @@ def _expected(form: str) -> WrapValidator:
         with suppress(ValidationError):
             if not isinstance(written, bool):  # which Python takes for 0 or 1
                 return handler(written)
-        raise wrong(shown(written), form)
+        raise wrong(shortened(written), form)
 
     return WrapValidator(checked)
 
@@ -78,7 +78,7 @@ def _encoding(name: str) -> str:
         is_fit = False
     if not is_fit:
         expected = 'an encoding such as "utf-8" or "latin-1"'
-        raise wrong(f"unknown encoding of text {shown(name)}", expected)
+        raise wrong(f"unknown encoding of text {shortened(name)}", expected)
     return name
 
 

@@ -92,9 +92,9 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
         if record.cycles_nr < (counted := counts.get(record.address, 0)):
             raise _too_few("records", record.cycles_nr, counted, where)
         size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
-        if record.cycles_nr * size > RECORDING.most:
+        if record.cycles_nr * size > RECORDING.max_bytes:
             unpacked = f"its records at byte {record.address} unpack to"
-            raise LogError(RECORDING.excess(unpacked), where=where)
+            raise LogError(RECORDING.too_large(unpacked), where=where)
         for channel in group.channels:
             if str(mdf.version) < "4":
                 byte, bit = getattr(channel, "additional_byte_offset", 0), channel.start_offset

@@ -146,8 +146,8 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
                     owned.add(link)
     if end > size:
         raise _short(path, size, end)
-    if unpacked > RECORDING.most:
-        raise LogError(RECORDING.excess("its data unpacks to"), where=path)
+    if unpacked > RECORDING.max_bytes:
+        raise LogError(RECORDING.too_large("its data unpacks to"), where=path)
     return visited
 
 

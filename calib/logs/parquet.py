@@ -49,7 +49,7 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     groups = (file.metadata.row_group(i) for i in range(file.metadata.num_row_groups))
     unpacked = sum(group.total_byte_size for group in groups)
-    if max(unpacked, 8 * file.metadata.num_rows * len(columns)) > LOG.most:
+    if max(unpacked, 8 * file.metadata.num_rows * len(columns)) > LOG.max_bytes:
         raise too_large(where)
 
     def read(indices: Sequence[int]) -> list[Array]:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from calib.base.errors import BrakeCalError, LogError, ModelError
-from calib.base.processes import Mapped, side_by_side
+from calib.base.processes import MapFunction, parallel_map
 from calib.base.units import BAR
 from calib.plan.achieved import HalfWidths
 from calib.plan.expected import Prior, before_any_run, cars, half_widths
@@ -97,7 +97,7 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
 
     Raises LogError where no ramp can be driven here, with the reason of each.
     """
-    with side_by_side(workers, "calib.plan.search") as mapped:
+    with parallel_map(workers, "calib.plan.search") as mapped:
         now = _medians(mapped, prior, [()], 1)[0] if prior.logs else before_any_run(prior)
         search = _Search(prior, want, mapped)
         chosen = search.run(now)
@@ -134,7 +134,7 @@ def _following(measure: Measure) -> float:
 class _Search:
     """The greedy search; ``gains`` of measures when they were last tried, ``impossible`` ones."""
 
-    def __init__(self, prior: Prior, want: Want, mapped: Mapped) -> None:
+    def __init__(self, prior: Prior, want: Want, mapped: MapFunction) -> None:
         self.prior, self.want, self.mapped = prior, want, mapped
         self.gains: dict[Measure, float] = {}
         reasons = {measure: _why_not_driven(prior, measure) for measure in measures()}
@@ -208,7 +208,7 @@ def _why_not_driven(prior: Prior, measure: Measure) -> str:
 
 
 def _medians(
-    mapped: Mapped, prior: Prior, sequels: Sequence[_Sequel], count: int
+    mapped: MapFunction, prior: Prior, sequels: Sequence[_Sequel], count: int
 ) -> list[HalfWidths]:
     """Median widths over ``count`` cars after each of the sequels.
 
@@ -225,7 +225,7 @@ def _median(widths: Sequence[HalfWidths]) -> HalfWidths:
 
 
 def _outcomes(
-    mapped: Mapped, prior: Prior, sequels: Sequence[_Sequel], count: int
+    mapped: MapFunction, prior: Prior, sequels: Sequence[_Sequel], count: int
 ) -> Iterator[tuple[str, list[HalfWidths]]]:
     """Why a sequel cannot be done, "" where it can, and the widths of ``count`` cars after it."""
     cases = [(number, steps) for steps in sequels for number in range(count)]

@@ -87,5 +87,5 @@ def levels(e: Evidence) -> Iterator[Measured]:
     """Brakes of one log of a diagnosis over the median of two others or more (logarithm)."""
     if e.response is not None and len(e.levels) >= 2:
         yield Measured(
-            "level_changed", math.log(e.response.level / median(e.levels)), shown=math.expm1
+            "level_changed", math.log(e.response.level / median(e.levels)), to_display=math.expm1
         )

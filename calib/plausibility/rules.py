@@ -17,7 +17,7 @@ from calib.base.warning import (
     WARN,
     Measured,
     PlausibilityWarning,
-    judged,
+    rule_warnings,
     unexplained,
 )
 from calib.car.braking import MOVING
@@ -98,19 +98,25 @@ def _broken(
     by_name = {figure.__name__: figure for figure in figures}
     to_compute = [by_name[name] for name in _figure_names(purpose, tuple(does)) if name in by_name]
     name = e.run.log.name
-    return unexplained(w for figure in to_compute for w in judged(name, figure(e), purpose, does))
+    return unexplained(
+        w for figure in to_compute for w in rule_warnings(name, figure(e), purpose, does)
+    )
 
 
 @cache
 def _figure_names(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the figures that a purpose needs, in the order of the rules."""
-    figures = (rule.figure for rule in RULES if purpose in rule.purposes and rule.does in does)
+    figures = (
+        rule.figure for rule in RULES if purpose in rule.purposes and rule.consequence in does
+    )
     return tuple(dict.fromkeys(figures))
 
 
 def makes_void(warning: PlausibilityWarning, purpose: str) -> bool:
     """Whether a result with this warning counts for nothing."""
     rules = (
-        r for r in RULES if r.code == warning.code and r.does == VOID and purpose in r.purposes
+        r
+        for r in RULES
+        if r.code == warning.code and r.consequence == VOID and purpose in r.purposes
     )
     return any(not rule.low <= warning.measured <= rule.high for rule in rules)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import SURE, posterior
+from calib.base.intervals import LIKELY_LOG_ODDS, posterior
 from calib.base.names import AXLES, G
 from calib.car.lag import integral
 from calib.run.driving_record import DRIVEN_Z, GREATEST_Z, NOMINAL_RADIUS, SMOOTHING
@@ -87,7 +87,7 @@ def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
 
 def _named(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
     """The sure mistakes within `SURE` of the most probable one, which is first."""
-    least = max([SURE, *(m.log_odds - SURE for m in mistakes)])
+    least = max([LIKELY_LOG_ODDS, *(m.log_odds - LIKELY_LOG_ODDS for m in mistakes)])
     near = (m for m in mistakes if m.log_odds > least)
     return tuple(sorted(near, key=lambda m: m.log_odds, reverse=True))
 

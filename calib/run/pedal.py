@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import NINETY, noise_over
+from calib.base.intervals import Z90, noise_over
 from calib.run.filters import centred_mean, samples_in
 
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
@@ -76,6 +76,6 @@ def _noise_of(p: Array) -> float:
     """
     at_lag_one, *at_larger_lags = noise_over(p, _WIDEST)
     if at_lag_one == 0.0:
-        at_lag_one = float(np.quantile(np.abs(np.diff(p, 3)), 0.9)) / NINETY / math.sqrt(20.0)
+        at_lag_one = float(np.quantile(np.abs(np.diff(p, 3)), 0.9)) / Z90 / math.sqrt(20.0)
     largest = max(at_larger_lags, default=0.0)
     return largest if largest > _HIDDEN * at_lag_one else at_lag_one

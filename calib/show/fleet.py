@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.base.plain import NBSP, plain
+from calib.base.plain import NBSP, metric_of
 from calib.line.fleet.summary import MetricSummary, Outlier, Summary
 from calib.show.facts import PASSED, UNJUDGED, WARNING, Facts, Picture, Row, Table
 from calib.show.numbers import number
@@ -80,7 +80,7 @@ def _torque(metrics: list[MetricSummary]) -> list[Row]:
     """95 % half widths of the ECU's torque in the median stop; they are those of the pads."""
     medians = {metric.column.name: metric.median for metric in metrics}
     halves = [
-        f"{side} \N{PLUS-MINUS SIGN}{NBSP}{plain(name).with_unit(medians[name])}"
+        f"{side} \N{PLUS-MINUS SIGN}{NBSP}{metric_of(name).with_unit(medians[name])}"
         for side, name in _HALF_WIDTHS.items()
         if name in medians
     ]
@@ -89,7 +89,7 @@ def _torque(metrics: list[MetricSummary]) -> list[Row]:
 
 def _limits(keys: str) -> str:
     """Names of metrics, which a row joins by commas."""
-    return ", ".join(plain(key.strip()).name for key in keys.split(",")) if keys else _ALONE
+    return ", ".join(metric_of(key.strip()).name for key in keys.split(",")) if keys else _ALONE
 
 
 def _metric(summary: Summary, metric: MetricSummary) -> Facts:
@@ -103,13 +103,13 @@ def _reason(summary: Summary, o: Outlier) -> str:
     shown = _shown(metric)
     low, high = map(shown, metric.inlier_range)
     side = "above" if o.value > metric.median else "below"
-    value = f"{plain(o.figure).name} {shown(o.value)}"
+    value = f"{metric_of(o.figure).name} {shown(o.value)}"
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
 def _shown(metric: MetricSummary) -> Callable[[float], str]:
     """The function that writes a value of a metric with its unit."""
-    shown = plain(metric.column.name, metric.column.unit)
+    shown = metric_of(metric.column.name, metric.column.unit)
     if shown.step:
         return shown.with_unit
     unit, quantiles = f"{NBSP}{shown.unit}" if shown.unit else "", metric.quantiles
@@ -139,7 +139,7 @@ def _row(metric: MetricSummary) -> tuple[str, ...]:
 
 def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
     """Return the sheet of one metric, in the unit that is shown."""
-    shown = plain(metric.column.name, metric.column.unit)
+    shown = metric_of(metric.column.name, metric.column.unit)
     k, x, ends = shown.factor, np.asarray(metric.rows + 1, float), window(metric)
     y: Array = k * np.clip(metric.values, *ends)
     axis = (0.0, len(summary.logs) + 1.0)

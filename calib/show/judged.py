@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import counted, plain, plus_minus
+from calib.base.plain import counted, metric_of, plus_minus
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
 from calib.estimation.validate import CALIBRATION, Validation
 from calib.show.facts import Row, Table
@@ -20,7 +20,7 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
     """Table with one row a metric, judged once or for each stop; notes on metrics not known."""
     rows, unknown = [], []
     for group in sorted(groups, key=lambda group: _WORST_FIRST.index(_worst(group))):
-        first, shown = group[0], plain(group[0].figure)
+        first, shown = group[0], metric_of(group[0].figure)
         if _worst(group) == NOT_KNOWN:
             unknown.append(shown.name)
             continue
@@ -88,7 +88,7 @@ def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> st
 def valid(figures: Mapping[str, float | None]) -> str:
     """Share of the samples of a stop in which the ECU is valid; none where no sample counts."""
     share = figures["ecu_valid_share"] if figures["valid_share"] else 0.0
-    return plain("valid_share").with_unit(share)
+    return metric_of("valid_share").with_unit(share)
 
 
 def broken(r: Validation) -> list[str]:
@@ -96,7 +96,7 @@ def broken(r: Validation) -> list[str]:
     return [
         f"{shown.name} ({j.figure}) is {shown.with_unit(j.value)}, {shown.bounds(j.low, j.high)}"
         for j in r.judgements
-        if j.verdict == FAILED and (shown := plain(j.figure))
+        if j.verdict == FAILED and (shown := metric_of(j.figure))
     ]
 
 

@@ -1,8 +1,8 @@
-"""The picture and the page of a result in a notebook, which `calib` gives to every `Shown`."""
+"""The picture and the page of a result in a notebook, which `calib` gives to every `Viewable`."""
 
 from html import escape
 
-from calib.base.shown import Shown
+from calib.base.viewable import Viewable
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.estimation.estimator import Estimate
 from calib.estimation.validate import Validation
@@ -21,12 +21,12 @@ _FRAME = '<iframe srcdoc="{}" title="{}" style="border: 0; width: 100%; height: 
 """A page in a frame, where its style touches nothing else."""
 
 
-def plot(result: Shown) -> Figure:
+def plot(result: Viewable) -> Figure:
     """Return the picture of a result."""
     return _sheet(result).overview()
 
 
-def page(result: Shown) -> str:
+def page(result: Viewable) -> str:
     """Return the page of a result, in a frame."""
     if isinstance(result, Diagnosis):
         facts = diagnosis_facts(result)
@@ -35,7 +35,7 @@ def page(result: Shown) -> str:
     return _FRAME.format(escape(page_of(facts)), escape(facts.title))
 
 
-def _sheet(result: Shown) -> Sheet:
+def _sheet(result: Viewable) -> Sheet:
     match result:
         case Stored():
             return table_sheet(result.table, result.id)

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from calib.base.plain import plain
+from calib.base.plain import metric_of
 from calib.line.gauge.gauge_rr import CAR, REPEATABILITY, REPRODUCIBILITY
 from calib.line.gauge.study import REFUSED, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, WORDS, Facts, Picture, Table
@@ -28,7 +28,7 @@ def gauge_facts(study: GaugeStudy) -> Facts:
     within = sum(one.verdict not in REFUSED for one in judged)
     sentences = [f"{within} of {len(judged)} metrics within the limits"]
     for verdict in REFUSED:
-        bad = [plain(one.name).name for one in judged if one.verdict == verdict]
+        bad = [metric_of(one.name).name for one in judged if one.verdict == verdict]
         sentences += [f"{verdict}: {', '.join(bad)}"] if bad else []
     if not judged:
         sentences = ["none of the metrics could be judged: their repeats do not scatter"]
@@ -61,11 +61,11 @@ def _shares(result: GaugeResult) -> tuple[str, ...]:
         shares = f"{100.0 * g.grr.value:.1f}", f"{low:.0f} to {high:.0f}", str(g.ndc.value)
     if g and g.grr_of_tolerance:
         of_tolerance = f"{100.0 * g.grr_of_tolerance.value:.1f}"
-    return plain(result.name).name, *shares, of_tolerance, result.verdict
+    return metric_of(result.name).name, *shares, of_tolerance, result.verdict
 
 
 def _deviations(result: GaugeResult) -> tuple[str, ...]:
-    components, shown = result.gauge.components if result.gauge else {}, plain(result.name)
+    components, shown = result.gauge.components if result.gauge else {}, metric_of(result.name)
     deviations = {name: f"{shown.factor * one.sd:.3g}" for name, one in components.items()}
     return shown.heading, *(deviations.get(name, "") for name in _CAUSES)
 
@@ -86,7 +86,7 @@ def gauge_sheet(study: GaugeStudy) -> Sheet:
 
 def _panel(study: GaugeStudy, result: GaugeResult) -> Panel:
     """Values of a metric: one column a car, its stations side by side."""
-    cars, stations, shown = study.cars, study.stations or ("",), plain(result.name)
+    cars, stations, shown = study.cars, study.stations or ("",), metric_of(result.name)
     x = np.array([float(cars.index(r.car)) for r in study.readings])
     y = shown.factor * result.values
     lines = []

@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from calib.base.plain import counted, plain
+from calib.base.plain import counted, metric_of
 from calib.base.write import write_whole
 from calib.line.station.files import REPORT
 from calib.line.station.index import (
@@ -86,7 +86,7 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
         values = {(i, car): x for i, (car, x) in enumerate(trends) if x is not None}
         if len(values) < 2:
             continue
-        shown, x = plain(key), np.arange(float(len(values)))
+        shown, x = metric_of(key), np.arange(float(len(values)))
         y = shown.factor * np.array([*values.values()])
         bounds = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
         ends = [shown.factor * end for end in bounds if end is not None]
@@ -107,7 +107,9 @@ def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
     rows = []
     for run in runs:
         trend = run.trend or {}
-        pads = " / ".join(plain(name).value(trend.get(name)) for name in _TORQUES) if trend else ""
+        pads = (
+            " / ".join(metric_of(name).value(trend.get(name)) for name in _TORQUES) if trend else ""
+        )
         date = datetime.fromtimestamp(run.written_at).astimezone().strftime("%Y-%m-%d %H:%M")
         rows.append((run.car or run.place, _heading(run), _why(run), pads, run.station, date))
     return Table(
@@ -132,7 +134,7 @@ def _why(run: IndexedRun) -> str:
     if run.why is None:
         return f"see the report: {counted(run.bad, 'warning')}" if run.bad else ""
     figure, scope, value, action = run.why
-    shown = plain(figure)
+    shown = metric_of(figure)
     prefix = "" if scope == "car" else f"stop {scope}, "
     more = f" And {run.bad - 1} more." if run.bad > 1 else ""
     return f"{prefix}{shown.name}: {shown.with_unit(value)}. {action}{more}"

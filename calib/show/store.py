@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from calib.base.intervals import Z95
-from calib.base.plain import NBSP, counted, plain
+from calib.base.plain import NBSP, counted, metric_of
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.judged import budget_rows, ramp_rows
 from calib.store.figures import (
@@ -90,7 +90,7 @@ def _made_of(stored: Stored) -> Facts:
         ("pad scale", "{:.4g} (95 %: {:.4g} to {:.4g})".format(scale.value, *scale.ci95)),
         *budget_rows(table.budget.axles),
         ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
-        *((plain(key).name, plain(key).with_unit(x)) for key, x in table.quality.items()),
+        *((metric_of(key).name, metric_of(key).with_unit(x)) for key, x in table.quality.items()),
     ]  # fmt: skip
     return Facts("Record", rows=rows, notes=[*advice_lines(table.budget.axles)[1:], *table.remarks])
 

@@ -6,7 +6,7 @@ from datetime import date
 from pathlib import Path
 
 from calib.base.names import AXLE_NAMES
-from calib.base.plain import counted, plain, signed_percent
+from calib.base.plain import counted, metric_of, signed_percent
 from calib.estimation.agreement import agreement
 from calib.estimation.results import unseen_in
 from calib.estimation.validate import (
@@ -163,7 +163,7 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
         *(since, valid(figures)),
     )
     with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
-    share = plain("valid_share").with_unit(figures["valid_share"])
+    share = metric_of("valid_share").with_unit(figures["valid_share"])
     yield (
         *(with_v, *torque.means(columns, used & r.estimate.valid, "")),
         *(*(pads(figures, axle) for axle in "fr"), "", share),

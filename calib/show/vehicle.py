@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calib.base.units import BAR, behind
+from calib.base.units import BAR, unit_suffix
 from calib.car.balance import front_biased_up_to, front_share, pressure_per_g
 from calib.car.characteristics import characteristics
 from calib.car.effects.effect import Card
@@ -73,7 +73,7 @@ def card(effect: Card) -> Facts:
     head = ("name", "cause", "equation", "source", "looks_like")
     rows = [(name.replace("_", " "), str(getattr(effect, name))) for name in head]
     for p in effect.parameters:
-        unit = behind(p.unit)
+        unit = unit_suffix(p.unit)
         usual = f"{p.typical:g} +- {p.spread:g}{unit}, from {p.low:g} to {p.high:g}{unit}"
         rows.append((p.name, usual))
     return Facts(rows=rows)

@@ -71,7 +71,7 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]
 def _mean(curve: _OneCurve) -> tuple[RandomEffects, tuple[Array, ...]]:
     """Scatter of a curve, and columns of its mean with the band of one more car."""
     scatter = random_effects(curve.values, curve.own_variance)
-    of_cars = quantile95(scatter.freedom) * scatter.one_more
+    of_cars = quantile95(scatter.freedom) * scatter.prediction_sigma
     half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(np.mean(curve.shared_variance, axis=0))))
     mean, none = scatter.mean, np.zeros(curve.axis.size)
     return scatter, (curve.axis, mean, mean - half, mean + half, curve.blocks, curve.flag, none)
@@ -122,7 +122,7 @@ def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
 
 def inflated(scatter: RandomEffects) -> Array:
     """Sigma of one more car (n,) whose normal 95 % interval is that of Student's t."""
-    return np.asarray(quantile95(scatter.freedom) / Z95 * scatter.one_more)
+    return np.asarray(quantile95(scatter.freedom) / Z95 * scatter.prediction_sigma)
 
 
 def mean_maps(tables: Sequence[Table]) -> tuple[PadMap, LevelMap, Draws]:

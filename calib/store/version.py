@@ -21,7 +21,7 @@ from calib.base.arrays import Array
 from calib.base.bounded import TABLE, read_bounded
 from calib.base.digest import content_digest, sha256
 from calib.base.errors import DamagedTable, StoreError
-from calib.base.shown import Shown
+from calib.base.viewable import Viewable
 from calib.base.write import sync
 from calib.logs.parquet import numbers, parquet_of
 from calib.store.folders import RECORD
@@ -32,7 +32,7 @@ from calib.table.table import COLUMNS, Table
 
 
 @dataclass(frozen=True)
-class Stored(Shown):
+class Stored(Viewable):
     """A table in a store; ``record`` digest of its record file; ``existed`` before `Store.save`."""
 
     table: Table

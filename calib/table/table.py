@@ -18,7 +18,7 @@ from calib.base.arrays import Array
 from calib.base.digest import content_digest
 from calib.base.extras import need
 from calib.base.intervals import Z95
-from calib.base.shown import Shown
+from calib.base.viewable import Viewable
 from calib.base.warning import PlausibilityWarning
 from calib.car.effects.combined import not_sensed
 from calib.car.effects.effects import Effects
@@ -179,7 +179,7 @@ class FleetScatter:
 
 
 @dataclass(frozen=True, eq=False)
-class Table(Shown):
+class Table(Viewable):
     """A fitted table, without version: the store gives it one.
 
     ``effects`` holds drag and rolling resistance with their sigma; other known effects are in the

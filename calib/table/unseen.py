@@ -124,7 +124,7 @@ def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: 
         next(rule for rule in RULES if rule.code == code) for code in ("pads_off_file", "pad_ratio")
     )
     limits = (
-        of_level.sure * math.hypot(grade(table.vehicle), sigmas[0]),
+        of_level.sigmas * math.hypot(grade(table.vehicle), sigmas[0]),
         max(of_ratio.high, Z95 * sigmas[1]),
     )
     moves, most = (level, ratio), _MOST.get(entry, 0.5)

@@ -32,7 +32,7 @@ def test_a_byte_more_is_refused_with_the_way_out(tmp_path, monkeypatch):
 def test_a_bound_that_is_no_size(monkeypatch, written):
     monkeypatch.setenv("BRAKE_CAL_MOST_SMALL", written)
     with pytest.raises(SettingsError, match="is no size"):
-        _ = SMALL.most
+        _ = SMALL.max_bytes
 
 
 def test_a_file_whose_size_its_system_does_not_know():

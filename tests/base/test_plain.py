@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.base.plain import METRICS, NBSP, plain
+from calib.base.plain import METRICS, NBSP, metric_of
 from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.line.fleet.rows import Command, columns_of
 from calib.line.station.metrics import METRICS as OF_CAR
@@ -26,4 +26,4 @@ def test_every_metric_has_a_plain_name():
     ],
 )
 def test_a_value_is_shown_in_the_unit_that_people_read(key, value, text):
-    assert plain(key).with_unit(value).replace(NBSP, " ") == text
+    assert metric_of(key).with_unit(value).replace(NBSP, " ") == text

@@ -7,7 +7,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from calib.base.errors import BatchError
-from calib.base.processes import one_blas_thread, side_by_side
+from calib.base.processes import one_blas_thread, parallel_map
 
 PRELOAD = "calib.base.processes"
 
@@ -22,7 +22,7 @@ def killed(_):
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_results_come_in_the_order_of_the_items_and_one_is_this_process(count):
-    with side_by_side(count, PRELOAD) as mapped:
+    with parallel_map(count, PRELOAD) as mapped:
         assert list(mapped(abs, range(-20, 0))) == list(range(20, 0, -1))
         assert list(mapped(abs, [])) == []
         assert (os.getpid() in set(mapped(process, range(9)))) == (count == 1)
@@ -33,7 +33,7 @@ def test_results_come_in_the_order_of_the_items_and_one_is_this_process(count):
 def test_a_process_that_dies_is_told():
     with (
         pytest.raises(BatchError, match=r"a worker process died.*--workers 1"),
-        side_by_side(2, PRELOAD) as mapped,
+        parallel_map(2, PRELOAD) as mapped,
     ):
         list(mapped(killed, [0]))
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from calib.base.random_effects import as_sigma, quantile95, random_effects
+from calib.base.random_effects import normal_equivalent, quantile95, random_effects
 
 
 @pytest.mark.parametrize("freedom", [1, 2, 9, 200])
 @pytest.mark.parametrize("value", [-8.0, -1.0, 0.0, 0.3, 4.0])
 def test_a_sigma_is_as_rare_as_the_t_that_it_stands_for(freedom, value):
-    sigma = as_sigma(value, freedom)
+    sigma = normal_equivalent(value, freedom)
     assert norm.sf(abs(sigma)) == pytest.approx(t.sf(abs(value), freedom), rel=1e-9)
     assert math.copysign(1.0, sigma) == math.copysign(1.0, value)
     assert quantile95(freedom) == pytest.approx(t.ppf(0.975, freedom))
@@ -26,7 +26,7 @@ def test_the_mean_and_one_more_are_within_their_sigma(k, between):
     whole, most = np.hypot(between, 1.0), 0.96 if between else 0.995
     found = random_effects(rng.normal(0.0, whole, (k, 4000)), np.ones((k, 4000)))
     one, t95 = rng.normal(0.0, whole, 4000), quantile95(k - 1)
-    for off, sigma in ((found.mean, found.sigma), (one - found.mean, found.one_more)):
+    for off, sigma in ((found.mean, found.sigma), (one - found.mean, found.prediction_sigma)):
         assert 0.94 <= np.mean(np.abs(off) <= t95 * sigma) <= most
     if between and k == 5:
         assert np.sqrt(np.mean(found.between**2)) == pytest.approx(between, rel=0.05)

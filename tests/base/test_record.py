@@ -119,3 +119,8 @@ def test_a_message_lists_a_hundred_mistakes_and_counts_the_rest(tmp_path):
     assert first == f"{path}: 300 errors"
     assert len(lines) == 101
     assert lines[-1] == "  and 200 more"
+
+
+def test_a_misspelt_schema_is_an_error_with_words():
+    with pytest.raises(LimitsError, match="no schema"):
+        validated({"schem": 1, "name": "a"}, CarFile, "car", LimitsError)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.base.write import locked_folder, publish, workshop, write_whole
+from calib.base.write import locked_folder, publish, work_folder, write_whole
 from tests.support.killed import killed
 
 VERDICT = "verdict.json"
@@ -18,7 +18,7 @@ def old(out):
 
 
 def run(out, name, content):
-    with workshop(out) as work:
+    with work_folder(out) as work:
         (work / "sim").mkdir()
         for file in (f"{name}.txt", f"sim/{name}.csv", "both.txt"):
             (work / file).write_text(content)
@@ -72,7 +72,7 @@ def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path):
 
 
 def test_the_work_of_a_run_that_is_alive_stays(out):
-    with workshop(out) as work:
+    with work_folder(out) as work:
         (work / "a.txt").write_text("3")
         run(out, "new", "2")
         assert (work / "a.txt").read_text() == "3"
@@ -95,7 +95,7 @@ def test_a_run_that_cannot_be_moved_is_undone(out, monkeypatch):
 
 def test_a_stale_name_cannot_lead_out_of_the_folder(out):
     (out.parent / "victim").write_text("kept")
-    with workshop(out) as work:
+    with work_folder(out) as work:
         (work / VERDICT).write_text("2")
         publish(work, out, VERDICT, lambda _: ["../victim", str(out.parent / "victim")])
     assert (out.parent / "victim").exists()

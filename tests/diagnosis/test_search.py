@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import calib
-from calib.base.processes import side_by_side
+from calib.base.processes import parallel_map
 from calib.car.effects.effects import Effects
 from calib.diagnosis.search import Search
 from calib.logs.log import Log
@@ -87,7 +87,7 @@ def test_discs_that_begin_unlike_are_told_by_their_fade(hot_stops):
 
 @pytest.mark.slow
 def test_two_processes_find_what_one_does(pair):
-    with side_by_side(2, "calib.diagnosis.search") as mapped:
+    with parallel_map(2, "calib.diagnosis.search") as mapped:
         problem, held = (replace(p, mapped=mapped) for p in (pair.problem, pair.holdouts.problem))
         together = Search(problem, replace(pair.holdouts, problem=held))
         together.run()

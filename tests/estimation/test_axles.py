@@ -28,7 +28,7 @@ from tests.support.reference_car import (
     without,
 )
 
-(SURE,) = (x.high for x in RULES if (x.code, x.does) == ("axles_exchanged", VOID))
+(SURE,) = (x.high for x in RULES if (x.code, x.consequence) == ("axles_exchanged", VOID))
 
 SOFT = replace(REAL, tyre=magic(15.0, 0.6))
 """The car on a road where its tyres are softer."""

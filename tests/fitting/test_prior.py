@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from calib.base.warning import Measured, judged
+from calib.base.warning import Measured, rule_warnings
 from calib.car.tyre_file import read_tyres
 from calib.fitting import prior as module
 from calib.fitting.ensemble import draws_of
@@ -60,7 +60,7 @@ def inside(x, true, share=0.95):
 
 def told(known, held):
     """Warnings of what the ramps contradict."""
-    return judged("car", [Measured(one.code, p) for one, p in zip(known, held, strict=True)])
+    return rule_warnings("car", [Measured(one.code, p) for one, p in zip(known, held, strict=True)])
 
 
 def test_to_know_the_field_is_to_know_nothing(run, alone):

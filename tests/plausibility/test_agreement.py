@@ -77,7 +77,7 @@ def test_every_rule_has_a_figure_and_every_refusal_says_what_to_do():
     figures = {figure.__name__ for figure in named}
     assert {rule.figure for rule in RULES} == figures | outside
     for rule in RULES:
-        if rule.does in (REFUSE, VOID):
+        if rule.consequence in (REFUSE, VOID):
             assert rule.do, rule.code
             assert (rule.low, rule.high) != (-np.inf, np.inf), rule.code
         assert set(rule.purposes) <= {*rules.PURPOSES, "check", "vehicle", "station"}, rule.code

@@ -228,7 +228,7 @@ def test_a_bend_hides_no_abs():
 def test_a_rule_makes_only_what_stands_behind_it():
     places = {rule.code: place for place, rule in reversed([*enumerate(RULES)])}
     for rule in RULES:
-        assert all(places[code] > places[rule.code] for code in rule.makes), rule.code
+        assert all(places[code] > places[rule.code] for code in rule.entails), rule.code
 
 
 @pytest.mark.parametrize("factor", [1.609, 3.6, 1.0 / 3.6])

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from calib.base.errors import BrakeCalError, InputError
-from calib.base.warning import REFUSE, WARN, Measured, judged
+from calib.base.warning import REFUSE, WARN, Measured, rule_warnings
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.plausibility.evidence import Evidence
@@ -37,4 +37,4 @@ def why_not(log: Log, purpose: str, vehicle: Vehicle | None = None) -> list[str]
 def broken(figures: Iterable[Callable[[Evidence], Iterable[Measured]]], evidence: Evidence) -> list:
     """What the rules of a fit say of some figures, whether they warn or refuse."""
     measured = (m for figure in figures for m in figure(evidence))
-    return list(judged("log", measured, "fit", (REFUSE, WARN)))
+    return list(rule_warnings("log", measured, "fit", (REFUSE, WARN)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.base.processes import Mapped
+from calib.base.processes import MapFunction
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
@@ -49,7 +49,7 @@ class Problem:
     runs: tuple[ObservedRun, ...]
     noise: ChannelNoise
     tell: Tell = silent
-    mapped: Mapped = map
+    mapped: MapFunction = map
 
     @property
     def alone(self) -> Self:
@@ -73,7 +73,7 @@ class Problem:
 
 
 def problem_of(
-    vehicle: Vehicle, runs: Sequence[ObservedRun], tell: Tell = silent, mapped: Mapped = map
+    vehicle: Vehicle, runs: Sequence[ObservedRun], tell: Tell = silent, mapped: MapFunction = map
 ) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
     noise = unbraked_noise(vehicle, base_of(vehicle, np.zeros(BASE)), vehicle.effects, runs)

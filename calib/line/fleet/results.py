@@ -12,7 +12,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.bounded import RESULT, bytes_of
 from calib.base.errors import InputError
-from calib.base.plain import plain
+from calib.base.plain import metric_of
 from calib.base.write import write_whole
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
 
@@ -34,7 +34,9 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     command = Command(settings["command"])
     types = {float: pa.float64(), bool: pa.bool_(), str: pa.string()}
     fields = [
-        pa.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": plain(c.name).name})
+        pa.field(
+            c.name, types[c.kind], metadata={"unit": c.unit, "meaning": metric_of(c.name).name}
+        )
         for c in (*HEAD, *columns_of(command))
     ]
     schema = pa.schema(fields, metadata={f"brake_cal.{k}": v for k, v in settings.items()})

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
-from calib.base.plain import counted, plain
+from calib.base.plain import counted, metric_of
 from calib.line.fleet.outliers import find_outliers
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
@@ -49,7 +49,7 @@ class MetricSummary:
     @property
     def name(self) -> str:
         """The plain name of the metric."""
-        return plain(self.column.name, self.column.unit).name
+        return metric_of(self.column.name, self.column.unit).name
 
     @property
     def median(self) -> float:
@@ -132,7 +132,7 @@ def summarise(fleet: FleetFile) -> Summary:
     """Summarise all metrics that are numbers."""
     numbers = [m for m in fleet.metrics if m.kind is float]
     every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
-    test = find_outliers(every, [plain(m.name).step for m in numbers])
+    test = find_outliers(every, [metric_of(m.name).step for m in numbers])
     metrics = []
     for m, x, p, outlying in zip(numbers, every, test.p, test.reasons, strict=True):
         rows = np.flatnonzero(np.isfinite(x))

@@ -11,7 +11,7 @@ from calib.base.bounded import DBC, bytes_of
 from calib.base.digest import sha256
 from calib.base.errors import BatchError, BrakeCalError, ChannelMapError, printable
 from calib.base.names import PROGRAM, VERSION
-from calib.base.plain import finite
+from calib.base.plain import finite_or_none
 from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, Limit
@@ -120,7 +120,7 @@ def _validate(job: Job, log: Log) -> Outcome:
     assert job.table is not None
     result = validate_one(job.table, log, job.vehicle, job.limits)
     not_held = ", ".join(j.figure for j in result.judgements if j.verdict == FAILED)
-    metrics = (finite(result.figures[name]) for name in METRICS)
+    metrics = (finite_or_none(result.figures[name]) for name in METRICS)
     cells = (*metrics, not_held or None, _codes(result.warnings))
     return Status.PASSED if result.passed else Status.FAILED, cells
 
@@ -133,7 +133,7 @@ def _fit(job: Job, log: Log) -> Outcome:
     cal, q = table.calibration, table.quality
     pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
     metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in QUALITY)]
-    return Status.DONE, (*map(finite, metrics), _codes(table.warnings), table.digest)
+    return Status.DONE, (*map(finite_or_none, metrics), _codes(table.warnings), table.digest)
 
 
 def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
@@ -146,7 +146,7 @@ def _check(job: Job, log: Log) -> Outcome:
 
     findings = check(log)
     usable = (verdict.usable for verdict in findings.verdicts)
-    metrics = map(finite, figures(findings.run).values())
+    metrics = map(finite_or_none, figures(findings.run).values())
     cells = (*usable, *metrics, _codes(findings.warnings))
     return Status.PASSED if findings.usable else Status.FAILED, cells
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from calib.base.errors import BatchError
 from calib.base.extras import need
-from calib.base.processes import end, workers
+from calib.base.processes import terminate, worker_pool
 from calib.line.fleet.rows import Row
 from calib.line.fleet.work import WorkItem, run_items
 
@@ -28,7 +28,7 @@ class Pool:
 
     def __init__(self, count: int):
         self.workers = count
-        self._pool = workers(count, *_PRELOADED)
+        self._pool = worker_pool(count, *_PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         """Compute the rows of some logs, see `calib.line.fleet.work.run_items`."""
@@ -37,11 +37,11 @@ class Pool:
     def renew(self) -> None:
         """End the workers and start others. Unfinished logs are lost."""
         self._pool.shutdown(wait=True, cancel_futures=True)
-        self._pool = workers(self.workers, *_PRELOADED)
+        self._pool = worker_pool(self.workers, *_PRELOADED)
 
     def close(self) -> None:
         """End the workers, also during a log; it has no row and the next run repeats it."""
-        end(self._pool)
+        terminate(self._pool)
 
 
 class Cluster:

@@ -16,10 +16,10 @@ from typing import Any
 from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import BrakeCalError, printable
 from calib.base.names import PROGRAM
-from calib.base.plain import NBSP, finite, plain
+from calib.base.plain import NBSP, finite_or_none, metric_of
 from calib.base.templates import templates
 from calib.base.warning import to_dict as warning_dict
-from calib.base.write import publish, workshop, write_whole
+from calib.base.write import publish, work_folder, write_whole
 from calib.estimation.limits import FAILED, WARNING
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import ENDINGS
@@ -82,7 +82,7 @@ def write_refusal(
         "program": PROGRAM,
         "error": error.to_dict(),
     }
-    with workshop(out) as work:
+    with work_folder(out) as work:
         write_whole(work / REFUSED, to_text(document).encode())
         publish(work, out, REFUSED)
 
@@ -101,7 +101,7 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
         "counts": outcome.counts,
         "warnings": [warning_dict(warning) for warning in outcome.warnings],
         "checks": [_check(check) for check in outcome.checks],
-        "figures": {name: finite(value) for name, value in outcome.figures.items()},
+        "figures": {name: finite_or_none(value) for name, value in outcome.figures.items()},
         "pads_of_ramp": _ramp(outcome.table),
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in outcome.logs],
         "validation": validation_dict(stored, list(outcome.results)),
@@ -128,8 +128,8 @@ def _check(check: StationCheck) -> dict[str, Any]:
     return {
         "scope": check.scope,
         "figure": check.figure,
-        "meaning": plain(check.figure).meaning,
-        "value": finite(j.value),
+        "meaning": metric_of(check.figure).meaning,
+        "value": finite_or_none(j.value),
         "fail": [j.low, j.high],
         "warn": [j.warn_low, j.warn_high],
         "verdict": check.verdict,

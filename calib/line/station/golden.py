@@ -19,7 +19,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import StoreError
 from calib.base.intervals import Z95
-from calib.base.random_effects import as_sigma
+from calib.base.random_effects import normal_equivalent
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.budget import pad_levels, per_run
@@ -105,5 +105,7 @@ def _sigmas(
 def _sigma(difference: float, scatter: Scatter, variance: float, freedom: int) -> float:
     predicted = math.sqrt(scatter.between**2 + scatter.of_mean**2 + variance)
     if predicted == 0.0:
-        return as_sigma(math.copysign(math.inf, difference), freedom) if difference else 0.0
-    return as_sigma(difference / predicted, freedom)
+        return (
+            normal_equivalent(math.copysign(math.inf, difference), freedom) if difference else 0.0
+        )
+    return normal_equivalent(difference / predicted, freedom)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
-from calib.base.plain import bound, meanings
+from calib.base.plain import limit_of, meanings
 from calib.base.warning import LIMITS
 from calib.car.balance import front_biased_up_to
 from calib.car.braking import MOVING
@@ -51,7 +51,7 @@ def metrics_of(
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
         # The cut stands for everything above it.
-        "front_biased_up_to": min(front_biased_up_to(car), bound("front_biased_up_to", "cut")),
+        "front_biased_up_to": min(front_biased_up_to(car), limit_of("front_biased_up_to", "cut")),
     }
     for axle in "fr":
         sides = [side_difference(table, run, axle) for run in runs]

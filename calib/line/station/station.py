@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from calib.base.errors import LogError
-from calib.base.plain import counted, plain
-from calib.base.warning import Measured, PlausibilityWarning, judged
+from calib.base.plain import counted, metric_of
+from calib.base.warning import Measured, PlausibilityWarning, rule_warnings
 from calib.car.balance import front_share
 from calib.car.vehicle import Vehicle, require_same_car
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
@@ -75,7 +75,7 @@ class StationCheck:
     @property
     def text(self) -> str:
         """In plain names and units: `Front brakes, left less right: 31 %; limit: -20 to 20 %`."""
-        j, shown = self.judgement, plain(self.figure)
+        j, shown = self.judgement, metric_of(self.figure)
         kind, ends = "limit", (j.low, j.high)
         if self.verdict == WARNING:
             kind, ends = "no warning", (j.warn_low, j.warn_high)
@@ -86,7 +86,7 @@ class StationCheck:
     def action(self) -> str:
         """What to do where the limit is not held, in one or two sentences."""
         look = "Look at the log with brake-cal check and brake-cal plot."
-        return plain(self.figure).action or look
+        return metric_of(self.figure).action or look
 
 
 @dataclass(frozen=True)
@@ -242,8 +242,8 @@ def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[Plausibil
     """Warnings of a brake level that changed from the ramp to the mean of the stops."""
     changes = [change for r in results if (change := level_change(table, r)) is not None]
     mean = float(np.mean(np.log(changes))) if changes else 0.0
-    measured = Measured("level_changed", mean, shown=math.expm1)
-    return judged(table.vehicle.name, [measured], STATION)
+    measured = Measured("level_changed", mean, to_display=math.expm1)
+    return rule_warnings(table.vehicle.name, [measured], STATION)
 
 
 def level_change(table: Table, result: Validation) -> float | None:

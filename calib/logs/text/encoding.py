@@ -16,20 +16,20 @@ def gunzip(data: bytes, where: str) -> bytes:
     """The content of a gzip file. Raises LogError for one that is damaged or too large."""
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
-            content = file.read(LOG.most + 1)
+            content = file.read(LOG.max_bytes + 1)
     except EOFError as cause:
         flaw = "the gzip file is cut off: it ends within the data"
         raise damaged(where, flaw, "length and check sum at the end") from cause
     except (OSError, zlib.error) as cause:
         raise damaged(where, f"the gzip file is damaged: {cause}") from cause
-    if len(content) > LOG.most:
+    if len(content) > LOG.max_bytes:
         raise too_large(where)
     return content
 
 
 def too_large(where: str) -> LogError:
     """The error for a log that unpacks to more than a log may have."""
-    return LogError(LOG.excess("it unpacks to"), where=where)
+    return LogError(LOG.too_large("it unpacks to"), where=where)
 
 
 _MARKS = {

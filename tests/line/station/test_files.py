@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from calib.base.write import workshop
+from calib.base.write import work_folder
 from calib.exports.export import ENDINGS
 from calib.line.station.files import DOCUMENT, export_name, publish_run
 
@@ -18,11 +18,11 @@ def put(work, **files):
 
 def test_exports_of_an_earlier_run_go_and_other_files_stay(tmp_path):
     out = tmp_path / "car"
-    with workshop(out) as work:
+    with work_folder(out) as work:
         put(work, table_dcm="old", report_html="old")
         publish_run(work, out)
     (out / "notes.txt").write_text("mine")
-    with workshop(out) as work:
+    with work_folder(out) as work:
         put(work, report_html="new")
         paths = publish_run(work, out)
         assert work.parent == out  # on its file system, so that a move is one step
@@ -38,7 +38,7 @@ def test_a_listing_cannot_lead_out_of_the_folder(tmp_path, listed):
     out.mkdir()
     (tmp_path / "precious").write_text("kept")
     (out / DOCUMENT).write_text(json.dumps({"files": listed}))
-    with workshop(out) as work:
+    with work_folder(out) as work:
         put(work, report_html="new")
         publish_run(work, out)
     assert (tmp_path / "precious").read_text() == "kept"
@@ -53,7 +53,7 @@ def test_an_export_goes_where_no_verdict_lists_it(tmp_path, verdict):
         (out / name).write_text("of an earlier run")
     if verdict is not None:
         (out / DOCUMENT).write_text(verdict)
-    with workshop(out) as work:
+    with work_folder(out) as work:
         put(work, table_dcm="new")
         publish_run(work, out)
     assert {p.name for p in out.iterdir()} == {"table.dcm", DOCUMENT}
