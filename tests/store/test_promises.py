@@ -50,7 +50,7 @@ def rewrite(store, lines):
 def test_every_promise_has_its_test():
     part = PAGE.read_text().partition("## What the store promises")[2]
     promises = re.findall(r"^\* \*\*(.*?)\.\*\*", part, flags=re.MULTILINE)
-    assert len(promises) > 20
+    assert len(promises) > 10
     names = {"test_" + re.sub(r"\W+", "_", promise.lower()).strip("_") for promise in promises}
     texts = [(HERE / f"test_{file}.py").read_text() for file in ("promises", "signatures", "seen")]
     tests = re.findall(r"^def (test_\w+)", "".join(texts), flags=re.MULTILINE)

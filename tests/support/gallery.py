@@ -39,11 +39,9 @@ _SIZE, _COLOURS = (3.4, 2.3), 24
 _SEED, _MEDIUM = 1, 1
 _HEAD = """# What a cause looks like
 
-You see a departure in your logs and wonder what makes it. Each picture is of a car with this one
-cause, in the channel that shows it most: replay of hold-outs less their measurement, before and
-after the cause is added; grey is the noise of the sensor. *Nearest*: the next best cause, and how
-much of the departure it follows. `brake-cal effects NAME` has the equation; [a
-diagnosis](diagnosis.md) looks at all logs.
+You see a departure in your logs and wonder what makes it. Each picture shows a car with this one
+cause, in the channel that shows it most: replay less measurement, before and after the cause is
+added. Grey is the noise of the sensor. `brake-cal effects NAME` has the equation.
 
 <!-- written by `python -m tests.support.gallery` -->
 
@@ -78,16 +76,6 @@ def picture(found: Diagnosis) -> Image.Image:
     return Image.open(BytesIO(render(figure, ".png"))).convert("RGB").quantize(_COLOURS)
 
 
-def nearest(found: Diagnosis) -> str:
-    """The next best explanation, and how much of the departure it makes."""
-    (effect,) = found.effects
-    whole = found.reduced_before - found.reduced_after
-    if effect.runner_up is None:
-        return "none."
-    other = effect.runner_up
-    return f"{spaced(other.name)}, {100.0 * min(other.innovation_gain / whole, 1.0):.0f} %."
-
-
 def sections(found: dict[str, Diagnosis]) -> Iterator[str]:
     """The page, part by part; what was not named is listed at its end."""
     yield _HEAD
@@ -95,7 +83,7 @@ def sections(found: dict[str, Diagnosis]) -> Iterator[str]:
     for name in named:
         title, card = spaced(name).capitalize(), CATALOGUE[name].card
         looks = f"{card.looks_like[0].upper()}{card.looks_like[1:]}"
-        yield f"## {title}\n\n{looks}. *Nearest:* {nearest(found[name])}\n\n"
+        yield f"## {title}\n\n{looks}.\n\n"
         yield f"![{title}](../../sample_logs/figures/causes/{name}.png)\n\n"
     yield _UNSEEN
     for name in sorted(found.keys() - set(named)):
