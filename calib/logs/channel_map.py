@@ -1,4 +1,7 @@
-"""A channel map: the columns of a foreign log that are channels, with unit and sign."""
+"""A channel map: which columns of a foreign log are channels, with their units and signs.
+
+channel map, columns --assign--> a column, its unit and its conversion to SI for each channel
+"""
 
 from collections.abc import Mapping as Named
 from contextlib import suppress
@@ -15,19 +18,20 @@ from calib.base.toml import nearest
 from calib.base.units import UnknownUnit, is_unit, si_of, to_si, unit_of
 from calib.logs.log import Origin
 from calib.logs.source import ChannelTrace, Column, address_of, indices_of
-from calib.logs.text.dialect import LOOKED, TextFormat
+from calib.logs.text.dialect import DETECTED, TextFormat
 
 MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
 
 Databases = Named[str, tuple[Path, ...]]
-"""Files that describe frames (DBC, ARXML, KCD or SYM), by their bus; "" is every bus."""
+"""Files that describe the frames of a bus (DBC, ARXML, KCD, SYM), by bus; "" stands for all."""
 
 
 @dataclass(frozen=True)
 class Mapping:
-    """Source of one channel: value = sign * (scale * written + offset), in ``unit``.
+    """Entry of a channel map: value = sign * (scale * written value + offset), in ``unit``.
 
-    ``unit`` None is that of the header; ``delay`` time by which it was recorded late [s].
+    ``source`` is the column. ``unit`` None means the unit in the header of the file. ``delay`` [s]
+    is how late the channel was recorded.
     """
 
     source: str
@@ -37,25 +41,33 @@ class Mapping:
     offset: float = 0.0
     delay: float = 0.0
 
-    def written(self, written: Array) -> Array:
-        """Values in the unit of the mapping (n,), from those in the file."""
+    def in_unit(self, written: Array) -> Array:
+        """Convert values (n,) of the file to the unit of the mapping."""
         return self.sign * (self.scale * written + self.offset)
 
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mapped channels by canonical name, and the path of the map; columns to ``ignore``."""
+    """The mappings of a file: ``where`` its path, ``channels`` by canonical name.
+
+    ``text`` is the format of text tables, ``ignore`` the columns that are not to be channels, and
+    ``databases`` describe the frames of buses.
+    """
 
     where: str
     channels: dict[str, Mapping]
-    text: TextFormat = LOOKED
+    text: TextFormat = DETECTED
     ignore: tuple[str, ...] = ()
     databases: Databases = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Assigned:
-    """A column that is assigned to a channel: its index in the file, its conversion to SI."""
+    """A column of the file that is a channel.
+
+    ``index`` and ``source`` are its place and its name in the file. Its values are in ``unit`` once
+    they are mapped; ``si`` is the SI unit of the channel.
+    """
 
     channel: str
     index: int
@@ -65,15 +77,16 @@ class Assigned:
     source: str = ""
 
     def to_si(self, written: Array) -> Array:
-        """Values in SI (n,)."""
-        return to_si(self.mapping.written(written), self.unit, self.si)
+        """Convert values (n,) of the file to SI."""
+        return to_si(self.mapping.in_unit(written), self.unit, self.si)
 
     def named(self, trace: ChannelTrace) -> ChannelTrace:
-        """The trace under the name of its channel; a flag is a state."""
+        """Give the trace the name of its channel; a flag becomes a state."""
         return replace(trace, state=trace.state or self.channel in FLAGS, name=self.channel)
 
     def origin(self) -> Origin:
-        """Source, unit, factor and offset of the channel; every conversion is linear."""
+        """Return source, unit, factor and offset of the channel."""
+        # every conversion is linear
         at_zero, at_one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
         return Origin(self.channel, self.source, self.unit, at_one - at_zero, at_zero)
 
@@ -84,39 +97,44 @@ def assign(
     require: tuple[str, ...],
     where: str,
 ) -> tuple[list[Assigned], tuple[str, ...], list[str]]:
-    """The columns of a file that are channels, the names of the others, and notes.
+    """Find the columns of a file that are channels; return them, the names of the others and notes.
 
-    ``where`` is the path of the file. A mapped channel replaces a column of the same name; an
-    optional one without a known unit is left out. Raises LogError for a channel that is missing,
-    twice, or has no unit; ChannelMapError for a source that is not in the file.
+    A channel is a column that the map names, or else a column with the name of a channel. An
+    optional channel without a known unit is left out. ``where`` is the path of the file. Raises
+    LogError for a channel that is missing, occurs twice or has no unit, ChannelMapError for a
+    source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
     map_path = channel_map.where if channel_map else None
     assigned = [_mapped(name, entry, columns, map_path, where) for name, entry in mapped.items()]
-    sources, notes = {item.index for item in assigned}, list[str]()
+    mapped_indices, notes = {item.index for item in assigned}, list[str]()
     for index, column in enumerate(columns):
         name, unit, quantity = column.name, column.unit, CHANNELS.get(column.name)
-        if index in sources or name in (*mapped, *ignore):
+        if index in mapped_indices or name in mapped or name in ignore:
             continue
-        needed = quantity is not None and (quantity.required or name in require)
-        if quantity and not needed and not (unit and is_unit(unit, quantity.si)):
-            flaw = f"the unknown unit {unit!r}" if unit else "no unit"
-            do = "name its unit in the header or in a channel map"
-            notes.append(f"{name} has {flaw} and was left out: {do}")
-            continue
-        si = quantity.si if quantity else _truth_si(column) if name.startswith(TRUTH) else None
-        assigned += [assigned_column(name, index, column, Mapping(name), si, where)] if si else []
+        if quantity is None:
+            si = _truth_si(column) if name.startswith(TRUTH) else None
+        else:
+            si = quantity.si
+            is_needed = quantity.required or name in require
+            if not is_needed and not (unit and is_unit(unit, si)):
+                flaw = f"the unknown unit {unit!r}" if unit else "no unit"
+                do = "name its unit in the header or in a channel map"
+                notes.append(f"{name} has {flaw} and was left out: {do}")
+                continue
+        if si:
+            assigned.append(assigned_column(name, index, column, Mapping(name), si, where))
     by_channel: dict[str, list[int]] = {}
     for item in assigned:
         by_channel.setdefault(item.channel, []).append(item.index)
-    for channel, several in by_channel.items():
-        if len(several) > 1:
+    for channel, same in by_channel.items():
+        if len(same) > 1:
             raise LogError(
                 "the channel occurs twice",
                 where=f"{where}: {channel}",
                 expected="one column of that name",
-                do=_by_address(several, columns),
+                do=_choose_one(same, columns),
             )
     indices = {item.index for item in assigned}
     ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
@@ -141,7 +159,7 @@ def _mapped(
             f"{len(indices)} columns are called {entry.source!r}",
             where=f"{where}: {name}",
             expected="one",
-            do=_by_address(indices, columns),
+            do=_choose_one(indices, columns),
         )
     column = columns[indices[0]]
     return assigned_column(name, indices[0], column, entry, CHANNELS[name].si, where)
@@ -150,7 +168,7 @@ def _mapped(
 def assigned_column(
     channel: str, index: int, column: Column, entry: Mapping, si: str, where: str
 ) -> Assigned:
-    """The column of this ``index`` as a channel. Raises LogError if it has no unit that fits."""
+    """Assign a column to a channel. Raises LogError if the column has no unit of the channel."""
     unit, place = entry.unit or column.unit, f"{where}: {channel}"
     if not unit:
         raise LogError(
@@ -168,34 +186,38 @@ def assigned_column(
 
 
 def _truth_si(column: Column) -> str | None:
-    """SI unit of a truth channel by its name, or else by its unit; None for an unknown one."""
-    by_name = (si for stem, si in TRUTH_UNITS.items() if column.name.startswith(f"{stem}_"))
+    """SI unit of a truth channel by its name, or else by its unit; None if neither is known."""
+    for stem, si in TRUTH_UNITS.items():
+        if column.name.startswith(f"{stem}_"):
+            return si
     with suppress(UnknownUnit):
-        return next(by_name, None) or si_of(column.unit or "")
+        return si_of(column.unit or "")
     return None
 
 
-def _by_address(indices: list[int], columns: tuple[Column, ...]) -> str:
-    names = [address_of(columns[i], columns) for i in indices]
-    choices = ", ".join(map(repr, names))
-    different = len(set(names)) == len(names)
-    return f"name one of them in a channel map: {choices}" if different else "rename one of them"
+def _choose_one(indices: list[int], columns: tuple[Column, ...]) -> str:
+    """Advice on columns of the same name."""
+    addresses = [address_of(columns[i], columns) for i in indices]
+    if len(set(addresses)) < len(addresses):
+        return "rename one of them"
+    return f"name one of them in a channel map: {', '.join(map(repr, addresses))}"
 
 
 def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) -> None:
     if not missing:
         return
     hints = (_suggestion(name, list(ignored), f" to be {name}") for name in missing)
-    have = f"; the log also has {quoted(ignored)}" if ignored else ""
+    others = f"; the log also has {quoted(ignored)}" if ignored else ""
     raise LogError(
         f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
         where=where,
-        expected=f"columns with these names{have}",
+        expected=f"columns with these names{others}",
         do="; ".join([*filter(None, hints), MAP_IT]),
     )
 
 
 def _suggestion(word: str, names: list[str], use: str = "") -> str:
+    """Question whether the name nearest to a misspelt ``word`` is meant, or ""."""
     by_lower = {name.lower(): name for name in names}
     close = nearest(word.lower(), by_lower)
     return "" if close is None else f"is {by_lower[close]!r} meant{use}?"

@@ -27,34 +27,36 @@ _Name = Annotated[str, Field(pattern=r"\S")]
 
 
 def _expected(form: str) -> WrapValidator:
+    """Return a validator whose one error for every wrong value names the expected ``form``."""
+
     def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
         with suppress(ValidationError):
-            if not isinstance(written, bool):  # which Python takes for 0 or 1
+            if not isinstance(written, bool):  # pydantic would take true for 1
                 return handler(written)
         raise wrong(shortened(written), form)
 
     return WrapValidator(checked)
 
 
-def _measured(name: str) -> str:
+def _no_truth(name: str) -> str:
     if name.startswith(TRUTH):
         raise wrong(f"{name!r} is a truth channel", "a measured column; truth only serves to score")
     return name
 
 
-def _factor(factor: float) -> float:
+def _not_zero(factor: float) -> float:
     if factor == 0:
         raise wrong("0 would make every value 0", "a factor")
     return factor
 
 
 class _MappingSection(Section):
-    """Source of a channel; as `Mapping`."""
+    """One channel; its keys are those of `Mapping`."""
 
-    source: Annotated[_Name, AfterValidator(_measured)]
+    source: Annotated[_Name, AfterValidator(_no_truth)]
     unit: str | None = None
     sign: Annotated[Literal[1, -1], _expected("1 or -1 (use scale for factors)")] = 1
-    scale: Annotated[float, QuantityMark("1"), AfterValidator(_factor)] = 1.0
+    scale: Annotated[float, QuantityMark("1"), AfterValidator(_not_zero)] = 1.0
     offset: Annotated[float, QuantityMark("1")] = 0.0
     delay: Annotated[float, QuantityMark("s")] = 0.0
 
@@ -66,24 +68,26 @@ _ChannelsSection = by_name(
 )
 
 _SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
-_NOT_OF_FILES = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
-"""Codecs of names and of source code; some take quadratic time."""
+_NOT_FOR_LOGS = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
+"""Codecs that Python has for domain names and source code; some of them take quadratic time."""
 
 
 def _encoding(name: str) -> str:
     try:
-        is_fit = _SAMPLE.encode(name).decode(name) == _SAMPLE
-        is_fit &= codecs.lookup(name).name not in _NOT_OF_FILES
+        can_hold_logs = (
+            codecs.lookup(name).name not in _NOT_FOR_LOGS
+            and _SAMPLE.encode(name).decode(name) == _SAMPLE
+        )
     except (LookupError, ValueError, TypeError):
-        is_fit = False
-    if not is_fit:
+        can_hold_logs = False
+    if not can_hold_logs:
         expected = 'an encoding such as "utf-8" or "latin-1"'
         raise wrong(f"unknown encoding of text {shortened(name)}", expected)
     return name
 
 
 class _TextSection(Section):
-    """Format of a text table, if it is ambiguous."""
+    """Format of a text table; needed only where the file leaves it open."""
 
     separator: Annotated[str, OneOf(tuple(SEPARATORS))] | None = None
     decimal: Annotated[str, OneOf((".", ","))] | None = None
@@ -100,7 +104,7 @@ _FILES = (
 
 
 class ChannelMapFile(FileSchema):
-    """The columns of a foreign log that are channels, with unit and sign."""
+    """Which columns of a foreign log are channels, with their units and signs."""
 
     channels: _ChannelsSection | None = None  # type: ignore[valid-type]
     text: _TextSection | None = None
@@ -115,7 +119,7 @@ class ChannelMapFile(FileSchema):
 
 
 def read_channel_map(path: Path) -> ChannelMap:
-    """Read a channel map. Raises ChannelMapError for all its mistakes."""
+    """Read a channel map. Raises one ChannelMapError that lists all its mistakes."""
     path = Path(path)
     file = read_toml(path, ChannelMapFile, ChannelMapError)
     entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}

@@ -1,4 +1,6 @@
-"""The times of a log: the step of a clock, even clocks of few digits, impossible clocks.
+"""The times of a log: mean step, repair of rounded times, refusal of impossible ones.
+
+An even clock whose times were written with few digits is repaired (`on_line`):
 
 true      0.00000  0.00667  0.01333  0.02000      150 Hz
 written   0.000    0.007    0.013    0.020        whole milliseconds: steps of 7 and of 6 ms
@@ -14,10 +16,11 @@ from calib.base.units import QUANTITIES, to_si
 
 REPEATED = 0.01  # largest share of rows [1] that repeat the time of the row before them
 GAP = 3.5
-"""A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
+"""A step longer than this many mean steps [1] is a gap. Two lost samples make a step of 3."""
 VALUES = 4
-"""Most values of the steps of a rounded even clock: 2, or 4 where steps of float32 double."""
-_FINE = 1e-3  # rounding below this [steps] is left alone: it moves no result
+"""Most different steps of an even clock with rounded times: 2, or 4 if a number of 32 bits grows
+past a power of two, where its own resolution doubles."""
+_FINE = 1e-3  # rounding below this share of a step [1] moves no result, and is not repaired
 
 
 def is_ascending(time: Array) -> bool:
@@ -26,9 +29,9 @@ def is_ascending(time: Array) -> bool:
 
 
 def step_of(time: Array) -> float:
-    """Mean step of ascending times, (n,), without gaps [s].
+    """Mean step [s] of ascending times (n,) [s], without the gaps.
 
-    Not the median: of whole milliseconds at 300 Hz that is 3 ms where 3.33 ms is true.
+    The median would be wrong for rounded times: 3 ms instead of 3.33 ms at 300 Hz in whole ms.
     """
     steps = np.diff(time)
     gaps = steps[steps > GAP * np.median(steps)]
@@ -36,27 +39,29 @@ def step_of(time: Array) -> float:
 
 
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Put times [s] (n,) of an even clock that were written with few digits on its line.
+    """Undo the rounding of the times [s] (n,) of an even clock.
 
-    Returns them and a note; or as they are, where the clock has more jitter than rounding.
+    Return the straight line through the times and a note; or the times as they are and no note, if
+    they do not lie on a line within their rounding.
     """
     if time.size < _MIN_SAMPLES:
         return time, ()
-    usual, steps = step_of(time), np.diff(time)
-    # one slope for the lines through the times between gaps: least squares
-    part = np.concatenate([[0], np.cumsum(steps > GAP * usual)])
-    index = np.concatenate([[0.0], np.cumsum(np.round(steps / usual))])
+    mean, steps = step_of(time), np.diff(time)
+    # Step of the clock: the common slope of the lines through the times of each part between two
+    # gaps, by least squares; x and y are sample numbers and times, less their mean in the part.
+    part = np.concatenate([[0], np.cumsum(steps > GAP * mean)])
+    number = np.concatenate([[0.0], np.cumsum(np.round(steps / mean))])
     size = np.bincount(part)
-    x, y = (values - (np.bincount(part, values) / size)[part] for values in (index, time))
+    x, y = (values - (np.bincount(part, values) / size)[part] for values in (number, time))
     step = float(x @ y / (x @ x))
-    counts = np.round(steps / step)
-    single = np.unique(np.round(steps[counts == 1] / step, 6)) * step
-    if counts.min() < 1.0 or not 2 <= single.size <= VALUES:
+    counts = np.round(steps / step)  # whole steps of the clock from row to row
+    single_steps = np.unique(np.round(steps[counts == 1] / step, 6)) * step
+    if counts.min() < 1.0 or not 2 <= single_steps.size <= VALUES:
         return time, ()
-    rounding = float(single[-1] - single[0])
-    index = np.concatenate([[0.0], np.cumsum(counts)])
-    slope, start = np.polynomial.polynomial.Polynomial.fit(index, time, 1).convert().coef[::-1]
-    line = np.asarray(start + slope * index)
+    rounding = float(single_steps[-1] - single_steps[0])
+    number = np.concatenate([[0.0], np.cumsum(counts)])
+    slope, start = np.polynomial.polynomial.Polynomial.fit(number, time, 1).convert().coef[::-1]
+    line = np.asarray(start + slope * number)
     if rounding < _FINE * step or np.max(np.abs(line - time)) > rounding:
         return time, ()
     note = (
@@ -66,27 +71,31 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     return line, (note,)
 
 
-LATEST = 1e12  # no time is later [s]: far above seconds since 1970
-_DISORDER = 0.1  # longest step back [s] between frames of several buses
-_DISORDERED = 0.25
-"""Largest share of frames out of order [1]; with more, the timestamps have another meaning."""
+LATEST = 1e12  # latest time that a log can have [s]: far above the seconds since 1970
+_STEP_BACK = 0.1  # longest step back in time [s] between frames of several buses
+_STEPS_BACK = 0.25
+"""Largest share of frames before which time steps back [1]. More of them mean something else, such
+as the time since the frame before."""
 
 
 def check_running(time: Array, where: str) -> None:
-    """Raise LogError for timestamps [s], (n,), in the order of the file, that are out of order."""
+    """Check timestamps [s] (n,) in the order of the file. Raises LogError if they are disordered.
+
+    Frames of several buses may step back a little; see `_STEP_BACK` and `_STEPS_BACK`.
+    """
     if not (np.abs(time) < LATEST).all():
         raise LogError("a timestamp is no time", where=where, do="export the log again")
-    disordered = int(np.count_nonzero(time[1:] < time[:-1]))
-    if disordered > max(_DISORDERED * time.size, 1):
+    steps_back = int(np.count_nonzero(time[1:] < time[:-1]))
+    if steps_back > max(_STEPS_BACK * time.size, 1):
         raise LogError(
-            f"{disordered} of {time.size} timestamps are not increasing",
+            f"{steps_back} of {time.size} timestamps are not increasing",
             where=where,
             expected="times since the start, not since the frame before",
             do="export with absolute timestamps",
         )
-    back = np.flatnonzero(time[1:] < time[:-1] - _DISORDER)
-    if back.size:
-        row = int(back[0])
+    long_steps_back = np.flatnonzero(time[1:] < time[:-1] - _STEP_BACK)
+    if long_steps_back.size:
+        row = int(long_steps_back[0])
         raise LogError(
             f"time goes back by {time[row] - time[row + 1]:.6g} s, from {time[row]:.6g} s",
             where=f"{where}: sample {row + 2}",
@@ -95,14 +104,16 @@ def check_running(time: Array, where: str) -> None:
         )
 
 
-_MIN_SAMPLES = 50  # fewest samples of a log: a quarter of a second at 200 Hz, too short to filter
-_RATES = 40.0, 1000.0  # sample rates that a log can have [Hz]
+_MIN_SAMPLES = 50  # fewest samples of a log: 0.25 s at 200 Hz; fewer cannot be filtered
+_RATES = 40.0, 1000.0  # lowest and highest sample rate of a log [Hz]
 TIME_UNITS = {unit: to_si(1.0, unit, "s") for unit in QUANTITIES["s"][1]}
-"""Units that a time is written in [s]."""
-_BURST = 0.25  # a step shorter than this share of the mean one [1] is within a burst
+"""Size [s] of each unit of time."""
+_BURST = 0.25  # a step shorter than this share of the mean step [1] lies within a burst
 _BURSTS = 0.1
-"""Largest share of such steps [1]: frames of a bus wait for each other by a tenth of a step."""
-_STANDING = 0.3  # least share of jumps in a log whose milliseconds have too many digits [1]
+"""Largest share of steps within bursts [1]. A bus has some of them, since its frames wait for each
+other."""
+_JUMPS = 0.3
+"""Least share of a log [1] that a clock jumps over if its milliseconds have too many digits."""
 
 
 def check_clock(time: Array, where: str, unit: str = "s") -> None:
@@ -116,27 +127,28 @@ def check_clock(time: Array, where: str, unit: str = "s") -> None:
 
 
 def check_steps(time: Array, where: str, unit: str = "s") -> None:
-    """Check the steps of an increasing time [s] (n,), as a recorder makes them.
+    """Check that a recorder can have made the steps of an increasing ``time`` [s] (n,).
 
-    ``unit`` is that in which it was written. Raises LogError for another unit, for a clock that
-    jumps over a part of each second, and for samples that come in bursts.
+    ``unit`` is the unit of time of the file. Raises LogError if another unit gives a likely sample
+    rate and this one does not, for a clock that jumps over a part of each second, and for samples
+    that come in bursts.
     """
     steps = np.diff(time)
-    usual, mean = float(np.median(steps)), float(np.mean(steps))
-    low, high = (1.0 / rate for rate in reversed(_RATES))
-    written = usual / to_si(1.0, unit, "s")
-    likely = [other for other, size in TIME_UNITS.items() if low <= written * size <= high]
-    if likely and not 0.2 * low <= usual <= 5.0 * high:
+    median, mean = float(np.median(steps)), float(np.mean(steps))
+    shortest, longest = (1.0 / rate for rate in reversed(_RATES))
+    number = median / to_si(1.0, unit, "s")  # the step as the file has it
+    likely = [u for u, size in TIME_UNITS.items() if shortest <= number * size <= longest]
+    if likely and not 0.2 * shortest <= median <= 5.0 * longest:
         raise LogError(
-            f"is the time in {likely[0]}, not {unit}? the step would be {_duration(usual)}",
+            f"is the time in {likely[0]}, not {unit}? the step would be {_duration(median)}",
             where=f"{where}: time",
             expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
             do="correct the header, or give the unit in a channel map",
         )
-    # milliseconds with four digits count a tenth of each second, and jump
-    jumps = np.flatnonzero(steps > 10.0 * usual)
-    often = jumps.size > 1 and steps[jumps].sum() >= _STANDING * (time[-1] - time[0])
-    if often and np.allclose(np.diff(time[jumps]), 1.0, atol=0.05):
+    # milliseconds written with a fourth digit run through a tenth of each second, then jump
+    jumps = np.flatnonzero(steps > 10.0 * median)
+    are_long = jumps.size > 1 and steps[jumps].sum() >= _JUMPS * (time[-1] - time[0])
+    if are_long and np.allclose(np.diff(time[jumps]), 1.0, atol=0.05):
         jump = float(np.median(steps[jumps]))
         raise LogError(
             f"the clock jumps by {jump:.2g} s in every second, and counts only the rest",
@@ -156,7 +168,7 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
 
 
 def _duration(seconds: float) -> str:
-    """A duration in the largest unit of which it has one or more.
+    """Write a duration in the largest unit of which it has at least one.
 
     >>> _duration(5e-6), _duration(0.0251), _duration(1000.0)
     ('5 us', '25.1 ms', '16.7 min')
@@ -179,14 +191,14 @@ def check_increasing(time: Array, where: str) -> None:
     if wrong.size == 0:
         return
     row = int(wrong[0]) + 1
-    back = time[row] < time[row - 1]
+    if time[row] < time[row - 1]:
+        flaw, do = "goes back", "sort the rows by time, or split runs whose time begins again"
+    else:
+        flaw, do = "does not increase", "export again, or delete the repeated rows"
     raise LogError(
-        f"time {'goes back' if back else 'does not increase'} in row {row + 1}, to "
-        f"{time[row] - time[0]:.6f} s after {time[row - 1] - time[0]:.6f} s since the start "
-        f"({counted(wrong.size, 'such row')})",
+        f"time {flaw} in row {row + 1}, to {time[row] - time[0]:.6f} s after "
+        f"{time[row - 1] - time[0]:.6f} s since the start ({counted(wrong.size, 'such row')})",
         where=f"{where}: time",
         expected="strictly increasing time",
-        do="sort the rows by time, or split runs whose time begins again"
-        if back
-        else "export again, or delete the repeated rows",
+        do=do,
     )

@@ -1,7 +1,7 @@
-"""Pressures that are another column of the log times a number, and so were not measured.
+"""Find pressures that were not measured: another column of the log, times a constant.
 
-The bus of some cars has the demanded brake torque and no pressure, and some decoders divide this
-torque by a constant to get one.
+The bus of some cars has the demanded brake torque and no pressure. Some decoders divide this torque
+by a constant and call the result a pressure.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -20,46 +20,50 @@ from calib.logs.source import ColumnSource, Recording, each_of
 def computed_pressures(
     channels: Mapping[str, Array], ignored: Collection[str], source: ColumnSource | Recording
 ) -> Iterator[ComputedPressure]:
-    """Pressures among ``channels`` [SI] that are one of the ``ignored`` columns of a source.
+    """Yield the pressures among ``channels`` [SI] that are a multiple of an ``ignored`` column.
 
-    None of a recording: a bus has thousands of signals, which are not searched.
+    A recording yields none: a bus has thousands of signals, which are not searched.
     """
     names = [name for name in ("p_mc", *WHEEL_PRESSURES) if name in channels]
-    bar = {name: from_si(channels[name], "bar", "Pa") for name in names}
-    if isinstance(source, Recording) or not bar:
+    if isinstance(source, Recording) or not names:
         return
+    pressures = {name: from_si(channels[name], "bar", "Pa") for name in names}
     others = [
         (index, column)
         for index, column in enumerate(source.columns)
         if column.name in ignored and is_other_quantity(column.unit)
     ]
-    every = each_of(source.read, [index for index, _ in others])
-    for (_, column), values in zip(others, every, strict=True):
+    written = each_of(source.read, [index for index, _ in others])
+    for (_, column), values in zip(others, written, strict=True):
         if isinstance(values, LogError):
             continue
-        for channel, pressure in bar.items():
+        for channel, pressure in pressures.items():
             factor = factor_between(pressure, values) if values.size == pressure.size else None
             if factor is not None:
                 yield ComputedPressure(channel, factor, column.name, spelling(str(column.unit)))
 
 
 def factor_between(channel: Array, other: Array) -> float | None:
-    """The factor with which ``other`` gives ``channel``, or None; both of shape (n,)."""
-    extent = float(np.ptp(channel))
-    if extent == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
+    """The constant c for which channel = c * other, both (n,); None if there is no such constant.
+
+    The least-squares c counts if no residual exceeds a small share of the range of ``channel``.
+    """
+    channel_range = float(np.ptp(channel))
+    if channel_range == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
         return None
     factor = float(channel @ other / (other @ other))
-    alike = float(np.max(np.abs(channel - factor * other))) < LIMITS.computed_alike * extent
-    return round(factor, 12) if alike else None
+    residual = float(np.max(np.abs(channel - factor * other)))
+    return round(factor, 12) if residual < LIMITS.computed_alike * channel_range else None
 
 
 def is_other_quantity(unit: str | None) -> bool:
-    """Whether a unit is that of a quantity of which a pressure can be computed.
+    """Whether a column with this unit is another quantity, of which a pressure may be computed.
 
-    Not a pressure, which may be logged in two units; nor a bare number, such as its raw count.
+    A pressure is not: one pressure may be logged in two units. A number without a unit is not:
+    it may be the raw count of the pressure.
     """
     try:
-        bare = unit is None or spelling(unit) in ("1", "-")
-        return not bare and si_of(str(unit)) not in ("Pa", "s")
+        has_no_unit = unit is None or spelling(unit) in ("1", "-")
+        return not has_no_unit and si_of(str(unit)) not in ("Pa", "s")
     except UnknownUnit:
         return False

@@ -1,6 +1,7 @@
-"""The formats of logs: what a file is, and how each file ending is opened.
+"""The formats of logs: which kind of file the bytes are, and how each file ending is opened.
 
-The channels of a table share one clock; those of a recording, such as bus frames, do not.
+The channels of a table share one clock. Those of a recording, such as bus frames, do not; they are
+resampled where a table is needed.
 """
 
 import re
@@ -39,11 +40,11 @@ _KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb"<\?xml", "an XML file", ()),
     (rb"\{", "a JSON file", ()),
 )
-"""Pattern of the first bytes in any case, what the file is, and its right endings."""
+"""Pattern of the first bytes (capitals or not), name of the kind of file, and its right endings."""
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
-    """Raise LogError if ``head`` (64 bytes) is that of another kind of file than its ``ending``."""
+    """Raise LogError if the first 64 bytes, ``head``, are those of another kind of file."""
     if head.startswith(POINTER):
         raise LogError(
             "a pointer of git LFS, not the log itself",
@@ -71,17 +72,17 @@ TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
     ".parquet": open_parquet,
     ".vbo": open_vbo,
 }
-"""Opening function by file ending."""
+"""Function that opens the bytes of a table, by file ending."""
 
 
 def ending_of(path: Path) -> str:
-    """The ending that gives the format, in lower case: ``.csv.gz`` for ``run.csv.gz``."""
+    """Ending of a file name that gives the format, in lower case: ``.csv.gz`` of ``run.csv.gz``."""
     double = "".join(path.suffixes[-2:]).lower()
     return double if path.suffix.lower() == ".gz" else path.suffix.lower()
 
 
 def stem_of(path: Path) -> str:
-    """The name of a log: ``ramp.2`` of ``runs/ramp.2.csv.gz``, safe to print."""
+    """Name of a log, safe to print: ``ramp.2`` of ``runs/ramp.2.csv.gz``."""
     path = Path(path)
     ending = ending_of(path)
     return printable(path.name[: -len(ending)] if ending else path.name)
@@ -92,33 +93,34 @@ RECORDINGS: dict[str, Callable[[Path, Databases], Recording]] = {
     ".blf": open_blf,
     **dict.fromkeys(TEXT_LOGS, open_text_log),
 }
-"""Opening function by file ending; each takes the path and the DBC files of the channel map."""
+"""Function that opens a recording, by file ending, from its path and the DBC files of the map."""
 
 
 def as_table(
     opened: ColumnSource | Recording, where: str, assigned: Mapping[int, Assigned] | None = None
 ) -> ColumnSource:
-    """A table as it is; all channels of a recording on one clock, like a table.
+    """Return a table as it is, and a recording as a table with all channels on one clock.
 
-    Columns that are ``assigned``, by index, have their names. Counts are held. Reading a column
-    that the recording refuses raises its LogError.
+    ``assigned`` columns, by index, get the names of their channels. A column of whole numbers
+    without a unit is taken for a state. Reading a column that the recording refuses raises its
+    LogError.
     """
     if isinstance(opened, ColumnSource):
         return opened
-    refused, wanted = dict[int, LogError](), dict[int, ChannelTrace]()
-    every = range(1, len(opened.columns))
-    for i, trace in zip(every, each_of(opened.read, every), strict=True):
+    refused, traces = dict[int, LogError](), dict[int, ChannelTrace]()
+    indices = range(1, len(opened.columns))  # column 0 is the clock
+    for i, trace in zip(indices, each_of(opened.read, indices), strict=True):
         if isinstance(trace, LogError):
             refused[i] = trace
         elif assigned and i in assigned:
-            wanted[i] = assigned[i].named(trace)
+            traces[i] = assigned[i].named(trace)
         else:
             column, values = opened.columns[i], trace.values[np.isfinite(trace.values)]
-            # no car has the values between counts, as of a gear or a flag
-            counts = not column.unit and bool(np.all(values == np.round(values)))
-            wanted[i] = replace(trace, name=column.full_name, state=trace.state or counts)
-    resampled = on_one_clock([*wanted.values()], where)
-    arrays = dict(zip((0, *wanted), (resampled.time, *resampled.values), strict=True))
+            # a car has no value between two gears, or between two states of a flag
+            is_counted = not column.unit and bool(np.all(values == np.round(values)))
+            traces[i] = replace(trace, name=column.full_name, state=trace.state or is_counted)
+    resampled = on_one_clock([*traces.values()], where)
+    arrays = dict(zip((0, *traces), (resampled.time, *resampled.values), strict=True))
 
     def read(indices: Sequence[int]) -> list[Array]:
         for index in indices:
@@ -126,5 +128,9 @@ def as_table(
                 raise refused[index]
         return [arrays[index] for index in indices]
 
-    rates = {i: resampled.rates[w.name] for i, w in wanted.items() if w.name in resampled.rates}
+    rates = {
+        i: resampled.rates[trace.name]
+        for i, trace in traces.items()
+        if trace.name in resampled.rates
+    }
     return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)

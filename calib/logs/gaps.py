@@ -1,9 +1,11 @@
-"""Bridge the short gaps of a channel, such as that of a lost CAN message.
+"""Bridge the short gaps of a channel, such as those of lost CAN messages, with straight lines.
 
-. . . .------. . . .    both sides lead to the middle of the bridge: smooth, bridged
+. . . .------. . . .    both sides lead to the middle of the bridge: the gap is bridged
 
              . . . .
-. . . .                 they do not: something happened in the gap, it stays open
+. . . .                 they do not: something happened in the gap, and it stays open
+
+A log that still has gaps loses its open ends and the channels that no calibration needs.
 """
 
 from collections.abc import Mapping
@@ -19,24 +21,25 @@ from calib.base.plain import counted
 from calib.logs.clock import GAP, check_increasing, is_ascending, step_of
 
 BRIDGE = 0.2
-"""Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""
+"""Longest gap that is bridged [s]: a brake pressure can build up in a longer one."""
 _SIDE = 0.1
-"""Length [s] of the samples on either side of a gap that show whether a channel is smooth."""
-_NEAR = 0.5  # length [s] of the samples on either side of a gap that show the noise
-_FEWEST = 4  # fewest samples of a side: nearly every line goes through fewer
+"""Time on either side of a gap [s] whose samples show whether the channel is smooth there."""
+_NEAR = 0.5  # time on either side of a gap [s] whose samples show the noise of the channel
+_FEWEST = 4  # fewest samples of a side: a line fits three samples too easily
 INSTANT = 1e-9
-"""Samples within this time [s] show no slope: recorders count no finer than nanoseconds, and only
-damaged times are nearer."""
-_SMOOTH = 0.01  # largest error of a bridge beside the noise, over the range of the channel [1]
+"""Shortest time [s] in which samples show a slope. Recorders count no finer than nanoseconds; only
+damaged times are nearer to each other."""
+_SMOOTH = 0.01
+"""Largest error of a bridge in addition to the noise, as a share of the channel's range [1]."""
 ENDS = 1.0
 """Longest time [s] at the start or the end of a log for which a channel may have no value."""
 ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
-"""Which gaps are bridged, in words."""
+"""Words of messages for the gaps that are bridged."""
 
 
 @dataclass(frozen=True)
 class ChannelHole:
-    """A gap of ``channel``: its last sample before it, ``start`` [s], and its ``length`` [s]."""
+    """A gap of ``channel``: time ``start`` [s] of the last sample before it, ``length`` [s]."""
 
     channel: str
     start: float
@@ -44,7 +47,7 @@ class ChannelHole:
 
 
 class Filled(NamedTuple):
-    """``values`` at the wanted times, and the gaps of over `GAP` steps within them."""
+    """``values`` (m,) of a channel at the wanted times, and its gaps of more than `GAP` steps."""
 
     values: Array
     bridged: tuple[ChannelHole, ...] = ()
@@ -52,23 +55,24 @@ class Filled(NamedTuple):
 
 
 def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
-    """Values of a channel at other ``times`` [s], (m,), on straight lines between its samples.
+    """Interpolate a channel linearly at other ``times`` [s] (m,).
 
-    ``t`` [s] ascends, ``x`` (n,) has no NaN. The result is NaN before the first sample, after the
-    last, and in a gap that stays open. A bridge hides what begins and ends within its gap.
+    The samples ``x`` (n,) at the ascending times ``t`` [s] (n,) are finite. The result is NaN
+    before the first sample, after the last one, and in a gap that stays open. An event that begins
+    and ends within a bridged gap is lost.
     """
     values: Array = np.interp(times, t, x)
     values[(times < t[0]) | (times > t[-1])] = np.nan
     if t.size < 2:
         return Filled(values)
-    step, steps, allowed = step_of(t), np.diff(t), _SMOOTH * float(np.ptp(x))
+    step, steps, tolerance = step_of(t), np.diff(t), _SMOOTH * float(np.ptp(x))
     bridged, left_open = [], []
     for i in np.flatnonzero(steps > GAP * step):
         inside = slice(np.searchsorted(times, t[i], side="right"), np.searchsorted(times, t[i + 1]))
         if inside.start == inside.stop:
             continue  # no value is wanted there
         gap = ChannelHole(channel, float(t[i]), float(steps[i]))
-        if gap.length <= BRIDGE * (1.0 + 1e-6) and _smooth(t, x, int(i), step, allowed):
+        if gap.length <= BRIDGE * (1.0 + 1e-6) and _is_smooth(t, x, int(i), step, tolerance):
             bridged.append(gap)
         else:
             left_open.append(gap)
@@ -79,10 +83,10 @@ def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
 def fill_rows(
     channels: Mapping[str, Array], time: Array
 ) -> tuple[dict[str, Array], list[str], list[ChannelHole]]:
-    """Fill the rows (n,) in which a channel is NaN, as `fill` does; ``time`` in s.
+    """Fill the rows in which a channel (n,) is NaN, as `fill` does; ``time`` [s] (n,).
 
-    Returns channels, notes and bridged gaps. Channels with infinite values or fewer than two stay
-    as they are; all do if the times do not increase.
+    Return the channels, notes and the bridged gaps. A channel stays as it is if it has an infinite
+    value or fewer than two values, and every channel does if the times do not increase.
     """
     values, notes, bridged = dict(channels), [], list[ChannelHole]()
     if not is_ascending(time):
@@ -104,7 +108,7 @@ def fill_rows(
 
 
 def in_words(filled: Filled) -> list[str]:
-    """Notes on the gaps of a channel that were bridged and left open; empty if there are none."""
+    """Write a note on the gaps of a channel that were bridged, and one on those left open."""
     notes = []
     for gaps, result in (
         (filled.bridged, "bridged with a straight line"),
@@ -116,43 +120,51 @@ def in_words(filled: Filled) -> list[str]:
     return notes
 
 
-def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
-    """Whether both sides of gap ``i`` are straight and lead to the middle of its bridge.
+def _is_smooth(t: Array, x: Array, i: int, step: float, tolerance: float) -> bool:
+    """Whether both sides of the gap after sample ``i`` are straight and lead to its middle.
 
-    ``allowed`` error of the bridge beside the noise, in the unit of ``x``.
+    ``tolerance`` is added to the noise, in the unit of ``x``. The middle is that of the straight
+    line that would bridge the gap.
     """
     reach = max(_SIDE, float(t[i + 1] - t[i]), (_FEWEST + 0.5) * step)
     first, end = np.searchsorted(t, [t[i] - reach, t[i + 1] + reach])
     sides = slice(first, i + 1), slice(i + 1, end)
     if min(side.stop - side.start for side in sides) < _FEWEST:
         return False
-    wide = slice(*np.searchsorted(t, [t[i] - _NEAR, t[i + 1] + _NEAR]))
-    t_wide, x_wide = t[wide], x[wide]
-    weight = (t_wide[1:-1] - t_wide[:-2]) / (t_wide[2:] - t_wide[:-2])
-    bends = x_wide[1:-1] - (1.0 - weight) * x_wide[:-2] - weight * x_wide[2:]
-    # a few bends do not count; the median is 0 for noise that is cut off at zero
-    noise = float(np.quantile(np.abs(bends), 0.8) / 1.2816 / np.sqrt(1.5))
-    centre, middle = 0.5 * (t[i] + t[i + 1]), 0.5 * (x[i] + x[i + 1])
-    return all(_leads_to(t[s] - centre, x[s] - middle, noise, allowed) for s in sides)
+    # Noise: how far a sample lies from the line through its two neighbours. Its variance is 1.5
+    # times that of the noise, and 1.2816 sigma is the 0.8 quantile of an absolute normal value.
+    # The 0.8 quantile leaves a few steps aside, and is not 0 for noise that is cut off at zero.
+    near = slice(*np.searchsorted(t, [t[i] - _NEAR, t[i + 1] + _NEAR]))
+    t_near, x_near = t[near], x[near]
+    weight = (t_near[1:-1] - t_near[:-2]) / (t_near[2:] - t_near[:-2])
+    off_line = x_near[1:-1] - (1.0 - weight) * x_near[:-2] - weight * x_near[2:]
+    noise = float(np.quantile(np.abs(off_line), 0.8) / 1.2816 / np.sqrt(1.5))
+    t_middle, x_middle = 0.5 * (t[i] + t[i + 1]), 0.5 * (x[i] + x[i + 1])
+    return all(_leads_to_origin(t[s] - t_middle, x[s] - x_middle, noise, tolerance) for s in sides)
 
 
-def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
-    """Whether the samples of a side lie on a line that goes through the origin."""
-    centre, mean = float(t.mean()), float(x.mean())
-    spread = float(np.sum((t - centre) ** 2))
+def _leads_to_origin(t: Array, x: Array, noise: float, tolerance: float) -> bool:
+    """Whether the samples of a side (k,) lie on a line that goes through the origin.
+
+    The origin is the mean of the two samples beside the gap, whose variance is 0.5 ``noise``^2.
+    """
+    t_mean, x_mean = float(t.mean()), float(x.mean())
+    spread = float(np.sum((t - t_mean) ** 2))
     if spread < INSTANT**2:
         return False
-    slope = float(np.sum((t - centre) * x)) / spread
-    bend = float(np.abs(x - mean - slope * (t - centre)).max())
-    sigma = noise * float(np.sqrt(1.0 / t.size + centre**2 / spread + 0.5))  # 0.5 of its ends
-    straight = bend <= allowed + 4.0 * noise
-    return straight and abs(mean - slope * centre) <= allowed + 3.0 * sigma
+    slope = float(np.sum((t - t_mean) * x)) / spread
+    residual = float(np.abs(x - x_mean - slope * (t - t_mean)).max())
+    at_origin = x_mean - slope * t_mean
+    sigma = noise * float(np.sqrt(1.0 / t.size + t_mean**2 / spread + 0.5))
+    is_straight = residual <= tolerance + 4.0 * noise
+    return is_straight and abs(at_origin) <= tolerance + 3.0 * sigma
 
 
 def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The rows (m,) of ``channels`` (n,) in which all have begun and none has ended, and a note.
+    """Cut the rows at both ends in which a channel has no value yet, or none any more.
 
-    A channel without a value for more than `ENDS` [s] at an end counts as one with a gap.
+    Return ``channels`` with the rows (m,) of the n that remain, and a note. A channel that lacks
+    values for more than `ENDS` [s] at an end does not cut: it counts as a channel with a gap.
     """
     time = channels["time"]
     begin, end, trimmed = 0, time.size, list[str]()
@@ -161,8 +173,8 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
         if name not in CHANNELS or not empty.any() or empty.all():
             continue
         first, last = int(np.argmin(empty)), values.size - 1 - int(np.argmin(empty[::-1]))
-        short = time[first] - time[0] <= ENDS and time[-1] - time[last] <= ENDS
-        if short and (first > 0 or last + 1 < time.size):
+        are_short = time[first] - time[0] <= ENDS and time[-1] - time[last] <= ENDS
+        if are_short and (first > 0 or last + 1 < time.size):
             trimmed.append(name)
             begin, end = max(begin, first), min(end, last + 1)
     if not trimmed or begin >= end:
@@ -177,9 +189,10 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
 def complete_channels(
     channels: dict[str, Array], require: tuple[str, ...], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The channels that are finite in every row, and a note on each dropped one.
+    """Keep the channels that are finite in every row; return them with a note on each other one.
 
-    Raises LogError for an empty channel in ``require``, and for a gap in one that every log has.
+    Raises LogError for a channel in ``require`` without any value, and for a gap in a channel that
+    every log must have.
     """
     complete, notes = {}, []
     if np.isinf(channels["time"]).any():

@@ -1,11 +1,14 @@
-"""Impossible samples: zeros, and the largest value of a type, which a decoder wrote.
+"""Mark impossible samples: a decoder writes zeros or the largest value of a type for "no value".
 
 omega  97.1 97.0 327.7 327.7 96.9 96.8    no tyre turns a wheel so much faster, and back
 omega  97.1 97.0   0.0  96.9  96.8        no brake stops a wheel for one sample
-          kept  |  marked  |  kept        cut where a step is impossible; the longest part is true
+          kept  |  marked  |  kept
 
-Marked samples count as samples without a value: `calib.logs.gaps` bridges a few where the channel
-is smooth, and more are refused. This comes before anything is zeroed or fitted.
+A channel is cut into parts where the step between two samples is impossible. The longest part is
+taken as true, and the other parts are judged from it, forwards and backwards.
+
+Marked samples count as samples without a value: `calib.logs.gaps` bridges a few of them where the
+channel is smooth; a log with more of them is refused.
 """
 
 from collections.abc import Mapping
@@ -28,43 +31,44 @@ Mask = NDArray[np.bool_]
 
 
 class _Possible(NamedTuple):
-    """Bounds of a channel in SI.
+    """Bounds of a channel; values in its SI unit, rates in this unit per second.
 
-    ``up`` fastest rise per second, ``long`` that in steps over `_QUICK`; ``zero`` fastest change
-    per second from or to exactly 0, ``nonzero`` a change from or to it that is always possible;
-    ``end`` largest value; ``steps``: only parts that a bridge can span are marked.
+    ``rise`` and ``to_zero`` are the fastest rise, and the fastest change from or to exactly 0, in
+    steps of up to `_QUICK` [s]; in longer steps ``slow_rate`` is added. ``zero_jump`` is a change
+    from or to 0 that is always possible. ``largest`` is the largest value. If ``short_only``, only
+    parts are marked that are short enough for a bridge.
     """
 
-    up: float
-    zero: float
-    nonzero: float
-    long: float
-    end: float
-    steps: bool = False
+    rise: float
+    to_zero: float
+    zero_jump: float
+    slow_rate: float
+    largest: float
+    short_only: bool = False
 
 
 _POSSIBLE = {
-    # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2; a wheel that locks falls to 0 by
-    # steps, and from below the least speed of its sensor
+    # A tyre turns a wheel faster with at most mu F_z r/J = 1.2 * 6 kN * 0.32 m/0.9 kg m^2. A wheel
+    # that locks falls to 0 in steps; its sensor shows 0 below a least speed, up to 20 rad/s.
     **dict.fromkeys(WHEEL_SPEEDS, _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0)),
-    # v of a receiver is held, or found again after a bridge: only its zeros are known as wrong
+    # v of a receiver may stand still, then jump, as after a bridge: only its zeros can be judged
     "v": _Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
-    # 1000 bar/s are the fastest brakes; a pedal that is let go falls to 0 by steps
-    "p_mc": _Possible(np.inf, 2e8, 1e6, np.inf, 4e7, steps=True),
-    # bumps move a_x by any step, and 5 g is past the range of car sensors
+    # the fastest brakes rise by 1000 bar/s; a pressure falls to 0 in steps if the pedal is let go
+    "p_mc": _Possible(np.inf, 2e8, 1e6, np.inf, 4e7, short_only=True),
+    # a bump moves a_x by any step; sensors of cars end below 5 g
     "a_x": _Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
 }
 
 _QUICK = 0.05
-"""Time [s] over which a wheel spins up or stops; over a longer one it goes with the car."""
-_NOISE = 10.0  # standard deviations of its noise that a channel may jump in addition [1]
-_LEAST = 2.0  # least jump [SI] that counts: a lost pulse of a ring of 48 teeth is 2 rad/s
-_FEW = 0.02  # largest share of samples that are marked [1]; with more the log is refused
+"""Longest step [s] in which only tyre or brake turn a wheel; in a longer one the car slows, too."""
+_NOISE_SIGMAS = 10.0  # a jump by this many standard deviations of the noise is possible [1]
+_JUMP = 2.0  # a jump up to this [SI] is possible: a lost pulse of 48 for a turn makes 2 rad/s
+_FEW = 0.02  # largest share of marked samples [1]; a log with more of them is refused
 
 
 @dataclass(frozen=True)
 class Marked:
-    """Impossible samples of ``channel``: how many, time [s] and value [SI] of the first."""
+    """The ``count`` of impossible samples of a channel; time [s] and value [SI] of the first."""
 
     channel: str
     count: int
@@ -80,11 +84,11 @@ class Marked:
 def without_impossible(
     channels: Mapping[str, Array], where: str
 ) -> tuple[dict[str, Array], tuple[Marked, ...], tuple[ChannelHole, ...]]:
-    """The channels with NaN, or a bridge, in the place of impossible samples.
+    """Replace impossible samples by NaN, or by a bridge where `calib.logs.gaps` allows one.
 
-    ``channels`` [SI], (n,) each, by name; they stay as they are where the times do not ascend.
-    Returns the channels, the marked samples and the bridged gaps. Raises LogError if more than
-    `_FEW` of a required channel are marked.
+    ``channels`` [SI] have shape (n,); they stay as they are if the times do not ascend. Return the
+    channels, the marked samples and the bridged gaps. Raises LogError if more than `_FEW` of the
+    samples of a required channel are marked.
     """
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
@@ -94,7 +98,7 @@ def without_impossible(
         for name, possible in _POSSIBLE.items()
         if name in values
     }
-    if set(WHEEL_SPEEDS) <= masks.keys():  # a row of zeros is one of all its channels
+    if set(WHEEL_SPEEDS) <= masks.keys():  # where all wheels are marked, the whole row is lost
         all_wheels = np.logical_and.reduce([masks[name] for name in WHEEL_SPEEDS])
         for name, mask in masks.items():
             mask |= all_wheels & (values[name] == 0.0)
@@ -104,15 +108,15 @@ def without_impossible(
             first, count = int(np.argmax(mask)), int(np.count_nonzero(mask))
             marked.append(Marked(name, count, float(time[first]), float(values[name][first])))
             values[name] = np.where(mask, np.nan, values[name])
-    filled, _, bridged = fill_rows({group.channel: values[group.channel] for group in marked}, time)
-    within = (time > time[0] + ENDS) & (time < time[-1] - ENDS)  # ends may lack some
-    for group in marked:
-        many = np.count_nonzero(masks[group.channel] & within) > max(_FEW * time.size, 1.0)
-        if many and CHANNELS[group.channel].required:
+    filled, _, bridged = fill_rows({m.channel: values[m.channel] for m in marked}, time)
+    inner = (time > time[0] + ENDS) & (time < time[-1] - ENDS)  # the ends may lack values
+    for m in marked:
+        are_many = np.count_nonzero(masks[m.channel] & inner) > max(_FEW * time.size, 1.0)
+        if are_many and CHANNELS[m.channel].required:
             raise LogError(
-                f"{group}, beside values that are far away: no car drives {group.count} of the "
+                f"{m}, beside values that are far away: no car drives {m.count} of the "
                 f"{time.size} samples",
-                where=f"{where}: {group.channel}",
+                where=f"{where}: {m.channel}",
                 expected="values that a car can have one after the other",
                 do="decode the error value of the signal as no value, or cut the log there",
             )
@@ -120,72 +124,78 @@ def without_impossible(
 
 
 def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
-    mask = np.isfinite(x) & (np.abs(x) > possible.end)
+    mask = np.isfinite(x) & (np.abs(x) > possible.largest)
     if np.count_nonzero(mask) > _FEW * x.size:  # a wrong unit, which `calib.run` reports
         return np.zeros(x.size, np.bool_)
     present = np.flatnonzero(np.isfinite(x) & ~mask)
-    steps = np.diff(time[present])
     if present.size > 2:
-        least = min(possible.nonzero, possible.up * float(np.min(steps)) + _LEAST)
-        if np.max(np.abs(np.diff(x[present]))) > least:
-            mask[present] = _apart(time[present], x[present], possible)
+        shortest_step = float(np.min(np.diff(time[present])))
+        always_possible = min(possible.zero_jump, possible.rise * shortest_step + _JUMP)
+        if np.max(np.abs(np.diff(x[present]))) > always_possible:
+            mask[present] = _unreachable(time[present], x[present], possible)
     return mask
 
 
-def _apart(time: Array, x: Array, possible: _Possible) -> Mask:
-    """Mask (n,) of the parts that no possible step joins with the longest one.
+def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
+    """Mask (n,) of the parts that cannot be reached from the longest part.
 
-    A part that begins higher than the level before it can rise is impossible, and one of exact
-    zeros after what cannot stop so fast. One that begins lower is kept: a wheel that slips, which
-    slow messages show in one step.
+    A part is marked if it begins with exact zeros that the channel cannot reach so fast, or above
+    what the channel can rise to. A part that begins lower is kept: slow messages show a wheel that
+    begins to slip in one step.
     """
-    slack = max(_LEAST, _NOISE * white_noise(x, 2)) if np.isfinite(possible.up) else 0.0
-    change, zero = np.abs(np.diff(x)), x == 0.0
-    up, to_zero = _fastest(np.diff(time), slack, possible)
-    cuts = np.flatnonzero((change > up) | ((zero[1:] | zero[:-1]) & (change > to_zero))) + 1
+    tolerance = 0.0
+    if np.isfinite(possible.rise):
+        tolerance = max(_JUMP, _NOISE_SIGMAS * white_noise(x, 2))
+    change, is_zero = np.abs(np.diff(x)), x == 0.0
+    rise, to_zero = _largest_changes(np.diff(time), tolerance, possible)
+    touches_zero = is_zero[1:] | is_zero[:-1]
+    cuts = np.flatnonzero((change > rise) | (touches_zero & (change > to_zero))) + 1
     mask = np.zeros(x.size, np.bool_)
     if not cuts.size:
         return mask
-    edges = np.concatenate([[0], cuts, [x.size]])
+    edges = np.concatenate([[0], cuts, [x.size]])  # part i holds the samples edges[i]:edges[i + 1]
     longest = int(np.argmax(np.diff(edges)))
-    for parts, later in ((range(longest + 1, edges.size - 1), 1), (range(longest - 1, -1, -1), 0)):
-        last = int(edges[longest + later]) - later
+    later_parts, earlier_parts = range(longest + 1, edges.size - 1), range(longest - 1, -1, -1)
+    for parts, is_later in ((later_parts, True), (earlier_parts, False)):
+        # last sample that was kept, in the direction of the loop, and the level that it leaves
+        last = int(edges[longest + 1]) - 1 if is_later else int(edges[longest])
         level = x[last]
         for part in parts:
             begin, end = edges[part], edges[part + 1]
-            first, far = (begin, end - 1) if later else (end - 1, begin)
-            up, to_zero = _fastest(np.abs(time[first] - time[last]), slack, possible)
-            if (x[first] == 0.0 and level > to_zero) or x[first] > level + up:
+            near, far = (begin, end - 1) if is_later else (end - 1, begin)
+            rise, to_zero = _largest_changes(np.abs(time[near] - time[last]), tolerance, possible)
+            if (x[near] == 0.0 and level > to_zero) or x[near] > level + rise:
                 mask[begin:end] = True
                 continue
-            slowed = possible.long * abs(float(time[far] - time[last]))
+            # the level after a kept part, which may have slipped: what the car can have lost since
+            slowed = possible.slow_rate * abs(float(time[far] - time[last]))
             last, level = int(far), max(x[far], level - slowed)
-    if possible.steps:  # only parts between two others that are short enough for a bridge
-        short = np.zeros(x.size, np.bool_)
+    if possible.short_only:
+        is_short = np.zeros(x.size, np.bool_)
         for begin, end in pairwise(edges[1:-1]):
-            short[begin:end] = time[end] - time[begin - 1] <= BRIDGE
-        mask &= short
+            is_short[begin:end] = time[end] - time[begin - 1] <= BRIDGE
+        mask &= is_short
     return mask
 
 
-def _fastest(step: Array, slack: float, possible: _Possible) -> tuple[Array, Array]:
-    """Largest possible rise in ``step`` [s], and largest change from or to exactly 0."""
+def _largest_changes(step: Array, tolerance: float, possible: _Possible) -> tuple[Array, Array]:
+    """Largest possible rise in a ``step`` [s], and largest change from or to exactly 0."""
     quick = np.minimum(step, _QUICK)
-    long = np.where(step > _QUICK, possible.long, 0.0) * step
-    to_zero = np.maximum(possible.nonzero, possible.zero * quick)
-    return possible.up * quick + slack + long, to_zero + long
+    slow_change = np.where(step > _QUICK, possible.slow_rate, 0.0) * step
+    to_zero = np.maximum(possible.zero_jump, possible.to_zero * quick)
+    return possible.rise * quick + tolerance + slow_change, to_zero + slow_change
 
 
 _ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
-"""By SI unit: far above every value of a car, also one in a wrong unit."""
+"""Values by SI unit that lie far above every value of a car, even if its unit is wrong."""
 
 
 def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
-    """Raise LogError for a value so large that the file must be damaged; channels in SI by name."""
+    """Raise LogError for a value of ``channels`` [SI] so large that the file must be damaged."""
     for name, values in channels.items():
         si = CHANNELS[name].si if name in CHANNELS else ""
-        most = _ABSURD.get(si, LATEST)
-        absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
+        largest = _ABSURD.get(si, LATEST)
+        absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > largest))
         if absurd.size:
             row = int(absurd[0])
             raise LogError(

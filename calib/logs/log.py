@@ -12,7 +12,10 @@ from calib.logs.impossible import Marked
 
 @dataclass(frozen=True)
 class Origin:
-    """Source of a channel: SI value = factor * written + offset; ``source`` is in ``unit``."""
+    """How the SI value of a channel follows from the file: factor * written value + offset.
+
+    ``source`` is the column of the file, and ``unit`` the unit of its written values.
+    """
 
     channel: str
     source: str
@@ -22,7 +25,7 @@ class Origin:
 
 
 class ComputedPressure(NamedTuple):
-    """A pressure ``channel`` that in bar is ``factor`` times the ``column`` in its ``unit``."""
+    """A pressure that was not measured: ``channel`` [bar] = ``factor`` * ``column`` [``unit``]."""
 
     channel: str
     factor: float
@@ -32,11 +35,12 @@ class ComputedPressure(NamedTuple):
 
 @dataclass(frozen=True)
 class Log:
-    """One run: canonical ``channels`` [SI], (n,) each, with ``time``.
+    """One run: canonical ``channels`` [SI] of shape (n,), among them ``time``.
 
-    ``digest`` is the SHA-256 of the file or of simulated content; ``truth`` [SI] only scores a
-    simulation. ``notes`` say what the reader changed. ``marked`` samples have no value,
-    ``interpolated`` channels have another clock, ``computed`` pressures are another column.
+    ``digest`` is the SHA-256 of the file, or of the content of a simulation. ``truth`` [SI] scores
+    the estimates of a simulated run. ``ignored`` columns are no channels, ``notes`` say what the
+    reader changed. ``bridged`` gaps were filled, ``marked`` samples were impossible and removed.
+    ``interpolated`` channels were recorded on another clock than ``time``.
     """
 
     name: str

@@ -5,7 +5,7 @@ import logging
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,17 +25,18 @@ from calib.logs.mdf_check import check_mdf
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 _VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
-"""Types of conversion that give text instead of numbers, by version of MDF."""
+"""Types of conversion from numbers to text, by version of MDF."""
 _FRAME = "CAN_DataFrame"  # name of the channel for data frames in the ASAM standard
 _TIME_SYNC = 1  # type of a master channel of MDF 4 that holds time, not angle or distance
 _Place = tuple[int, int]  # numbers of the group and of the channel in it
 
 
 def open_mdf(path: Path, dbc: Databases) -> Recording:
-    """Open an MDF file; bus frames are decoded with the DBC, or ignored with a note.
+    """Open an MDF file.
 
-    A file that its recorder did not finish is finished in memory by asammdf, with a note. Raises
-    LogError as `check_mdf`, and if asammdf cannot read the file.
+    Bus frames are decoded with the DBC; without one they are ignored, with a note. A file that its
+    recorder did not finish is finished in memory by asammdf, with a note. Raises LogError as
+    `check_mdf` does, and if asammdf cannot read the file.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where, LogError)
@@ -53,6 +54,7 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
 
 
 def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Recording:
+    """The measured channels of an open file, and after them the signals of its bus frames."""
     buses = [
         number
         for number, group in enumerate(mdf.groups)
@@ -68,9 +70,10 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
         require_described(frames, (), database, where)
     if buses and not needs_dbc:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
-    more, signals = described_signals(frames, database)
+    signal_columns, signals = described_signals(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
+        # index 0 is the clock, then come the measured channels, then the signals
         chosen = [places[i - 1] for i in indices if i <= len(places)]
         measured = dict(zip(chosen, _traces(mdf, chosen, titles, where), strict=True))
         return [
@@ -78,14 +81,15 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
             for i in indices
         ]
 
-    return Recording((CLOCK, *columns, *more), read, (*database.notes, *notes), mdf.close)
+    every_column = (CLOCK, *columns, *signal_columns)
+    return Recording(every_column, read, (*database.notes, *notes), mdf.close)
 
 
 def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Raise LogError for a channel outside its record, which asammdf would read without a check.
+    """Check what asammdf does not check; raise LogError for a file that cannot be read rightly.
 
-    Also for records that fill the memory, and for fewer records than ``counts`` of an unfinished
-    file.
+    A channel must lie within its record, the records must fit into the memory, and a group of an
+    unfinished file must have the number of records in ``counts``.
     """
     for group in mdf.groups:
         record = group.channel_group
@@ -108,6 +112,7 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
 def _channels(
     mdf: Any, buses: Sequence[int], titles: Sequence[str]
 ) -> tuple[list[Column], list[_Place], list[str]]:
+    """Columns and places of the measured channels, and notes on groups without a clock."""
     columns, places, notes = [], [], []
     for number, group in enumerate(mdf.groups):
         if number in buses or not (group.channel_group.cycles_nr and group.channels):
@@ -126,10 +131,10 @@ def _channels(
 
 
 def _titles(mdf: Any) -> list[str]:
-    """Name of each group, with its number where several have that name."""
+    """Name of each group; a name that several groups have is followed by the group's number."""
     groups = enumerate(mdf.groups)
     names = [getattr(g.channel_group, "acq_name", "") or f"group {i}" for i, g in groups]
-    return [f"{x}#{i}" if names.count(x) > 1 else x for i, x in enumerate(names)]
+    return [f"{name}#{i}" if names.count(name) > 1 else name for i, name in enumerate(names)]
 
 
 def _traces(
@@ -159,15 +164,19 @@ def _select(mdf: Any, places: Sequence[_Place], names_as_numbers: bool, where: s
 
 
 def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarray, bool]:
-    """Values, NaN where invalid or named, and whether the channel is a state."""
+    """Values (n,) of a channel, and whether it is a state.
+
+    A channel is a state if all its values have names. If only some have, such as "not available",
+    they are NaN, as invalid samples are.
+    """
     conversion = mdf.groups[place[0]].channels[place[1]].conversion
-    kinds = _VALUE_TO_TEXT[str(mdf.version)[0].replace("2", "3")]
+    kinds = _VALUE_TO_TEXT["4" if str(mdf.version).startswith("4") else "3"]
     state = bool(conversion) and conversion.conversion_type in kinds
     samples = signal.samples
     if state:
-        named_values = _select(mdf, [place], False, where)[0].samples
-        if named_values.dtype.kind in "iuf":  # names for some values only, such as "not available"
-            samples, state = named_values, False
+        named_as_nan = _select(mdf, [place], False, where)[0].samples
+        if named_as_nan.dtype.kind in "iuf":  # text if all values have names
+            samples, state = named_as_nan, False
     if samples.dtype.kind not in "biuf" or samples.ndim != 1:
         flaw = f"holds {samples.dtype}, shape {samples.shape[1:]}"
         raise LogError(flaw, where=where, expected="a numeric channel")
@@ -178,26 +187,45 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
 
 
 def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Frames]:
-    """The frames that the database describes, by message; sent and received ones are together."""
-    parts = [x for number in groups if (x := _frame_records(mdf, number, where)) is not None]
+    """The frames that the database describes, by message, of all groups (sent and received)."""
+    records = [_frame_records(mdf, number, where) for number in groups]
+    parts = [record for record in records if record is not None]
     if not parts:
         return []
-    width = max(data.shape[1] for _, _, data, _ in parts)
-    frames = np.concatenate([np.pad(x, ((0, 0), (0, width - x.shape[1]))) for _, _, x, _ in parts])
-    codes, time, length = (np.concatenate([part[i] for part in parts]) for i in (0, 1, 3))
+    width = max(part.data.shape[1] for part in parts)
+    data = np.concatenate(
+        [np.pad(part.data, ((0, 0), (0, width - part.data.shape[1]))) for part in parts]
+    )
+    codes = np.concatenate([part.codes for part in parts])
+    time = np.concatenate([part.time for part in parts])
+    length = np.concatenate([part.length for part in parts])
     result = []
     for code in np.unique(codes).tolist():
         bus, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
         if database.find(bus, key):
             rows = np.flatnonzero(codes == code)
-            rows = rows[np.argsort(time[rows], kind="stable")] if len(parts) > 1 else rows
-            part = np.ascontiguousarray(frames[rows, : int(length[rows].max())], np.uint8)
-            result.append(Frames(bus, key, time[rows], part, length[rows].astype(np.uint16)))
+            if len(parts) > 1:
+                rows = rows[np.argsort(time[rows], kind="stable")]
+            frames = np.ascontiguousarray(data[rows, : int(length[rows].max())], np.uint8)
+            result.append(Frames(bus, key, time[rows], frames, length[rows].astype(np.uint16)))
     return result
 
 
-def _frame_records(mdf: Any, number: int, where: str) -> tuple[Any, Any, Any, Any] | None:
-    """Codes of bus and identifier, times [s], bytes and lengths of a group; None without frames."""
+class _FrameRecords(NamedTuple):
+    """The frames of a group: ``time`` [s] (n,), ``data`` (n, bytes), ``length`` [bytes] (n,).
+
+    ``codes`` (n,) hold the identifier in bits 0 to 28, whether it is extended in bit 29, and the
+    number of the bus above it.
+    """
+
+    codes: Any
+    time: Any
+    data: Any
+    length: Any
+
+
+def _frame_records(mdf: Any, number: int, where: str) -> _FrameRecords | None:
+    """The frames of the group with this number, or None if it has none."""
     names = {c.name for c in mdf.groups[number].channels}
     cycles = int(mdf.groups[number].channel_group.cycles_nr)
     if f"{_FRAME}.DataBytes" not in names or not cycles:
@@ -215,7 +243,7 @@ def _frame_records(mdf: Any, number: int, where: str) -> tuple[Any, Any, Any, An
     if data.ndim != 2 or any(x.ndim != 1 or x.dtype.kind not in "biuf" for x in numbers.values()):
         expected = "identifier, bus, length and bytes of each frame"
         raise damaged(where, "the fields of its frames are not numbers", expected)
-    identifier = numbers["ID"].astype(np.int64)  # loggers store 11 bits of it in 16
+    identifier = numbers["ID"].astype(np.int64)
     extended = numbers.get("IDE", identifier > 0x7FF).astype(bool)
     bus = numbers.get("BusChannel", np.zeros(cycles)).astype(np.int64)
     length = numbers.get("DataLength", np.full(cycles, data.shape[1]))
@@ -223,7 +251,7 @@ def _frame_records(mdf: Any, number: int, where: str) -> tuple[Any, Any, Any, An
         flaw = f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}"
         raise damaged(where, flaw, "frames within their records")
     codes = bus << 30 | extended.astype(np.int64) << 29 | identifier & 0x1FFFFFFF
-    return codes, time, data, length
+    return _FrameRecords(codes, time, data, length)
 
 
 def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:
@@ -233,7 +261,7 @@ def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:
 
 @contextmanager
 def _readable(where: str, part: str = "file") -> Iterator[None]:
-    """Raise as LogError what asammdf raises for a damaged file, which is almost anything."""
+    """Raise LogError in the place of what asammdf raises for a damaged file: almost anything."""
     try:
         yield
     except Exception as cause:

@@ -1,13 +1,15 @@
-"""Check an MDF file before asammdf reads it, which follows rings and fills the memory.
+"""Check an MDF file before asammdf reads it.
 
-MDF 4:
+asammdf would follow rings of links for ever, and let a damaged file fill the memory.
+
+MDF 4 consists of blocks:
 ##XX  4 bytes unused  length  number of links  links  content
-##DG --> ##CG --> ##CN                    ##CG: number of records, bytes of one; ##CN: its bits
-     --> ##HL --> ##DL --> ##DT, ##DZ     the data of the group, unpacked
+##DG --> ##CG --> ##CN                    ##CG: number of records, bytes of one; ##CN: a channel
+     --> ##HL --> ##DL --> ##DT, ##DZ     the records of the groups; ##DZ are compressed
 
-CAN loggers leave MDF 4 unfinished: the last ##DT goes up to the end, and every group says that it
-has no records. Where groups share data, a record is: identifier, bytes; of a VLSD group:
-identifier, length, bytes.
+CAN loggers leave MDF 4 unfinished: the last ##DT reaches to the end of the file, and every group
+says that it has no records. Where several groups share data, a record is its identifier and its
+bytes; in a group of variable length (VLSD) it is identifier, length and bytes.
 Source: ASAM MDF 4.1, sections on the identification block and on unfinalised files.
 """
 
@@ -24,15 +26,15 @@ from calib.base.errors import LogError
 from calib.logs.source import damaged
 
 _COUNTS, _LAST_LENGTH, _VLSD_SIZES = 1, 4, 32
-"""Flags of what a recorder left: counts of groups, length of the last DT, sizes of VLSD groups."""
+"""Flags of what a recorder did not write: record counts, length of the last DT, VLSD sizes."""
 _HEAD = 64  # bytes of the identification block, after which the first block begins
 _BLOCK = struct.Struct("<4s4xQQ")
 _GROUP = struct.Struct("<QQHHLLL")
 _UNPACKED = struct.Struct("<8xQ")
 _MOST_LINKS = 10_000_000
 _TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
-"""Blocks whose first two links lead to a block of their own; asammdf would follow a ring."""
-_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # first links of the same kind in MDF 3
+"""Blocks that form a tree: no two of their first two links may lead to the same block."""
+_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # number of such links of a block of MDF 3
 _START = 24  # bytes of a ##DT before its data
 _VARIABLE = 1  # flag of a group whose records differ in length; such a group has no channels
 
@@ -46,7 +48,11 @@ class _Block(NamedTuple):
 
 @dataclass
 class _Group:
-    """A channel group: bytes of a record, which may vary, and records promised and counted."""
+    """A channel group at byte ``place``.
+
+    ``size`` is the number of bytes of a record, unless it is ``variable``. ``promised`` is the
+    number of records that the file states, ``count`` the number that it holds.
+    """
 
     place: int
     promised: int
@@ -58,8 +64,9 @@ class _Group:
 def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
     """Follow all links of a file, and count the records of an unfinished one.
 
-    Returns a note and the records by group; both are empty for a finished file. Raises LogError for
-    a file that is not MDF, cut off, damaged, or cannot be finished.
+    Return a note, and the number of records by first byte of the group; both are empty for a
+    finished file. Raises LogError for a file that is not MDF, cut off, damaged, or cannot be
+    finished.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)
@@ -71,7 +78,7 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
         flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
         if begin == b"UnFinMF":
             unknown = flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
-            # Without flags nobody knows what is missing.
+            # without flags nobody knows what the recorder did not write
             can_be_finished = flags > 0 and not unknown and b"4.10" <= version < b"5"
             _require(can_be_finished, path, f"flags {flags} of MDF {version!r}")
         if version[:1] not in (b"2", b"3", b"4"):
@@ -119,8 +126,11 @@ def _refuse_rings(data: mmap.mmap, order: str, path: Path) -> None:
 
 
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
-    """First bytes of all blocks of MDF 4. Raises LogError if one goes past the end of the file."""
-    visited, owned, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
+    """First bytes of all blocks of MDF 4. Raises LogError if one goes past the end of the file.
+
+    Raises ValueError for a second link to a block of the tree.
+    """
+    visited, linked, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
     unpacked = 0
     while todo:
         place = todo.pop()
@@ -141,9 +151,9 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
             todo += targets
             for link in targets[:2] if kind in _TREE else ():
                 if data[link : link + 4] in _TREE:
-                    if link in owned:
+                    if link in linked:
                         raise ValueError(f"a second link to byte {link}")
-                    owned.add(link)
+                    linked.add(link)
     if end > size:
         raise _short(path, size, end)
     if unpacked > RECORDING.max_bytes:
@@ -154,8 +164,11 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
 def _counted(
     data: mmap.mmap, flags: int, starts: list[int], path: Path
 ) -> tuple[str, dict[int, int]]:
-    """Count the records of an unfinished file; ``starts`` are its blocks and its end, ascending."""
-    # asammdf counts them, too, but stops silently where a record has an unknown identifier
+    """Count the records of an unfinished file; return a note and the counts by group.
+
+    ``starts`` are the first bytes of the blocks and the size of the file, ascending. asammdf counts
+    the records, too, but stops without an error at a record with an unknown identifier.
+    """
     counts: dict[int, int] = {}
     records = leftover = 0
     for _, data_group in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
@@ -169,10 +182,11 @@ def _counted(
             continue
         block = _block_at(data, begin)
         _require(block.kind == b"##DT", path, f"data in {block.kind!r}")
-        readable = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
-        _require(readable, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
-        to_the_next = bool(flags & _LAST_LENGTH)
-        end = starts[bisect(starts, begin)] if to_the_next else begin + block.length
+        is_readable = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
+        _require(is_readable, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
+        end = begin + block.length
+        if flags & _LAST_LENGTH:  # the data reach to the next block, or to the end of the file
+            end = starts[bisect(starts, begin)]
         last = _count(data, groups, (begin + _START, end), id_size, path)
         leftover += end - last if any(data[last:end]) else 0
         for group in groups.values():
@@ -183,9 +197,10 @@ def _counted(
             if not group.variable:
                 counts[group.place] = group.count if flags & _COUNTS else group.promised
                 records += group.count
-    torn = f"; {leftover} bytes of a last record that is not whole were left out" * bool(leftover)
+    torn = f"; {leftover} bytes of a last record that is not whole were left out"
     note = (
-        f"the recorder did not finish the file: its {records} records were counted here{torn}; "
+        f"the recorder did not finish the file: its {records} records were counted here"
+        f"{torn if leftover else ''}; "
         "nothing in the file shows whether more are missing at its end"
     )
     return note, counts
@@ -194,7 +209,11 @@ def _counted(
 def _count(
     data: mmap.mmap, groups: dict[int, _Group], span: tuple[int, int], id_size: int, path: Path
 ) -> int:
-    """Count the records within a span of bytes by group; return where the last whole one ends."""
+    """Count the records within a span of bytes, in their ``groups``.
+
+    Return the byte at which the last whole record ends. Records have an identifier of ``id_size``
+    bytes, or none if there is one group only.
+    """
     place, end = span
     if not id_size:
         (only,) = groups.values()
@@ -205,7 +224,7 @@ def _count(
         number = int.from_bytes(data[place : place + id_size], "little")
         group = groups.get(number)
         if group is None:
-            if not any(data[place:end]):  # the recorder reserved space
+            if not any(data[place:end]):  # zeros: space that the recorder reserved
                 break
             flaw = f"damaged near byte {place}: no group has records with the identifier {number}"
             raise damaged(path, flaw, "records of the groups of the file")

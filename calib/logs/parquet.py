@@ -1,4 +1,4 @@
-"""Parquet with each channel's unit in the field metadata, and columns of Arrow as numbers."""
+"""Read and write Parquet: each channel has its unit in the metadata of its field."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     import pyarrow
 
 UNIT_KEY = b"unit"
-_OTHER_KEYS = (b"units", b"Unit", b"Units")  # other keys of the field metadata for the unit
-_MDF_CLOCK = "timestamps"  # name of the time index of a table exported by asammdf, in seconds
+_OTHER_KEYS = (b"units", b"Unit", b"Units")  # keys that other programs use for the unit
+_MDF_CLOCK = "timestamps"  # time index [s] of a table that asammdf exported
 
 
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
-    """Open a Parquet file; ``text_format`` is there for other readers only.
+    """Open a Parquet file; ``text_format`` is not used, all readers of tables have it.
 
-    A unit may also stand in the name. asammdf exports no unit; its index is the time in seconds.
-    Time stamps are in seconds from the first row. Raises LogError for a file that is not whole.
+    A unit may also stand in the name of a column. Time stamps are converted to seconds from the
+    first row. Raises LogError for a file that is not whole.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -85,6 +85,7 @@ def _column(field: "pyarrow.Field", is_index: bool) -> Column:
 
 
 def _clock_unit(kind: "pyarrow.DataType") -> float | None:
+    """Seconds for each count of a type of times; None for another type."""
     import pyarrow.types as types
 
     if types.is_timestamp(kind) or types.is_time(kind) or types.is_duration(kind):
@@ -93,9 +94,11 @@ def _clock_unit(kind: "pyarrow.DataType") -> float | None:
 
 
 def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Array:
+    """Time [s] (n,) since the first row; ``unit`` [s] is that of one count."""
     import pyarrow as pa
     import pyarrow.compute as pc
 
+    # the counts of the first row are subtracted as integers: a double cannot hold ns since 1970
     width = pa.int32() if column.type.bit_width == 32 else pa.int64()
     counts = column.cast(width).cast(pa.int64())
     present = counts.drop_null()
@@ -115,10 +118,10 @@ def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
 
 
 def numbers(column: Any) -> Array:
-    """Return a chunked column of numbers (n,); null is NaN.
+    """Return a chunked column as numbers (n,); null becomes NaN.
 
-    `to_numpy` would import pandas, and `cast` loads what computes: each takes longer than to read a
-    log. So doubles are read from their buffers, and only others are cast.
+    Doubles are read from their buffers, and only other types are cast: `to_numpy` imports pandas
+    and `cast` loads the functions of pyarrow, and either takes longer than reading a log.
     """
     import pyarrow as pa
 
@@ -136,7 +139,7 @@ def numbers(column: Any) -> Array:
 
 
 def column_of(x: NDArray[Any]) -> "pyarrow.Array":
-    """The column of an array (n,), for which `pyarrow.array` would import pandas."""
+    """Return an array (n,) as a column of Arrow, without `pyarrow.array`, which imports pandas."""
     import pyarrow as pa
 
     kind = pa.bool_() if x.dtype == bool else pa.from_numpy_dtype(x.dtype)
@@ -147,7 +150,7 @@ def column_of(x: NDArray[Any]) -> "pyarrow.Array":
 def parquet_of(
     columns: Mapping[str, NDArray[Any]], units: Mapping[str, str], **options: Any
 ) -> bytes:
-    """A Parquet file of ``columns`` (n,) with their ``units``; the same give the same bytes."""
+    """Make a Parquet file of ``columns`` (n,) with their ``units``; its bytes are reproducible."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

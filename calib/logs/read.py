@@ -1,4 +1,8 @@
-"""Read a log of any known format as a `Log` in SI."""
+"""Read a log of any known format as a `Log` in SI.
+
+file --open_log--> columns --assign--> channels --resample--> one clock --> impossible samples out
+--> delays of the map undone --> open ends cut --> complete channels --> Log
+"""
 
 import hashlib
 from collections.abc import Iterator
@@ -22,7 +26,7 @@ from calib.logs.impossible import refuse_absurd, without_impossible
 from calib.logs.log import Log
 from calib.logs.resample import Resampled, on_one_clock, rows_on_one_clock
 from calib.logs.source import ColumnSource, Recording
-from calib.logs.text.dialect import LOOKED
+from calib.logs.text.dialect import DETECTED
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels that fit and validation need."""
@@ -45,11 +49,12 @@ def open_log(
     data: bytes | None = None,
     file: Path | None = None,
 ) -> Iterator[OpenLog]:
-    """Open a log without assigning its columns to channels, until the end of the context.
+    """Open a log as it is, for the time of the context; no column becomes a channel yet.
 
-    ``path`` names it; ``data`` are its bytes, if they were read already; ``file`` holds them, if
-    not ``path``. Of ``channel_map`` only the text format and the DBC are used. Raises LogError for
-    a file that is not a log, or not complete.
+    Errors name ``path``, and its ending gives the format. ``data`` are the bytes of the log if they
+    were read already, ``file`` is the file that holds them if ``path`` does not. Of ``channel_map``
+    only the text format and the DBC are used. Raises LogError for a file that is not a log, or not
+    complete.
     """
     path, content = Path(path), Path(file or path)
     ending = ending_of(path)
@@ -69,7 +74,7 @@ def open_log(
         with closing(RECORDINGS[ending](content, databases)) as recording:
             yield OpenLog(recording, digest)
     else:
-        text_format = channel_map.text if channel_map else LOOKED
+        text_format = channel_map.text if channel_map else DETECTED
         yield OpenLog(TABLES[ending](data or b"", str(path), text_format), digest)
 
 
@@ -81,10 +86,11 @@ def read_log(
     data: bytes | None = None,
     file: Path | None = None,
 ) -> Log:
-    """Read one run; the ending gives the format, ``channel_map`` names foreign columns.
+    """Read one run. The ending gives the format; ``channel_map`` says which columns are channels.
 
-    Channels in ``require`` must be there; others that are empty are left out, with a note. Raises
-    LogError for a file that is not a valid log, ChannelMapError for a map that does not fit.
+    Channels in ``require`` must have values; another channel without any is left out, with a note.
+    ``data`` and ``file`` are those of `open_log`. Raises LogError for a file that is not a valid
+    log, ChannelMapError for a map that does not fit.
 
     >>> import calib
     >>> log = calib.read_log(calib.sample_logs() / "sedan" / "coast.csv")
@@ -100,7 +106,7 @@ def read_log(
         source = opened.source
         assigned, ignored, unitless = assign(source.columns, channel_map, needed, where)
         if isinstance(source, Recording):
-            recorded_clock(assigned, channel_map)
+            refuse_mapped_time(assigned, channel_map)
             if len(assigned) == 1:
                 raise LogError(
                     f"no channel of the log is known; it has {quoted(ignored) or 'no channels'}",
@@ -110,8 +116,8 @@ def read_log(
                 )
         sampled, resampled = _sampled(source, assigned, where)
         refuse_absurd(sampled, where)
-        possible, marked, bridged = without_impossible(sampled, where)
-        undelayed, delay_notes = _without_delays(possible, assigned)
+        plausible, marked, bridged = without_impossible(sampled, where)
+        undelayed, delay_notes = _without_delays(plausible, assigned)
         trimmed, trim_notes = without_open_ends(undelayed)
         values, gap_notes = complete_channels(trimmed, needed, where)
         unit = next(item.unit for item in assigned if item.channel == "time")
@@ -138,7 +144,7 @@ def read_log(
 def _sampled(
     source: ColumnSource | Recording, assigned: list[Assigned], where: str
 ) -> tuple[dict[str, Array], Resampled]:
-    """The channels of a source [SI], (n,), on one clock, and how they came onto it."""
+    """Return the channels [SI] (n,) of a source on one clock, and how they were put on it."""
     if isinstance(source, Recording):
         others = [item for item in assigned if item.channel != "time"]
         traces = source.read([item.index for item in others])
@@ -157,23 +163,26 @@ def _sampled(
 def _without_delays(
     channels: dict[str, Array], assigned: list[Assigned]
 ) -> tuple[dict[str, Array], list[str]]:
-    """The channels moved by the delays of the map, in the rows that all have, and notes."""
+    """Undo the delays of the map; return the rows for which every channel has a value, and notes.
+
+    A channel with the delay d was recorded late: its value at time t is the recorded one at t + d.
+    """
     time = channels["time"]
-    late = {item.channel: item.mapping.delay for item in assigned if item.mapping.delay}
-    if not late or not is_ascending(time):
+    delays = {item.channel: item.mapping.delay for item in assigned if item.mapping.delay}
+    if not delays or not is_ascending(time):
         return channels, []
-    moved = {name: np.interp(time + delay, time, channels[name]) for name, delay in late.items()}
+    moved = {name: np.interp(time + delay, time, channels[name]) for name, delay in delays.items()}
     notes = [
         f"{name} was put {abs(delay):g} s {'earlier' if delay > 0.0 else 'later'}"
-        for name, delay in late.items()
+        for name, delay in delays.items()
     ]
-    shifts = [0.0, *late.values()]
+    shifts = [0.0, *delays.values()]
     inside = (time + min(shifts) >= time[0]) & (time + max(shifts) <= time[-1])
     return {name: x[inside] for name, x in (channels | moved).items()}, notes
 
 
-def recorded_clock(assigned: list[Assigned], channel_map: ChannelMap | None) -> Assigned:
-    """The clock of a recording, its first column. Raises ChannelMapError for another one."""
+def refuse_mapped_time(assigned: list[Assigned], channel_map: ChannelMap | None) -> None:
+    """Raise ChannelMapError if the map names another clock of a recording than its first column."""
     clock = next(item for item in assigned if item.channel == "time")
     if clock.index != 0:
         raise ChannelMapError(
@@ -181,17 +190,16 @@ def recorded_clock(assigned: list[Assigned], channel_map: ChannelMap | None) -> 
             where=channel_map.where if channel_map else None,
             expected="no entry for time",
         )
-    return clock
 
 
 def log_bytes(path: Path, where: object) -> bytes:
-    """The bytes of a log, which errors name ``where``. Raises LogError for an unknown format."""
+    """Read the bytes of a log; errors name ``where``. Raises LogError for an unknown format."""
     with errors_as(LogError, where, "a log"):
         return read_bounded(path, _kind_of(path, where))
 
 
 def _kind_of(path: Path, where: object) -> FileKind:
-    """The kind of file, by its ending, that bounds the size of a log."""
+    """The kind of file that bounds the size of a log. Raises LogError for an unknown ending."""
     ending = ending_of(path)
     if ending not in FORMATS and path.is_file():
         raise LogError(

@@ -1,9 +1,9 @@
-"""Resample channels with several sample rates onto one clock.
+"""Put channels with several sample rates on one clock.
 
 p_mc     |.........|.........|....        100 Hz   linear between its samples
 omega    ....|....|....|....|....          200 Hz   the clock: kept as it is
 v        .........|...................      10 Hz   linear
-time         |----|----|----|              only where all required channels have values
+result       |----|----|----|              only where all required channels have values
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,19 +19,20 @@ from calib.logs.clock import check_running, is_ascending, on_line, step_of
 from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, fill_rows, in_words
 from calib.logs.source import ChannelTrace
 
-_FASTEST = 1050.0  # a sample rate above this [Hz] is not used as the clock if there is a slower one
+_FASTEST = 1050.0  # a rate above this [Hz] is used as the clock only if no channel is slower
 _ALIKE = 0.9
-"""From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
+"""Clocks with at least this share of the highest rate [1] count as equally fast."""
 _UNEVEN = 0.5
-"""Largest difference of nine tenths of the steps of an even clock from their median [1]."""
-_ENDS = 0.5  # an optional channel may shorten the log by at most this at either end [s]
+"""Nine tenths of the steps of an even clock differ from their median by at most this share [1]."""
+_ENDS = 0.5  # longest time [s] that an optional channel may cut off at either end of the log
 
 
 @dataclass(frozen=True)
 class Resampled:
-    """Channels on one clock [s]: values (n,), NaN for none, and original rates by name [Hz].
+    """Channels on one clock ``time`` [s] (n,), in the order in which they were given.
 
-    ``interpolated`` are the names of those that were recorded on another clock.
+    ``values`` have shape (n,), NaN for no value. ``rates`` [Hz], by name, are those at which the
+    channels were recorded. ``interpolated`` names the channels that had another clock.
     """
 
     time: Array
@@ -43,11 +44,12 @@ class Resampled:
 
 
 def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> Resampled:
-    """The columns (n,) of a table with rows at ``time`` [s] (n,): short gaps are bridged.
+    """Put the columns (n,) of a table on one clock; its rows have the times ``time`` [s] (n,).
 
-    Rows of several clocks are resampled as by `on_one_clock`.
+    Rows of one clock stay, with short gaps bridged. Rows of several clocks are resampled by
+    `on_one_clock`.
     """
-    if not _of_several_clocks(time, columns):
+    if not _have_several_clocks(time, columns):
         time, rounded = on_line(time) if is_ascending(time) else (time, ())
         filled, notes, bridged = fill_rows(columns, time)
         return Resampled(time, [*filled.values()], (*rounded, *notes), tuple(bridged))
@@ -62,78 +64,80 @@ def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> 
     return replace(resampled, notes=(note, *resampled.notes))
 
 
-def _of_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
-    """Whether rows at ``time`` [s] (n,) come from several clocks, one row for each time stamp.
+def _have_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
+    """Whether the rows at ``time`` [s] (n,) are the time stamps of several clocks together.
 
-    The rows are uneven then, and the values of a column (n,), NaN for none, have even times.
-    Required channels decide, or all columns where none is required.
+    The times of all rows are uneven then, but those of the rows in which one column has a value
+    are even. Only required channels are asked, if there are some.
     """
-    if time.size < 3 or not is_ascending(time) or _even(time):
+    if time.size < 3 or not is_ascending(time) or _is_even(time):
         return False
     required = [x for name, x in columns.items() if name in CHANNELS and CHANNELS[name].required]
     masks = [np.isfinite(x) for x in (required or columns.values())]
-    return any(3 <= np.count_nonzero(k) < k.size and _even(time[k]) for k in masks)
+    return any(3 <= np.count_nonzero(mask) < mask.size and _is_even(time[mask]) for mask in masks)
 
 
-def on_one_clock(wanted: Sequence[ChannelTrace], where: str) -> Resampled:
-    """Resample channels onto the clock of the required one with the highest rate and even steps.
+def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
+    """Put channels on the clock of the fastest required channel with even steps.
 
-    Of clocks about as fast the one with most wheel speeds is chosen. Other channels are
-    interpolated, states hold their last value; they are NaN outside their samples and in a gap,
-    unless `calib.logs.gaps` bridges it. Columns that are no channel count only where there is no
-    channel. Raises LogError if the required channels have no time in common, and for times out of
-    order.
+    Of clocks that are equally fast the one with most wheel speeds is taken. Other channels are
+    interpolated linearly, states hold their last value. A channel is NaN outside its samples, and
+    in a gap that `calib.logs.gaps` leaves open. Columns that are no channels decide nothing, unless
+    there is no channel. Raises LogError if the required channels have no time in common, and for
+    times out of order.
     """
-    if not wanted:
+    if not traces:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
-    wanted, notes = _clean(wanted, where)
-    full = [w for w in wanted if w.time.size > 1]
+    traces, notes = _cleaned(traces, where)
+    full = [trace for trace in traces if trace.time.size > 1]
     if not full:
         raise LogError("every channel is empty", where=where, expected="samples")
-    channels = [w for w in full if w.name in CHANNELS] or full
-    low, high, cut = _span(channels, where)
-    rasters = {(w.clock, w.time.size): w.time for w in full}
-    rate_of = {key: 1.0 / max(step_of(time), INSTANT) for key, time in rasters.items()}
-    rates = {w.name: rate_of[w.clock, w.time.size] for w in full}
+    channels = [trace for trace in full if trace.name in CHANNELS] or full
+    low, high, cut_note = _span(channels, where)
+    # the rate of each set of times is computed once: traces of a clock may lack some samples
+    times = {(trace.clock, trace.time.size): trace.time for trace in full}
+    rate_of = {key: 1.0 / max(step_of(time), INSTANT) for key, time in times.items()}
+    rates = {trace.name: rate_of[trace.clock, trace.time.size] for trace in full}
     master = _master(channels, rates)
     time = master.time[(master.time >= low) & (master.time <= high)]
-    filled = [_on(w, time) for w in wanted]
-    names = {w.name for w in channels}
-    gaps = [in_words(x) for w, x in zip(wanted, filled, strict=True) if w.name in names]
+    filled = [_at(time, trace) for trace in traces]
+    names = {trace.name for trace in channels}
+    gaps = [in_words(x) for trace, x in zip(traces, filled, strict=True) if trace.name in names]
     return Resampled(
         time,
         [item.values for item in filled],
-        (*notes, *_notes(channels, master, rates), *chain(*gaps), *cut),
+        (*notes, *_notes(channels, master, rates), *chain(*gaps), *cut_note),
         tuple(gap for item in filled for gap in item.bridged),
         rates,
-        tuple(w.name for w in full if not (w.state or np.array_equal(w.time, master.time))),
+        tuple(x.name for x in full if not (x.state or np.array_equal(x.time, master.time))),
     )
 
 
-def _clean(wanted: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrace], list[str]]:
+def _cleaned(traces: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrace], list[str]]:
+    """Traces of valid samples at ascending times, and notes on what was left out."""
     clocks: dict[str, Array] = {}
     notes: list[str] = []
     cleaned = []
-    for w in wanted:
-        clock = w.clock
+    for trace in traces:
+        clock = trace.clock
         if clock not in clocks:
-            time = w.time.astype(np.float64)
+            time = trace.time.astype(np.float64)
             check_running(time, f"{where}: {clock}")
             if np.all(np.diff(time) > 0):
                 time, rounded = on_line(time)
                 notes += [f"{clock}: {text}" for text in rounded]
             clocks[clock] = time
-        trace = _ordered(w, clocks[clock])
-        cleaned.append(trace)
-        if invalid := int(np.count_nonzero(np.isnan(w.values))):
-            notes.append(f"{w.name}: {invalid} samples are marked invalid and were left out")
-        if twice := w.time.size - invalid - trace.time.size:
-            notes.append(f"{clock}: {twice} samples repeat a time; the last was used")
+        ordered = _ordered(trace, clocks[clock])
+        cleaned.append(ordered)
+        if invalid := int(np.count_nonzero(np.isnan(trace.values))):
+            notes.append(f"{trace.name}: {invalid} samples are marked invalid and were left out")
+        if repeated := trace.time.size - invalid - ordered.time.size:
+            notes.append(f"{clock}: {repeated} samples repeat a time; the last was used")
     return cleaned, list(dict.fromkeys(notes))
 
 
 def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
-    """The valid values at ascending times; of equal times the last one in the file."""
+    """Sort the valid values by ``time`` [s] (n,); of equal times keep the last in the file."""
     valid = ~np.isnan(trace.values)
     if np.all(np.diff(time) > 0) and valid.all():
         return replace(trace, time=time)
@@ -143,73 +147,83 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
     return replace(trace, time=t[last], values=x[last])
 
 
-def _required(full: list[ChannelTrace]) -> list[ChannelTrace]:
-    return [w for w in full if w.name in CHANNELS and CHANNELS[w.name].required] or full
+def _required(channels: list[ChannelTrace]) -> list[ChannelTrace]:
+    """The required channels, or all if none is required."""
+    required = [x for x in channels if x.name in CHANNELS and CHANNELS[x.name].required]
+    return required or channels
 
 
-def _span(full: list[ChannelTrace], where: str) -> tuple[float, float, list[str]]:
-    """First and last time of all required channels [s], with a note on cut ends.
+def _span(channels: list[ChannelTrace], where: str) -> tuple[float, float, list[str]]:
+    """First and last time [s] that all required channels share, with a note on cut ends.
 
-    Other channels may shorten it by `_ENDS` at either end.
+    Optional channels that end at most `_ENDS` before the required ones shorten the span, too.
     """
-    base = _required(full)
-    low = max(float(w.time[0]) for w in base)
-    high = min(float(w.time[-1]) for w in base)
+    required = _required(channels)
+    low = max(float(x.time[0]) for x in required)
+    high = min(float(x.time[-1]) for x in required)
     if high <= low:
-        spans = (f"{w.name} {w.time[0]:.3f} to {w.time[-1]:.3f} s" for w in base)
+        spans = (f"{x.name} {x.time[0]:.3f} to {x.time[-1]:.3f} s" for x in required)
         raise LogError(
             "the channels have no time in common: " + ", ".join(spans),
             where=where,
             expected="one run in which all are recorded",
         )
-    first, last = min(w.time[0] for w in full), max(w.time[-1] for w in full)
-    # shorter ones get NaN
-    near = [w for w in full if w.time[0] <= low + _ENDS and w.time[-1] >= high - _ENDS]
-    low = max([low, *(float(w.time[0]) for w in near)])
-    high = min([high, *(float(w.time[-1]) for w in near)])
-    ends = max(low - first, last - high)
-    cut = f"{low - first:.3f} s at the start and {last - high:.3f} s at the end were cut off: "
-    return low, high, [cut + "not every channel has values there"] if ends > 0.0005 else []
+    first, last = min(x.time[0] for x in channels), max(x.time[-1] for x in channels)
+    # optional channels that are shorter than that do not cut; they are NaN at the ends
+    near = [x for x in channels if x.time[0] <= low + _ENDS and x.time[-1] >= high - _ENDS]
+    low = max([low, *(float(x.time[0]) for x in near)])
+    high = min([high, *(float(x.time[-1]) for x in near)])
+    if max(low - first, last - high) <= 0.0005:
+        return low, high, []
+    cut = f"{low - first:.3f} s at the start and {last - high:.3f} s at the end were cut off"
+    return low, high, [f"{cut}: not every channel has values there"]
 
 
-def _even(time: Array) -> bool:
-    """Whether nearly all steps are about as long, unlike those of a multiplexed message."""
+def _is_even(time: Array) -> bool:
+    """Whether nearly all steps are equally long, unlike those of a multiplexed message."""
     steps = np.diff(time)
     median = float(np.median(steps))
     return bool(np.quantile(np.abs(steps - median), 0.9) <= _UNEVEN * median)
 
 
-def _master(full: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
-    base = _required(full)
-    base = [w for w in base if _even(w.time)] or base
-    fastest = [rates[w.name] for w in base]
-    top = max([r for r in fastest if r <= _FASTEST] or fastest)
-    alike = [w for w in base if _ALIKE * top <= rates[w.name] <= top]
+def _master(channels: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
+    """The channel whose times become the clock."""
+    required = _required(channels)
+    candidates = [x for x in required if _is_even(x.time)] or required
+    all_rates = [rates[x.name] for x in candidates]
+    highest = max([rate for rate in all_rates if rate <= _FASTEST] or all_rates)
+    alike = [x for x in candidates if _ALIKE * highest <= rates[x.name] <= highest]
 
-    def preference(w: ChannelTrace) -> tuple[int, int, int]:
-        names = [x.name for x in full if x.clock == w.clock]
-        return sum(n.startswith("omega") for n in names), len(names), w.time.size
+    def preference(candidate: ChannelTrace) -> tuple[int, int, int]:
+        names = [x.name for x in channels if x.clock == candidate.clock]
+        wheels = sum(name.startswith("omega") for name in names)
+        return wheels, len(names), candidate.time.size
 
     return max(alike, key=preference)
 
 
-def _on(w: ChannelTrace, times: Array) -> Filled:
-    t, x = w.time, w.values
+def _at(times: Array, trace: ChannelTrace) -> Filled:
+    """Values of a channel at ``times`` [s] (n,): interpolated, or held if it is a state."""
+    t, x = trace.time, trace.values
     if t.size < 2:
         return Filled(np.full(times.size, np.nan))
-    if not w.state:
-        return fill(w.name, t, x, times)
+    if not trace.state:
+        return fill(trace.name, t, x, times)
     rows = np.clip(np.searchsorted(t, times, side="right") - 1, 0, t.size - 1)
     values: Array = x[rows].astype(np.float64)
     values[(times < t[0]) | (times > t[-1])] = np.nan
     return Filled(values)
 
 
-def _notes(full: list[ChannelTrace], master: ChannelTrace, rates: dict[str, float]) -> list[str]:
-    on_it = [np.array_equal(w.time, master.time) for w in full]
-    lines: dict[str, list[str]] = {}
-    for w, is_clock in zip(full, on_it, strict=True):
-        how = "is the clock" if is_clock else "held" if w.state else "interpolated linearly"
-        lines.setdefault(f"({w.clock}, {rates[w.name]:.4g} Hz) {how}", []).append(w.name)
-    notes = [f"{', '.join(names)} {how}" for how, names in lines.items()]
-    return [] if all(on_it) else notes
+def _notes(
+    channels: list[ChannelTrace], master: ChannelTrace, rates: dict[str, float]
+) -> list[str]:
+    """A note for each group of channels: whether it is the clock, held or interpolated."""
+    has_clock = [np.array_equal(x.time, master.time) for x in channels]
+    if all(has_clock):
+        return []
+    groups: dict[str, list[str]] = {}
+    for x, is_clock in zip(channels, has_clock, strict=True):
+        how = "is the clock" if is_clock else "held" if x.state else "interpolated linearly"
+        groups.setdefault(f"({x.clock}, {rates[x.name]:.4g} Hz) {how}", []).append(x.name)
+    return [f"{', '.join(names)} {how}" for how, names in groups.items()]

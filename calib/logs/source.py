@@ -1,4 +1,7 @@
-"""An opened log: its columns, and a function that reads some of them."""
+"""An opened log: its columns, and a function that reads some of them.
+
+The columns of a `ColumnSource` share one clock; those of a `Recording` have clocks of their own.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -13,7 +16,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it; ``full`` is its longer name, if it has one."""
+    """A column as the file names it.
+
+    ``full`` is a longer name, such as that with the name of the group, or "".
+    """
 
     name: str
     unit: str | None
@@ -26,26 +32,27 @@ class Column:
 
     @property
     def addresses(self) -> tuple[str, ...]:
-        """Names for a channel map: the name, the name with the unit, the full name."""
+        """Names by which a channel map can choose the column."""
         return (self.name, f"{self.name} [{self.unit}]", self.full_name)
 
 
 def indices_of(address: str, columns: Sequence[Column]) -> list[int]:
-    """Indices of the columns with an address."""
+    """Indices of the columns that have this address."""
     return [i for i, column in enumerate(columns) if address in column.addresses]
 
 
 def address_of(column: Column, columns: Sequence[Column]) -> str:
-    """The first address that no other column has; the name of the column if there is none."""
+    """First address of a column that no other column has, or its name if there is none."""
     unique = (name for name in column.addresses if len(indices_of(name, columns)) == 1)
     return next(unique, column.name)
 
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """An opened table: ``read`` gives columns by index as written, NaN for empty cells.
+    """An opened table of n rows.
 
-    ``rates`` [Hz], by index, of columns that were recorded on another clock than the rows.
+    ``read`` takes indices of columns and returns their values (n,) as written, NaN for an empty
+    cell. ``rates`` [Hz] are given, by index, for columns that were recorded on another clock.
     """
 
     columns: tuple[Column, ...]
@@ -54,14 +61,14 @@ class ColumnSource:
     rates: Mapping[int, float] = field(default_factory=dict)
 
     def each(self) -> list[Array | LogError]:
-        """Every column, or the error of one that holds no numbers."""
+        """Read every column; the error takes the place of a column that holds no numbers."""
         return each_of(self.read, range(len(self.columns)))
 
 
 def each_of(
     read: Callable[[Sequence[int]], Sequence[T]], indices: Sequence[int]
 ) -> list[T | LogError]:
-    """The result of ``read`` for each index, or the error of one that cannot be read."""
+    """Read each index; the error takes the place of the result of one that cannot be read."""
     with suppress(LogError):
         return [*read(indices)] if indices else []
     results: list[T | LogError] = []
@@ -73,15 +80,16 @@ def each_of(
     return results
 
 
-CLOCK = Column("time", "s")  # first column of every recording: the common clock after resampling
+CLOCK = Column("time", "s")
 
 
 @dataclass(frozen=True)
 class ChannelTrace:
-    """One channel as it was recorded; traces of equal ``clock`` share their timestamps.
+    """One channel as it was recorded.
 
-    ``time`` [s], in the order of the file, and ``values`` as written, NaN where invalid, are (n,).
-    A ``state``, such as a gear, holds its last value.
+    ``time`` [s] and ``values`` have shape (n,) and the order of the file; a value is as written,
+    or NaN if it is invalid. Traces with the same name of a ``clock`` have the same times. A
+    ``state``, such as a gear, keeps its value until the next sample.
     """
 
     clock: str
@@ -93,9 +101,10 @@ class ChannelTrace:
 
 @dataclass(frozen=True)
 class Recording:
-    """An opened log of several clocks: ``read`` gives a trace for each index.
+    """An opened log of several clocks.
 
-    ``columns`` begin with ``CLOCK``, which has no trace; ``close`` closes the file.
+    ``read`` takes indices of columns and returns a trace for each. The first column is `CLOCK`,
+    the common clock after resampling, which has no trace. ``close`` closes the file.
     """
 
     columns: tuple[Column, ...]
@@ -105,5 +114,5 @@ class Recording:
 
 
 def damaged(where: object, flaw: str, expected: str = "an undamaged file") -> LogError:
-    """The error for a file that is cut off or damaged."""
+    """Return the error for a file that is cut off or damaged."""
     return LogError(flaw, where=where, expected=expected, do="copy the log again")

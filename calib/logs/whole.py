@@ -1,7 +1,7 @@
-"""Every column of a log as written, on one clock: to be looked at, cut or converted.
+"""Every numeric column of a log as written, on one clock: to be looked at, cut or converted.
 
-`calib.logs.read` has the known channels in SI. Here nothing is left out and no unit is changed; a
-mapped column has its canonical name and the unit of the map.
+`calib.logs.read` gives the known channels in SI. Here columns that are no channels stay and no unit
+is changed; a mapped column has its canonical name and the unit of the map.
 """
 
 from collections.abc import Collection
@@ -18,7 +18,7 @@ from calib.logs.channel_map import MAP_IT, ChannelMap, assign
 from calib.logs.clock import GAP, check_increasing, step_of
 from calib.logs.formats import as_table, stem_of
 from calib.logs.log import Log
-from calib.logs.read import open_log, recorded_clock
+from calib.logs.read import open_log, refuse_mapped_time
 from calib.logs.source import Recording
 
 TIME = "time"
@@ -26,7 +26,10 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class WholeColumn:
-    """``values`` (n,) in ``unit``, NaN for none; ``rate`` [Hz] if not that of the rows."""
+    """One column: ``values`` (n,) in ``unit``, NaN for no value.
+
+    ``rate`` [Hz] is given if the column was recorded on another clock than the rows.
+    """
 
     name: str
     unit: str | None
@@ -46,7 +49,7 @@ class WholeLog:
 
     @property
     def time(self) -> Array:
-        """The log's own clock [s], increasing. Raises LogError if it has none, or a broken one."""
+        """Clock of the log [s] (n,), increasing. Raises LogError if there is no valid one."""
         for column in self.columns:
             if column.name == TIME and column.unit:
                 time = to_si(column.values, column.unit, "s")
@@ -55,23 +58,24 @@ class WholeLog:
         raise LogError("no channel time with a unit", where=self.source, do=MAP_IT)
 
     def only(self, names: Collection[str]) -> "WholeLog":
-        """The clock and the columns of these names."""
-        part = (c for c in self.columns if c.name in names or c.name == TIME)
-        return replace(self, columns=tuple(part))
+        """Return the log with the clock and the columns of these names alone."""
+        chosen = (c for c in self.columns if c.name in names or c.name == TIME)
+        return replace(self, columns=tuple(chosen))
 
 
 def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
-    """Read every column of a log; of several sample rates on the clock that `read_log` takes.
+    """Read every numeric column of a log.
 
-    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
+    Columns of several sample rates are put on the clock that `read_log` takes, too. Raises LogError
+    for a file that is not a log, ChannelMapError for a map that does not fit.
     """
     with open_log(path, channel_map) as opened:
         assigned, _, _ = assign(opened.source.columns, channel_map, (), str(path))
         by_index = {item.index: item for item in assigned}
         if isinstance(opened.source, Recording):
-            recorded_clock(assigned, channel_map)
+            refuse_mapped_time(assigned, channel_map)
         source = as_table(opened.source, str(path), by_index)
-    # under its own name an ignored column would be a channel
+    # an ignored column is left out: a reader of the result would take it for a channel by its name
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in by_index.values()}
@@ -81,11 +85,11 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
             notes.append(f"{column.full_name} was left out: {why}")
             continue
         name, unit, number = column.name, column.unit, 1
-        while name in names:  # with its group or a number where another one has that name
+        while name in names:  # another column has this name: the full name, then with a number
             name = column.full_name if number == 1 else f"{column.full_name}#{number}"
             number += 1
-        if (item := by_index.get(index)) is not None:
-            name, unit, values = item.channel, item.unit, item.mapping.written(values)
+        if (item := by_index.get(index)) is not None:  # a mapped column has the channel's name
+            name, unit, values = item.channel, item.unit, item.mapping.in_unit(values)
         names.add(name)
         columns.append(WholeColumn(name, unit, values, source.rates.get(index)))
     if not columns:
@@ -96,7 +100,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
 
 
 def channels_log(log: WholeLog) -> Log:
-    """The channels in SI that have a value in every row. Raises LogError without a clock."""
+    """Return the channels in SI that have a value in every row. Raises LogError without a clock."""
     channels = {}
     for column in log.columns:
         if column.name in CHANNELS and column.unit and np.isfinite(column.values).all():
@@ -105,23 +109,27 @@ def channels_log(log: WholeLog) -> Log:
 
 
 def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> WholeLog:
-    """The rows from ``start`` to ``end`` [s], both included. Raises LogError if there is none."""
+    """Keep the rows from ``start`` to ``end`` [s], both included. Raises LogError if none is left.
+
+    None is the start or the end of the log.
+    """
     time = log.time
     first = 0 if start is None else int(np.searchsorted(time, start, side="left"))
-    last = time.size if end is None else int(np.searchsorted(time, end, side="right"))
-    if last <= first:
-        low, high = (f"{x:g} s" if x is not None else "the end" for x in (start, end))
+    stop = time.size if end is None else int(np.searchsorted(time, end, side="right"))
+    if stop <= first:
+        low = "the start" if start is None else f"{start:g} s"
+        high = "the end" if end is None else f"{end:g} s"
         raise LogError(
-            f"no sample from {low if start is not None else 'the start'} to {high}",
+            f"no sample from {low} to {high}",
             where=log.source,
             expected=f"times from {time[0]:g} to {time[-1]:g} s",
         )
-    rows = (replace(c, values=c.values[first:last]) for c in log.columns)
-    return replace(log, columns=tuple(rows))
+    columns = (replace(c, values=c.values[first:stop]) for c in log.columns)
+    return replace(log, columns=tuple(columns))
 
 
 def in_si(log: WholeLog) -> WholeLog:
-    """The log with its channels in SI units, as the C code of an ECU takes them."""
+    """Convert the channels to SI units, as the C code of an ECU takes them."""
     columns = []
     for c in log.columns:
         si = CHANNELS[c.name].si if c.name in CHANNELS else ""
@@ -133,7 +141,10 @@ def in_si(log: WholeLog) -> WholeLog:
 
 @dataclass(frozen=True)
 class Inventory:
-    """One column: range in ``unit``, rows with a value, rate [Hz], start and length of gaps [s]."""
+    """What one column holds: lowest and highest value in ``unit``, number of ``samples``.
+
+    ``rate`` [Hz]; ``gaps`` are pairs of start and length [s].
+    """
 
     name: str
     unit: str | None
@@ -145,7 +156,7 @@ class Inventory:
 
 
 def inventory(log: WholeLog) -> tuple[Inventory, ...]:
-    """The columns of a log but its clock. Raises LogError without a valid clock."""
+    """Describe the columns of a log without its clock. Raises LogError without a valid clock."""
     time, result = log.time, []
     for column in log.columns:
         if column.name == TIME:
@@ -154,9 +165,9 @@ def inventory(log: WholeLog) -> tuple[Inventory, ...]:
         times, values = time[present], column.values[present]
         low, high = (values.min(), values.max()) if values.size else (None, None)
         steps = np.diff(times)
-        usual = step_of(times) if steps.size else 0.0
-        gaps = [(float(times[i]), float(steps[i])) for i in np.flatnonzero(steps > GAP * usual)]
-        rate = column.rate or (1.0 / usual if steps.size else None)
+        mean = step_of(times) if steps.size else 0.0
+        gaps = [(float(times[i]), float(steps[i])) for i in np.flatnonzero(steps > GAP * mean)]
+        rate = column.rate or (1.0 / mean if steps.size else None)
         row = Inventory(column.name, column.unit, low, high, values.size, rate, tuple(gaps))
         result.append(row)
     return tuple(result)

@@ -1,4 +1,4 @@
-"""Write a log: its channels in canonical units, or every column to the last bit.
+"""Write a log: its channels in canonical units, or every column with all digits.
 
 CSV        name [unit]; empty for no value
 Parquet    the unit in the metadata of the field; null for no value
@@ -7,6 +7,7 @@ MDF 4      one group with the time of the log in seconds; NaN for no value
 
 import csv
 import io
+import math
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,12 +29,12 @@ _DECIMALS = 6  # decimals of a CSV file in canonical units: less than the resolu
 
 
 def write_csv(log: Log, path: Path) -> None:
-    """Write ``log`` as CSV in canonical units, truth channels last, with six decimals.
+    """Write ``log`` as CSV in canonical units with six decimals, truth channels last.
 
     Raises ValueError for a value that is not finite, OSError if ``path`` cannot be written.
     """
     whole = _in_canonical_units(log)
-    # Adding 0.0 turns a rounded -0.0 into 0.0.
+    # adding 0.0 turns a rounded -0.0 into 0.0
     rounded = (replace(c, values=np.round(c.values, _DECIMALS) + 0.0) for c in whole.columns)
     write_whole(Path(path), _to_csv(replace(whole, columns=tuple(rounded))))
 
@@ -44,32 +45,40 @@ def write_parquet(log: Log, path: Path) -> None:
 
 
 def _in_canonical_units(log: Log) -> WholeLog:
-    """All channels of a run, truth last. Raises ValueError for a value that is not finite."""
+    """Convert all channels, truth last. Raises ValueError for a value that is not finite."""
     columns = []
-    for name, values in ({n: log[n] for n in CHANNELS if n in log} | log.truth).items():
-        quantity = CHANNELS.get(name)
-        unit = quantity.unit if quantity else TRUTH_UNITS[name.rpartition("_")[0]]
+    channels = {name: log[name] for name in CHANNELS if name in log}
+    for name, values in (channels | log.truth).items():
         if not np.isfinite(values).all():
             raise ValueError(f"{name} holds values that are not finite")
-        in_unit = from_si(values, unit, quantity.si if quantity else unit)
-        columns.append(WholeColumn(name, unit, in_unit))
+        if quantity := CHANNELS.get(name):
+            values, unit = from_si(values, quantity.unit, quantity.si), quantity.unit
+        else:  # a truth channel is written in SI
+            unit = TRUTH_UNITS[name.rpartition("_")[0]]
+        columns.append(WholeColumn(name, unit, values))
     return WholeLog(log.name, log.source, log.digest, tuple(columns))
 
 
 def _to_csv(log: WholeLog) -> bytes:
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    heads = [(one_line(c.name), _unit(one_line(c.name), c.unit)) for c in log.columns]
-    rows.writerow([name if unit is None else f"{name} [{unit}]" for name, unit in heads])
-    cells = ([repr(x) if x == x else "" for x in c.values.tolist()] for c in log.columns)
+    names = [one_line(c.name) for c in log.columns]
+    units = [_unit(name, c.unit) for name, c in zip(names, log.columns, strict=True)]
+    rows.writerow(
+        name if unit is None else f"{name} [{unit}]"
+        for name, unit in zip(names, units, strict=True)
+    )
+    cells = (["" if math.isnan(x) else repr(x) for x in c.values.tolist()] for c in log.columns)
     rows.writerows(zip(*cells, strict=True))
     return text.getvalue().encode()
 
 
 def _unit(name: str, unit: str | None) -> str | None:
-    """The unit to write; an empty one where the name alone would be read as a name and a unit."""
-    read = column_from_cell(name)
-    return unit or (None if (read.name, read.unit) == (name, None) else "")
+    """The unit to write: "" instead of None if a name alone would be read as a name and a unit."""
+    if unit:
+        return unit
+    as_read = column_from_cell(name)
+    return None if as_read.name == name and as_read.unit is None else ""
 
 
 def _to_parquet(log: WholeLog) -> bytes:
@@ -108,4 +117,7 @@ WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
     ".parquet": _to_parquet,
     ".mf4": _to_mdf,
 }
-"""Makers of the bytes of a file, by its ending. MDF raises LogError without a clock or asammdf."""
+"""Functions that make the bytes of a file, by its ending.
+
+The one of MDF raises LogError if the log has no clock, or if asammdf is not installed.
+"""

@@ -204,4 +204,4 @@ class Search:
             return values
         # A given unit overrides the file's: undo that conversion, then apply the given one.
         written = from_si(values, str(item.column.unit), item.si) if item.si else values
-        return to_si(mapping.written(written), mapping.unit, CHANNELS[channel].si)
+        return to_si(mapping.in_unit(written), mapping.unit, CHANNELS[channel].si)

@@ -15,7 +15,7 @@ from calib.logs.channel_map import ChannelMap, Mapping, assigned_column
 from calib.logs.read import REQUIRED, read_log
 from calib.logs.source import ColumnSource, address_of, indices_of
 from calib.logs.text.cells import column_from_cell
-from calib.logs.text.dialect import LOOKED
+from calib.logs.text.dialect import DETECTED
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.suggest.body import (
     find_acceleration,
@@ -175,7 +175,7 @@ def to_toml(
         why = one_line("; ".join(proposal.reasons))
         lines += ["", f"[channels.{proposal.channel}]  # {proposal.sure}: {why}"]
         lines += _rows(asdict(proposal.mapping), defaults)
-    if text := _rows(asdict(read_with.text), asdict(LOOKED)) if read_with else []:
+    if text := _rows(asdict(read_with.text), asdict(DETECTED)) if read_with else []:
         lines += ["", "[text]", *text]
     return "\n".join([*lines, ""])
 

@@ -1,11 +1,11 @@
-"""Vector BLF, read with python-can, which does not notice a file that is cut off.
+"""Read Vector BLF with python-can, which does not notice that a file is cut off.
 
 header     LOGG, its length, size of the file, unpacked size, number of objects, start and stop
 object     LOBJ, its size, its type, content
 container  an object of type 10: method of compression, unpacked size, other objects
 
-The sizes are compared with the content. The number of objects is not: writers differ in what they
-count.
+So the sizes are compared with the content before. The number of objects is not compared: programs
+that write BLF differ in what they count.
 """
 
 import struct
@@ -33,18 +33,18 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
     where = str(path)
     can = need("can", "can", where, LogError)
     database = require_dbc(dbc, "can", where)
-    most = _check_whole(path) // _OBJECT.size
+    most_frames = _check_sizes(path) // _OBJECT.size
     with path.open("rb") as file, can.BLFReader(file) as reader:
-        frames = captured(islice(reader, most + 1), database, where)
-    if len(frames.times) > most:  # an object of no size, which python-can reads for ever
+        frames = captured(islice(reader, most_frames + 1), database, where)
+    if len(frames.times) > most_frames:  # python-can reads an object of size 0 again and again
         raise damaged(where, "it has more frames than its size allows")
     return recording(frames, database, (), where)
 
 
-def _check_whole(path: Path) -> int:
+def _check_sizes(path: Path) -> int:
     """Compare the sizes in header and containers with the content; return the unpacked size.
 
-    Raises LogError for a file that is not BLF, not finished, damaged or not whole.
+    Raises LogError for a file that is not BLF, not finished, damaged or cut off.
     """
     with path.open("rb") as file:
         head = file.read(_HEADER.size)
@@ -72,13 +72,13 @@ def _check_whole(path: Path) -> int:
 
 
 def _object_sizes(file: BinaryIO, end: int, path: Path) -> Iterator[int]:
-    """Unpacked size of each object from the position of ``file`` on, with the bytes after it.
+    """Yield the unpacked size of each object, with the bytes that align the next object.
 
-    Some writers count these bytes, which align the next object, others do not.
+    Reading begins at the position of ``file``; ``end`` is the size of the file.
     """
     while (head := file.read(_OBJECT.size)).strip(b"\0"):
-        whole = len(head) == _OBJECT.size and head[:4] == b"LOBJ"
-        size, kind = _OBJECT.unpack(head)[1:] if whole else (0, 0)
+        is_object = len(head) == _OBJECT.size and head[:4] == b"LOBJ"
+        size, kind = _OBJECT.unpack(head)[1:] if is_object else (0, 0)
         if not 0 <= size - _OBJECT.size <= end - file.tell():
             raise damaged(path, f"damaged near byte {file.tell()}", "an object")
         content = file.read(size - _OBJECT.size)
@@ -90,20 +90,22 @@ def _object_sizes(file: BinaryIO, end: int, path: Path) -> Iterator[int]:
 
 
 def _unpacked_size(container: bytes, path: Path) -> int:
-    """Bytes that a container holds. Raises LogError for one that is damaged or too large."""
-    flaw = "it has no header"
-    if len(container) >= _CONTAINER.size:
-        method, size = _CONTAINER.unpack_from(container)
-        content, whole = container[_CONTAINER.size :], method == _STORED
-        flaw = ""
-        if method == _DEFLATED:
-            stream = zlib.decompressobj()
-            try:
-                content = stream.decompress(content, _MOST_UNPACKED)
-            except zlib.error as cause:
-                flaw = str(cause)
-            whole = stream.eof
-        if whole and len(content) >= size:
-            return len(content)
-        flaw = flaw or f"it holds {len(content)} of {size} bytes"
-    raise damaged(path, f"a container cannot be unpacked: {flaw}", "whole containers")
+    """Unpack a container and return its size [bytes]. Raises LogError for a damaged one."""
+    if len(container) < _CONTAINER.size:
+        raise _bad_container(path, "it has no header")
+    method, size = _CONTAINER.unpack_from(container)
+    content, is_complete = container[_CONTAINER.size :], method == _STORED
+    if method == _DEFLATED:
+        stream = zlib.decompressobj()
+        try:
+            content = stream.decompress(content, _MOST_UNPACKED)
+        except zlib.error as cause:
+            raise _bad_container(path, str(cause)) from cause
+        is_complete = stream.eof
+    if not is_complete or len(content) < size:
+        raise _bad_container(path, f"it holds {len(content)} of {size} bytes")
+    return len(content)
+
+
+def _bad_container(path: Path, flaw: str) -> LogError:
+    return damaged(path, f"a container cannot be unpacked: {flaw}", "whole containers")

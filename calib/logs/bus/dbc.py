@@ -1,13 +1,13 @@
-"""DBC, ARXML, KCD and SYM: position and unit of each signal in the frames of a bus.
+"""Read DBC, ARXML, KCD and SYM: place and unit of each signal in the frames of a bus.
 
-All are read with cantools; the ending of the file names the format. A DBC is read message by
-message, each with its own statements, so that a flaw in one of them costs only that one:
+cantools reads them all; the ending of the file names the format. A DBC is read message by message,
+each with its own statements. So a flaw in one message leaves the others readable:
 
-BO_ 256 WHL: 8 ESP           one message and its signals
+BO_ 256 WHL: 8 ESP           a message, followed by its signals
  SG_ WhlFL : 0|16@1+ ...
-VAL_ 256 WhlFL 65535 "SNA";  statements that change what is decoded, and long names
+VAL_ 256 WhlFL 65535 "SNA";  a statement on a signal that changes what is decoded, or a long name
 
-Comments and all other statements are not read.
+Comments and all other statements are left out.
 """
 
 import logging
@@ -34,13 +34,13 @@ _Described: TypeAlias = "Message | Flawed"
 _FORMATS = ("dbc", "arxml", "kcd", "sym")  # another ending is read as a DBC
 
 _LONGEST_TEXT = 1_000_000
-"""Characters of the longest text in quotes; cantools takes 300 bytes for each of them."""
+"""Most characters of a text in quotes; cantools needs 300 bytes of memory for each of them."""
 
-_STATED = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
-"""Statements on a signal of a message that change what is decoded."""
+_DECODING = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
+"""Statements on a signal that change what is decoded."""
 _LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")
-"""Attributes with the names that are longer than 32 characters."""
-_MOST = 10_000  # largest number of messages: each takes about a millisecond
+"""Attributes that hold the names of more than 32 characters."""
+_MOST_MESSAGES = 10_000  # cantools needs about a millisecond for each
 _NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"  # holds the signals that belong to no message
 _EXTENDED = 1 << 31  # marks an identifier of 29 bits
 
@@ -49,14 +49,14 @@ _BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)
 _MESSAGE = re.compile(r"BO_\s+(\d+)\s+([^\s:]+)\s*:")
 _SIGNAL = re.compile(r'SG_\s+([^\s:]+)[^"\n]*(?:"([^"\n]*)")?')
 _OF_MESSAGE = re.compile(
-    rf"(?:{'|'.join(_STATED)})\s+(\d+)\s|"
+    rf"(?:{'|'.join(_DECODING)})\s+(\d+)\s|"
     rf'BA_\s+"(?:{"|".join(_LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)'
 )
 _COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
 
 
 class FlawedSignal(NamedTuple):
-    """A signal of a message that cannot be read; its fields have the names of cantools."""
+    """A signal of a message that cannot be read; its fields are named as those of cantools."""
 
     name: str
     unit: str
@@ -64,7 +64,7 @@ class FlawedSignal(NamedTuple):
 
 
 class Flawed(NamedTuple):
-    """A message that cannot be read, and ``why``; its fields have the names of cantools."""
+    """A message that cannot be read, and ``why``; its fields are named as those of cantools."""
 
     name: str
     frame_id: int
@@ -74,7 +74,7 @@ class Flawed(NamedTuple):
     where: str
 
     def error(self, signal: str) -> LogError:
-        """The error for a channel whose source is the given signal of the message."""
+        """Return the error for a channel whose source is this signal of the message."""
         return LogError(
             f"{signal} is a signal of message {self.name}, which cannot be read: {self.why}",
             where=self.where,
@@ -91,21 +91,22 @@ class Dbc(NamedTuple):
     notes: tuple[str, ...] = ()
 
     def find(self, bus: str, key: Key) -> "_Described | None":
-        """The message that describes the frames of an identifier on a bus, or None."""
+        """Return the message that describes the frames of an identifier on a bus, or None."""
         return self.buses.get(bus, {}).get(key) or self.buses.get("", {}).get(key)
 
 
 def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
-    """Read the databases of a channel map; ``extra`` is the option of pip that installs cantools.
+    """Read the databases of a channel map.
 
-    Raises ChannelMapError for a file that is not valid, and for an identifier twice on a bus.
+    ``extra`` is the extra of the package that installs cantools. Raises ChannelMapError for a file
+    that is not valid, and for two messages with the same identifier on a bus.
     """
     cantools: Any = need("cantools", extra, where, LogError)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
     notes, buses = list[str](), dict[str, dict[Key, _Described]]()
     for bus, files in databases.items():
         by_key = buses.setdefault(bus, {})
-        of_bus = f"bus {bus}: " if bus else ""
+        prefix = f"bus {bus}: " if bus else ""
         for path in files:
             content, messages, flaws = _load(cantools, path)
             for message in messages:
@@ -118,22 +119,22 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
                         do=f'name the DBC of each bus, as in dbc = {{1 = "{path.name}"}}',
                     )
                 by_key[key] = message
-            notes.append(f"{of_bus}frames decoded by {path.name} (SHA-256 {sha256(content)[:16]})")
-            notes += [f"{of_bus}{path.name}: {flaw}" for flaw in flaws]
+            notes.append(f"{prefix}frames decoded by {path.name} (SHA-256 {sha256(content)[:16]})")
+            notes += [f"{prefix}{path.name}: {flaw}" for flaw in flaws]
     return Dbc(buses, tuple(notes))
 
 
 def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str]]":
-    """Bytes and messages of a database, and notes on its flaws."""
-    kind = path.suffix[1:].lower()
-    kind = kind if kind in _FORMATS else "dbc"
+    """Return the bytes and the messages of a database, and notes on its flaws."""
+    ending = path.suffix[1:].lower()
+    kind = ending if ending in _FORMATS else "dbc"
     name = kind.upper()
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
     try:
         text, _ = text_of(to_utf8(content, str(path)))
     except LogError as cause:
         raise ChannelMapError(cause.problem, where=path, expected=f"the format {name}") from cause
-    if kind in ("dbc", "sym"):  # the others are XML, whose parser takes no more than their size
+    if kind in ("dbc", "sym"):  # the other formats are XML, which needs no such limit
         longest = max(map(len, text.replace('\\"', "''").split('"')[1::2]), default=0)
         if longest > _LONGEST_TEXT:
             raise ChannelMapError(
@@ -152,16 +153,20 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
         raise ChannelMapError(
             f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
         ) from cause
-    if all(isinstance(message, Flawed) for message in messages):
-        why = [f", as {m.name}: {m.why}" for m in messages[:1] if isinstance(m, Flawed)]
-        flaw = f"not a valid {name}: no message that can be read{''.join(why)}"
+    flawed = [message for message in messages if isinstance(message, Flawed)]
+    if len(flawed) == len(messages):
+        example = f", as {flawed[0].name}: {flawed[0].why}" if flawed else ""
+        flaw = f"not a valid {name}: no message that can be read{example}"
         raise ChannelMapError(flaw, where=path, expected="the messages of a bus")
     return content, messages, flaws
 
 
 @dataclass
 class _MessageText:
-    """The statements of one message as text, its identifier and name, and units by signal."""
+    """One message of a DBC: its ``text`` is all its statements, ``signals`` maps names to units.
+
+    ``number`` is the identifier as the DBC writes it, with `_EXTENDED` where it has 29 bits.
+    """
 
     number: int
     name: str
@@ -170,19 +175,24 @@ class _MessageText:
 
 
 def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described], list[str]]":
-    """The messages of a DBC, and a note on those that are flawed. ValueError for too many."""
+    """Read the messages of a DBC one by one; return them and a note on those that are flawed.
+
+    Raises ValueError for too many messages.
+    """
     common, parts = _parts(text)
-    if len(parts) > _MOST:
-        raise ValueError(f"it has {len(parts)} messages, at most {_MOST} are read")
+    if len(parts) > _MOST_MESSAGES:
+        raise ValueError(f"it has {len(parts)} messages, at most {_MOST_MESSAGES} are read")
     by_key: dict[Key, _Described] = {}
     for part in parts:
         message = _read(cantools, part, common, where)
         key = (message.frame_id, message.is_extended_frame)
         if (first := by_key.get(key)) is not None:
             name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
-            signals = (*first.signals, *message.signals)
-            every = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in signals)
-            message = Flawed(name, *key, why, every, where)
+            signals = tuple(
+                FlawedSignal(signal.name, signal.unit or "")
+                for signal in (*first.signals, *message.signals)
+            )
+            message = Flawed(name, *key, why, signals, where)
         by_key[key] = message
     messages = list(by_key.values())
     flawed = [f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)]
@@ -191,7 +201,10 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
 
 
 def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Described":
-    """One message by cantools; a `Flawed` one if that fails."""
+    """Read one message by cantools; return a `Flawed` one if that fails.
+
+    ``common`` are the statements that hold for all messages.
+    """
     try:
         messages = cantools.database.load_string(part.text + common, "dbc", strict=True).messages
         if len(messages) == 1:
@@ -201,14 +214,14 @@ def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Descr
         why = str(cause) or type(cause).__name__
         why = re.sub(r'^DBC: "(.*?)\.?"$', r"\1", why, flags=re.DOTALL)
         why = why.removesuffix(f" in message {part.name}")
-        why = re.sub(r" at line \d+, column \d+", "", why)  # of this part of the file
+        why = re.sub(r" at line \d+, column \d+", "", why)  # the line of the part, not of the file
     signals = tuple(FlawedSignal(name, unit) for name, unit in part.signals.items())
-    number, extended = part.number & ~_EXTENDED, part.number > 0x7FF
-    return Flawed(part.name, number, extended, why, signals, where)
+    identifier, is_extended = part.number & ~_EXTENDED, part.number > 0x7FF
+    return Flawed(part.name, identifier, is_extended, why, signals, where)
 
 
 def _parts(text: str) -> tuple[str, list[_MessageText]]:
-    """The statements that hold for all messages, and each message with its own."""
+    """Split a DBC into the statements that hold for all messages, and the text of each message."""
     parts: list[_MessageText] = []
     later: dict[int, str] = defaultdict(str)
     common, previous = "", ""

@@ -1,9 +1,11 @@
 """Make a recording from bus frames and a DBC: one trace for each signal of the frames.
 
-little endian: start is the lowest bit        big endian: start is the highest bit
-byte 0  7 6 5 4 3 2 1 0                       byte 0  7 6 5 4 3 2 1 0
-        . . . < - - - s   rest in byte 1              . . . s - - - >   rest in byte 1
-byte 1 15 . . . . . . 8                       byte 1 15 . . . . . . 8
+Bits of a signal (-) from its start (s); in both cases the signal goes on in byte 1:
+
+little endian, s is the lowest bit     big endian, s is the highest bit
+byte 0   7  6  5  4  3  2  1  0        byte 0   7  6  5  4  3  2  1  0
+         -  -  -  -  s                                   s  -  -  -  -
+byte 1  15 14 13 12 11 10  9  8        byte 1  15 14 13 12 11 10  9  8
 """
 
 import re
@@ -34,17 +36,17 @@ _Source: TypeAlias = "tuple[Frames, Message | Flawed, Signal | FlawedSignal]"
 _INVALID = re.compile(
     r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
 )
-"""Names of raw values that mark an invalid measurement."""
+"""Words in the name of a raw value that mark an invalid measurement."""
 
-_LONGEST = 64  # bits of the longest signal that is a number; longer ones are text or raw bytes
-_REAL = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
-"""Types of raw integers and of the IEEE 754 numbers in them, by bits."""
+_MOST_BITS = 64  # a longer signal is no number but text or raw bytes
+_FLOAT_TYPES = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
+"""Type of the raw integer, and of the IEEE 754 number with the same bits, by number of bits."""
 
 
 class Frames(NamedTuple):
-    """All frames of one identifier on one bus, in the order of the file.
+    """All frames with one identifier on one ``bus``, in the order of the file.
 
-    ``time`` [s] (n,); ``data`` (n, bytes), zero past the ``length`` (n,) of a frame.
+    ``time`` [s] (n,); ``data`` (n, bytes), filled with zeros after the ``length`` [bytes] (n,).
     """
 
     bus: str
@@ -56,9 +58,10 @@ class Frames(NamedTuple):
 
 @dataclass
 class Capture:
-    """The frames of a file: times of all [s], the number of error frames, and those of the DBC.
+    """The frames of a file: ``times`` [s] of all, and the number of error frames.
 
-    ``frames``: rows and bytes by bus and identifier; None for frames that the DBC does not have.
+    ``frames`` holds, by bus and identifier, the row and the bytes of each frame; None if the DBC
+    does not describe the frames.
     """
 
     times: "array[float]" = field(default_factory=lambda: array("d"))
@@ -69,9 +72,9 @@ class Capture:
 
 
 def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture:
-    """All frames of a file; error and remote frames are counted but have no data.
+    """Collect the frames of a file. Error frames and remote frames have a time but no data.
 
-    Raises LogError if python-can cannot read it, or if it has no frames.
+    Raises LogError if python-can cannot read the file, or if it has no frames.
     """
     capture = Capture()
     try:
@@ -83,9 +86,11 @@ def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture
             origin = (str(message.channel), (message.arbitration_id, message.is_extended_id))
             if origin not in capture.frames:
                 capture.frames[origin] = (array("L"), []) if dbc.find(*origin) else None
-            if (described := capture.frames[origin]) and not message.is_remote_frame:
-                described[0].append(row)
-                described[1].append(bytes(message.data))
+            described = capture.frames[origin]
+            if described and not message.is_remote_frame:
+                rows, data = described
+                rows.append(row)
+                data.append(bytes(message.data))
     except LogError:
         raise
     except Exception as cause:  # a damaged file makes python-can raise almost anything
@@ -116,7 +121,10 @@ def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
 
 
 def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
-    """The signals of captured frames, named as in the DBC; time counts from the first frame."""
+    """Make a recording of captured frames; its times are seconds since the first frame.
+
+    ``notes`` are put after those of the DBC.
+    """
     time = np.asarray(capture.times)
     check_running(time, where)
     begin = float(time.min())
@@ -127,42 +135,45 @@ def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) ->
     ]
     buses = sorted({bus for bus, _ in capture.frames})
     require_described(frames, buses, dbc, where)
-    more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
+    frame_notes = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     if capture.errors:
-        more.append(f"{capture.errors} error frames were ignored")
+        frame_notes.append(f"{capture.errors} error frames were ignored")
     columns, signals = described_signals(frames, dbc)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         return [decode(*signals[i - 1]) for i in indices]
 
-    return Recording((CLOCK, *columns), read, (*dbc.notes, *notes, *more))
+    return Recording((CLOCK, *columns), read, (*dbc.notes, *notes, *frame_notes))
 
 
 def require_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
     """Raise LogError if the DBC describes none of the frames; ``buses`` are those of the log."""
-    if not any(dbc.find(item.bus, item.key) for item in frames):
-        names = f" (its buses are {', '.join(buses)})" if buses and set(dbc.buses) - {""} else ""
-        messages = [m.name for by_key in dbc.buses.values() for m in by_key.values()]
-        raise LogError(
-            f"no frame of the log{names} is in the DBC",
-            where=where,
-            expected=f"one of {quoted(messages)}",
-            do="is it the DBC of this bus?",
-        )
+    if any(dbc.find(item.bus, item.key) for item in frames):
+        return
+    has_named_buses = set(dbc.buses) != {""}
+    names = f" (its buses are {', '.join(buses)})" if buses and has_named_buses else ""
+    messages = [m.name for by_key in dbc.buses.values() for m in by_key.values()]
+    raise LogError(
+        f"no frame of the log{names} is in the DBC",
+        where=where,
+        expected=f"one of {quoted(messages)}",
+        do="is it the DBC of this bus?",
+    )
 
 
 def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["_Source"]]:
-    """Column and source of every signal that is a number.
+    """Return column and source of every signal that is a number.
 
-    The full name of a column has the bus if a message of that name comes on several.
+    The full name of a column begins with the bus if messages of that name come on several buses.
     """
-    matches = [(item, message) for item in frames if (message := dbc.find(item.bus, item.key))]
-    buses = Counter(message.name for _, message in matches)
+    pairs = [(item, dbc.find(item.bus, item.key)) for item in frames]
+    described = [(item, message) for item, message in pairs if message]
+    count = Counter(message.name for _, message in described)
     columns, signals = [], []
-    for item, message in matches:
-        prefix = f"{item.bus}." if buses[message.name] > 1 else ""
+    for item, message in described:
+        prefix = f"{item.bus}." if count[message.name] > 1 else ""
         for signal in message.signals:
-            if signal.length > _LONGEST:
+            if signal.length > _MOST_BITS:
                 continue
             full = f"{prefix}{message.name}.{signal.name}"
             columns.append(Column(signal.name, signal.unit or None, full))
@@ -173,9 +184,10 @@ def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], lis
 def decode(
     frames: Frames, message: "Message | Flawed", signal: "Signal | FlawedSignal"
 ) -> ChannelTrace:
-    """The samples of one signal. Raises LogError if its message is flawed in the DBC.
+    """Decode the samples of one signal. Raises LogError if its message is flawed in the DBC.
 
-    They are NaN where the name of a value says that it is invalid, and a state if all have names.
+    A sample is NaN if the name of its value says that it is invalid. The signal is a state if all
+    values that occur have names.
     """
     if isinstance(message, Flawed):
         raise message.error(signal.name)
@@ -191,15 +203,15 @@ def decode(
     values = codes * float(signal.scale) + float(signal.offset)
     names = {float(code): str(name) for code, name in (signal.choices or {}).items()}
     state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
-    none = [code for code, name in names.items() if _INVALID.search(name)]
-    if none:
-        values[np.isin(codes, none)] = np.nan
+    invalid = [code for code, name in names.items() if _INVALID.search(name)]
+    if invalid:
+        values[np.isin(codes, invalid)] = np.nan
     return ChannelTrace(clock, time, values, state)
 
 
 def _present(frames: Frames, message: "Message", signal: "Signal") -> Mask:
     """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
-    present: Mask = 8 * frames.length.astype(np.int64) >= _first(signal) + signal.length
+    present: Mask = 8 * frames.length.astype(np.int64) >= _first_bit(signal) + signal.length
     if not signal.multiplexer_ids or signal.multiplexer_signal is None:
         return present
     selector = message.get_signal_by_name(signal.multiplexer_signal)
@@ -212,26 +224,30 @@ def _present(frames: Frames, message: "Message", signal: "Signal") -> Mask:
 
 def _raw(data: NDArray[np.uint8], signal: "Signal") -> NDArray[np.uint64]:
     """Unsigned integers (n,) of a signal in frames (n, bytes)."""
-    little = signal.byte_order == "little_endian"
-    byte, bit = divmod(_first(signal), 8)
-    part = data[:, byte : (_first(signal) + signal.length + 7) // 8]
-    bits = np.unpackbits(part, axis=1, bitorder="little" if little else "big")
-    place = np.uint64(1) << np.arange(signal.length, dtype=np.uint64)
-    return bits[:, bit : bit + signal.length] @ (place if little else place[::-1])
+    is_little = signal.byte_order == "little_endian"
+    first_bit = _first_bit(signal)
+    byte, bit = divmod(first_bit, 8)
+    part = data[:, byte : (first_bit + signal.length + 7) // 8]
+    bits = np.unpackbits(part, axis=1, bitorder="little" if is_little else "big")
+    weight = np.uint64(1) << np.arange(signal.length, dtype=np.uint64)
+    return bits[:, bit : bit + signal.length] @ (weight if is_little else weight[::-1])
 
 
-def _first(signal: "Signal") -> int:
-    """The first bit, counted from the lowest of each byte, in big endian from the highest."""
-    start = signal.start
-    return start if signal.byte_order == "little_endian" else 8 * (start // 8) + 7 - start % 8
+def _first_bit(signal: "Signal") -> int:
+    """Place of the first bit of a signal in the order in which `_raw` unpacks the bits.
+
+    A byte is unpacked from its lowest bit in little endian, from its highest in big endian.
+    """
+    byte, bit = divmod(signal.start, 8)
+    return 8 * byte + (bit if signal.byte_order == "little_endian" else 7 - bit)
 
 
 def _number(value: NDArray[np.uint64], signal: "Signal") -> Array:
-    """Values of raw integers: unsigned, in two's complement or IEEE 754."""
+    """Numbers (n,) that raw integers stand for: unsigned, two's complement or IEEE 754."""
     if signal.is_float:
-        integer, floating = _REAL[signal.length]
+        integer, floating = _FLOAT_TYPES[signal.length]
         return value.astype(integer).view(floating).astype(np.float64)
     if not signal.is_signed:
         return value.astype(np.float64)
-    unused = 64 - signal.length
+    unused = 64 - signal.length  # shifted up and down again, the sign fills these bits
     return ((value << np.uint64(unused)).view(np.int64) >> np.int64(unused)).astype(np.float64)

@@ -1,4 +1,4 @@
-"""Text logs of a bus, read with python-can while their lines are counted: ASC, candump and TRC.
+"""Read text logs of a bus with python-can: ASC, candump and TRC.
 
 candump   (1436509052.249713) vcan0 044#2A366C2BBA
           (1436509052.449847) vcan0 0F6##1112233     two #: CAN FD, then one digit of flags
@@ -6,7 +6,8 @@ TRC       ;$FILEVERSION=2.1                          none in version 1.0
           ;$COLUMNS=N,O,T,B,I,d,R,L,D                from version 2.0 on
                 1    17535.400 DT 1      0100 Rx -  8    00 00 00 00 00 00 00 00
 
-python-can (4.6) leaves out a line that it cannot read, and pads a frame that is cut off.
+python-can (4.6) leaves out a line that it cannot read, and pads a frame that is cut off. So the
+lines that look like frames are counted here, and the bytes of each frame compared with its length.
 """
 
 import logging
@@ -28,9 +29,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Text:
-    """What was read of a text log: lines that look like frames, the last line, the last mark.
+    """What was read of a text log so far.
 
-    ``block`` is "begin" or "end", the last mark of a block in an ASC log, or "".
+    ``frames`` is the number of lines that look like frames, ``last`` the last line that is not
+    blank. ``block`` is the last mark of a block in an ASC log, "begin" or "end", or "".
     """
 
     path: Path
@@ -40,6 +42,7 @@ class _Text:
 
 
 def _counted(lines: Iterable[str], frame: re.Pattern[str], text: _Text) -> Iterator[str]:
+    """Yield the lines, and count in ``text`` those that look like frames."""
     for line in lines:
         text.frames += bool(frame.match(line))
         text.last = line if line.strip() else text.last
@@ -53,7 +56,11 @@ _BLOCK = re.compile(r"(begin|end)\s+triggerblock", re.IGNORECASE)
 
 
 def _asc(lines: Iterable[str], text: _Text) -> Iterator[str]:
-    """The lines, with one inserted after a header where python-can would skip a frame."""
+    """Yield the lines of an ASC log as python-can needs them.
+
+    python-can skips the first line after the header unless it is about internal events, so such a
+    line is inserted where it is missing. Raises LogError for relative timestamps.
+    """
     in_header = True
     for line in lines:
         if in_header:
@@ -90,7 +97,7 @@ _FORMATS = {
         ),
     ),
 }
-"""Class of python-can that reads a format, and the begin of a line with a frame, by file ending."""
+"""By file ending: the class of python-can that reads it, and the begin of a line with a frame."""
 TEXT_LOGS = tuple(_FORMATS)  # file name endings of the text logs of a bus
 _VERSION = re.compile(r";\$FILEVERSION=\s*(\S+)")
 _HEAD = 4096  # characters of a TRC log in which its version stands
@@ -100,8 +107,8 @@ _VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")  # of TRC; python-can takes any 
 def open_text_log(path: Path, dbc: Databases) -> Recording:
     """Open a log whose ending is one of `TEXT_LOGS`.
 
-    Raises LogError for a line or frame that is cut off or cannot be read, an ASC block without its
-    end, relative timestamps; without a DBC, and if it describes no frame.
+    Raises LogError for a line or a frame that is cut off or cannot be read, for an ASC block
+    without its end and for relative timestamps. Also if there is no DBC, or it describes no frame.
     """
     can = need("can", "can", str(path), LogError)
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
@@ -147,12 +154,12 @@ def _require_version(head: str, path: Path) -> None:
 def _whole_frames(
     messages: "Iterable[can.Message]", ending: str, path: Path
 ) -> "Iterator[can.Message]":
-    """The frames. Raises LogError for one with fewer bytes than its length says."""
+    """Yield the frames. Raises LogError for one with fewer bytes than its length says."""
     from can.util import dlc2len
 
     for message in messages:
-        length = min(message.dlc, 8)  # 9 to F stand for 8 bytes, too (ISO 11898-1)
-        if message.is_fd:
+        length = min(message.dlc, 8)  # codes 9 to 15 stand for 8 bytes, too (ISO 11898-1)
+        if message.is_fd:  # python-can gives the code of the length for TRC, and else the length
             length = dlc2len(message.dlc) if ending == ".trc" else message.dlc
         if not message.is_remote_frame and len(message.data) < length:
             flaw = f"a frame at {message.timestamp:.6f} s has {len(message.data)} of {length} bytes"
@@ -166,11 +173,11 @@ _LAST_BYTE = re.compile(r".*\s([0-9A-F]{2}|RTR)", re.IGNORECASE | re.DOTALL)
 def _require_line_end(text: _Text, ending: str) -> None:
     """Raise LogError if the last line is cut off.
 
-    PEAK-Converter ends the last line with its last byte, which has two digits if it is whole.
+    A TRC log of PEAK-Converter has no end of line after its last byte, which has two digits.
     """
     is_frame = bool(_FORMATS[ending][1].match(text.last))
-    may_be_whole = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(text.last))
-    if text.last and not (text.last.endswith("\n") or may_be_whole):
+    needs_no_end = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(text.last))
+    if text.last and not (text.last.endswith("\n") or needs_no_end):
         cut = f"cut off within the last line, {text.last.strip()[:60]!r}"
         flaw = f"{cut}, after {text.frames - is_frame} whole frames"
         raise damaged(text.path, flaw, "an end of line")

@@ -1,16 +1,18 @@
-"""The cells of a table: name and unit in the header, times of day below it.
+"""Read cells of a table: names and units in the header, times below it.
 
-name [unit]    always a name and a unit
-name (unit)    if the text in brackets is a unit, or if the name is a canonical channel
+Header cells that are read as a name and a unit:
+name [unit]    always
+name (unit)    if the text in brackets is a unit, or the name is that of a channel
 name|unit|...  always; lowest and highest value and rate may follow
-name_unit      if the ending can only be a unit of a channel, or if the name is a canonical channel
-               and the ending a unit of it: ``time_s`` but not ``valve_s``
+name_unit      if the name is that of a channel and the ending a unit of it, or if the ending can
+               only be a unit of a channel: ``time_s`` but not ``valve_s``
 
+Cells that are read as times:
 14:03:07,120       2026-03-14T14:03:07.120+01:00       14-Mar-2026 2:03:07.120 PM       03:07.120
-0.12 sec           number and unit of time
+0.12 sec
 
-Only the time of day is used: a date in any language changes at midnight, and a run is shorter than
-half a day.
+Of a date only the time of day is used. A clock that goes back has passed midnight, since a run is
+shorter than half a day.
 """
 
 import re
@@ -27,56 +29,63 @@ from calib.logs.source import Column
 
 
 def column_from_cell(cell: str) -> Column:
-    """Split a header cell into name and unit."""
+    """Split a header cell into name and unit; the whole cell is the full name."""
     cell = cell.strip()
-    parts = _split(cell, "[", "]")
+    parts = _in_brackets(cell, "[", "]")
     if parts is None and "|" in cell:
         name, unit, *_ = cell.split("|", 2)
         parts = name.strip('" '), unit.strip('" ')
-    if parts is None and (rounded := _split(cell, "(", ")")) and rounded[0]:
-        ours = rounded[0] in CHANNELS or rounded[0].startswith(TRUTH)
-        parts = rounded if ours or is_unit(rounded[1]) else None
-    parts = parts or _ending(cell)
+    if parts is None and (in_round := _in_brackets(cell, "(", ")")):
+        name, unit = in_round
+        is_channel = name in CHANNELS or name.startswith(TRUTH)
+        if name and (is_channel or is_unit(unit)):
+            parts = in_round
+    parts = parts or _with_ending(cell)
     if parts is None:
         return Column(cell, None)
     name, unit = parts
     return Column(name, unit.strip(), "" if cell == f"{name} [{unit}]" else cell)
 
 
-def _split(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
-    # An expression would take cubic time for a cell of many blanks.
+def _in_brackets(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
+    """Name, and unit in brackets at the end of a cell, or None."""
+    # a regular expression would take cubic time for a cell of many blanks
     name, bracket, unit = cell.rpartition(opening)
     if not bracket or not unit.endswith(closing) or closing in unit[:-1]:
         return None
     return name.strip(), unit[:-1]
 
 
-def _ending(cell: str) -> tuple[str, str] | None:
+def _with_ending(cell: str) -> tuple[str, str] | None:
+    """Name, and unit after an underscore, or None."""
     if cell in CHANNELS:
         return None
-    parts = cell.split("_")
-    for count in (2, 1):  # m_s before s
-        name, unit = "_".join(parts[:-count]), "/".join(parts[-count:])
-        ours = [CHANNELS[name]] if name in CHANNELS else []
-        # two letters may mean something else, and so does the lowest value
-        clear = name and len(unit) > 2 and unit != "min"
-        others = CHANNELS.values() if clear or (name and unit == "Nm") else []
-        if any(is_unit(unit, quantity.si) for quantity in ours or others):
+    words = cell.split("_")
+    for count in (2, 1):  # ``m_s`` is tried before ``s``
+        name, unit = "_".join(words[:-count]), "/".join(words[-count:])
+        if name in CHANNELS:
+            quantities = [CHANNELS[name]]
+        # one or two letters may mean something else than a unit, and "min" the lowest value
+        elif name and unit != "min" and (len(unit) > 2 or unit == "Nm"):
+            quantities = [*CHANNELS.values()]
+        else:
+            quantities = []
+        if any(is_unit(unit, quantity.si) for quantity in quantities):
             return name, spelling(unit)
     return None
 
 
 def is_unit_row(cells: Sequence[str]) -> bool:
-    """Whether a row below the names has units: no number and at least one unit."""
-    words = [text for text in map(_bare_unit, cells) if text and text != "1"]
+    """Whether a row below the names holds units: no number, and at least one unit."""
+    words = [word for word in map(_without_brackets, cells) if word and word != "1"]
     return not any(map(_NUMERIC.fullmatch, words)) and any(map(is_unit, words))
 
 
 _NUMERIC = re.compile(r"[-+]?[\d.,]+([eE][-+]?\d+)?")
 
 
-def _bare_unit(cell: str) -> str:
-    """The unit without brackets: ``[bar]`` and ``(bar)`` are ``bar``."""
+def _without_brackets(cell: str) -> str:
+    """Text of a cell without brackets: ``[bar]`` and ``(bar)`` are ``bar``."""
     text = cell.strip()
     if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
         text = text[1:-1].strip()
@@ -84,10 +93,10 @@ def _bare_unit(cell: str) -> str:
 
 
 def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -> list[Column]:
-    """Columns with the units of a second header row. Raises LogError for a column with two."""
-    out = []
+    """Give the columns the units of a second header row. Raises LogError for a second unit."""
+    result = []
     for column, cell in zip(columns, cells, strict=True):
-        unit = _bare_unit(cell)
+        unit = _without_brackets(cell)
         if unit and column.unit and spelling(unit) != spelling(column.unit):
             raise LogError(
                 f"the header has two units: {column.unit!r} and, in the row below, {unit!r}",
@@ -95,12 +104,12 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
                 expected="one unit",
                 do="correct the header",
             )
-        out.append(Column(column.name, column.unit or unit or None, column.full))
-    return out
+        result.append(Column(column.name, column.unit or unit or None, column.full))
+    return result
 
 
 DAY, HOUR = 86400.0, 3600.0
-"""Periods [s]: a clock with hours restarts at midnight, one with minutes at the full hour."""
+"""Periods [s]: a clock with hours restarts at midnight, a clock without them at the full hour."""
 
 _TIME = re.compile(
     r"(?:[^:]*[\sT_])?"  # weekday, date
@@ -111,21 +120,22 @@ _TIME = re.compile(
 
 
 _COUNTED = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE)
-"""A number with its unit behind."""
+"""A number with a unit after it."""
 
 
 def is_clock(cell: str) -> bool:
     """Whether a cell is a number with a unit of time, or a time of day with seconds.
 
-    Minutes and seconds alone, ``03:07.1``, are one if they have parts of a second.
+    Minutes and seconds alone count if there are parts of a second, as in ``03:07.1``.
     """
     match = _TIME.fullmatch(cell)
-    of_day = match is not None and (match["h"] is not None or not match["s"].isdigit())
-    return of_day or (match is None and _seconds(cell) is not None)
+    if match is None:
+        return _seconds(cell) is not None
+    return match["h"] is not None or not match["s"].isdigit()
 
 
 def _seconds(cell: str) -> tuple[float, float] | None:
-    """Seconds of a time of day, or of a number with a unit of time, and the period of its clock."""
+    """Time of a cell [s], and period of its clock [s]; None if the cell is no time."""
     if counted := _COUNTED.fullmatch(cell):
         number = float(counted[1].replace(",", "."))
         return (to_si(number, counted[2], "s"), HOUR) if is_unit(counted[2], "s") else None
@@ -134,31 +144,35 @@ def _seconds(cell: str) -> tuple[float, float] | None:
         return None
     hours = int(match["h"] or 0)
     if match["half"]:
-        hours = hours % 12 + 12 * (match["half"] in "Pp")
+        hours = hours % 12 + (12 if match["half"] in "Pp" else 0)
     seconds = float(match["s"].replace(",", ".").replace(":", "."))
     time = 3600.0 * hours + 60.0 * int(match["m"]) + seconds
     return round(time, 9), DAY if match["h"] else HOUR
 
 
 def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str) -> Array:
-    """Seconds from the first row, (n,); NaN for a cell in ``empty``. Raises LogError for others."""
+    """Read times as seconds since the first row (n,), NaN for a cell in ``empty``.
+
+    Raises LogError for a cell that is no time, and for a clock that is too coarse.
+    """
     values, period = np.full(len(cells), np.nan), HOUR
     for row, cell in enumerate(cells):
         text = (cell or "").strip()
         if text in empty or not text:
             continue
-        if (read := _seconds(text)) is None:
+        seconds = _seconds(text)
+        if seconds is None:
             raise LogError(
                 f"row {row + 1}: {text[:60]!r} is not a time of day",
                 where=where,
                 expected="the form of the other rows, such as 14:03:07.120",
             )
-        values[row], period = read[0], max(period, read[1])
+        values[row], period = seconds[0], max(period, seconds[1])
     return from_first(over_midnight(values, period), where)
 
 
 def over_midnight(time: Array, period: float = DAY) -> Array:
-    """``time`` [s] (n,) without the restarts of a clock that begins again after ``period`` [s]."""
+    """Undo the restarts of a clock with this ``period`` [s] in ``time`` [s] (n,); NaN stays."""
     present = time[~np.isnan(time)]
     restarts = np.cumsum(np.diff(present, prepend=present[:1]) < -period / 2)
     result = time.copy()
@@ -167,7 +181,7 @@ def over_midnight(time: Array, period: float = DAY) -> Array:
 
 
 def from_first(time: Array, where: str) -> Array:
-    """``time`` [s], (n,), counted from its first value. Raises LogError for a clock too coarse."""
+    """Count ``time`` [s] (n,) from its first value. Raises LogError for a clock too coarse."""
     present = time[~np.isnan(time)]
     same = int(np.count_nonzero(np.diff(present) == 0.0))
     if same > REPEATED * time.size:

@@ -1,4 +1,4 @@
-"""Separated text: the canonical ``name [unit]`` with commas, and the styles of other programs."""
+"""Read separated text: the canonical ``name [unit]`` with commas, and styles of other programs."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -10,8 +10,8 @@ from calib.logs.parquet import numbers
 from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import clock_seconds, column_from_cell, is_clock, with_unit_row
 from calib.logs.text.dialect import (
+    DETECTED,
     EMPTY,
-    LOOKED,
     TextFormat,
     cells_of,
     decimal_of,
@@ -22,57 +22,63 @@ from calib.logs.text.dialect import (
 from calib.logs.text.encoding import GZIP, gunzip, text_of, to_utf8
 
 
-def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
+def open_csv(data: bytes, where: str, text_format: TextFormat = DETECTED) -> ColumnSource:
     """Open separated text, compressed by gzip or not; ``where`` is its path.
 
-    Raises LogError for a file without header or rows, an ambiguous dialect, or one that is cut off.
+    Raises LogError for a file without header or rows, with an ambiguous format, or cut off.
     """
     if data.startswith(GZIP):
         data = gunzip(data, where)
-    whole = to_utf8(data, where, text_format.encoding)
-    data = whole.rstrip(b"\0")  # a logger that lost its power leaves them
-    zeros = len(whole) - len(data)
+    text = to_utf8(data, where, text_format.encoding)
+    data = text.rstrip(b"\0")  # a logger that lost its power leaves zeros
+    zeros = len(text) - len(data)
     if b"\n" not in data:
         data = data.replace(b"\r", b"\n")
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
     begin = 0
-    declared = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)  # of spreadsheets
+    # spreadsheets declare the separator in the first line
+    declared = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)
     if declared:
         begin = declared.end()
         text_format = replace(text_format, separator=text_format.separator or declared[1].decode())
     layout = layout_of(data, begin, text_format, where)
-    header, note = text_of(b"\n".join((layout.names, layout.units, layout.more)))
+    header, encoding_note = text_of(b"\n".join((layout.names, layout.units, layout.remarks)))
     separator = layout.separator
-    cells, units, more = (cells_of(line, separator) for line in header.split("\n"))
-    columns = _header(cells, units, more, where)
+    names, units, remarks = (cells_of(line, separator) for line in header.split("\n"))
+    columns = _columns(names, units, remarks, where)
     rows = [row for line in sample_of(data, layout.start) if (row := cells_of(line, separator))]
     decimal = text_format.decimal or decimal_of(rows, separator, where)
-    texts = set(range(len(columns))) - set(layout.numbers)
-    clocks = [i for i in sorted(texts) if mostly(is_clock, [r[i] for r in rows if len(r) > i])]
+    texts = sorted(set(range(len(columns))) - set(layout.numbers))
+    clocks = [i for i in texts if mostly(is_clock, [row[i] for row in rows if len(row) > i])]
     for i in clocks:
-        columns[i] = Column(columns[i].name, "s", columns[i].full or cells[i])
-    lost = f"{zeros} zero bytes at the end were not read" if zeros else ""
-    counted = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
+        columns[i] = Column(columns[i].name, "s", columns[i].full or names[i])
+    zeros_note = f"{zeros} zero bytes at the end were not read" if zeros else ""
+    clock_notes = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
     table = TextRows(data, layout.start, tuple(columns), where, separator, decimal, {*clocks})
-    notes = tuple(n for n in (lost, note, *counted, table.end()) if n)
-    return ColumnSource(table.columns, table.read, notes)
+    notes = (zeros_note, encoding_note, *clock_notes, table.check_end())
+    return ColumnSource(table.columns, table.read, tuple(filter(None, notes)))
 
 
-def _header(names: list[str], units: list[str], more: list[str], where: str) -> list[Column]:
-    """The columns of a header of up to three rows."""
+def _columns(names: list[str], units: list[str], remarks: list[str], where: str) -> list[Column]:
+    """The columns of a header: a row of names, and perhaps one of units and one of remarks."""
     columns = [column_from_cell(cell) for cell in names]
     if units:
         columns = with_unit_row(columns, units, where)
-    return [
-        replace(column, full=f"{column.full_name} {text}") if text else column
-        for column, text in zip(columns, more or [""] * len(columns), strict=True)
-    ]
+    if remarks:
+        columns = [
+            replace(column, full=f"{column.full_name} {remark}") if remark else column
+            for column, remark in zip(columns, remarks, strict=True)
+        ]
+    return columns
 
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table: ``data`` from byte ``start`` on."""
+    """The rows of a table: ``data`` from byte ``start`` on.
+
+    ``clocks`` are the indices of the columns that hold times instead of numbers.
+    """
 
     data: bytes
     start: int
@@ -82,49 +88,53 @@ class TextRows:
     decimal: str = "."
     clocks: Collection[int] = ()
 
-    def end(self) -> str | None:
-        r"""Check the last row: LogError if it is cut off, a note if it has no end of line.
+    def check_end(self) -> str | None:
+        r"""Check the last row. Return a note if it has no end of line.
 
+        Raises LogError if the last row is cut off:
         0.005,0.10,74.4800\n
-        0.010,0.20,74.4\n         a shorter number and no end of line: cut off
+        0.010,0.20,74.4           a shorter number and no end of line
         """
         data, start, width = self.data, self.start, len(self.columns)
-        tail = 20 * 64 * width  # bytes of the last 20 rows, at 64 a cell
+        tail = 20 * 64 * width  # bytes of the last 20 rows, at most 64 for each cell
         text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
-        text = (
-            text or data[start:].rstrip(b"\r\n")[-tail:]
-        )  # only blank lines there: look further up
+        if not text:  # nothing but blank lines in the tail: look before them
+            text = data[start:].rstrip(b"\r\n")[-tail:]
         lines = [line.decode(errors="replace") for line in text.splitlines()[-20:]]
-        *earlier, last = (cells_of(line, self.separator) for line in lines)
-        earlier = [row for row in earlier if row]
-        widths = [len(row) for row in earlier if len(row) != width]
-        if 2 * len(widths) > len(earlier):  # no table, rather than one that is cut off
-            rows = f"{len(widths)} of the {len(earlier)} rows before the last one"
+        *before_last, last = (cells_of(line, self.separator) for line in lines)
+        earlier = [row for row in before_last if row]
+        other_widths = [len(row) for row in earlier if len(row) != width]
+        if 2 * len(other_widths) > len(earlier):  # no table, rather than one that is cut off
+            rows = f"{len(other_widths)} of the {len(earlier)} rows before the last one"
             raise LogError(
-                f"{rows} have {min(widths)} to {max(widths)} cells",
+                f"{rows} have {min(other_widths)} to {max(other_widths)} cells",
                 where=self.where,
                 expected=f"a table: {width} cells in each row, as the header has",
             )
-        ended = data.endswith((b"\n", b"\r"))
-        short = len(last) < width or lines[-1].count('"') % 2 == 1
-        if short or (not ended and self._shorter(last[-1], [row[-1] for row in earlier])):
+        has_line_end = data.endswith((b"\n", b"\r"))
+        is_cut = len(last) < width or lines[-1].count('"') % 2 == 1
+        if not is_cut and not has_line_end:
+            is_cut = self._is_shorter(last[-1], [row[-1] for row in earlier])
+        if is_cut:
             flaw = f"the last line is cut off: {lines[-1][:60]!r}"
             raise damaged(self.where, flaw, f"{width} whole cells")
-        return None if ended else "no end of line after the last row, which looks complete"
+        return None if has_line_end else "no end of line after the last row, which looks complete"
 
-    def _shorter(self, cell: str, earlier: list[str]) -> bool:
-        """Whether a last cell looks cut off, which not every cut one does.
+    def _is_shorter(self, cell: str, earlier: list[str]) -> bool:
+        """Whether the last cell of a file looks cut off beside the ``earlier`` cells of its column.
 
-        If all earlier cells have the same number of decimals, it has fewer; otherwise it is shorter
-        than each of them.
+        It has fewer decimals than they have; or, if their numbers of decimals differ, fewer
+        characters than each of them. A cell that was cut may look complete.
         """
-        decimals = [len(c.partition(self.decimal)[2]) for c in (cell, *earlier)]
-        if len(set(decimals[1:])) == 1:
-            return decimals[0] < decimals[1]
-        return bool(earlier) and len(cell) < min(map(len, earlier))
+        if not earlier:
+            return False
+        decimals = [len(text.partition(self.decimal)[2]) for text in earlier]
+        if len(set(decimals)) == 1:
+            return len(cell.partition(self.decimal)[2]) < decimals[0]
+        return len(cell) < min(map(len, earlier))
 
     def read(self, indices: Sequence[int]) -> list[Array]:
-        """Some columns as numbers, clocks as seconds. Raises LogError that names a bad row."""
+        """Read columns as numbers (n,), clocks as seconds. Raises LogError that names a bad row."""
         import pyarrow as pa
         import pyarrow.csv as arrow_csv
 
@@ -152,7 +162,7 @@ class TextRows:
         ]
 
     def _bad_row(self, cause: str) -> LogError:
-        """The error for a row that pyarrow cannot read."""
+        """Return the error for a row that pyarrow cannot read, from the text of its error."""
         if cell := re.search(
             r"column #(\d+): Row #(\d+): .*?invalid value '(.*)'", cause, re.DOTALL
         ):

@@ -13,7 +13,7 @@ GZIP = b"\x1f\x8b"  # first bytes of a gzip file
 
 
 def gunzip(data: bytes, where: str) -> bytes:
-    """The content of a gzip file. Raises LogError for one that is damaged or too large."""
+    """Unpack a gzip file. Raises LogError for a file that is damaged or too large."""
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
             content = file.read(LOG.max_bytes + 1)
@@ -28,7 +28,7 @@ def gunzip(data: bytes, where: str) -> bytes:
 
 
 def too_large(where: str) -> LogError:
-    """The error for a log that unpacks to more than a log may have."""
+    """Return the error for a log that unpacks to more than a log may have."""
     return LogError(LOG.too_large("it unpacks to"), where=where)
 
 
@@ -37,13 +37,14 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "utf-16-le",
     codecs.BOM_UTF16_BE: "utf-16-be",
 }
-_HEAD = 4096  # number of bytes used to detect the encoding; a header is shorter
+_HEAD = 4096  # bytes at the begin that must be text; a header is shorter
 
 
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
     """Convert text to UTF-8 without a byte order mark. Raises LogError for what is no text.
 
-    Text in another 8-bit encoding stays as it is, since numbers are the same in all of them.
+    Without an ``encoding`` or a mark the bytes stay as they are: they are UTF-8 or an encoding of 8
+    bits, in which numbers are the same; `text_of` reads the header.
     """
     for mark, name in _MARKS.items():
         if data.startswith(mark):
@@ -51,19 +52,19 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
             break
     if encoding is None or codecs.lookup(encoding).name == "utf-8":
         head = data[:_HEAD]
-        lines = head.rstrip(b"\0") if b"\n" in head else head  # a short log may end with zeros
-        if b"\0" in lines:
+        text = head.rstrip(b"\0") if b"\n" in head else head  # a short log may end with zeros
+        if b"\0" in text:
             raise LogError("not text", where=where, expected="text with separated columns")
         return data
     try:
         return data.decode(encoding).encode()
     except UnicodeDecodeError as cause:
-        cut = "the last character is cut off" if "truncated" in cause.reason else str(cause)
-        raise damaged(where, f"not {encoding}: {cut}", "complete text") from cause
+        flaw = "the last character is cut off" if "truncated" in cause.reason else str(cause)
+        raise damaged(where, f"not {encoding}: {flaw}", "complete text") from cause
 
 
 def text_of(data: bytes) -> tuple[str, str | None]:
-    """The text, read as UTF-8; else, with a note, as Windows-1252, which has all of ISO 8859-1."""
+    """Decode UTF-8; or else, with a note, Windows-1252, which has all letters of ISO 8859-1."""
     try:
         return data.decode("utf-8"), None
     except UnicodeDecodeError:

@@ -1,8 +1,8 @@
-"""Racelogic VBO: text in sections with satellite speed and channels of the car's bus.
+"""Read Racelogic VBO: text in sections with satellite speed and channels of the car's bus.
 
-[header]           one name a line; standard names may have a unit: ``velocity kmh``
-[channel units]    one line for each name that is not standard; it may be empty. Where there are
-                   fewer lines, they are of the last names, the channels of input modules
+[header]           one name in each line; standard names may have a unit: ``velocity kmh``
+[channel units]    one line for each name that is not standard; it may be empty. Fewer lines are
+                   those of the last names, the channels of input modules
 [column names]     one word for each column, in the order of [header]
 [data]             samples, separated by blanks; time is HHMMSS.ss
 
@@ -40,8 +40,9 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a VBO file")
     data = to_utf8(data, where, text_format.encoding if text_format else None)
-    texts, body, notes = _sections(data, where)
-    columns, more = _columns(texts, where)
+    sections, body, text_notes = _sections(data, where)
+    columns, unit_notes = _columns(sections, where)
+    # leave one blank between two cells, and none at either end of a row
     if b"\t" in body or b"  " in body:
         body = re.sub(rb"[ \t]+", b" ", body)
     body = body.lstrip(b" ").replace(b" \r\n", b"\n").replace(b" \n", b"\n")
@@ -49,7 +50,7 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
     if not body or body.isspace():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     rows = TextRows(body, 0, columns, where, separator=" ")
-    end = rows.end()
+    end_note = rows.check_end()
 
     def read(indices: Sequence[int]) -> list[Array]:
         return [
@@ -57,10 +58,12 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
             for i, x in zip(indices, rows.read(indices), strict=True)
         ]
 
-    return ColumnSource(columns, read, (*notes, *more, *((end,) if end else ())))
+    notes = filter(None, (*text_notes, *unit_notes, end_note))
+    return ColumnSource(columns, read, tuple(notes))
 
 
 def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, list[str]]:
+    """Lines of each section by its name, the bytes of [data], and a note on the encoding."""
     begin = _DATA.search(data)
     if begin is None:
         raise LogError(
@@ -70,83 +73,88 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
         )
     head, note = text_of(data[: begin.start()])
     parts = re.split(r"^\[([^\]\r\n]+)\].*$", head, flags=re.MULTILINE)
-    texts = {
+    sections = {
         name.strip().lower(): [line.strip() for line in text.split("\n")[1:-1]]
         for name, text in zip(parts[1::2], parts[2::2], strict=True)
     }
     body = data[begin.end() :].lstrip(b"\r\n")
     for needed in ("header", "column names"):
-        if not any(texts.get(needed, [])):
+        if not any(sections.get(needed, [])):
             raise LogError(f"no section [{needed}]", where=where, expected="names of the channels")
-    return texts, body, [note] if note else []
+    return sections, body, [note] if note else []
 
 
-def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...], list[str]]:
-    header = [line for line in texts["header"] if line]
-    short = " ".join(texts["column names"]).split()
-    if len(header) != len(short):
+def _columns(sections: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...], list[str]]:
+    """The columns of [data], and a note on [channel units]."""
+    names = [line for line in sections["header"] if line]
+    short_names = " ".join(sections["column names"]).split()
+    if len(names) != len(short_names):
         raise LogError(
-            f"{len(header)} names in [header], {len(short)} in [column names]",
+            f"{len(names)} names in [header], {len(short_names)} in [column names]",
             where=where,
             expected="the same number in both",
         )
-    by_index, notes = _units(texts.get("channel units", []), header)
+    units, notes = _units(sections.get("channel units", []), names)
     columns = []
-    for i, (name, word) in enumerate(zip(header, short, strict=True)):
-        unit = by_index.get(i)
+    for i, (name, short_name) in enumerate(zip(names, short_names, strict=True)):
         if name.lower() == "time":
-            columns.append(Column("time", "s", word))
+            columns.append(Column("time", "s", short_name))
             continue
-        # ``velocity kmh``, not ``Brake [bar]``
-        if unit is None and (named := _unit_in_name(name)):
-            plain = Column(name.rpartition(" ")[0], named)
-        else:
-            plain = column_from_cell(name)
-        full = word if word != plain.name else ""
-        columns.append(Column(plain.name, unit or plain.unit, full))
+        column = column_from_cell(name)  # ``Brake [bar]``
+        if i not in units and (unit := _unit_in_name(name)):  # ``velocity kmh``
+            column = Column(name.rpartition(" ")[0], unit)
+        full = short_name if short_name != column.name else ""
+        columns.append(Column(column.name, units.get(i) or column.unit, full))
     if not any(c.name == "v" for c in columns):
         columns = [Column("v", c.unit, c.name) if c.name == "velocity" else c for c in columns]
     return tuple(columns), notes
 
 
-def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], list[str]]:
-    """Units by position in the header, and a note if the number of lines does not fit.
+def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list[str]]:
+    """Units by index of the name, from the lines of [channel units], and a note.
 
-    Tried in turn, until no unit in a name is contradicted: the lines are of all names that are not
-    standard, of those that have no unit, of the last ones.
+    The lines may be those of all names that are not standard, of those without a unit in the name,
+    or of the last names. The first of the three that contradicts no unit in a name is taken. The
+    note says so if the lines are not those of all, or if none of the three fits.
     """
     channels = [
         i
-        for i, name in enumerate(header)
+        for i, name in enumerate(names)
         if not any(name.lower() == s or name.lower().startswith(f"{s} ") for s in _STANDARD)
     ]
-    bare = [i for i in channels if _unit_in_name(header[i]) is None]
-    filled = len(lines)
-    while filled and not lines[filled - 1]:
-        filled -= 1  # a blank line ends the section, or belongs to a channel without a unit
-    fits = f"[channel units] has {filled} lines for {len(channels)} channels: "
-    choices = [channels] if filled <= len(channels) <= len(lines) else []
-    choices += [bare] if filled == len(bare) else []
-    choices += [channels[-filled:]] if 0 < filled < len(channels) else []
-    for places in choices:
-        pairs = zip(places, lines, strict=False)
-        unit_of = {i: unit for i, unit in pairs if unit.lower() not in ("", "(null)")}
-        named = {i: _unit_in_name(header[i]) or unit for i, unit in unit_of.items()}
-        if all(spelling(named[i]) == spelling(unit) for i, unit in unit_of.items()):
-            names = ", ".join(header[i] for i in places)
-            note = f"{fits}they were taken for the last, {names}"
-            return unit_of, [] if places in (channels, bare) else [note]
-    return {}, [f"{fits}no unit was used"] if filled else []
+    without_unit = [i for i in channels if _unit_in_name(names[i]) is None]
+    count = len(lines)
+    while count and not lines[count - 1]:
+        count -= 1  # a blank line ends the section, or belongs to a channel without a unit
+    choices = []
+    if count <= len(channels) <= len(lines):
+        choices.append(channels)
+    if count == len(without_unit):
+        choices.append(without_unit)
+    if 0 < count < len(channels):
+        choices.append(channels[-count:])
+    note = f"[channel units] has {count} lines for {len(channels)} channels"
+    for indices in choices:
+        pairs = zip(indices, lines, strict=False)
+        units = {i: unit for i, unit in pairs if unit.lower() not in ("", "(null)")}
+        in_names = {i: _unit_in_name(names[i]) or unit for i, unit in units.items()}
+        if all(spelling(in_names[i]) == spelling(unit) for i, unit in units.items()):
+            if indices in (channels, without_unit):
+                return units, []
+            last = ", ".join(names[i] for i in indices)
+            return units, [f"{note}: they were taken for the last, {last}"]
+    return {}, [f"{note}: no unit was used"] if count else []
 
 
 def _unit_in_name(name: str) -> str | None:
+    """The last word of a name if it is a unit."""
     stem, _, last = name.rpartition(" ")
     return last if stem and is_unit(last) else None
 
 
 def _seconds(written: Array, where: str) -> Array:
-    """Seconds since the midnight before the first sample (n,), from HHMMSS.ss."""
-    # Rounded to the file's resolution: 120000.05 and its binary neighbours differ by 1e-11.
+    """Convert times of day HHMMSS.ss (n,) to seconds since the midnight before the first."""
+    # the sum is rounded to microseconds, since 120000.05 has no exact binary value
     hours, minutes_seconds = np.divmod(written, 10000.0)
     minutes, seconds = np.divmod(minutes_seconds, 100.0)
     wrong = np.flatnonzero(~((hours < 24) & (minutes < 60) & (seconds < 60)))
