@@ -82,7 +82,7 @@ class Inputs:
         check_folder(self.out, (NAME,))
         stored = self.store.load(self.table) if self.table else None
         if stored is not None:
-            say(f"{stored.id} is {stored.state.words}")
+            say(f"{stored.id} is {stored.state.description}")
             if self.vehicle is not None:
                 require_same_car(stored.table.vehicle, self.vehicle, this_run().file("vehicle"))
         return Job(

@@ -82,7 +82,7 @@ def _read(
         raise misuse("give one table; `tables compare` compares two", "TABLE")
     table = store.load(names[0]) if names else None
     if table:
-        say(f"{table.id} is {table.state.words}")
+        say(f"{table.id} is {table.state.description}")
     needed = REQUIRED if names else ()  # a log alone is drawn with the channels that it has
     read_logs = [read(path, channel_map, require=needed) for path in logs]
     return table, read_logs, [read_result(path) for path in results]

@@ -89,7 +89,7 @@ def station(
     with _telling_refusals(out, identification, [*ramps, *coast, *holdouts]):
         reference = golden_table(store, golden) if golden else None
         if golden and reference:
-            say(f"{reference.id} is {reference.state.words}")
+            say(f"{reference.id} is {reference.state.description}")
             signed.check(golden, reference)
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:

@@ -27,7 +27,7 @@ def list_(
     from calib.store.figures import chosen, row_of
 
     rows = chosen(map(row_of, store.entries(state)), serial=serial, vin=vin)
-    none = f"{store.folder} holds no {'such table' if store.now().names else 'table'}"
+    none = f"{store.folder} holds no {'such table' if store.snapshot().names else 'table'}"
     return Answer({"store": store.folder, "tables": rows}, listed(rows) if rows else none)
 
 
@@ -48,7 +48,7 @@ def log(
     from calib.show.store import history
 
     name, separator, version = table.partition("@")
-    now = store.now()
+    now = store.snapshot()
     journal = now.journal
     versions = [str(number) for number in journal.versions(now.require_table(name))]
     if separator and version not in versions:
@@ -182,10 +182,10 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)
     same = "nothing to change" if old == after.state else f"it was {old.word}"
-    states = {"before": old.word, "state": after.state.word, "why": after.state.words}
+    states = {"before": old.word, "state": after.state.word, "why": after.state.description}
     document = {"table": after.id, "digest": after.digest, **states}
     proof_text = f"; the evidence: {verdict}" * (verdict in (CONSISTENT, "warning"))
-    return Answer(document, f"{after.id} is {after.state.words}; {same}{proof_text}")
+    return Answer(document, f"{after.id} is {after.state.description}; {same}{proof_text}")
 
 
 tables = group(

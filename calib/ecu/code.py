@@ -140,10 +140,10 @@ def _write_bundle(
     texts = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
     texts |= {name: (SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
     texts["bte_vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
-    about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.words}"
+    about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.description}"
     facts = {
         "about": as_comment(about), "car": f"{CAR}_{first}", "first": first,
-        "table": stored.id, "digest": stored.digest, "state": stored.state.words,
+        "table": stored.id, "digest": stored.digest, "state": stored.state.description,
         "bits": how.floating, "cell": cell(how), "step": f"{sample_time:g}",
         "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"),
         "inputs": "\n".join(_inputs(sample_time, stored.table.vehicle)),

@@ -99,7 +99,7 @@ def write_fmu(
     facts = {
         "version": version, "of": content, "name": name, "data": f"{CAR}_{first}",
          "step": step, "program": PROGRAM,
-        "car": printable(car), "table": f"{stored.id}, {printable(stored.state.words)}",
+        "car": printable(car), "table": f"{stored.id}, {printable(stored.state.description)}",
         "compiled": [file for file in (*code, *glue) if file.endswith(".c")],
         "variables": variables, "references": ",\n       ".join(x.name.upper() for x in variables),
         "starts": starts, "given": len(starts), "first": ", ".join(map(repr, starts.values())),

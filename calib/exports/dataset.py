@@ -252,7 +252,7 @@ class Dataset:
             **{f"breakpoints {a.label}": a.placed for a in self.axes},
             "validation": stored.state.verdict or "none",
             "state": self.quality,
-            "release": ("" if stored.state.released else _NOT) + stored.state.why,
+            "release": ("" if stored.state.released else _NOT) + stored.state.with_reason,
             "objects": str(len(content)),
             "checksum": content.checksum,
         }

@@ -97,7 +97,7 @@ def require_handed_out(
     """Raise as `export` for a version that is not released, or has effects that no ECU senses."""
     if not (stored.state.released or unreleased):
         raise StoreError(
-            f"is {stored.state.words}",
+            f"is {stored.state.description}",
             where=stored.id,
             expected="a released version",
             do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "

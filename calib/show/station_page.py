@@ -129,7 +129,7 @@ def store_and_write(
     """
     results = list(outcome.results)
     while True:
-        stored = store.foreseen(outcome.table, outcome.decision("to be written"))
+        stored = store.preview(outcome.table, outcome.decision("to be written"))
         fill(results, validation_dict(stored, results), work)
         if not why_not_exported(stored):
             for form in dict.fromkeys(forms):

@@ -59,7 +59,7 @@ def table_facts(stored: Stored) -> Facts:
         verdict=PASSED if use.usable else WARNING,
         numbers=ramp_rows(table),
         rows=[
-            ("state", stored.state.words),
+            ("state", stored.state.description),
             ("range", use.ends),
             ("largest uncertainty", limiting(budgets)),
             ("made of", parents or logs),

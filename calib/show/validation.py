@@ -73,7 +73,7 @@ def validation_facts(judged: Validated) -> Facts:
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
         rows=[
-            ("table", f"{stored.id}, {stored.state.why}"),
+            ("table", f"{stored.id}, {stored.state.with_reason}"),
             ("mass", str(in_order[0].mass)),
             *_limiting(in_order),
         ],

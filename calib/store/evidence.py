@@ -1,4 +1,4 @@
-"""Evidence on a version: the files of a validation, or of a car at the station."""
+"""Read evidence on a version: the summary of a validation, or the result of a station."""
 
 import json
 from pathlib import Path
@@ -9,21 +9,28 @@ from calib.base.errors import ExchangeError
 from calib.store.state import Evidence
 from calib.store.version import Stored
 
-CONSISTENT = "consistent, not proved"  # without truth and v no error of the table would show
+CONSISTENT = "consistent, not proved"
+"""Verdict of a validation that passed on logs without truth and without the speed v.
+
+Such logs would not show an error of the table.
+"""
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
-    """The evidence, and its verdict on a version: passed, warning, failed or `CONSISTENT`.
+    """Return the evidence, and its verdict: "passed", "warning", "failed" or `CONSISTENT`.
 
     Raises ExchangeError for a file that is neither a `summary.json` of `validate --out` nor a
-    `station.json`, is of another table, or has no hold-out.
+    `station.json`, that is of another version than ``stored``, or that has no hold-out.
     """
     data = bytes_of(path, VALIDATION, ExchangeError, "a summary.json or a station.json")
-    verdict = _station_verdict(data, path, stored) or _verdict(data, path, stored)
+    verdict = _station_verdict(data, path, stored)
+    if verdict is None:
+        verdict = _validation_verdict(data, path, stored)
     return Evidence(path.name, sha256(data)), verdict
 
 
-def _verdict(data: bytes, path: Path, stored: Stored) -> str:
+def _validation_verdict(data: bytes, path: Path, stored: Stored) -> str:
+    """Return the verdict of a `summary.json` on this version. Raises ExchangeError."""
     from calib.base.record import validated
     from calib.store.record_file import SummaryFile
 
@@ -33,7 +40,7 @@ def _verdict(data: bytes, path: Path, stored: Stored) -> str:
         do = "take the summary.json of `brake-cal validate --out`"
         raise ExchangeError(f"no summary of a validation: {error}", where=path, do=do) from error
     if (summary.table, summary.digest) != (stored.id, stored.digest):
-        raise _other(summary.table, summary.digest, path, stored)
+        raise _of_other_version(summary.table, summary.digest, path, stored)
     if all(log.role != "hold-out" for log in summary.logs):
         flaw = "is a validation on logs that the table was fitted on, which proves nothing"
         raise ExchangeError(flaw, where=path, expected="a validation on hold-out logs")
@@ -42,7 +49,10 @@ def _verdict(data: bytes, path: Path, stored: Stored) -> str:
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
-    """The verdict of a `station.json` on this version; None for any other file."""
+    """Return the verdict of a `station.json` on this version; None for a file of another kind.
+
+    Raises ExchangeError for a `station.json` of another version.
+    """
     try:
         document = json.loads(data)
         verdict, table = document["verdict"], document["table"]
@@ -52,11 +62,11 @@ def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
     if document.get("schema") != 1 or verdict not in ("passed", "warning", "failed"):
         return None
     if digest != stored.digest:
-        raise _other(id_, digest, path, stored)
+        raise _of_other_version(id_, digest, path, stored)
     return str(verdict)
 
 
-def _other(id_: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
+def _of_other_version(id_: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
     flaw = f"is of {id_}, digest {digest[:12]}"
     expected = f"one of {stored.id}, digest {stored.digest[:12]}"
     return ExchangeError(flaw, where=path, expected=expected, do="validate this version")

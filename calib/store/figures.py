@@ -1,4 +1,4 @@
-"""Figures of a stored table for people: its usability, effects, means, its row in a list."""
+"""Figures of a stored table for people: its use, the mean of a mean table, effects, list rows."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -19,9 +19,10 @@ from calib.table.table import Scatter, Table, Value
 
 @dataclass(frozen=True)
 class _Usability:
-    """Whether a version is ``usable``, and why, in ``may``; the ``next`` step.
+    """Whether a version is ``usable`` in an ECU, and the ``next`` step as a command or a sentence.
 
-    ``decelerations``: range of the measured rows [g]; ``ends``: why it ends there.
+    ``may`` answers yes or no and gives the reason. ``decelerations`` is the range over which the
+    curves are valid [g], ``ends`` what limits it.
     """
 
     usable: bool
@@ -32,29 +33,29 @@ class _Usability:
 
 
 def usability(stored: Stored) -> _Usability:
-    """Return the usability of a version."""
-    state, q = stored.state, stored.table.quality
-    peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
-    if peak is not None and q.get("eta_peak_is_real"):
+    """Return whether and where a version is usable."""
+    state, quality = stored.state, stored.table.quality
+    peak, end = quality.get("eta_peak_deceleration"), quality.get("deceleration_max")
+    if peak is not None and quality.get("eta_peak_is_real"):
         ends = f"eta has its peak at {peak:.2f} g"
     else:
         ends = "the ramp ends" if end is None else f"the ramp ends at {end:.2f} g"
-    steps = {
+    next_steps = {
         RELEASED: f"brake-cal tables export {stored.id} --format ecu --out {stored.name}_ecu",
         DRAFT: f"brake-cal validate {stored.id} STOP... --out results",
         REJECTED: "find the cause and fit the car again, or release it on new evidence",
     }
     return _Usability(
         usable=state.released,
-        may=("yes: " if state.released else "no: ") + state.words,
+        may=("yes: " if state.released else "no: ") + state.description,
         decelerations=stored.table.paper.usable,
         ends=ends,
-        next=steps.get(state.word, "fit the car again"),
+        next=next_steps.get(state.word, "fit the car again"),
     )
 
 
 def verdict(stored: Stored) -> str:
-    """State and use of a version, and its range, in one line."""
+    """Return state, use and range of a version in one line."""
     uses = {DRAFT: "a draft, for trials only", RELEASED: "released, for an ECU"}
     word = stored.state.word
     if word not in uses:
@@ -65,9 +66,10 @@ def verdict(stored: Stored) -> str:
 
 @dataclass(frozen=True)
 class _MeanFigure:
-    """Mean ``value`` of several cars; ``half_width`` and ``between`` are relative to it [1].
+    """The mean ``value`` of several cars, with two errors relative to the value [1].
 
-    ``half_width`` of its 95 % interval without shared errors; ``between`` sigma of the cars.
+    ``half_width`` is of the 95 % interval of the mean, without errors that all cars share.
+    ``between`` is the standard deviation between the cars.
     """
 
     name: str
@@ -77,7 +79,11 @@ class _MeanFigure:
 
 
 def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
-    """Largest D, pad level and ratio over the file's, and stiffness of a mean table; else empty."""
+    """Return four figures of a mean table, none of any other table.
+
+    These are the largest D, pad level and pad ratio over those of the vehicle file, and the slip
+    stiffness.
+    """
     spread = table.spread
     if spread is None:
         return ()
@@ -99,9 +105,10 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
 
 @dataclass(frozen=True)
 class _EffectFigure:
-    """A parameter of an effect: ``value`` and its 95 % interval ``ci95`` [``unit``].
+    """The parameter ``name`` of an effect: ``value`` and its 95 % interval ``ci95`` [``unit``].
 
-    The interval is cut at the range of the card. ``unit`` is "SI" for an own effect without a file.
+    The interval is cut at the range of the effect's card. ``unit`` is "SI" for an effect of the
+    user whose card is not at hand.
     """
 
     effect: str
@@ -113,22 +120,24 @@ class _EffectFigure:
     def __str__(self) -> str:
         low, high = self.ci95
         unit = "" if self.unit == "1" else f" {self.unit}"
-        within = f"95 %: {low:.4g} to {high:.4g}" if low < high else "given"
-        return f"{self.name} {self.value.value:.4g}{unit} ({within})"
+        interval = f"95 %: {low:.4g} to {high:.4g}" if low < high else "given"
+        return f"{self.name} {self.value.value:.4g}{unit} ({interval})"
 
 
 def effect_figures(table: Table) -> Iterator[_EffectFigure]:
-    """Every parameter of the effects of a table, in the order of its record."""
+    """Yield every parameter of the effects of a table, in the order of its record."""
     effects = every_effect(table.vehicle.effects)
     for effect, values in table.effect_values.items():
-        cards = effects[effect].card.parameters if effect in effects else ()
-        by_name = {parameter.name: parameter for parameter in cards}
+        described = effects[effect].card.parameters if effect in effects else ()
+        parameters = {parameter.name: parameter for parameter in described}
         for name, value in values.items():
             unit, (low, high) = "SI", value.ci95
-            if card := by_name.get(name):
-                unit = card.unit
-                low = max(low, min(card.low, value.value))
-                high = min(high, max(card.high, value.value))
+            if name in parameters:
+                parameter = parameters[name]
+                unit = parameter.unit
+                # a value beyond the range of the card stays in its interval
+                low = max(low, min(parameter.low, value.value))
+                high = min(high, max(parameter.high, value.value))
             yield _EffectFigure(effect, name, value, unit, (low, high))
 
 
@@ -137,16 +146,17 @@ ListedVersion = dict[str, Any]
 
 
 def row_of(entry: StoreEntry) -> ListedVersion:
-    """The row of a version; values are None or empty where it cannot be read, see ``flaw``.
+    """Return the row of a version; without its values if the version cannot be read, see ``flaw``.
 
-    ``date`` of storing; ``pads`` front and rear [1]; ``decelerations`` of its curves and their
-    ``usable`` range [g]; ``warnings`` number at the fit; ``key`` that signed it, unverified.
+    ``date`` is when it was stored, ``pads`` the pad friction of front and rear [1],
+    ``decelerations`` the range of the curves and ``usable`` that of their valid part [g],
+    ``warnings`` the number of warnings of the fit, ``key`` the key of the unverified signature.
     """
     state, stored = entry.state, entry.stored
     row: ListedVersion = {"id": entry.id, "name": entry.name, "version": entry.version}
     row |= {"digest": None, "state": state.word, "date": state.stored_at}
     row |= {"serial": "", "vin": "", "logs": ()}
-    row |= dict.fromkeys(("pads", "decelerations", "usable", "band_width"))
+    row |= {"pads": None, "decelerations": None, "usable": None, "band_width": None}
     row |= {"verdict": state.verdict, "warnings": 0, "key": None, "flaw": "".join(entry.violations)}
     if stored is None:
         return row
@@ -167,6 +177,6 @@ def row_of(entry: StoreEntry) -> ListedVersion:
 
 
 def chosen(rows: Iterable[ListedVersion], **equal: str | None) -> list[ListedVersion]:
-    """The rows whose texts are ``equal``, in upper or lower case; None matches all."""
+    """Return the rows whose texts are ``equal``, in upper or lower case; None matches all."""
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
-    return [row for row in rows if all(row[key].lower() == x for key, x in wanted.items())]
+    return [row for row in rows if all(row[key].lower() == text for key, text in wanted.items())]

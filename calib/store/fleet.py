@@ -1,33 +1,40 @@
-"""Tables of cars of one model as the prior of a new car in `calib.fit`."""
+"""The tables of other cars of one model, as the prior of a new car in `calib.fit`."""
 
 from collections.abc import Collection
 
 from calib.base.errors import StoreError
 from calib.car.vehicle import Vehicle
-from calib.store.merge import differ
+from calib.store.merge import vehicle_differences
 from calib.store.state import RELEASED
 from calib.store.store import Store
 from calib.table.table import Table
 
 
 def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict[str, Table]:
-    """The newest released table of each car of the model of ``vehicle``, by name@version.
+    """Return the newest released table of each car of the model of ``vehicle``, by name@version.
 
-    Without means, tables of ramps whose digests are in ``logs``, and tables with a prior from other
-    cars or a tyre file, which would count repeatedly. Raises StoreError where none remains.
+    Left out are means, tables of ramps whose digests are in ``logs``, and tables with a prior from
+    other cars or from a tyre file: the same evidence would count twice. Raises StoreError where no
+    table remains.
     """
-    now, cars, used_ramps = store.now(), dict[str, Table](), set(logs)
-    for name in now.names:
-        released = [v for v in now.journal.versions(name) if now.journal.word(name, v) == RELEASED]
-        for stored in [now.load(name, max(released))] if released else ():
-            table = stored.table
-            mean_or_prior = table.provenance.parents
-            tyres = any(log.role == "tyre" for log in table.provenance.logs)
-            if not (stored.ramps & used_ramps or mean_or_prior or tyres or differ(table, vehicle)):
-                cars[stored.id] = table
-                used_ramps |= stored.ramps
+    snapshot = store.snapshot()
+    journal = snapshot.journal
+    cars: dict[str, Table] = {}
+    used_ramps = set(logs)
+    for name in snapshot.names:
+        released = [v for v in journal.versions(name) if journal.word(name, v) == RELEASED]
+        if not released:
+            continue
+        stored = snapshot.load(name, max(released))
+        provenance = stored.table.provenance
+        has_tyre_file = any(log.role == "tyre" for log in provenance.logs)
+        # a table with parents is a mean, or has a prior from other cars
+        rests_on_others = provenance.parents or has_tyre_file or stored.ramps & used_ramps
+        if not rests_on_others and not vehicle_differences(stored.table, vehicle):
+            cars[stored.id] = stored.table
+            used_ramps |= stored.ramps
     if not cars:
-        flaw = f"no released table of another car of this model, of {len(now.names)} looked at"
+        flaw = f"no released table of another car of this model, of {len(snapshot.names)} looked at"
         expected = f"the vehicle file of {vehicle.name} but its name, no --tyre or --fleet-prior"
         do = "release tables of cars of this model, or fit without --fleet-prior"
         raise StoreError(flaw, where=store.folder, expected=expected, do=do)

@@ -1,9 +1,10 @@
 """Names, folders and references of the versions of a store.
 
 tables/journal.jsonl        the journal, and journal.head, see `calib.store.journal`
-tables/sedan/v0001/         a version, see `calib.store.version`
-tables/sedan/.new-v0002/    a version that is being written
-tables/sedan/v0001.minisig  its signature
+tables/sedan/               the directory of a table, ``home`` below
+tables/sedan/v0001/         the folder of version 1, see `calib.store.version`
+tables/sedan/v0001.minisig  the signature of version 1
+tables/sedan/.new-v0002/    version 2 while it is written
 """
 
 import os
@@ -13,12 +14,12 @@ from pathlib import Path
 from calib.base.errors import StoreError, TableNotFound
 from calib.base.names import TABLE_NAMES, names_a_table
 
-RECORD, SIGNATURE, NEW = "record.json", ".minisig", ".new-"
+RECORD, SIGNATURE_SUFFIX, NEW_PREFIX = "record.json", ".minisig", ".new-"
 _FOLDER = re.compile(r"v(\d{4,6})")
 
 
 def checked_name(name: str) -> str:
-    """Return ``name`` if it is a valid name of a table, which is always a folder of the store."""
+    """Return ``name`` if a table may have it as its name. Raises StoreError."""
     if not names_a_table(name):
         do = "a table has the name of its vehicle: change name in the vehicle file"
         raise StoreError(f"{name!r} cannot name a table", expected=TABLE_NAMES, do=do)
@@ -26,23 +27,23 @@ def checked_name(name: str) -> str:
 
 
 def folder_of(version: int) -> str:
-    """Name of the folder of a version."""
+    """Return the name of the folder of a version."""
     return f"v{version:04d}"
 
 
-def numbers(home: Path) -> list[int]:
-    """Version numbers of all files and folders in a table's directory, rising."""
+def taken_numbers(home: Path) -> list[int]:
+    """Return the version numbers of all files and folders of versions in ``home``, rising."""
     matches = map(_FOLDER.fullmatch, os.listdir(home) if home.is_dir() else ())
     return sorted(int(match[1]) for match in matches if match and int(match[1]) > 0)
 
 
 def versions_in(home: Path) -> list[int]:
-    """`numbers` of folders alone."""
-    return [n for n in numbers(home) if (home / folder_of(n)).is_dir()]
+    """Return the version numbers of the folders in ``home``, rising."""
+    return [n for n in taken_numbers(home) if (home / folder_of(n)).is_dir()]
 
 
 def names_in(folder: Path) -> list[str]:
-    """Names of the tables that have a folder with versions in a store, in order."""
+    """Return the names of the tables whose versions are in the store ``folder``, in order."""
     if not folder.is_dir():
         return []
     homes = (p for p in folder.iterdir() if names_a_table(p.name) and p.is_dir())
@@ -50,7 +51,7 @@ def names_in(folder: Path) -> list[str]:
 
 
 def refuse_link(home: Path) -> None:
-    """Raise StoreError where the folder of a table is a link, which leads out of the store."""
+    """Raise StoreError where ``home`` is a link, which may lead out of the store."""
     if home.is_symlink():
         flaw = "the folder of a table is a link"
         do = "put the folder in its place, or withdraw its versions"
@@ -58,23 +59,31 @@ def refuse_link(home: Path) -> None:
 
 
 def unplaced(folder: Path, name: str = "*") -> list[Path]:
-    """Folders of versions that are not in their place yet, in order."""
-    return sorted(p for p in folder.glob(f"{name}/{NEW}*") if names_a_table(p.parent.name))
+    """Return the folders of versions that are not yet moved to their final name, in order.
+
+    ``name`` is a table of the store ``folder``; "*" stands for all tables.
+    """
+    paths = folder.glob(f"{name}/{NEW_PREFIX}*")
+    return sorted(path for path in paths if names_a_table(path.parent.name))
 
 
 def signature_file(home: Path, version: int) -> Path:
-    """The signature file of a version."""
-    return home / f"{folder_of(version)}{SIGNATURE}"
+    """Return the path of the signature file of a version."""
+    return home / f"{folder_of(version)}{SIGNATURE_SUFFIX}"
 
 
-def place(home: Path, version: int) -> Path | None:
-    """Folder of a version of the journal, final or still to be moved (maybe just now), or None."""
-    final, new = home / folder_of(version), home / f"{NEW}{folder_of(version)}"
+def existing_folder(home: Path, version: int) -> Path | None:
+    """Return the folder of a version, by its final or its new name; None if there is neither."""
+    final, new = home / folder_of(version), home / f"{NEW_PREFIX}{folder_of(version)}"
+    # final again: another process may rename the folder between the first two looks
     return next((path for path in (final, new, final) if path.is_dir()), None)
 
 
 def path_of(reference: str) -> Path | None:
-    """Directory of the version if ``reference`` is a path, else None. Raises TableNotFound."""
+    """Return the folder of the version if ``reference`` is a path; None for a name of a table.
+
+    Raises TableNotFound for a path at which there is no version.
+    """
     path = Path(reference)
     if path.name == RECORD:
         path = path.parent
@@ -86,5 +95,5 @@ def path_of(reference: str) -> Path | None:
         f"no {RECORD} in it" if path.is_dir() else "is no directory",
         where=reference,
         expected="name, name@version, or the directory of one version, like v0001",
-        do="give the table first, then the logs" * path.is_file(),
+        do="give the table first, then the logs" if path.is_file() else "",
     )

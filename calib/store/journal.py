@@ -1,11 +1,12 @@
-"""The journal of a store: one line for each event of a version, never changed.
+"""The journal of a store: one line for each event of a version. A line is never changed.
 
-    tables/journal.jsonl   {"number": 7, ..., "previous": <hash of line 6>, "hash": <of this line>}
+    tables/journal.jsonl   {"number": 7, ..., "previous": <hash of line 6>, "hash": <of line 7>}
     tables/journal.head    <hash of the last line> <number of lines>
 
-``hash`` is the SHA-256 of the line's canonical JSON without ``hash``, and each line holds that of
-the previous one: a changed, lost or inserted line breaks the chain. The head shows lines missing at
-the end. Only a signature over the head (`calib.store.signature`) shows that both were rewritten.
+The hash of a line is the SHA-256 of its canonical JSON with an empty ``hash``. Each line holds the
+hash of the previous line, so a changed, lost or inserted line breaks the chain. The head shows
+whether lines are missing at the end. If somebody rewrites journal and head together, only a
+signature of the head shows it, see `calib.store.signature`.
 """
 
 import json
@@ -15,7 +16,7 @@ from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from calib.base.bounded import JOURNAL as JOURNAL_FILE
 from calib.base.bounded import read_bounded
@@ -32,26 +33,29 @@ CRLF = (
 )
 
 STORED, CHANGED = "stored", "changed"
-SIGNED = "signed"  # a line of older programs, which changes nothing
+SIGNED = "signed"  # an event in the lines of older programs; it changes no state
 _START = "0" * 64  # head of an empty journal
 
 _TEXT = r'"[^"\\]*+(?:\\.[^"\\]*+)*+"'
-_PROOF = rf'\{{"name":{_TEXT},"sha256":{_TEXT}\}}'
+_EVIDENCE = rf'\{{"name":{_TEXT},"sha256":{_TEXT}\}}'
 _LINE = re.compile(
-    rf'\{{"at":{_TEXT},"by":{_TEXT},"digest":"(\w*)","event":"(\w*)",'
-    rf'"evidence":\[(?:{_PROOF}(?:,{_PROOF})*)?\],"hash":"(\w*)","inputs":"(\w*)","key":{_TEXT},'
-    rf'"number":(\d+),"previous":"(\w*)","program":{_TEXT},"reason":{_TEXT},"record":"(\w*)",'
-    rf'"state":"(\w*)","table":"([\w.-]*)","verdict":{_TEXT},"version":(\d{{1,9}})\}}',
+    rf'\{{"at":{_TEXT},"by":{_TEXT},"digest":"(?P<digest>\w*)","event":"(?P<event>\w*)",'
+    rf'"evidence":\[(?:{_EVIDENCE}(?:,{_EVIDENCE})*)?\],"hash":"(?P<hash>\w*)",'
+    rf'"inputs":"(?P<inputs>\w*)","key":{_TEXT},"number":(?P<number>\d+),'
+    rf'"previous":"(?P<previous>\w*)","program":{_TEXT},"reason":{_TEXT},'
+    rf'"record":"(?P<record>\w*)","state":"(?P<state>\w*)","table":"(?P<table>[\w.-]*)",'
+    rf'"verdict":{_TEXT},"version":(?P<version>\d{{1,9}})\}}',
     re.ASCII,
 )
-"""The one spelling of a line: reading JSON and spelling it again takes ten times as long."""
+"""Canonical JSON of a line. To parse the JSON and write it again would take ten times as long."""
 
 
 class Entry(NamedTuple):
-    """One ``line`` of the journal, with the fields that every read needs.
+    """One ``line`` of the journal, and the fields of it that are always read.
 
-    ``digest`` of the content, ``record`` SHA-256 of the record file, ``inputs`` digest of logs,
-    vehicle and settings, ``state`` afterwards, ``number`` from 1.
+    ``number`` counts lines from 1. ``digest`` is of the table's content, ``record`` the SHA-256 of
+    the record file, ``inputs`` the digest of logs, vehicle and settings. ``state`` is the state of
+    the version after the event.
     """
 
     line: str
@@ -66,6 +70,19 @@ class Entry(NamedTuple):
     state: str
     table: str
 
+    @classmethod
+    def read(cls, line: str) -> Self:
+        """Read a line that agrees with its hash. Raises ValueError for any other line."""
+        match = _LINE.fullmatch(line)
+        if match is None:
+            raise ValueError("not an entry as it is written")
+        start, end = match.span("hash")
+        if sha256((line[:start] + line[end:]).encode()) != match["hash"]:
+            raise ValueError("was changed: it does not agree with its hash")
+        fields: dict[str, Any] = match.groupdict()
+        fields |= {"number": int(match["number"]), "version": int(match["version"])}
+        return cls(line=line, **fields)
+
     @property
     def id(self) -> str:
         """name@version."""
@@ -79,33 +96,33 @@ class Entry(NamedTuple):
 
 @dataclass(frozen=True)
 class Journal:
-    """All entries in order, none in a new store."""
+    """All entries in order. A new store has none."""
 
     entries: Sequence[Entry] = ()
 
     @property
     def head(self) -> str:
-        """Hash of the last entry."""
+        """The hash of the last entry."""
         return self.entries[-1].hash if self.entries else _START
 
     @cached_property
     def tables(self) -> dict[str, dict[int, list[Entry]]]:
-        """The entries of each version of each table, in order; versions rise."""
+        """The entries of each version of each table, oldest first; versions rise."""
         by_version: dict[str, dict[int, list[Entry]]] = {}
         for entry in self.entries:
             by_version.setdefault(entry.table, {}).setdefault(entry.version, []).append(entry)
         return {name: dict(sorted(versions.items())) for name, versions in by_version.items()}
 
     def versions(self, name: str) -> dict[int, list[Entry]]:
-        """The entries of each version of a table, oldest first; empty for an unknown table."""
+        """Return the entries of each version of a table, oldest first; empty without the table."""
         return self.tables.get(name, {})
 
     def word(self, name: str, version: int) -> str:
-        """The state of a known version, in a word."""
+        """Return the state of a version of the journal as a word, such as "released"."""
         return self.versions(name)[version][-1].state
 
     def state(self, name: str, version: int) -> VersionState:
-        """The state of a version; `OUTSIDE` if the journal has no entry of it."""
+        """Return the state of a version; `OUTSIDE` if the journal has no entry of the version."""
         history = [entry.document for entry in self.versions(name).get(version, ())]
         if not history:
             return OUTSIDE
@@ -122,13 +139,17 @@ class Journal:
     def added(
         self, name: str, version: int, event: str, decision: StateDecision, **fields: str
     ) -> "Journal":
-        """The journal with one more entry; ``fields`` of a new version."""
-        for first in self.versions(name).get(version, ())[:1]:
-            fields = {"digest": first.digest, "record": first.record} | fields
-        decided = asdict(decision)
-        del decided["automatic"]
+        """Return the journal with one more entry: ``event`` of a version by a ``decision``.
+
+        ``fields``: digest, record and inputs of a new version. Later entries repeat the first two.
+        """
+        history = self.versions(name).get(version)
+        if history:
+            fields = {"digest": history[0].digest, "record": history[0].record} | fields
+        of_decision = asdict(decision)
+        del of_decision["automatic"]
         document = {
-            **decided,
+            **of_decision,
             "number": len(self.entries) + 1,
             "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
             "by": decision.by or user(),
@@ -141,26 +162,16 @@ class Journal:
             **fields,
         }
         document["hash"] = sha256(canonical_json(document))
-        return Journal([*self.entries, _entry(canonical_json(document).decode())])
-
-    @property
-    def data(self) -> bytes:
-        """The bytes of the journal's file."""
-        return "".join(f"{entry.line}\n" for entry in self.entries).encode()
-
-    @property
-    def head_line(self) -> bytes:
-        """The bytes of the head's file."""
-        return f"{self.head} {len(self.entries)}\n".encode()
+        return Journal([*self.entries, Entry.read(canonical_json(document).decode())])
 
 
 def read_journal(folder: Path) -> Journal:
-    """The journal of a store, empty if there is none. Raises DamagedTable, OSError.
+    """Read the journal of a store, empty if there is none. Raises DamagedTable, OSError.
 
-    It may have more lines than the head names: their writer was stopped before the head.
+    A journal with more lines than its head names is sound: a writer was stopped between them.
     """
-    # the head first: a writer may add a line in between
-    head, data = _bytes(folder / HEAD), _bytes(folder / JOURNAL)
+    head = _bytes_if_any(folder / HEAD)  # before the journal, to which a writer may just add a line
+    data = _bytes_if_any(folder / JOURNAL)
     try:
         entries = _entries((data or b"").decode())
         _check_head(entries, head)
@@ -172,15 +183,14 @@ def read_journal(folder: Path) -> Journal:
 def write_journal(folder: Path, journal: Journal) -> None:
     """Replace the journal by a longer one. Raises OSError."""
     if not (folder / HEAD).exists():
-        # git must not change the bytes of a store
-        write_whole(folder / ".gitattributes", b"* -text\n")
-        write_whole(folder / HEAD, Journal().head_line)
-    write_whole(folder / JOURNAL, journal.data)
-    write_whole(folder / HEAD, journal.head_line)
+        write_whole(folder / ".gitattributes", b"* -text\n")  # git must not change line ends
+        write_whole(folder / HEAD, f"{_START} 0\n".encode())
+    write_whole(folder / JOURNAL, "".join(f"{entry.line}\n" for entry in journal.entries).encode())
+    write_whole(folder / HEAD, f"{journal.head} {len(journal.entries)}\n".encode())
     sync(folder)
 
 
-def _bytes(path: Path) -> bytes | None:
+def _bytes_if_any(path: Path) -> bytes | None:
     try:
         return read_bounded(path, JOURNAL_FILE)
     except FileNotFoundError:
@@ -188,6 +198,7 @@ def _bytes(path: Path) -> bytes | None:
 
 
 def _entries(text: str) -> list[Entry]:
+    """Read all lines, and check the chain and the order of states. Raises ValueError."""
     if "\r\n" in text:
         raise ValueError(CRLF)
     if text and not text.endswith("\n"):
@@ -197,7 +208,7 @@ def _entries(text: str) -> list[Entry]:
     previous = _START
     for number, line in enumerate(text.split("\n")[:-1], 1):
         try:
-            entry = _entry(line)
+            entry = Entry.read(line)
             key = entry.table, entry.version
             if entry.previous != previous or entry.number != number:
                 raise ValueError("does not follow the line before: one was changed, lost or put in")
@@ -210,33 +221,23 @@ def _entries(text: str) -> list[Entry]:
     return entries
 
 
-def _entry(line: str) -> Entry:
-    """The entry of a line that agrees with its hash. Raises ValueError."""
-    match = _LINE.fullmatch(line)
-    if match is None:
-        raise ValueError("not an entry as it is written")
-    start, end = match.span(3)
-    if sha256((line[:start] + line[end:]).encode()) != match[3]:
-        raise ValueError("was changed: it does not agree with its hash")
-    digest, event, hash_, inputs, number, *texts, version = match.groups()
-    return Entry(line, int(number), int(version), digest, event, hash_, inputs, *texts)
-
-
 def _check_state(entry: Entry, predecessor: Entry | None) -> None:
+    """Raise ValueError if an entry may not follow the ``predecessor`` of the same version."""
     if predecessor is None:
-        fits = entry.event == STORED and entry.state in CHANGES
+        may_follow = entry.event == STORED and entry.state in CHANGES
     elif (entry.digest, entry.record) != (predecessor.digest, predecessor.record):
         raise ValueError(f"{entry.id} is another table than the one stored")
     elif entry.event == SIGNED:
-        fits = entry.state == predecessor.state
+        may_follow = entry.state == predecessor.state
     else:
-        fits = entry.event == CHANGED and entry.state in CHANGES[predecessor.state]
-    if not fits:
+        may_follow = entry.event == CHANGED and entry.state in CHANGES[predecessor.state]
+    if not may_follow:
         was = predecessor.state if predecessor else "never stored"
         raise ValueError(f"{entry.id} was {was} before {entry.event} {entry.state}")
 
 
 def _check_head(entries: list[Entry], head: bytes | None) -> None:
+    """Raise ValueError unless the head's file names a line of the journal, by number and hash."""
     if head is None and entries:
         raise ValueError(f"{HEAD} beside it is missing")
     if head is None:

@@ -1,21 +1,25 @@
-r"""The mean of several cars: curves, pads, tyres, budget and maps of one more car of the model.
+r"""The mean of the tables of k cars of one model: curves, pads, budget and maps.
 
-    D(eta)   1 to where the shortest table ends;  D(1) = 0 in every car, so in the mean
-    f1, f2   from the mean D at the load split of the mean z(eta): (18) holds in every row
-    g(slip)  0 to where the shortest ends
+    D(eta)   eta from 1 to where the shortest table ends;  D(1) = 0 in every car and in the mean
+    f1, f2   from the mean D at the load split of the mean z(eta), so (18) holds in every row
+    g(slip)  slip from 0 to where the shortest table ends
 
-A band is for one more car: scatter between cars, error of the mean, noise of one run, and errors
-that all cars share (`calib.table.budget`). The first three are the part `cars` of the budget, with
-Student's t of k - 1 degrees of freedom for k cars. A mean does not reduce the shared errors.
+Bands are for one more car. They count the scatter between cars, the error of the mean, the noise of
+one run, and errors that all cars share. The first three have Student's t of k - 1 degrees of
+freedom; in the budget (`calib.table.budget`) they are the part `cars`. A mean does not reduce the
+shared errors.
 
-    draw of a car - mean of that car + mean of a new car = draw of one more car
+The maps come from draws of one more car. A draw i of car j is moved to a new car (`one_more`):
 
-The cars count alike. The logarithms of pads and compliances are a normal
-sample of k, so the mean of a new car follows Student's t with k - 1 degrees of freedom about m:
+    draw of one more car = draw i of car j - m_j + mean of the new car
 
-    sqrt((k + 1)/k) sum g_i (m_i - m)/sqrt(k - 1) / sqrt(chi^2/(k - 1))        g_i ~ N(0, 1)
+m_j is the mean of the draws of car j. Logarithms of pads and compliances are normal between cars,
+so the mean of a new car follows Student's t about the mean m of the m_j:
 
-The shared errors are in the draws of each car, and so in the mixture.
+    mean of the new car = m + sqrt(1 + 1/k) T sum_j g_j (m_j - m)/sqrt(k - 1),
+    g_j ~ N(0, 1),  T = sqrt((k - 1)/chi^2 of k - 1)
+
+The shared errors are in the draws of each car, and so in the draws of one more car.
 """
 
 import math
@@ -38,86 +42,107 @@ from calib.table.curves import DifferenceCurve, TyreCurve
 from calib.table.maps import Draws, LevelMap, PadMap
 from calib.table.table import Table, Value
 
-_LOGS = ("level", "ratio", "stiffness")  # logarithms in a budget
+_LOGARITHMS = ("level", "ratio", "stiffness")  # of pads and tyres, the parts of a `TableBudget`
 _POSITIVE = ("compliance_f", "compliance_r")  # draws whose logarithms are averaged
-_OF_CARS = ("log_pad_ratio", "log_pad_level", *_POSITIVE)  # draws with a mean of each car
-_SIZE = 2048  # draws for the maps
+_PER_CAR = ("log_pad_ratio", "log_pad_level", *_POSITIVE)  # draws with another mean in each car
+_SIZE = 2048  # draws for the maps; a table stores TABLE_DRAWS of them
 
 
-class _OneCurve(NamedTuple):
-    """One curve of all k cars on a common axis (n,): values and variances (k, n)."""
+class _CurvesOfCars(NamedTuple):
+    """One curve of k cars on a common axis (n,): its values and variances (k, n).
+
+    ``per_run_variance`` is of what differs between runs, ``shared_variance`` of the other errors.
+    ``blocks`` and ``flag`` (n,) are columns of the mean curve, as in `DifferenceCurve`.
+    """
 
     axis: Array
     values: Array
-    own_variance: Array
+    per_run_variance: Array
     shared_variance: Array
     blocks: Array
     flag: Array
 
 
 def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
-    """The curves of a mean table by name, and the scatter of D."""
-    of_D, of_g = (
-        _on_one_axis(start, [[*vars(getattr(t, of)).values()] for t in tables])
-        for start, of in ((1.0, "difference"), (0.0, "tyre"))
+    """Return the curves of a mean table by name, and the scatter of D."""
+    differences = _on_common_axis(1.0, [vars(table.difference) for table in tables])
+    tyres = _on_common_axis(0.0, [vars(table.tyre) for table in tables])
+    D_scatter, tyre_scatter = (
+        random_effects(curves.values, curves.per_run_variance) for curves in (differences, tyres)
     )
-    scatter, columns = _mean(of_D)
-    difference, tyre = DifferenceCurve(*columns), TyreCurve(*_mean(of_g)[1])
-    z = np.mean([np.interp(of_D.axis, t.paper.eta, t.paper.z) for t in tables], axis=0)
+    difference = DifferenceCurve(*_columns(differences, D_scatter))
+    tyre = TyreCurve(*_columns(tyres, tyre_scatter))
+    z = np.mean(
+        [np.interp(differences.axis, table.paper.eta, table.paper.z) for table in tables], axis=0
+    )
     paper = paper_of(tables[0].vehicle, difference, z)
-    return {"difference": difference, "paper": paper, "tyre": tyre}, scatter
+    return {"difference": difference, "paper": paper, "tyre": tyre}, D_scatter
 
 
-def _mean(curve: _OneCurve) -> tuple[RandomEffects, tuple[Array, ...]]:
-    """Scatter of a curve, and columns of its mean with the band of one more car."""
-    scatter = random_effects(curve.values, curve.own_variance)
-    of_cars = quantile95(scatter.freedom) * scatter.prediction_sigma
-    half = np.asarray(np.hypot(of_cars, Z95 * np.sqrt(np.mean(curve.shared_variance, axis=0))))
-    mean, none = scatter.mean, np.zeros(curve.axis.size)
-    return scatter, (curve.axis, mean, mean - half, mean + half, curve.blocks, curve.flag, none)
+def _on_common_axis(start: float, curves: Sequence[dict[str, Array]]) -> _CurvesOfCars:
+    """Interpolate one curve of each car to an axis from ``start`` to the end of the shortest.
 
-
-def _on_one_axis(start: float, curves: Sequence[Sequence[Array]]) -> _OneCurve:
-    """One curve of each car on a common axis, from ``start`` to the end of the shortest.
-
-    Blocks of a cell are summed, of the flags it has the upper median.
+    ``curves`` have the columns of `DifferenceCurve` or `TyreCurve`, whose first two differ in name.
     """
-    end, rows = min(float(x[-1]) for x, *_ in curves), max(x.size for x, *_ in curves)
-    axis = np.linspace(start, end, rows)
-    values, lower, upper, count, flag, of_run = (
-        np.array([np.interp(axis, curve[0], curve[i]) for curve in curves]) for i in range(1, 7)
+    axes = [next(iter(curve.values())) for curve in curves]
+    axis = np.linspace(start, min(float(x[-1]) for x in axes), max(x.size for x in axes))
+    # (columns, k, n): all columns but the axis
+    _, *columns = zip(*(curve.values() for curve in curves), strict=True)
+    values, lower, upper, count, flag, own = (
+        np.array([np.interp(axis, x, column) for x, column in zip(axes, of_cars, strict=True)])
+        for of_cars in columns
     )
     variance = ((upper - lower) / (2.0 * Z95)) ** 2
-    parts = variance * of_run, variance * (1.0 - of_run)
-    blocks, middle = np.rint(count.sum(axis=0)), np.ceil(np.median(flag, axis=0))
-    return _OneCurve(axis, values, *parts, blocks, middle)
+    return _CurvesOfCars(
+        axis=axis,
+        values=values,
+        per_run_variance=variance * own,
+        shared_variance=variance * (1.0 - own),
+        blocks=np.rint(count.sum(axis=0)),
+        flag=np.ceil(np.median(flag, axis=0)),  # an even number of cars: the worse middle one
+    )
+
+
+def _columns(curves: _CurvesOfCars, scatter: RandomEffects) -> tuple[Array, ...]:
+    """Return the columns of the mean curve, with the 95 % band of one more car."""
+    of_cars = quantile95(scatter.freedom) * scatter.prediction_sigma
+    of_shared = Z95 * np.sqrt(np.mean(curves.shared_variance, axis=0))
+    half = np.asarray(np.hypot(of_cars, of_shared))
+    lower, upper = scatter.mean - half, scatter.mean + half
+    own = np.zeros(curves.axis.size)
+    return curves.axis, scatter.mean, lower, upper, curves.blocks, curves.flag, own
 
 
 def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
-    """Calibration and budget of a mean; the scatter of level, ratio and stiffness."""
+    """Return calibration and budget of a mean, and the scatter of `_LOGARITHMS`."""
     vehicle = tables[0].vehicle
-    values = [
-        [*pad_levels(t.vehicle, t.calibration), math.log(t.calibration.slip_stiffness.value)]
-        for t in tables
-    ]
-    of_run = [[per_run(getattr(t.budget, name)) for name in _LOGS] for t in tables]
-    scatter = random_effects(np.array(values), np.array(of_run))
-    level, ratio, stiffness = scatter.mean.tolist()
+    values, per_run_variances = [], []  # (k, 3)
+    for table in tables:
+        stiffness = table.calibration.slip_stiffness.value
+        values.append([*pad_levels(table.vehicle, table.calibration), math.log(stiffness)])
+        budget = vars(table.budget)
+        per_run_variances.append([per_run(budget[name]) for name in _LOGARITHMS])
+    scatter = random_effects(np.array(values), np.array(per_run_variances))
+
     parts: dict[str, dict[str, float]] = {}
-    for name, of_cars in zip(_LOGS, (inflated(scatter) ** 2).tolist(), strict=True):
-        each = [shared(getattr(t.budget, name)) for t in tables]
-        common = {part: [x.get(part, 0.0) for x in each] for budget in each for part in budget}
-        means = {part: float(np.mean(variances)) for part, variances in common.items()}
-        parts[name] = {**means, "cars": of_cars}
-    of_ratio, of_stiffness = (math.sqrt(sum(parts[name].values())) for name in _LOGS[1:])
-    pads, budget = calibration_of(
+    for name, of_cars in zip(_LOGARITHMS, (inflated(scatter) ** 2).tolist(), strict=True):
+        parts[name] = _mean_shared(tables, name) | {"cars": of_cars}
+    level, ratio, stiffness = scatter.mean.tolist()
+    pads, mean_budget = calibration_of(
         vehicle,
         pad_scale(vehicle, PadLevels(level, ratio)),
-        Value(ratio, of_ratio),
-        Value(stiffness, of_stiffness),
+        Value(ratio, math.sqrt(sum(parts["ratio"].values()))),
+        Value(stiffness, math.sqrt(sum(parts["stiffness"].values()))),
         parts,
     )
-    return {"calibration": pads, "budget": budget}, scatter
+    return {"calibration": pads, "budget": mean_budget}, scatter
+
+
+def _mean_shared(tables: Sequence[Table], name: str) -> dict[str, float]:
+    """Return the mean over the cars of each shared variance of a logarithm, by part."""
+    of_cars = [shared(getattr(table.budget, name)) for table in tables]
+    parts = dict.fromkeys(part for variances in of_cars for part in variances)
+    return {part: float(np.mean([x.get(part, 0.0) for x in of_cars])) for part in parts}
 
 
 def inflated(scatter: RandomEffects) -> Array:
@@ -126,31 +151,35 @@ def inflated(scatter: RandomEffects) -> Array:
 
 
 def mean_maps(tables: Sequence[Table]) -> tuple[PadMap, LevelMap, Draws]:
-    """Maps and draws of one more car, from the tables of k cars."""
+    """Return maps and draws of one more car."""
     vehicle = tables[0].vehicle
     car = as_driven(vehicle, default_model(vehicle).effects)
     drawn = one_more(tables)
+    pad_map, level_map = maps(car, ensemble_of(car, drawn))
     rows = np.linspace(0, _SIZE - 1, TABLE_DRAWS).astype(np.int64)
-    part = Draws(**{name: x[rows] for name, x in vars(drawn).items()})
-    return *maps(car, ensemble_of(car, drawn)), part
+    stored = Draws(**{name: column[rows] for name, column in vars(drawn).items()})
+    return pad_map, level_map, stored
 
 
 def one_more(tables: Sequence[Table], size: int = _SIZE) -> Draws:
-    """``size`` draws of one more car, by a fixed random sequence."""
-    draws = [vars(t.draws) for t in tables]
+    """Return ``size`` draws of one more car, by a fixed random sequence.
+
+    The cars take part alike. T is cut at the 97.5 % quantile of Student's t, since with two or
+    three cars it has no bound and a compliance would overflow.
+    """
+    draws = [vars(table.draws) for table in tables]
     k, rng = len(draws), np.random.default_rng(42)
-    car = np.arange(size) * k // size
-    row = (rng.random(size) * [draws[i]["weight"].size for i in car]).astype(np.int64)
+    car = np.arange(size) * k // size  # j of each draw, (size,)
+    row = (rng.random(size) * [draws[j]["weight"].size for j in car]).astype(np.int64)  # i
     g = rng.standard_normal((size, k)) / np.sqrt(k - 1.0)
-    tails = np.sqrt((k - 1.0) / rng.chisquare(k - 1, size))
-    far = np.sqrt(1.0 + 1.0 / k) * np.minimum(tails, quantile95(k - 1))
-    out = {}
+    T = np.minimum(np.sqrt((k - 1.0) / rng.chisquare(k - 1, size)), quantile95(k - 1))
+    columns = {}
     for name in draws[0]:
-        columns = [np.log(d[name]) if name in _POSITIVE else d[name] for d in draws]
-        x = np.array([columns[i][j] for i, j in zip(car, row, strict=True)])
-        if name in _OF_CARS:
-            means = np.array([np.mean(column) for column in columns])
-            off = means - np.mean(means)
-            x += far * (g @ off) - off[car]
-        out[name] = np.exp(x) if name in _POSITIVE else x
-    return Draws(**out)
+        of_cars = [np.log(d[name]) if name in _POSITIVE else d[name] for d in draws]
+        x = np.array([of_cars[j][i] for j, i in zip(car, row, strict=True)])
+        if name in _PER_CAR:
+            means = np.array([np.mean(column) for column in of_cars])  # m_j, (k,)
+            deviations = means - np.mean(means)  # m_j - m
+            x += np.sqrt(1.0 + 1.0 / k) * T * (g @ deviations) - deviations[car]
+        columns[name] = np.exp(x) if name in _POSITIVE else x
+    return Draws(**columns)

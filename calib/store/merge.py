@@ -1,7 +1,11 @@
-"""The mean table of several cars of one model, by `calib.base.random_effects`.
+"""Merge the tables of several cars of one model into a mean table.
 
-CAR@1, CAR@2, ... --> common axes --> mean and scatter of D, g, pads, tyre --> one table
-                  --> draws of one more car --> its maps
+Each parent, CAR@1, CAR@2, ..., is the table of one car:
+
+    parents --> curves and pads on common axes --> their mean and scatter --> the mean table
+    parents --> draws of one more car --> maps of the mean table
+
+Mean and scatter are those of `calib.base.random_effects`; `calib.store.mean` computes them.
 """
 
 import math
@@ -21,7 +25,7 @@ from calib.store.version import Stored
 from calib.table.compare import changes
 from calib.table.table import FleetScatter, Provenance, Scatter, Table, TableReference
 
-_LEAST = ("deceleration_max", "eta_peak_is_real")
+_MINIMUM = ("deceleration_max", "eta_peak_is_real")
 _SUM = ("runs", "outliers")
 """Metrics of a fit of which a mean table has the minimum or the sum; of others it has the mean."""
 
@@ -31,7 +35,7 @@ _LEAST_RANGE = 0.5
 """Share of the longest range of eta that every table must cover [1], since the mean ends with the
 shortest."""
 
-_SHARED = (
+_SHARED_REMARK = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
     "vehicle file, the surface of the track, sensors that are wrong in one way, the method; its "
     "bands hold that, more cars do not shrink it"
@@ -48,30 +52,29 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     unusable, is a mean itself or rests on other cars; a car or ramp twice; different vehicles; a
     range of eta that is too short; the name of a parent.
     """
-    flaws = [*_each(parents), *_pairs(parents)]
+    flaws = [*_flaws_of_tables(parents), *_flaws_of_pairs(parents)]
     if len(parents) < 2:
         flaws = [f"a mean needs two cars or more, {len(parents)} was given"]
-    if name in {p.name for p in parents}:
+    if name in {parent.name for parent in parents}:
         flaws.append(f"the mean cannot be named {name!r}, as a car: take another name")
     if flaws:
         raise RevisionError("; ".join(flaws))
-    parents = sorted(parents, key=lambda p: (p.name, p.version, p.digest))
-    tables = [p.table for p in parents]
+    parents = sorted(parents, key=lambda parent: (parent.name, parent.version, parent.digest))
+    tables = [parent.table for parent in parents]
     curves, D_effects = mean_curves(tables)
     pads, pad_effects = mean_pads(tables)
     pad_map, level_map, draws = mean_maps(tables)
-    sensors = [n for n in tables[0].noise if all(n in t.noise for t in tables)]
     return Table(
         name=name,
         vehicle=tables[0].vehicle,
         **curves,
         **pads,
         effects=_effects(tables),
-        noise={n: float(np.sqrt(np.mean([t.noise[n] ** 2 for t in tables]))) for n in sensors},
+        noise=_noise(tables),
         quality=_quality(tables),
         remarks=_remarks(parents),
         provenance=_provenance(parents),
-        warnings=tuple(dict.fromkeys(w for t in tables for w in t.warnings)),
+        warnings=tuple(dict.fromkeys(w for table in tables for w in table.warnings)),
         spread=FleetScatter(len(tables), _scatters(D_effects), *_scatters(pad_effects)),
         map=pad_map,
         level_map=level_map,
@@ -85,14 +88,17 @@ def _scatters(effects: RandomEffects) -> tuple[Scatter, ...]:
 
 
 def _effects(tables: Sequence[Table]) -> Effects:
-    """Mean of the resistance; errors of the coasts by road and wind count as shared."""
+    """Return the mean parameters of drag and rolling resistance, for one more car.
+
+    The errors of the coasts come from road and wind, so they are counted as shared by all cars.
+    """
     values: dict[str, dict[str, float]] = {}
     sigma: dict[str, dict[str, float]] = {}
-    for effect, named in tables[0].effect_values.items():
+    for effect, parameters in tables[0].effect_values.items():
         values[effect], sigma[effect] = {}, {}
-        for parameter in named:
-            cars = [t.effect_values[effect][parameter] for t in tables]
-            x = np.array([[car.value] for car in cars])
+        for parameter in parameters:
+            cars = [table.effect_values[effect][parameter] for table in tables]
+            x = np.array([[car.value] for car in cars])  # (cars, 1)
             scatter = random_effects(x, np.zeros_like(x))
             shared = math.sqrt(np.mean([car.sigma**2 for car in cars]))
             values[effect][parameter] = float(scatter.mean[0])
@@ -100,45 +106,60 @@ def _effects(tables: Sequence[Table]) -> Effects:
     return Effects(values, sigma=sigma)
 
 
+def _noise(tables: Sequence[Table]) -> dict[str, float]:
+    """Return the root mean square over the cars of the noise of each sensor that all cars have."""
+    sensors = [name for name in tables[0].noise if all(name in table.noise for table in tables)]
+    squares = {name: [table.noise[name] ** 2 for table in tables] for name in sensors}
+    return {name: float(np.sqrt(np.mean(of_cars))) for name, of_cars in squares.items()}
+
+
 def _quality(tables: Sequence[Table]) -> dict[str, float]:
-    out = {"cars": float(len(tables))}
+    """Return the number of cars, and the metrics of the fit that all tables have."""
+    quality = {"cars": float(len(tables))}
+    operations = dict.fromkeys(_MINIMUM, np.min) | dict.fromkeys(_SUM, np.sum)
     for name in tables[0].quality:
-        if all(name in t.quality for t in tables):
-            how = np.min if name in _LEAST else np.sum if name in _SUM else np.mean
-            out[name] = float(how([t.quality[name] for t in tables]))
-    return out
+        if all(name in table.quality for table in tables):
+            operation = operations.get(name, np.mean)
+            quality[name] = float(operation([table.quality[name] for table in tables]))
+    return quality
 
 
 def _provenance(parents: Sequence[Stored]) -> Provenance:
-    """Logs of all cars; the settings that all of them were fitted with."""
-    origins = [p.table.provenance for p in parents]
-    common = set.intersection(*({*origin.settings.items()} for origin in origins))
+    """Return the logs of all cars, and the settings with which all of them were fitted."""
+    origins = [parent.table.provenance for parent in parents]
+    settings = origins[0].settings.items()
     return Provenance(
         logs=tuple(dict.fromkeys(log for origin in origins for log in origin.logs)),
-        settings={k: v for k, v in origins[0].settings.items() if (k, v) in common},
+        settings={key: x for key, x in settings if all(o.settings.get(key) == x for o in origins)},
         program=PROGRAM,
-        parents=tuple(TableReference(p.id, p.digest) for p in parents),
+        parents=tuple(TableReference(parent.id, parent.digest) for parent in parents),
     )
 
 
 def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
-    ends = {p.id: float(p.table.difference.eta[-1]) for p in parents}
-    shortest, longest = min(ends, key=lambda i: ends[i]), max(ends, key=lambda i: ends[i])
+    ends = {parent.id: _end(parent) for parent in parents}
+    shortest, longest = min(ends, key=ends.__getitem__), max(ends, key=ends.__getitem__)
     return (
         f"mean of {len(parents)} tables, taken as those of different cars that count alike; bands "
         "and sigmas are those of one more car of the model, by Student's t",
         f"curves end at eta {ends[shortest]:.5f}, where {shortest} ends; {longest} goes to "
         f"{ends[longest]:.5f}",
-        _SHARED,
+        _SHARED_REMARK,
     )
 
 
-def _each(parents: Sequence[Stored]) -> Iterator[str]:
-    longest = max((float(p.table.difference.eta[-1]) - 1.0 for p in parents), default=0.0)
+def _end(parent: Stored) -> float:
+    """Return eta at the end of the curve D [1]."""
+    return float(parent.table.difference.eta[-1])
+
+
+def _flaws_of_tables(parents: Sequence[Stored]) -> Iterator[str]:
+    """Yield what speaks against each table as a parent of a mean."""
+    longest = max(map(_end, parents), default=1.0)
     for parent in parents:
-        reach = float(parent.table.difference.eta[-1]) - 1.0
+        end = _end(parent)
         if not (parent.state.usable and parent.state.in_store):
-            yield f"{parent.id} is {parent.state.words}; leave it out"
+            yield f"{parent.id} is {parent.state.description}; leave it out"
         if parent.table.spread is not None:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
         if parent.table.fleet:
@@ -146,33 +167,34 @@ def _each(parents: Sequence[Stored]) -> Iterator[str]:
                 f"{parent.id} rests on other cars by its prior, which would count twice; fit it "
                 "without --fleet-prior"
             )
-        if reach < _LEAST_RANGE * longest:
+        if end - 1.0 < _LEAST_RANGE * (longest - 1.0):
             yield (
-                f"{parent.id} ends at eta {1.0 + reach:.5f}, less than half of the range of the "
-                f"longest, {1.0 + longest:.5f}; leave it out"
+                f"{parent.id} ends at eta {end:.5f}, less than half of the range of the longest, "
+                f"{longest:.5f}; leave it out"
             )
 
 
-def _pairs(parents: Sequence[Stored]) -> Iterator[str]:
+def _flaws_of_pairs(parents: Sequence[Stored]) -> Iterator[str]:
+    """Yield what speaks against each pair of tables in one mean."""
     for a, b in combinations(parents, 2):
         for mark in _CAR_MARKS:
-            if _identity(a, mark) and _identity(a, mark) == _identity(b, mark):
+            identity = a.table.provenance.identity.get(mark)
+            if identity and identity == b.table.provenance.identity.get(mark):
                 yield (
-                    f"{a.id} and {b.id} are of one car ({mark} {_identity(a, mark)}), which would "
-                    "count as two; give one of them, or fit its ramps together"
+                    f"{a.id} and {b.id} are of one car ({mark} {identity}), which would count as "
+                    "two; give one of them, or fit its ramps together"
                 )
         if a.ramps & b.ramps:
             yield f"{a.id} and {b.id} are made of the same ramp"
-        if apart := differ(a.table, b.table.vehicle):
-            yield f"{a.id} and {b.id} are of different vehicles: {', '.join(apart[:4])}"
+        differences = vehicle_differences(a.table, b.table.vehicle)
+        if differences:
+            yield f"{a.id} and {b.id} are of different vehicles: {', '.join(differences[:4])}"
 
 
-def _identity(stored: Stored, mark: str) -> str:
-    return stored.table.provenance.identity.get(mark, "")
-
-
-def differ(table: Table, vehicle: Vehicle) -> list[str]:
-    """Differences between two vehicles, without names and uncertainties."""
+def vehicle_differences(table: Table, vehicle: Vehicle) -> list[str]:
+    """Return the differences of a table's vehicle from another, without names and uncertainties."""
     changed = changes(table, replace(table, vehicle=vehicle))
-    of_car = [c for part in ("vehicle", "empirical", "own_effects") for c in changed.get(part, ())]
-    return [f"{c.key} {c.a} and {c.b}" for c in of_car if c.key not in ("name", *UNCERTAINTIES)]
+    sections = ("vehicle", "empirical", "own_effects")
+    of_vehicle = [change for section in sections for change in changed.get(section, ())]
+    relevant = [change for change in of_vehicle if change.key not in ("name", *UNCERTAINTIES)]
+    return [f"{change.key} {change.a} and {change.b}" for change in relevant]

@@ -1,9 +1,13 @@
-"""Keys and signatures as files of minisign, by py-minisign.
+"""Keys and signatures as files of minisign, made and verified by the package py-minisign.
 
-untrusted comment: anybody can change this text
-algorithm 2, key number 8, signature of the data 64      as base64
-trusted comment: signed with the signature
-signature of the signature and the trusted comment 64    as base64
+A signature file has four lines; numbers are bytes before base64:
+
+    untrusted comment: anybody can change this text
+    <algorithm 2, key number 8, signature of the data 64>
+    trusted comment: this text is signed, too
+    <signature of the first signature and the trusted comment 64>
+
+A public key is <algorithm 2, key number 8, key 32>, in base64 as well.
 """
 
 import os
@@ -27,8 +31,9 @@ _SIGNATURE = re.compile(
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
-_SENSITIVE = {"opslimit": 2**25, "memlimit": 2**30}  # cost of one password: 1 GiB, seconds
-_MOST_WORK = 8 * _SENSITIVE["opslimit"]  # half a minute: more than any file of minisign has
+_SCRYPT = {"opslimit": 2**25, "memlimit": 2**30}  # to try one password takes seconds and 1 GiB
+_MAX_OPSLIMIT = 8 * _SCRYPT["opslimit"]  # half a minute; minisign's own keys ask for _SCRYPT
+_OPSLIMIT = slice(38, 46)  # in a secret key: after three algorithms of 2 bytes and a salt of 32
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,7 @@ class PublicKey:
 
     @property
     def key_id(self) -> str:
-        """The key number as minisign prints it."""
+        """The key number, in hexadecimal as minisign prints it."""
         return _key_id(self.text)
 
     @property
@@ -49,7 +54,7 @@ class PublicKey:
 
 
 class SecretKey:
-    """A secret key, ready to sign; its repr shows the key number only."""
+    """A secret key that is ready to sign. Its repr shows only the key number."""
 
     def __init__(self, key: Any) -> None:
         self._key = key
@@ -59,8 +64,8 @@ class SecretKey:
         return f"SecretKey({self.public.key_id})"
 
     def sign(self, data: bytes, trusted_comment: str) -> bytes:
-        """The content of the signature file of ``data``. Raises KeyFileError for a damaged key."""
-        with _refused(KeyFileError, "secret key"):
+        """Return the signature file of ``data``. Raises KeyFileError for a damaged key."""
+        with _library_errors_as(KeyFileError, "secret key"):
             signature = self._key.sign(
                 data, trusted_comment=trusted_comment, untrusted_comment="signature from brake-cal"
             )
@@ -70,40 +75,44 @@ class SecretKey:
 
 def read_public_key(source: Path | str) -> PublicKey:
     """Read a public key from a file, or from its base64. Raises KeyFileError."""
-    kind = _library().PublicKey
+    key_class = _library().PublicKey
     if PUBLIC_KEY.fullmatch(str(source)):
-        read, content = kind.from_base64, str(source).encode()
+        read, content = key_class.from_base64, str(source).encode()
     else:
-        read, content = kind.from_bytes, _content(Path(source))
-    with _refused(KeyFileError, source, "a public key of minisign"):
+        read, content = key_class.from_bytes, _content(Path(source))
+    with _library_errors_as(KeyFileError, source, "a public key of minisign"):
         return PublicKey(read(content).to_base64().decode())
 
 
 def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
-    """Read a secret key file; ``password`` is called if it is encrypted. Raises KeyFileError."""
-    kind, content = _library().SecretKey, _content(path)
-    with _refused(KeyFileError, path, "a secret key of minisign"):
-        key = kind.from_bytes(content)
+    """Read a secret key file. Raises KeyFileError.
+
+    ``password`` is called if the key is encrypted.
+    """
+    key_class, content = _library().SecretKey, _content(path)
+    with _library_errors_as(KeyFileError, path, "a secret key of minisign"):
+        key = key_class.from_bytes(content)
         if key.is_encrypted():
-            if int.from_bytes(b64decode(key.to_base64())[38:46], "little") > _MOST_WORK:
+            opslimit = int.from_bytes(b64decode(key.to_base64())[_OPSLIMIT], "little")
+            if opslimit > _MAX_OPSLIMIT:
                 raise KeyFileError("asks for more work than any key of minisign", where=path)
             key.decrypt(password())
         return SecretKey(key)
 
 
 def generate(secret: Path, public: Path, password: str) -> PublicKey:
-    """Write a new key pair, the ``secret`` key for its owner alone; an empty password is none.
+    """Write the two files of a new key pair. Raises KeyFileError, and then leaves no file.
 
-    On KeyFileError no file remains.
+    Only its owner may read the ``secret`` key. It is not encrypted if ``password`` is empty.
     """
     pair = _library().KeyPair.generate()
     key, public_key = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
     if password:
-        with _refused(KeyFileError, secret):
-            key.encrypt(password, **_SENSITIVE)
+        with _library_errors_as(KeyFileError, secret):
+            key.encrypt(password, **_SCRYPT)
     files = (secret, bytes(key) + b"\n", 0o600), (public, public_key.file, 0o644)
     try:
-        with ExitStack() as undo:
+        with ExitStack() as undo:  # deletes the new files unless both are complete
             for path, content, mode in files:
                 with open(path, "xb", opener=partial(os.open, mode=mode)) as file:
                     undo.callback(path.unlink)
@@ -119,7 +128,7 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
 
 
 class Signature(NamedTuple):
-    """An unverified signature file of the key ``key_id``."""
+    """The ``content`` of a signature file, not yet verified, and what the file says of itself."""
 
     content: bytes
     key_id: str
@@ -127,7 +136,7 @@ class Signature(NamedTuple):
 
 
 def read_signature(path: Path) -> Signature:
-    """Read a signature file without verifying it. Raises SignatureRefused if it is none."""
+    """Read a signature file without verifying it. Raises SignatureRefused for any other file."""
     expected = "a signature of minisign"
     content = bytes_of(path, KEY, SignatureRefused, expected)
     match = _SIGNATURE.fullmatch(content)
@@ -138,9 +147,12 @@ def read_signature(path: Path) -> Signature:
 
 
 def verify(public: PublicKey, data: bytes, signature: Signature, where: object) -> None:
-    """Raise SignatureRefused unless the key made ``signature`` for ``data`` and its comment."""
+    """Raise SignatureRefused, at ``where``, unless ``public`` verifies the signature of ``data``.
+
+    The trusted comment in the signature is verified, too.
+    """
     library = _library()
-    with _refused(SignatureRefused, where):
+    with _library_errors_as(SignatureRefused, where):
         parsed = library.Signature.from_bytes(signature.content)
         library.PublicKey.from_base64(public.text).verify(data, parsed)
 
@@ -150,22 +162,24 @@ def _library() -> Any:
 
 
 @contextmanager
-def _refused(kind: type[BrakeCalError], where: object, expected: str = "") -> Iterator[None]:
-    """Turn errors of the library into ``kind``; none shows a key or a password."""
+def _library_errors_as(
+    error_class: type[BrakeCalError], where: object, expected: str = ""
+) -> Iterator[None]:
+    """Raise the errors of py-minisign as ``error_class``, without a key or password in them."""
     try:
         yield
     except UnicodeEncodeError:
-        raise kind("the password is not text", where=where) from None
+        raise error_class("the password is not text", where=where) from None
     except MemoryError:
-        raise kind("needs 1 GiB of memory, which is not free", where=where) from None
+        raise error_class("needs 1 GiB of memory, which is not free", where=where) from None
     except _library().Error as error:
-        raise kind(str(error), where=where, expected=expected) from None
+        raise error_class(str(error), where=where, expected=expected) from None
 
 
 def _content(path: Path) -> bytes:
     return bytes_of(path, KEY, KeyFileError, "a file of minisign")
 
 
-def _key_id(word: str | bytes) -> str:
-    """The key number in the base64 of a key or signature, as minisign prints it."""
-    return f"{int.from_bytes(b64decode(word)[2:10], 'little'):X}"
+def _key_id(text: str | bytes) -> str:
+    """Return the key number in the base64 ``text`` of a public key or a signature."""
+    return f"{int.from_bytes(b64decode(text)[2:10], 'little'):X}"

@@ -1,4 +1,7 @@
-"""Schemas of JSON files: the record of a table, and the summary of a validation."""
+"""Schemas of two JSON files, the record of a table and the summary of a validation.
+
+`table_of` makes a table of its record again.
+"""
 
 from collections.abc import Sequence
 from dataclasses import MISSING, fields, replace
@@ -14,29 +17,30 @@ from calib.table.table import COLUMNS, Table, Value
 
 
 def _keys(record: type) -> dict[str, tuple[Any, Any]]:
-    """Type and default of each field of a dataclass."""
-    kinds = get_type_hints(record)
+    """Type and default of each field of a dataclass; the default of a required field is ``...``."""
+    types = get_type_hints(record)
+    defaults = {field.name: field.default for field in fields(record)}
     return {
-        field.name: (kinds[field.name], ... if field.default is MISSING else field.default)
-        for field in fields(record)
+        name: (types[name], ... if default is MISSING else default)
+        for name, default in defaults.items()
     }
 
 
 _VEHICLE = section(
     "_VehicleRecord",
-    "The vehicle in a record: of its effects only the named ones.",
+    "The vehicle in a record, with the parameters of its effects from the catalogue.",
     _keys(Vehicle)
     | {"mass_tolerance": (float, ...), "effects": (dict[str, dict[str, float]], ...)},
 )
 
 
-class _Finite(FileSchema):
+class _FiniteNumbers(FileSchema):
     model_config = ConfigDict(allow_inf_nan=False)
 
 
 Record = section(
     "Record",
-    "A table without its curves, as `Table`.",
+    "The fields of a `Table` but for its curves and maps.",
     {name: key for name, key in _keys(Table).items() if name not in COLUMNS}
     | {
         "vehicle": (_VEHICLE, ...),
@@ -44,7 +48,7 @@ Record = section(
         "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),
         "own_effects": (dict[str, DefinedIn], Field(default_factory=dict)),
     },
-    _Finite,
+    _FiniteNumbers,
 )
 
 
@@ -57,7 +61,7 @@ class _Parent(Section):
 
 
 class RecordFile(Section):
-    """A stored table: its address, the SHA-256 of each curve's file, and its record."""
+    """The `record.json` of a version: its address, the SHA-256 of each curve's file, the record."""
 
     id: str
     version: int
@@ -68,8 +72,8 @@ class RecordFile(Section):
     states: Literal["journal.jsonl"]
 
 
-class _LogOutcome(Section):
-    """A log that was validated."""
+class _ValidatedLog(Section):
+    """A log that was validated. ``role`` tells whether the fit used it or it is a hold-out."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -85,27 +89,33 @@ class SummaryFile(FileSchema):
     digest: str
     verdict: Literal["passed", "failed"]
     proof: Literal["truth", "reference", "none"]
-    logs: list[_LogOutcome]
+    logs: list[_ValidatedLog]
 
 
 def table_of(
     record: Any, curves: dict[str, dict[str, Array]], sample_times: Sequence[float | None]
 ) -> Table:
-    """Build the table from its `Record`, its curves and maps; ``sample_times`` of its logs [s].
+    """Build the table from its `Record`, its curves and maps, and the sample time of its logs [s].
 
     Raises KeyError or TypeError for a curve or a column that is missing.
     """
-    parts = {**dict(record), **{name: of(**curves[name]) for name, of in COLUMNS.items()}}
-    terms, own_effects, effects = parts.pop("empirical"), parts.pop("own_effects"), parts["effects"]
-    named = record.vehicle.effects, terms if isinstance(terms, tuple) else (terms,)
+    parts = dict(record)
     del parts["schema_version"]
-    vehicle_effects = Effects(*named, user_defined=own_effects)
+    for name, constructor in COLUMNS.items():
+        parts[name] = constructor(**curves[name])
+
+    terms, own_effects = parts.pop("empirical"), parts.pop("own_effects")
+    terms = terms if isinstance(terms, tuple) else (terms,)
+    vehicle_effects = Effects(record.vehicle.effects, terms, user_defined=own_effects)
     parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": vehicle_effects})
-    values, sigma = (
-        {effect: {p: getattr(v, part) for p, v in x.items()} for effect, x in effects.items()}
-        for part in ("value", "sigma")
-    )
-    parts["effects"] = Effects(values, sigma=sigma)
+
+    values: dict[str, dict[str, float]] = {}
+    sigmas: dict[str, dict[str, float]] = {}
+    for effect, parameters in parts["effects"].items():
+        values[effect] = {name: fitted.value for name, fitted in parameters.items()}
+        sigmas[effect] = {name: fitted.sigma for name, fitted in parameters.items()}
+    parts["effects"] = Effects(values, sigma=sigmas)
+
     logs = zip(record.provenance.logs, sample_times, strict=True)
     timed = tuple(replace(log, sample_time=time) for log, time in logs)
     parts["provenance"] = replace(record.provenance, logs=timed)

@@ -1,9 +1,9 @@
-"""Stores that a user has seen, so that an older copy of a whole store is noticed.
+"""Remember the journals that a user has seen, so that an older copy of a store is noticed.
 
-The newest head of a journal that was verified with a key is kept in the user's own folder,
-`$XDG_STATE_HOME/brake-cal/seen.json`, on Windows `%LOCALAPPDATA%`. A journal only grows, so one
-without that head is older or another branch. A store is identified by the hash of the first line of
-its journal: it may be moved, but not replaced.
+After a journal was verified with a key, its head is kept in the user's own folder, in
+`$XDG_STATE_HOME/brake-cal/seen.json`, on Windows below `%LOCALAPPDATA%`. A journal only grows, so a
+journal without that head is older, or another branch. A store is identified by the hash of the
+first line of its journal, so it may be moved but not replaced.
 """
 
 import json
@@ -21,10 +21,11 @@ _FILE = Path("brake-cal") / "seen.json"
 _UNSEEN = "an older copy of the store will not be noticed"
 
 
-class _Sight(NamedTuple):
-    """The newest line of a journal that was seen: its hash ``head`` and number ``lines``.
+class _SeenJournal(NamedTuple):
+    """A journal as it was when a user last saw it, with the key that verified it.
 
-    ``key`` that verified it, ``store`` hash of the first line, ``place`` the folder.
+    ``store`` is the hash of its first line, ``place`` its folder, ``head`` the hash of its last
+    line, and ``lines`` the number of its lines.
     """
 
     key: str
@@ -33,14 +34,18 @@ class _Sight(NamedTuple):
     head: str
     lines: int
 
-    def flaw(self, folder: Path, journal: Journal) -> str:
-        """Why a journal in ``folder`` cannot follow this one, or ""."""
+    def contradiction(self, folder: Path, journal: Journal) -> str:
+        """Return why the ``journal`` in ``folder`` is no later form of this one; "" if it may be.
+
+        A journal of another store contradicts only in the same folder.
+        """
         entries = journal.entries
         if not entries or entries[0].hash != self.store:
-            return "another store was seen here before" * (self.place == str(folder.resolve()))
+            same_place = self.place == str(folder.resolve())
+            return "another store was seen here before" if same_place else ""
         if len(entries) < self.lines:
-            had = f"its journal has {len(entries)} lines, {self.lines} were seen"
-            return f"an older copy of the store: {had}"
+            size = f"its journal has {len(entries)} lines, {self.lines} were seen"
+            return f"an older copy of the store: {size}"
         if entries[self.lines - 1].hash != self.head:
             return f"its journal went another way: line {self.lines} is not the one that was seen"
         return ""
@@ -48,41 +53,42 @@ class _Sight(NamedTuple):
 
 @dataclass(frozen=True)
 class SeenJournals:
-    """The journals that were seen, in the file ``path``; ``note`` why it cannot be used, or ""."""
+    """The journals of the file ``path``; ``note`` says why the file cannot be used, or is ""."""
 
     path: Path | None
-    sights: tuple[_Sight, ...] = ()
+    journals: tuple[_SeenJournal, ...] = ()
     note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
-        """Raise SignatureRefused for a journal without the head seen, or of another store."""
-        for sight in self.sights:
-            if sight.key == key and (flaw := sight.flaw(folder, journal)):
+        """Raise SignatureRefused if a journal seen with the key contradicts this ``journal``."""
+        for earlier in self.journals:
+            flaw = earlier.contradiction(folder, journal) if earlier.key == key else ""
+            if flaw:
                 raise SignatureRefused(
                     flaw,
                     where=folder,
-                    expected=f"a journal with the line {sight.lines} {sight.head[:12]}...",
+                    expected=f"a journal with the line {earlier.lines} {earlier.head[:12]}...",
                     do=f"get the newest copy of the store; if it was replaced on purpose, remove "
                     f"the entry of its head from {self.path}",
                 )
 
     def keep(self, folder: Path, journal: Journal, key: str) -> str:
-        """Keep the head of a verified journal; return why that failed, or "".
+        """Keep the head of a journal verified with ``key``; return why that failed, or "".
 
         Raises SignatureRefused for a damaged file.
         """
         if self.path is None or self.note or not journal.entries:
             return self.note
         first, lines = journal.entries[0].hash, len(journal.entries)
-        new = _Sight(key, first, str(folder.resolve()), journal.head, lines)
+        new = _SeenJournal(key, first, str(folder.resolve()), journal.head, lines)
         try:
             with locked_folder(self.path.parent):
-                now = recall()
-                same = [old for old in now.sights if old[:3] == new[:3]]
-                if now.note or any(old.lines >= lines for old in same):
-                    return now.note
-                sights = [*(old for old in now.sights if old not in same), new]
-                document = {"schema": 1, "seen": [one._asdict() for one in sights]}
+                current = recall()  # another process may have written the file since
+                same = [old for old in current.journals if old[:3] == new[:3]]
+                if current.note or any(old.lines >= lines for old in same):
+                    return current.note
+                journals = [*(old for old in current.journals if old not in same), new]
+                document = {"schema": 1, "seen": [earlier._asdict() for earlier in journals]}
                 write_whole(self.path, (json.dumps(document, indent=2) + "\n").encode())
         except OSError as error:
             return f"{self.path} cannot be written ({error.strerror}): {_UNSEEN}"
@@ -90,14 +96,14 @@ class SeenJournals:
 
 
 def recall() -> SeenJournals:
-    """Read the journals that were seen, before a journal is read, which may grow meanwhile.
+    """Read the journals that were seen. Raises SignatureRefused for a damaged file.
 
-    Raises SignatureRefused for a damaged file.
+    Call it before a journal is read: the journal may grow, and be seen, in between.
     """
     try:
-        states = (os.environ.get(name, "") for name in ("XDG_STATE_HOME", "LOCALAPPDATA"))
-        state = next(filter(os.path.isabs, states), None) or Path.home() / ".local" / "state"
-        path = Path(state) / _FILE
+        variables = (os.environ.get(name, "") for name in ("XDG_STATE_HOME", "LOCALAPPDATA"))
+        state_home = next(filter(os.path.isabs, variables), None)
+        path = (Path(state_home) if state_home else Path.home() / ".local" / "state") / _FILE
         data = read_bounded(path, TABLE)
     except FileNotFoundError:
         return SeenJournals(path)
@@ -107,10 +113,15 @@ def recall() -> SeenJournals:
         return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {_UNSEEN}")
     try:
         document = json.loads(data)
-        sights = tuple(_Sight(**one) for one in document["seen"])
-        typed = all([*map(type, one)] == [str] * 4 + [int] and one.lines > 0 for one in sights)
-        if document["schema"] == 1 and typed:
-            return SeenJournals(path, sights)
+        journals = tuple(_SeenJournal(**fields) for fields in document["seen"])
+        if document["schema"] == 1 and all(map(_is_typed, journals)):
+            return SeenJournals(path, journals)
     except (ValueError, TypeError, KeyError, RecursionError):
         pass
     raise SignatureRefused("is damaged", where=path, do="get it from a copy, or remove it")
+
+
+def _is_typed(journal: _SeenJournal) -> bool:
+    """Whether the fields from a file have their types, and there are lines."""
+    *texts, lines = journal
+    return all(type(text) is str for text in texts) and type(lines) is int and lines > 0

@@ -1,8 +1,10 @@
-"""Sign versions, and verify their signatures: tables/sedan/v0001.minisig.
+"""Sign versions, and verify their signatures, such as tables/sedan/v0001.minisig.
 
-minisign signs the record file, which holds the digest of every curve file. The trusted comment ends
-with the head of the journal, which has the state of the version; the rest of it is for people. A
-signature is valid while the journal contains that head and the version has the state it had then.
+The signature is over the record file, which holds the digests of all curves. Its trusted comment
+ends with the head of the journal, which has the state of the version; the rest of the comment is
+for people. A signature is valid while the journal contains that head and the version has the state
+that it had at that head. A store is an older copy if its journal lacks a head that the key has
+signed, or that this user has seen (`calib.store.seen`).
 """
 
 import re
@@ -13,7 +15,7 @@ from calib.base.bounded import TABLE, read_bounded
 from calib.base.digest import sha256
 from calib.base.errors import DamagedTable, SignatureRefused
 from calib.base.write import write_whole
-from calib.store.folders import RECORD, SIGNATURE, signature_file
+from calib.store.folders import RECORD, SIGNATURE_SUFFIX, signature_file
 from calib.store.minisign import PublicKey, SecretKey, Signature, read_signature, verify
 from calib.store.seen import SeenJournals, recall
 from calib.store.snapshot import Snapshot, StoreEntry
@@ -26,7 +28,10 @@ _HEAD = re.compile(r"brake-cal .*\bjournal=([0-9a-f]{64})")
 
 @dataclass(frozen=True)
 class _Signed:
-    """A valid signature; ``note`` why no older copy of the store would be noticed, or ""."""
+    """A version with a valid signature in the file ``path``.
+
+    ``note`` says why an older copy of the store will not be noticed; it is "" if one will be.
+    """
 
     stored: Stored
     path: Path
@@ -48,93 +53,120 @@ class _Signed:
 
 
 def sign(store: Store, reference: str, key: SecretKey) -> _Signed:
-    """Sign record, state and journal of ``name@version``; it replaces an older signature.
+    """Sign record and state of ``name@version``, and replace an older signature.
 
-    Raises TableNotFound, DamagedTable, StoreError, and SignatureRefused as `require_signed`.
+    Raises TableNotFound, DamagedTable, StoreError, and SignatureRefused for an older copy.
     """
     public = key.public
-    _, memory = _looked_up(store, public)
-    with store.changing(reference) as (now, stored):
-        _check_anchors(now, public)
+    _, seen_journals = _require_newest(store, public)
+    with store.changing(reference) as (snapshot, stored):
+        _check_signed_heads(snapshot, public)
         comment = (
             f"brake-cal table={stored.name} version={stored.version} state={stored.state.word} "
-            f"digest={stored.digest} journal={now.journal.head}"
+            f"digest={stored.digest} journal={snapshot.journal.head}"
         )
         path = signature_file(stored.path.parent, stored.version)
         write_whole(path, key.sign(_record(stored), comment))
-    note = _keep(store.now(), public, memory)
+    note = _remember(store.snapshot(), public, seen_journals)
     return _Signed(stored, path, public.key_id, comment, note)
 
 
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
-    """Return the valid signature of a version in its store, by a key.
+    """Return a version with its valid signature by the key ``public``.
 
     ``newest``: the version was chosen as the newest usable one. Then newer versions that were ever
-    released must have one, too: somebody may reject one to bring back an older one, but cannot
-    sign that.
+    released must have a valid signature, too. Otherwise somebody could reject a newer version to
+    bring back an older one; but nobody without the key can sign that rejection.
 
-    Raises SignatureRefused without a signature, for a state that was changed since, and for a
-    journal that lacks a head that the key signed in this store or that this user has seen;
-    DamagedTable when the version is not the one that was loaded.
+    Raises SignatureRefused without a signature, for a state that was changed since, and for an
+    older copy of the store; DamagedTable when the version is not the one that was loaded.
     """
-    now, memory = _looked_up(Store(stored.path.absolute().parent.parent), public)
-    again = now.load(stored.name, stored.version)
+    snapshot, seen_journals = _require_newest(Store(stored.path.absolute().parent.parent), public)
+    again = snapshot.load(stored.name, stored.version)
     if again.record != stored.record:
         raise DamagedTable("was replaced while it was read", where=stored.id, do="run it again")
-    signed = _valid(now, again, public)
-    for version in now.journal.versions(stored.name) if newest else ():
-        if version > stored.version and _must_be_signed(now, stored.name, version):
-            _valid(now, now.load(stored.name, version), public)
-    return replace(signed, note=_keep(now, public, memory))
+    signed = _verified(snapshot, again, public)
+    if newest:
+        for version in snapshot.journal.versions(stored.name):
+            if version > stored.version and _must_be_signed(snapshot, stored.name, version):
+                _verified(snapshot, snapshot.load(stored.name, version), public)
+    return replace(signed, note=_remember(snapshot, public, seen_journals))
 
 
 def verify_signed(
     store: Store, public: PublicKey, name: str | None = None
 ) -> tuple[tuple[StoreEntry, ...], str]:
-    """`Store.verify` with the signatures of a key, and a note as in `_Signed`.
+    """Return the entries of `Store.verify` with signatures, and a note as in `_Signed`.
 
-    Every version that was ever released must have one, and one that there is must be valid. Raises
-    as `Store.verify`, and as `require_signed` for the store as a whole.
+    Every version that was ever released must have a signature by the key ``public``, and every
+    signature by that key must be valid. Raises as `Store.verify`, and SignatureRefused for an older
+    copy of the store.
     """
-    now, memory = _looked_up(store, public)
-    entries = store.verify(name, lambda entry: _with_signature(now, entry, public))
-    return entries, _keep(now, public, memory) if all(one.sound for one in entries) else ""
-
-
-def _looked_up(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]:
-    """The store now, and the journals seen before. Raises SignatureRefused for an older copy."""
-    memory = recall()
-    now = store.now()
-    memory.check(store.folder, now.journal, public.key_id)
-    return now, memory
+    snapshot, seen_journals = _require_newest(store, public)
+    entries = store.verify(name, lambda entry: _with_signature(snapshot, entry, public))
+    is_sound = all(entry.sound for entry in entries)
+    return entries, _remember(snapshot, public, seen_journals) if is_sound else ""
 
 
 def signer(stored: Stored) -> str | None:
-    """The key in the signature file of a version, unverified; None without a readable one."""
+    """Return the key in the signature file of a version, unverified; None without such a file."""
     try:
         return read_signature(signature_file(stored.path.parent, stored.version)).key_id
     except SignatureRefused:
         return None
 
 
-def _must_be_signed(now: Snapshot, name: str, version: int) -> bool:
-    """Whether a version was ever released: then its state, whatever it is now, must be signed."""
-    history = now.journal.versions(name).get(version, ())
+def _require_newest(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]:
+    """Return the store as it is, and the journals seen. Raises SignatureRefused for an older copy.
+
+    The heads in the signatures are checked by `_check_signed_heads`.
+    """
+    seen_journals = recall()
+    snapshot = store.snapshot()
+    seen_journals.check(store.folder, snapshot.journal, public.key_id)
+    return snapshot, seen_journals
+
+
+def _remember(snapshot: Snapshot, public: PublicKey, seen_journals: SeenJournals) -> str:
+    """Check the heads in the store's signatures, and keep its own head as seen; return a note."""
+    _check_signed_heads(snapshot, public)
+    return seen_journals.keep(snapshot.folder, snapshot.journal, public.key_id)
+
+
+def _check_signed_heads(snapshot: Snapshot, public: PublicKey) -> None:
+    """Raise SignatureRefused if the journal lacks a head of any valid signature in the store."""
+    for path in sorted(snapshot.folder.glob(f"*/v*{SIGNATURE_SUFFIX}")):
+        record = path.parent / path.name.split(".")[0] / RECORD
+        try:
+            signature = read_signature(path)
+            verify(public, read_bounded(record, TABLE), signature, path)
+        except (SignatureRefused, OSError):
+            continue  # of another key, or damaged: `verify_signed` reports that
+        if _HEAD.fullmatch(signature.trusted_comment):
+            _signed_line(snapshot, signature, path)
+
+
+def _must_be_signed(snapshot: Snapshot, name: str, version: int) -> bool:
+    """Whether a version was ever released, whatever its state is."""
+    history = snapshot.journal.versions(name).get(version, ())
     return any(entry.state == RELEASED for entry in history)
 
 
-def _with_signature(now: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
-    must = _must_be_signed(now, entry.name, entry.version)
-    if entry.stored is None or not (must or signer(entry.stored) == public.key_id):
+def _with_signature(snapshot: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
+    """Return the entry with its signed state, or with a violation for an invalid signature."""
+    must_be_signed = _must_be_signed(snapshot, entry.name, entry.version)
+    if entry.stored is None or not (must_be_signed or signer(entry.stored) == public.key_id):
         return entry
     try:
-        return replace(entry, signed=_valid(now, entry.stored, public).stored.state.word)
+        signed = _verified(snapshot, entry.stored, public)
     except SignatureRefused as error:
         flaw = error.problem if error.where == entry.id else f"{error.where}: {error.problem}"
         return replace(entry, violations=(*entry.violations, flaw))
+    return replace(entry, signed=signed.stored.state.word)
 
 
-def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
+def _verified(snapshot: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
+    """Return a version with its valid signature. Raises SignatureRefused."""
     path = signature_file(stored.path.parent, stored.version)
     if not path.exists():
         raise _refused(stored, "has no signature")
@@ -142,16 +174,17 @@ def _valid(now: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     if signature.key_id != public.key_id:
         raise _refused(stored, f"is signed by key {signature.key_id}, not by {public.key_id}")
     verify(public, _record(stored), signature, path)
-    line = _line(now, signature, path)
-    history = now.journal.versions(stored.name)[stored.version]
-    then = [entry.state for entry in history if entry.number <= line]
-    if not then:
+    line = _signed_line(snapshot, signature, path)
+    history = snapshot.journal.versions(stored.name)[stored.version]
+    signed_states = [entry.state for entry in history if entry.number <= line]
+    if not signed_states:
         raise _refused(stored, "was signed before it was stored")
-    changed = [e for e in history if e.number > line and e.state != then[-1]]
-    if changed:
-        last = changed[-1].document
+    state = signed_states[-1]
+    changes = [entry for entry in history if entry.number > line and entry.state != state]
+    if changes:
+        last = changes[-1].document
         since = f"{last['state']} since (by {last['by']}, {last['at'][:10]})"
-        raise _refused(stored, f"signed as {then[-1]}, {since}")
+        raise _refused(stored, f"signed as {state}, {since}")
     return _Signed(stored, path, public.key_id, signature.trusted_comment)
 
 
@@ -160,25 +193,15 @@ def _refused(stored: Stored, flaw: str) -> SignatureRefused:
     return SignatureRefused(flaw, where=stored.id, do=do)
 
 
-def _check_anchors(now: Snapshot, public: PublicKey) -> None:
-    """Raise SignatureRefused if the journal lacks a head of any valid signature in the store."""
-    for path in sorted(now.folder.glob(f"*/v*{SIGNATURE}")):
-        record = path.parent / path.name.split(".")[0] / RECORD
-        try:
-            signature = read_signature(path)
-            verify(public, read_bounded(record, TABLE), signature, path)
-        except (SignatureRefused, OSError):
-            continue
-        if _HEAD.fullmatch(signature.trusted_comment):
-            _line(now, signature, path)
+def _signed_line(snapshot: Snapshot, signature: Signature, path: Path) -> int:
+    """Return the number of the journal's line that was the head when the signature was made.
 
-
-def _line(now: Snapshot, signature: Signature, path: Path) -> int:
-    """Number of the line of the journal that is the head in a signature."""
+    Raises SignatureRefused if the journal has no such line.
+    """
     head = _HEAD.fullmatch(signature.trusted_comment)
     if not head:
         raise SignatureRefused("its trusted comment names no head of a journal", where=path)
-    for entry in now.journal.entries:
+    for entry in snapshot.journal.entries:
         if entry.hash == head[1]:
             return entry.number
     raise SignatureRefused(
@@ -192,14 +215,8 @@ def _line(now: Snapshot, signature: Signature, path: Path) -> int:
 
 
 def _record(stored: Stored) -> bytes:
-    """The bytes of the record file. Raises DamagedTable if they changed since loading."""
+    """Return the content of the record file. Raises DamagedTable if it changed since loading."""
     data = read_bounded(stored.path / RECORD, TABLE)
     if sha256(data) != stored.record:
         raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id)
     return data
-
-
-def _keep(now: Snapshot, public: PublicKey, memory: SeenJournals) -> str:
-    """Check the signatures of the whole store, and keep its head as seen; return a note."""
-    _check_anchors(now, public)
-    return memory.keep(now.folder, now.journal, public.key_id)

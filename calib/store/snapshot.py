@@ -1,11 +1,22 @@
-"""A store at one moment; each read compares digests of a version, its place, and the journal."""
+"""A store at one moment.
+
+To read a version is to compare it with its digests, with the name of its folder, and with the
+journal. A folder of a version that is not in the journal is a stray folder.
+"""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from calib.base.errors import DamagedTable, StoreError, TableNotFound
 from calib.base.toml import did_you_mean
-from calib.store.folders import checked_name, names_in, numbers, path_of, place, versions_in
+from calib.store.folders import (
+    checked_name,
+    existing_folder,
+    names_in,
+    path_of,
+    taken_numbers,
+    versions_in,
+)
 from calib.store.journal import JOURNAL, Journal
 from calib.store.state import DRAFT, RELEASED, WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
@@ -16,9 +27,10 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """One version; ``stored`` is None if it cannot be read (see ``violations``) or is not kept.
+    """A version as `Store.entries` and `Store.verify` give it.
 
-    ``signed``: the state in its valid signature, if a key was given.
+    ``stored`` is None if the version cannot be read, see ``violations``, and after `Store.verify`.
+    ``signed`` is the state in the valid signature of the version, if a key was given.
     """
 
     name: str
@@ -50,7 +62,7 @@ class Snapshot:
     def names(self) -> list[str]:
         """Names of the tables, in order.
 
-        Raises TableNotFound where there is no store, DamagedTable for versions without a journal.
+        Raises TableNotFound without a store, DamagedTable where versions have no journal.
         """
         if not self.folder.is_dir():
             do = "`brake-cal fit` makes one, --store names another"
@@ -65,44 +77,53 @@ class Snapshot:
         names = self.names
         if checked_name(name) in names or versions_in(self.folder / name):
             return name
-        is_file = "a file of that name is here: give the table first, then the logs"
         expected = "one of " + ", ".join(names) if names else "a table: the store is empty"
-        do = did_you_mean(name, names) or is_file * Path(name).is_file()
+        do = did_you_mean(name, names)
+        if not do and Path(name).is_file():
+            do = "a file of that name is here: give the table first, then the logs"
         raise TableNotFound(f"no table {name!r}", where=self.folder, expected=expected, do=do)
 
     def with_strays(self, name: str) -> list[int]:
-        """Numbers of all versions in the journal, and of folders that are not in it."""
+        """Return the numbers of the versions in the journal and of stray folders, rising."""
         return sorted({*self.journal.versions(name), *versions_in(self.folder / name)})
 
     def next_number(self, name: str) -> int:
-        """The number after all versions, files and folders."""
-        return 1 + max([*self.journal.versions(name), *numbers(self.folder / name)], default=0)
+        """Return the number after those of all versions, and of files that look like versions."""
+        numbers = [*self.journal.versions(name), *taken_numbers(self.folder / name)]
+        return 1 + max(numbers, default=0)
 
     def find(self, reference: str, released: bool = False) -> Stored:
-        """Read the version of a reference; a bare name as in `Store.load`."""
+        """Read the version of a reference: a path, ``name@version`` or ``name``.
+
+        A bare ``name`` is read as in `Store.load`; if ``released``, as in `Store.released`.
+        """
         path = path_of(reference)
         if path is not None:
-            stored = read_version(path)
-            inside = place(self.folder / stored.name, stored.version)
-            if inside and inside.resolve() == path.resolve():
-                return self.load(stored.name, stored.version)
-            return stored
+            return self._at_path(path)
         if "@" in reference:
             return self.load(*self.numbered(reference))
         name = self.require_table(reference)
         states = {v: self.journal.word(name, v) for v in self.journal.versions(name)}
-        wanted = (RELEASED,) if released else (RELEASED, DRAFT)
-        if fit := [version for version, word in states.items() if word in wanted]:
-            return self.load(name, max(fit))
+        allowed = (RELEASED,) if released else (RELEASED, DRAFT)
+        usable = [version for version, word in states.items() if word in allowed]
+        if usable:
+            return self.load(name, max(usable))
+        kind, do = "usable", f"name the one that you mean, such as {name}@{max(states)}"
+        if released:
+            kind, do = "released", f"release one: `brake-cal tables release {name}@N --reason ...`"
         others = ", ".join(f"{name}@{version} {word}" for version, word in states.items())
-        release = f"release one: `brake-cal tables release {name}@N --reason ...`"
-        raise StoreError(
-            f"{name} has no {'released' if released else 'usable'} version; there is {others}",
-            do=release if released else f"name the one that you mean, such as {name}@{max(states)}",
-        )
+        raise StoreError(f"{name} has no {kind} version; there is {others}", do=do)
+
+    def _at_path(self, path: Path) -> Stored:
+        """Read the version in a folder; a folder of this store must agree with the journal."""
+        stored = read_version(path)
+        of_store = existing_folder(self.folder / stored.name, stored.version)
+        if of_store and of_store.resolve() == path.resolve():
+            return self.load(stored.name, stored.version)
+        return stored
 
     def numbered(self, reference: str) -> tuple[str, int]:
-        """Name and version of ``name@version``. Raises TableNotFound."""
+        """Return name and version of ``name@version``. Raises TableNotFound."""
         name, _, version = reference.partition("@")
         versions = self.with_strays(self.require_table(name))
         if version.isascii() and version.isdecimal() and int(version) in versions:
@@ -113,9 +134,9 @@ class Snapshot:
         )
 
     def load(self, name: str, version: int) -> Stored:
-        """Read a version. Raises DamagedTable where digests, place and journal do not agree."""
+        """Read a version. Raises DamagedTable where digests, folder and journal do not agree."""
         id_ = f"{name}@{version}"
-        path = place(self.folder / checked_name(name), version)
+        path = existing_folder(self.folder / checked_name(name), version)
         if path is None:
             raise DamagedTable("missing: it was stored, and its folder is not there", where=id_)
         stored = read_version(path, id_)
@@ -131,7 +152,7 @@ class Snapshot:
         return replace(stored, state=self.journal.state(name, version))
 
     def entry(self, name: str, version: int) -> StoreEntry:
-        """A version, whether it can be read or not."""
+        """Return the entry of a version, whether the version can be read or not."""
         state = self.journal.state(name, version)
         try:
             return StoreEntry(name, version, state, self.load(name, version))
@@ -139,18 +160,20 @@ class Snapshot:
             return StoreEntry(name, version, state, None, (error.problem,))
 
     def verified(self, name: str, version: int) -> StoreEntry:
-        """`entry` with the violations of its table; a withdrawn version may be missing."""
+        """Return `entry` with the violations of the table; a withdrawn version may be missing."""
         entry = self.entry(name, version)
         if entry.stored:
             return replace(entry, violations=violations(entry.stored.table))
-        given_up = entry.state.word == WITHDRAWN and not place(self.folder / name, version)
-        return replace(entry, violations=()) if given_up else entry
+        is_missing = existing_folder(self.folder / name, version) is None
+        if is_missing and entry.state.word == WITHDRAWN:
+            return replace(entry, violations=())
+        return entry
 
     def identical(self, table: Table) -> Stored | None:
-        """The newest undamaged version that holds the same table, or None."""
-        fitted_from, digest = inputs(table.content()[0]), table.digest
+        """Return the newest undamaged version that holds the same table, or None."""
+        table_inputs, digest = inputs(table.content()[0]), table.digest
         for version, history in reversed(self.journal.versions(table.name).items()):
-            if history[0].digest == digest or history[0].inputs == fitted_from:
+            if history[0].digest == digest or history[0].inputs == table_inputs:
                 stored = self.entry(table.name, version).stored
                 if stored and same(stored.table, table):
                     return replace(stored, existed=True)

@@ -1,10 +1,10 @@
-"""The state of a version: may it be used, who decided so, and on what evidence.
+"""The state of a version: may the version be used, who decided that, and on what evidence.
 
     draft ──> released ──> withdrawn
       │          │  ^          ^
       └──────> rejected ───────┘
 
-A draft may be withdrawn, too. A version begins as a draft, or in the state of its decision. Only
+A draft may be withdrawn, too. A version is stored as a draft unless a decision comes with it. Only
 new evidence releases a rejected version. A withdrawn version stays withdrawn.
 """
 
@@ -21,7 +21,7 @@ CHANGES = {
     REJECTED: (REJECTED, RELEASED, WITHDRAWN),
     WITHDRAWN: (),
 }
-"""The states that may follow each state; the same state on new evidence."""
+"""The states that may follow each state. A state may follow itself on other evidence."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,10 @@ class Evidence:
 
 @dataclass(frozen=True)
 class StateDecision:
-    """A new state of a version, and its reason; ``by`` "" is the user of the computer.
+    """The decision that a version gets ``state``, with a ``reason``, a ``verdict`` and evidence.
 
-    ``automatic``: by a program, which neither releases a rejected version nor changes a withdrawn.
+    ``by`` is who decided; "" is the user of the computer. An ``automatic`` decision is a program's,
+    which neither releases a rejected version nor changes a withdrawn one.
     """
 
     state: str = DRAFT
@@ -49,9 +50,10 @@ class StateDecision:
 
 @dataclass(frozen=True)
 class VersionState:
-    """The state of a version ``since`` a time (ISO 8601, UTC), by whom, why, on what evidence.
+    """The state ``word`` of a version, ``since`` when (ISO 8601, UTC), by whom, on what evidence.
 
-    ``past_evidence``: SHA-256 of the evidence of all its states; ``in_store``: False for a copy.
+    ``stored_at`` is when the version was stored. ``past_evidence`` has the SHA-256 of the evidence
+    of all states of the version. ``in_store`` is False for a copy outside of a store.
     """
 
     word: str = DRAFT
@@ -71,19 +73,20 @@ class VersionState:
 
     @property
     def usable(self) -> bool:
-        """Whether a bare name may mean the version, unless a released one is needed."""
+        """Whether a table's name without a version may mean this version."""
         return self.word not in (REJECTED, WITHDRAWN)
 
     @property
-    def why(self) -> str:
+    def with_reason(self) -> str:
         """The state with its reason."""
         return f"{self.word}: {self.reason}" if self.reason else self.word
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """The state with its reason, person and date."""
-        source = ", ".join(filter(None, (self.by and f"by {self.by}", self.since[:10])))
-        return f"{self.why} ({source})" if source else self.why
+        person, date = f"by {self.by}" if self.by else "", self.since[:10]
+        source = ", ".join(filter(None, (person, date)))
+        return f"{self.with_reason} ({source})" if source else self.with_reason
 
 
 UNJUDGED = VersionState()
@@ -91,28 +94,31 @@ OUTSIDE = VersionState(reason="outside of its store, whose journal knows its sta
 NOT_STORED = VersionState(reason="not stored", in_store=False)
 
 
-def is_new(version: str, now: VersionState, decision: StateDecision | None) -> bool:
-    """Whether a decision changes anything. Raises StoreError where its state may not follow."""
+def changes_state(version: str, current: VersionState, decision: StateDecision | None) -> bool:
+    """Whether ``decision`` changes the ``current`` state of ``version``.
+
+    Raises StoreError where the state of the decision may not follow the current one.
+    """
     if decision is None or decision.state == DRAFT:
         return False
-    new = decision.state
-    back = (now.word, new) == (REJECTED, RELEASED)
-    if decision.automatic and (now.word == WITHDRAWN or back):
-        return False  # a person decides
-    if now.word == new and now.evidence == decision.evidence:
-        return False  # the same command again
-    if new not in CHANGES[now.word]:
-        flaw = f"is {now.words}; it stays withdrawn"
+    releases_rejected = current.word == REJECTED and decision.state == RELEASED
+    if decision.automatic and (releases_rejected or current.word == WITHDRAWN):
+        return False  # only a person may decide that
+    if current.word == decision.state and current.evidence == decision.evidence:
+        return False  # the same command was given twice
+    if decision.state not in CHANGES[current.word]:
+        flaw = f"is {current.description}; it stays withdrawn"
         raise StoreError(flaw, where=version, do="fit the car again: a new log makes a new version")
-    if back and now.past_evidence >= {one.sha256 for one in decision.evidence}:
-        flaw = f"is {now.words}; it is released only on new evidence"
+    evidence = {file.sha256 for file in decision.evidence}
+    if releases_rejected and evidence <= current.past_evidence:
+        flaw = f"is {current.description}; it is released only on new evidence"
         do = "validate it on another stop, and give the summary.json with --evidence"
         raise StoreError(flaw, where=version, do=do)
     return True
 
 
 def user() -> str:
-    """Name of the user of this computer; "unknown" where it has none."""
+    """Return the name of the user of this computer, "unknown" where the system has none."""
     try:
         return getpass.getuser()
     except (ImportError, KeyError, OSError):  # Windows has no pwd

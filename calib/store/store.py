@@ -1,8 +1,9 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
-`calib.store.folders` has the places, the page `tables` of the manual the promises. A version exists
-once the journal has its line. A writer that is stopped before leaves a folder that the next writer
-deletes; one that is stopped after it leaves a version that the next writer moves to its place.
+The file `folders` has the names of all files, the page `tables` of the manual the promises. A
+version exists from the moment when the journal has its line. A writer that stops before that moment
+leaves a folder that the next writer deletes. A writer that stops after it leaves a folder that the
+next writer moves to its final name.
 """
 
 import os
@@ -15,18 +16,18 @@ from pathlib import Path
 from calib.base.errors import StoreError
 from calib.base.write import locked_folder, sync
 from calib.store.folders import (
-    NEW,
+    NEW_PREFIX,
     checked_name,
+    existing_folder,
     folder_of,
     names_in,
     path_of,
-    place,
     refuse_link,
     unplaced,
 )
 from calib.store.journal import CHANGED, STORED, Journal, read_journal, write_journal
 from calib.store.snapshot import Snapshot, StoreEntry
-from calib.store.state import StateDecision, is_new
+from calib.store.state import StateDecision, changes_state
 from calib.store.version import Stored, read_version, write_version
 from calib.table.compare import inputs
 from calib.table.invariants import violations
@@ -57,44 +58,45 @@ class Store:
         return f"Store({str(self.folder)!r})"
 
     def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
-        """Write ``table`` as the next version of its name, or return the one that holds it.
+        """Write ``table`` as the next version of its name, or return the version that holds it.
 
         A new version is a draft by default. Raises StoreError, and stores nothing, for a table that
         is not sound, a state that may not follow, or a store that cannot be written.
         """
         _require_storable(table)
-        with self._writing(table.name) as now:
-            same = now.identical(table)
+        with self._locked(table.name) as snapshot:
+            same = snapshot.identical(table)
             if same is not None:
-                return self._judged(same, decision, now)
-            return self._added(table, decision or StateDecision(), now)
+                return self._with_decision(same, decision, snapshot)
+            return self._with_version(table, decision or StateDecision(), snapshot)
 
-    def foreseen(self, table: Table, decision: StateDecision) -> Stored:
-        """The result of `save` if no other writer adds a version before. Raises as `save`."""
+    def preview(self, table: Table, decision: StateDecision) -> Stored:
+        """Return what `save` would return at this moment, and write nothing. Raises as `save`."""
         _require_storable(table)
-        with self._reading() as now:
-            same, version = now.identical(table), now.next_number(table.name)
-        if same and not is_new(same.id, same.state, decision):
+        with self._unlocked() as snapshot:
+            same, version = snapshot.identical(table), snapshot.next_number(table.name)
+        if same and not changes_state(same.id, same.state, decision):
             return same
         path = self.folder / table.name / folder_of(version)
-        new = same or Stored(table, table.name, version, table.digest, path)
+        stored = same or Stored(table, table.name, version, table.digest, path)
         event = CHANGED if same else STORED
-        journal = now.journal.added(new.name, new.version, event, decision)
-        return replace(new, state=journal.state(new.name, new.version))
+        journal = snapshot.journal.added(stored.name, stored.version, event, decision)
+        return replace(stored, state=journal.state(stored.name, stored.version))
 
     def judge(self, reference: str, decision: StateDecision) -> Stored:
         """Change the state of ``name@version``. Raises TableNotFound, DamagedTable, StoreError."""
-        with self.changing(reference) as (now, stored):
-            return self._judged(stored, decision, now)
+        with self.changing(reference) as (snapshot, stored):
+            return self._with_decision(stored, decision, snapshot)
 
     def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
         """Withdraw a version whose folder is missing; otherwise do nothing and return False."""
-        name, version = self.now().numbered(reference)
-        if place(self.folder / name, version):
+        name, version = self.snapshot().numbered(reference)
+        if existing_folder(self.folder / name, version):
             return False
-        with self._writing(name) as now:
-            if is_new(reference, now.journal.state(name, version), decision):
-                write_journal(self.folder, now.journal.added(name, version, CHANGED, decision))
+        with self._locked(name) as snapshot:
+            journal = snapshot.journal
+            if changes_state(reference, journal.state(name, version), decision):
+                write_journal(self.folder, journal.added(name, version, CHANGED, decision))
         return True
 
     def load(self, reference: str) -> Stored:
@@ -106,102 +108,115 @@ class Store:
         return self._find(reference, released=False)
 
     def released(self, reference: str) -> Stored:
-        """`load`, where a bare ``name`` is its newest released version."""
+        """Read a version as `load` does; a bare ``name`` is its newest released version."""
         return self._find(reference, released=True)
 
-    def now(self) -> Snapshot:
-        """The store as it is at this moment. Raises DamagedTable."""
-        with self._reading() as now:
-            return now
+    def snapshot(self) -> Snapshot:
+        """Return the store as it is at this moment. Raises DamagedTable."""
+        with self._unlocked() as snapshot:
+            return snapshot
 
     def entries(self, state: str | None = None) -> Iterator[StoreEntry]:
-        """Each version of the store, or each in a ``state``, by name and version.
+        """Yield each version of the store, or each in a ``state``, by name and version.
 
         Tables are read one at a time. Raises TableNotFound, DamagedTable.
         """
         wanted = state.lower() if state else None
-        with self._reading() as now:
-            for name in now.names:
-                for version in now.journal.versions(name):
-                    if wanted in (None, now.journal.word(name, version)):
-                        yield now.entry(name, version)
+        with self._unlocked() as snapshot:
+            for name in snapshot.names:
+                for version in snapshot.journal.versions(name):
+                    if wanted in (None, snapshot.journal.word(name, version)):
+                        yield snapshot.entry(name, version)
 
     def verify(
-        self, name: str | None = None, also: Callable[[StoreEntry], StoreEntry] = lambda x: x
+        self,
+        name: str | None = None,
+        examine: Callable[[StoreEntry], StoreEntry] = lambda entry: entry,
     ) -> tuple[StoreEntry, ...]:
-        """Compare the versions of one table or all with digests, invariants and journal.
+        """Compare the versions of one table, or of all, with digests, invariants and journal.
 
-        One entry for each version, and each folder that is not in the journal, without its table;
-        ``also`` gets each entry with the table, one at a time.
+        Return one entry for each version and for each folder that is not in the journal. Tables are
+        read one at a time: ``examine`` gets the entry with its table, and the entry that it returns
+        is kept without the table.
         """
-        with self._reading() as now:
-            every = (
-                [now.require_table(name)] if name else sorted({*now.names, *names_in(self.folder)})
+        with self._unlocked() as snapshot:
+            if name:
+                names = [snapshot.require_table(name)]
+            else:
+                names = sorted({*snapshot.names, *names_in(self.folder)})
+            entries = (
+                snapshot.verified(table, version)
+                for table in names
+                for version in snapshot.with_strays(table)
             )
-            each = (now.verified(table, v) for table in every for v in now.with_strays(table))
-            return tuple(replace(also(entry), stored=None) for entry in each)
+            return tuple(replace(examine(entry), stored=None) for entry in entries)
 
     @contextmanager
     def changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
-        """The locked store, and its version ``name@version`` to be changed."""
-        name, version = self.now().numbered(reference)  # before anything is made
-        with self._writing(name) as now:
-            yield now, now.load(name, version)
+        """Lock the store, and give it with its version ``name@version``."""
+        name, version = self.snapshot().numbered(reference)  # refuses before a folder is made
+        with self._locked(name) as snapshot:
+            yield snapshot, snapshot.load(name, version)
 
     def _find(self, reference: str, released: bool) -> Stored:
         path = path_of(reference)
         store = self if path is None else Store(path.resolve().parent.parent)
-        with store._reading() as now:
-            return now.find(reference, released)
+        with store._unlocked() as snapshot:
+            return snapshot.find(reference, released)
 
-    def _added(self, table: Table, decision: StateDecision, now: Snapshot) -> Stored:
-        """Write the new version aside, enter it in the journal, move it to its place."""
-        _refuse_same_folder(table.name, now.names)
-        version = now.next_number(table.name)
+    def _with_version(self, table: Table, decision: StateDecision, snapshot: Snapshot) -> Stored:
+        """Write a version aside, enter it in the journal, and move it to its final name."""
+        _refuse_same_folder(table.name, snapshot.names)
+        version = snapshot.next_number(table.name)
         final = self.folder / table.name / folder_of(version)
-        work = final.with_name(f"{NEW}{final.name}")
+        path = final.with_name(f"{NEW_PREFIX}{final.name}")
 
         try:
-            write_version(table, version, work)
-            stored = read_version(work, f"{table.name}@{version}")
+            write_version(table, version, path)
+            stored = read_version(path, f"{table.name}@{version}")
             fields = {"digest": stored.digest, "record": stored.record}
             fields["inputs"] = inputs(table.content()[0])
-            journal = now.journal.added(table.name, version, STORED, decision, **fields)
+            journal = snapshot.journal.added(table.name, version, STORED, decision, **fields)
             write_journal(self.folder, journal)
         except BaseException:
             if version not in read_journal(self.folder).versions(table.name):
-                shutil.rmtree(work, ignore_errors=True)
+                shutil.rmtree(path, ignore_errors=True)
                 with suppress(OSError):
-                    work.parent.rmdir()  # if it is empty
+                    path.parent.rmdir()  # if it is empty
             raise
-        with suppress(OSError):  # it is stored: the next writer can move it as well
-            os.rename(work, final)
-            work = final
+        with suppress(OSError):  # the version exists; the next writer can move it as well
+            os.rename(path, final)
+            path = final
             sync(final.parent)
-        return replace(stored, path=work, state=journal.state(table.name, version))
+        return replace(stored, path=path, state=journal.state(table.name, version))
 
-    def _judged(self, stored: Stored, decision: StateDecision | None, now: Snapshot) -> Stored:
-        if decision is None or not is_new(stored.id, stored.state, decision):
+    def _with_decision(
+        self, stored: Stored, decision: StateDecision | None, snapshot: Snapshot
+    ) -> Stored:
+        """Enter a decision in the journal if it changes the state; return the version with it."""
+        if decision is None or not changes_state(stored.id, stored.state, decision):
             return stored
-        journal = now.journal.added(stored.name, stored.version, CHANGED, decision)
+        journal = snapshot.journal.added(stored.name, stored.version, CHANGED, decision)
         write_journal(self.folder, journal)
         return replace(stored, state=journal.state(stored.name, stored.version))
 
     @contextmanager
-    def _writing(self, name: str) -> Iterator[Snapshot]:
+    def _locked(self, name: str) -> Iterator[Snapshot]:
+        """Give the store to one writer of the table ``name``. Raises StoreError for an OSError."""
         try:
             with locked_folder(self.folder):
                 refuse_link(self.folder / name)
-                now = Snapshot(self.folder, read_journal(self.folder))
-                _ = now.names  # refuses versions without a journal
-                _tidy(self.folder, name, now.journal)
-                yield now
+                snapshot = Snapshot(self.folder, read_journal(self.folder))
+                _ = snapshot.names  # raises where versions have no journal
+                _tidy(self.folder, name, snapshot.journal)
+                yield snapshot
         except OSError as error:
             flaw, where = f"cannot be written ({error.strerror or error})", error.filename
             raise StoreError(flaw, where=where or self.folder, do="nothing was stored") from error
 
     @contextmanager
-    def _reading(self) -> Iterator[Snapshot]:
+    def _unlocked(self) -> Iterator[Snapshot]:
+        """Give the store to a reader. Raises StoreError for an OSError."""
         try:
             yield Snapshot(self.folder, read_journal(self.folder))
         except OSError as error:
@@ -209,6 +224,7 @@ class Store:
 
 
 def _require_storable(table: Table) -> None:
+    """Raise StoreError for a table with an invalid name or a violated invariant."""
     checked_name(table.name)
     if flaws := violations(table):
         flaw = f"the table is not sound and was not stored: {'; '.join(flaws)}"
@@ -217,6 +233,7 @@ def _require_storable(table: Table) -> None:
 
 
 def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
+    """Raise StoreError if ``name`` is new and differs from one of ``names`` only by its case."""
     same = [other for other in names if other.lower() == name.lower()]
     if same and name not in same:
         raise StoreError(
@@ -228,14 +245,15 @@ def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
 
 
 def _tidy(folder: Path, table: str, journal: Journal) -> None:
-    """Finish or undo the work of stopped writers, under the lock. Raises OSError."""
+    """Finish or undo, under the lock, what stopped writers left. Raises OSError."""
     for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
         path.unlink(missing_ok=True)
+    stored_folders = [folder_of(version) for version in journal.versions(table)]
     for path in unplaced(folder, table):
-        final = path.with_name(path.name.removeprefix(NEW))
+        final = path.with_name(path.name.removeprefix(NEW_PREFIX))
         if path.is_symlink():
-            path.unlink()  # nobody knows where it leads
-        elif final.name in map(folder_of, journal.versions(table)) and not final.exists():
+            path.unlink()  # the link only, wherever it leads
+        elif final.name in stored_folders and not final.exists():
             os.rename(path, final)
         else:
             shutil.rmtree(path)

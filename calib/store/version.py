@@ -1,13 +1,14 @@
-"""A version of a table as a directory: a record, one Parquet file per curve or map, digests.
+"""A version of a table as a folder, with a record and one Parquet file for each curve or map.
 
     v0001/record.json           {id, version, digest, parents, files, states, record}
           difference.parquet    D(eta)
           paper.parquet         f1(eta), f2(eta)
           tyre.parquet          g(slip)
-          map.parquet           and level_map, draws
+          map.parquet, level_map.parquet, draws.parquet
 
-``digest`` is of the table's content, whatever the file format; ``files`` has the SHA-256 of each
-Parquet file, so that no damaged file is parsed; ``states`` names the journal.
+``digest`` is of the table's content, whatever the file format. ``parents`` are the logs of the fit.
+``files`` has the SHA-256 of each Parquet file, so that a damaged file is not parsed. ``states``
+names the journal. ``record`` is the content of the table but for curves and maps.
 """
 
 import json
@@ -33,7 +34,11 @@ from calib.table.table import COLUMNS, Table
 
 @dataclass(frozen=True)
 class Stored(Viewable):
-    """A table in a store; ``record`` digest of its record file; ``existed`` before `Store.save`."""
+    """A table as a version of a store, whose folder is ``path``.
+
+    ``record`` is the SHA-256 of the record file. ``existed`` tells that `Store.save` found the
+    version instead of writing it.
+    """
 
     table: Table
     name: str
@@ -54,23 +59,23 @@ class Stored(Viewable):
 
     @property
     def ramps(self) -> set[str]:
-        """Digests of its ramps; a coast log may serve several tables."""
+        """The digests of the ramps that the table was fitted to."""
         return {log.digest for log in self.table.provenance.logs if log.role == "ramp"}
 
     @property
     def address(self) -> dict[str, object]:
-        """Identity and path of the version, with which its documents begin."""
-        named = {"id": self.id, "name": self.name, "version": self.version}
-        return {**named, "digest": self.digest, "path": self.path}
+        """Name, version, digest and path, with which every JSON document of a version begins."""
+        identity = {"id": self.id, "name": self.name, "version": self.version}
+        return {**identity, "digest": self.digest, "path": self.path}
 
 
 def table_in(table: Table | Stored) -> Table:
-    """The table of a version; a table as it is."""
+    """Return the table of a version, or the given table itself."""
     return table.table if isinstance(table, Stored) else table
 
 
 def unstored(table: Table | Stored) -> Stored:
-    """A table as version 0, in no store; a version as it is."""
+    """Return a table as version 0 without a store, or the given version itself."""
     if isinstance(table, Stored):
         return table
     return Stored(table, table.name, 0, table.digest, Path(), state=NOT_STORED)
@@ -82,7 +87,7 @@ def write_version(table: Table, version: int, path: Path) -> None:
     files = {f"{name}.parquet": _curve_bytes(columns) for name, columns in curves.items()}
     digests = {name: sha256(data) for name, data in files.items()}
     times = [log.sample_time for log in table.provenance.logs]
-    files[RECORD] = _content(record, table.digest, version, digests, times)
+    files[RECORD] = _record_bytes(record, table.digest, version, digests, times)
     path.mkdir(parents=True)
     for name, data in files.items():
         (path / name).write_bytes(data)
@@ -90,8 +95,8 @@ def write_version(table: Table, version: int, path: Path) -> None:
     sync(path)
 
 
-def read_version(path: Path, promised: str | None = None) -> Stored:
-    """Read a version, compare it with its digests and with the id ``promised`` by its place.
+def read_version(path: Path, expected_id: str | None = None) -> Stored:
+    """Read a version, and compare it with its digests and with ``expected_id``, if that is given.
 
     Raises DamagedTable, StoreError.
     """
@@ -122,28 +127,28 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
         table = table_of(file.record, curves, times)
     except (KeyError, TypeError, ValueError) as error:
         raise damaged(f"not the record of these curves ({error!r})") from error
-    if data != _content(record, file.digest, file.version, file.files, times):
+    if data != _record_bytes(record, file.digest, file.version, file.files, times):
         raise damaged("its keys or its spelling do not agree with the record")
     stored = Stored(table, table.name, file.version, file.digest, path, sha256(data), OUTSIDE)
-    if promised not in (None, stored.id):
-        raise damaged(f"holds {stored.id} in the place of {promised}")
+    if expected_id not in (None, stored.id):
+        raise damaged(f"holds {stored.id} in the place of {expected_id}")
     return stored
 
 
 def _curve_bytes(columns: dict[str, Array]) -> bytes:
-    """The file of named ``columns``, each (n,)."""
-    doubles = {name: np.asarray(x, dtype=np.float64) for name, x in columns.items()}
+    """Return the Parquet file of named ``columns``, each (n,)."""
+    doubles = {name: np.asarray(column, np.float64) for name, column in columns.items()}
     units = {name: UNITS.get(name, "1") for name in columns}
     return parquet_of(doubles, units, compression="none", use_dictionary=False)
 
 
 def _read_curve(data: bytes) -> dict[str, Array]:
-    """Columns of a Parquet file, each float64 (n,). Raises ValueError for any other file."""
+    """Return the columns of a Parquet file, float64 (n,). Raises ValueError for any other file."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
-        # a pool of threads that still runs when a short program ends aborts it (code 134)
+        # use_threads: threads that still run when the program ends would abort it (exit code 134)
         table = pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
     except (pa.ArrowException, OSError) as error:
         raise ValueError(str(error)) from error
@@ -151,29 +156,32 @@ def _read_curve(data: bytes) -> dict[str, Array]:
     return {name: numbers(column) for name, column in columns}
 
 
-def _content(
+def _record_bytes(
     record: dict[str, Any],
     digest: str,
     version: int,
     files: dict[str, str],
     sample_times: list[float | None],
 ) -> bytes:
-    """The bytes of a record file, which has one spelling; ``sample_times`` of its logs [s]."""
-    logs = zip(record["provenance"]["logs"], sample_times, strict=True)
+    """Return the one spelling of a record file; ``sample_times`` are those of the logs [s]."""
+    parents = []
+    for log, time in zip(record["provenance"]["logs"], sample_times, strict=True):
+        timed = {"sample_time": time} if time else {}
+        parents.append({"name": log["name"], "digest": log["digest"], **timed})
     document = {
         "id": f"{record['name']}@{version}",
         "version": version,
         "digest": digest,
-        "parents": [{"name": log["name"], "digest": log["digest"]}
-                    | ({"sample_time": time} if time else {}) for log, time in logs],
+        "parents": parents,
         "files": files,
         "record": record,
         "states": JOURNAL,
-    }  # fmt: skip
+    }
     return (json.dumps(document, indent=2, sort_keys=True) + "\n").encode()
 
 
 def _bytes(path: Path) -> bytes:
+    """Return the content of a file of a version. Raises DamagedTable, StoreError."""
     try:
         return read_bounded(path, TABLE)
     except FileNotFoundError as error:

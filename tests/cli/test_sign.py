@@ -44,7 +44,7 @@ def signed(tables, secret):
 
 
 def test_sign_json(tables, secret, store):
-    head = Store(store).now().journal.head
+    head = Store(store).snapshot().journal.head
     said = parsed(tables("sign", "sedan@1", "--key", secret, "--json"))
     stored = Store(store).load("sedan@1")
     comment = said.pop("trusted_comment")
@@ -63,7 +63,7 @@ def test_sign_json(tables, secret, store):
 def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, store):
     path = tmp_path / "locked.key"
     cheap = {"opslimit": 2**15, "memlimit": 2**24}
-    monkeypatch.setattr("calib.store.minisign._SENSITIVE", cheap)
+    monkeypatch.setattr("calib.store.minisign._SCRYPT", cheap)
     generate(path, tmp_path / "locked.pub", "Bremse 1")
     for typed, code in ((b"Bremse 2\n", 3), (b"", 2), (b"Bremse 1\n", 0)):
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(typed), encoding="utf-8"))

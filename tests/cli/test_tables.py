@@ -105,7 +105,7 @@ def test_a_release_holds_who_why_and_the_digest_of_the_evidence(drafts, summary,
     assert (state.by, state.reason, state.verdict) == ("Ada", "one stop", "passed")
     assert state.evidence[0].sha256 == hashlib.sha256(proof.read_bytes()).hexdigest()
     assert drafts(*release).code == 0
-    assert len(Store(store).now().journal.entries) == 3  # nothing was to be changed
+    assert len(Store(store).snapshot().journal.entries) == 3  # nothing was to be changed
     assert drafts("export", "sedan", "--out", out).code == 0
     assert drafts("export", "sedan@2", "--out", tmp_path / "b.dcm").code == 4
     assert drafts("export", "sedan@2", "--out", tmp_path / "b.dcm", "--unreleased").code == 0
@@ -123,10 +123,10 @@ def test_a_release_holds_who_why_and_the_digest_of_the_evidence(drafts, summary,
     ],
 )
 def test_what_is_typed_wrong_changes_nothing(drafts, store, words):
-    before = Store(store).now().journal.entries
+    before = Store(store).snapshot().journal.entries
     ran = drafts(*words)
     assert (ran.code, ran.result) == (2, "")
-    assert Store(store).now().journal.entries == before
+    assert Store(store).snapshot().journal.entries == before
 
 
 def test_the_log_of_a_table_is_its_history(drafts):

@@ -30,7 +30,7 @@ UNTRUSTED = range(len("untrusted comment: "), CONTENT.index(b"\n"))
 @pytest.fixture
 def files(tmp_path, monkeypatch):
     """Names for a new pair, whose password takes little time."""
-    monkeypatch.setattr(calib.store.minisign, "_SENSITIVE", CHEAP)
+    monkeypatch.setattr(calib.store.minisign, "_SCRYPT", CHEAP)
     return tmp_path / "car.key", tmp_path / "car.pub"
 
 

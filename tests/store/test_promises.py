@@ -200,7 +200,7 @@ def test_a_copy_outside_of_its_store_is_no_draft(three, tmp_path):
     shutil.copytree(three.folder / "sedan" / "v0003", tmp_path / "copy")
     state = three.load(str(tmp_path / "copy")).state
     assert not state.in_store
-    assert "outside of its store" in state.words
+    assert "outside of its store" in state.description
     assert three.load(str(three.folder / "sedan" / "v0003")).state.word == "rejected"
 
 

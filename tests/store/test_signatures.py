@@ -69,9 +69,8 @@ def test_a_signature_is_checked_by_minisign_and_made_by_minisign(store, keys):
     ran = minisign("-Vm", record, "-x", beside, "-p", public)
     assert ran.returncode == 0, ran.stderr
     stored = store.load("sedan@2")
-    line = (
-        f"brake-cal table=sedan version=2 digest={stored.digest} journal={store.now().journal.head}"
-    )
+    head = store.snapshot().journal.head
+    line = f"brake-cal table=sedan version=2 digest={stored.digest} journal={head}"
     beside.unlink()
     ran = minisign("-S", "-W", "-s", secret, "-m", record, "-x", beside, "-t", line)
     assert ran.returncode == 0, ran.stderr
@@ -132,7 +131,7 @@ def test_a_signature_of_another_version_is_refused(store, tmp_path):
 
 def test_a_comment_without_a_head_at_which_it_was_stored_is_refused(store):
     """The key signed the right record, with a comment that a person wrote by hand."""
-    first = store.now().journal.entries[0].hash
+    first = store.snapshot().journal.entries[0].hash
     for comment in (
         f"brake-cal journal={first}",
         "my best table",
@@ -203,7 +202,7 @@ def test_an_older_version_is_not_offered_as_the_newest(store):
 
 
 def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen, tmp_path):
-    before = len(store.now().journal.entries)
+    before = len(store.snapshot().journal.entries)
     store.judge("sedan@2", WITHDRAW)
     sign(store, "sedan@2", ADA)
     set_back(store, before)  # the newer signature is still there
@@ -214,7 +213,7 @@ def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen,
     with pytest.raises(SignatureRefused):
         sign(store, "wagon@1", ADA)
     assert not (store.folder / "wagon" / "v0001.minisig").exists()
-    assert len(store.now().journal.entries) == before
+    assert len(store.snapshot().journal.entries) == before
 
     other = Store(tmp_path / "other")  # the same versions, whose journal has another first line
     for stiffness in (27.0, 28.0):

@@ -33,17 +33,17 @@ def files_under(directory):
 
 
 def test_what_is_foreseen_is_what_is_saved(store):
-    before = store.foreseen(made_table(), RELEASE)
+    before = store.preview(made_table(), RELEASE)
     assert not store.folder.exists()
     saved = store.save(made_table(), RELEASE)
-    for found in (before, store.foreseen(made_table(), RELEASE)):
+    for found in (before, store.preview(made_table(), RELEASE)):
         assert (found.id, found.digest, found.path) == (saved.id, saved.digest, saved.path)
-        assert found.state.words.startswith("released: good (by Ada")
+        assert found.state.description.startswith("released: good (by Ada")
         assert json.dumps(found.table.content()[0]) == json.dumps(saved.table.content()[0])
-    again = store.foreseen(made_table(), replace(RELEASE, state="rejected"))
+    again = store.preview(made_table(), replace(RELEASE, state="rejected"))
     assert (again.version, again.state.word) == (1, "rejected")
     assert again.state.stored_at == saved.state.stored_at
-    assert store.foreseen(made_table(30.0), RELEASE).version == 2
+    assert store.preview(made_table(30.0), RELEASE).version == 2
 
 
 def test_an_unsound_table_is_not_stored(store):

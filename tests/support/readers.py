@@ -165,7 +165,7 @@ def of_store(missing: str) -> Callable[[Path], object]:
     def read(path: Path) -> object:
         if not path.with_name(missing).exists():
             path.with_name(missing).symlink_to(ROOT / "tables" / missing)
-        return Store(path.parent).now()
+        return Store(path.parent).snapshot()
 
     return read
 

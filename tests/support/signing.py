@@ -38,7 +38,7 @@ WITHDRAW = StateDecision("withdrawn", "pads recalled", by="Bob")
 
 def set_back(store: Store, lines: int) -> None:
     """Cut the journal to its first lines, and write a head that agrees."""
-    write_journal(store.folder, Journal(store.now().journal.entries[:lines]))
+    write_journal(store.folder, Journal(store.snapshot().journal.entries[:lines]))
 
 
 def replaced_by(store: Store, other: Store) -> None:

@@ -34,7 +34,7 @@ def golden_table(store: Store, reference: str) -> Stored:
     stored = store.released(reference)
     if not (stored.state.usable and stored.state.in_store):
         raise StoreError(
-            f"is {stored.state.words}; no car is measured by it",
+            f"is {stored.state.description}; no car is measured by it",
             where=stored.id,
             expected="a released version",
         )
