@@ -14,7 +14,7 @@ from calib.base.warning import Measured, bounds_of
 from calib.car.braking import MOVING
 from calib.plausibility.evidence import Evidence
 from calib.run.axle_signals import held_time
-from calib.run.copies import shares_of_speed, twice
+from calib.run.copies import copied_pairs, shares_of_speed
 from calib.run.driving_record import BITE_Z, DrivingRecord
 
 _NEEDED = ("p_mc", "a_x", *WHEEL_SPEEDS)
@@ -77,14 +77,15 @@ def pressure(e: Evidence) -> Iterator[Measured]:
     if master.saturated:
         return
     # on a ramp a zero that is too low looks like a delay; a correct zero has noise
-    cut = master.low == 0.0 and master.flat > _CUT and delay.surely < 0.0
+    cut = master.low == 0.0 and master.flat > _CUT and delay.least < 0.0
     zero = "a zero of p_mc that is too low, so that it is cut at 0, or "
     how = f"{zero * cut}{every} {'are' if ',' in every else 'is'} {delay.words}"
     words = {"how": how, "entry": f"{delay.entry} to {every}"}
-    yield Measured("pressure_late", delay.surely, words=words)
+    yield Measured("pressure_late", delay.least, words=words)
     motors = any(name.startswith("T_drive") for name in run.present)
-    if abs(delay.surely) <= _LATE and not motors:
-        yield Measured("pressure_foreign", max(delay.in_time, 0.0), words={"channels": every})
+    if abs(delay.least) <= _LATE and not motors:
+        explained = max(delay.explained_in_time, 0.0)
+        yield Measured("pressure_foreign", explained, words={"channels": every})
 
 
 def speed(e: Evidence) -> Iterator[Measured]:
@@ -96,7 +97,7 @@ def copied(e: Evidence) -> Iterator[Measured]:
     """One signal in two channels."""
     log = e.run.log
     names = [name for name in (*WHEEL_SPEEDS, "v", "a_x", "p_mc") if name in log]
-    for one, other, same in twice(log, names):
+    for one, other, same in copied_pairs(log, names):
         yield Measured("same_signal", same, words={"one": one, "other": other})
     for source, share in shares_of_speed(log):
         yield Measured("a_x_of_speed", share, words={"source": source})

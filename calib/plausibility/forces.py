@@ -52,10 +52,10 @@ def accelerometer(e: Evidence) -> Iterator[Measured]:
     if e.run.other_scale == 0.0:
         scale = sensor.scale / (1.0 - sensor.scale)
         yield Measured("a_x_scale", scale, math.sqrt(sensor.variance_scale))
-    if sensor.wanders > _WANDERS:
+    if sensor.walk_probability > _WANDERS:
         noise = e.run.noise  # of means over 1 s, as they are compared
         sigma = math.hypot(noise.z, math.sqrt(2.0 / BLOCK) * noise.v / G)
-        yield Measured("a_x_against_v", sensor.disagrees, sigma)
+        yield Measured("a_x_against_v", sensor.disagreement, sigma)
     yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
     yield Measured("unexplained_drag", G * sensor.drag)
     yield Measured("a_x_late", sensor.lag, math.sqrt(sensor.variance_lag))
@@ -78,7 +78,7 @@ def brakes(e: Evidence) -> Iterator[Measured]:
     if odds * (early + fading + early * fading) / 3.0 > _MOTOR:
         yield Measured("unexplained_braking_force", share if early > fading else fading_share)
     yield Measured("braking_force_missing", share, response.share_sigma)
-    time, step, scatter = response.step
+    time, step, scatter = response.force_step
     yield Measured("force_step", step, scatter, words={"at": time})
     yield Measured("pressure_lag", response.delay, response.delay_sigma)
 

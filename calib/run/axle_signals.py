@@ -207,12 +207,3 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     sigma = max(scatter(differences) / math.sqrt(2.0), _FINEST)
     disturbed = np.abs(smooth - usual) > _DISTURBED * sigma
     return np.asarray(centred_mean(disturbed.astype(float), 2 * width) == 0.0)
-
-
-def rolling_radii(s: Signals) -> tuple[float, float] | None:
-    """Rolling radii [m] of front and rear wheels on the lead-in; None without v or a lead-in."""
-    if s.v is None or not s.lead_in.any():
-        return None
-    speed = np.mean(s.v[s.lead_in])
-    front, rear = (float(speed / np.mean(omega[s.lead_in])) for omega in (s.omega_f, s.omega_r))
-    return front, rear

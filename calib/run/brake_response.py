@@ -2,16 +2,20 @@
 
     demanded brake force = level (1 + trend t) N(t - delay) + force [braked] - fading [slow] + rest
 
-N is the brake force of nominal pads. ``force`` is positive for a motor that brakes with the pedal,
-or a zero of the pressure that is too low, and negative for a threshold pressure. A motor hands over
-to the brakes before the car stands. If the driver does not press harder, that force is lost:
-``fading`` is positive, also for a motor that follows the pedal. Fade of the pads is in the trend, a
-bias of the accelerometer or an unknown resistance in the rest. The delay is a shift or a
-first-order lag, whichever fits better, with an unknown width. Not causal: it uses the whole run.
-Wrong where ABS or a valve limits the brake force: that looks like force without pressure.
+N is the brake force of nominal pads; [braked] is 1 where the pads bite, [slow] rises from 0 to 1
+there while a motor hands over to the brakes before the car stands. ``force`` is positive for a
+motor that brakes with the pedal, or a zero of the pressure that is too low, and negative for a
+threshold pressure. ``fading`` is the force that is lost if the driver does not press harder when
+the motor hands over: it is positive, also for a motor that follows the pedal. Fade of the pads is
+in the trend, a bias of the accelerometer or an unknown resistance in the rest. The delay is a shift
+or a first-order lag, whichever fits better; the response may also be wider than that.
+
+Not causal: it uses the whole run. Wrong where ABS or a valve limits the brake force: that looks
+like force without pressure.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +38,7 @@ from calib.run.filters import (
     time_since,
 )
 
-_STEP = 0.02  # of the means that are compared [s]
+_STEP = 0.02  # length of the means that are compared [s]
 _TRIED = 0.06  # step of the delays that are tried [s]; Gauss-Newton steps refine the best
 _EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: `pressure_delay` finds greater ones
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
@@ -45,8 +49,8 @@ and a force are nearly collinear, and only the prior separates them."""
 _WIDTH = 0.25
 """Prior sigma of half the variance of the response time, over the squared delay [1]: a first-order
 lag has 1/2, a shift 0. In a fast rise a wide response looks like a force."""
-_FORCE = 0.05
-"""Standard deviation of the force over the usual brake force before the run [1]."""
+_FORCE = 0.05  # prior sigma of the force over the usual brake force [1]
+_FADING = 1.0  # prior sigma of the fading force over the usual brake force [1]: hardly informative
 _GROUP = 10  # means over which residuals are averaged to see how they are correlated: 0.2 s
 _LASTING = 1.3
 """Factor on sigma for noise with a time constant of 0.1 s, over half a second, beyond what means
@@ -55,19 +59,21 @@ _AFTER = 0.5  # time after a release that is used [s]; later the engine may driv
 _BEFORE = 0.5  # time before the pressure rises that is used [s]: a late pressure rises after z
 _SLOW = 4.0  # speed below which only braking is used [m/s]: an automatic gearbox creeps
 _GONE = 1.0  # speed at which a motor has handed over [m/s]; the jerk below it is not used
-_FADING = 1.0  # prior sigma of the fading force, over the same as `_FORCE` [1]: hardly informative
 _LEAST = 1.0  # time of braking that is needed [s]
-_AGE = 10.0  # time over which the trend is written [s]
-_WINDOW, _BETWEEN = 0.3, 0.1  # time of two medians, whose difference is a step [s]
+_AGE = 10.0  # unit of time of the trend [s]
+_WINDOW, _BETWEEN = 0.3, 0.1  # lengths of two medians, and between them [s]: they show a step
 _BITTEN = 0.4  # time of braking before a step is looked for [s]: pads and body settle
 _STEADY = 0.3  # largest change of the nominal force between the medians [1]: the delay is not exact
+
+_LEVEL, _TREND, _BRAKED, _REST, _FADES, _DELAY, _WIDER = range(7)
+"""Columns of the regression: the terms of the formula, the delay, and a wider response."""
 
 
 class _ForceStep(NamedTuple):
     """The largest step of the braking force that the pressure does not make, at ``time`` [s].
 
-    ``share`` of the usual brake force [1], positive where the car brakes more after it;
-    ``sigma`` scatter of such steps in the run [1].
+    ``share`` is the step over the usual brake force [1], positive where the car brakes more after
+    it; ``sigma`` is the scatter of such steps in the run [1].
     """
 
     time: float = 0.0
@@ -83,8 +89,8 @@ class BrakeResponse:
     """Delay of the brakes [s] and force without pressure, each with its standard deviation.
 
     ``level`` of the pads over nominal [1]; ``delay`` positive where the deceleration comes after
-    the pressure; ``share`` the force, and ``fading`` the one lost at low speed, over the median
-    demanded brake force [1]; the sigma of ``fading`` is `_FADING` where the run does not show it.
+    the pressure; ``share`` the force, and ``fading`` the fading force, over the usual (median)
+    demanded brake force [1]. The sigma of ``fading`` is `_FADING` where the run does not show it.
     """
 
     level: float
@@ -94,15 +100,15 @@ class BrakeResponse:
     share_sigma: float
     fading: float = 0.0
     fading_sigma: float = _FADING
-    step: _ForceStep = _NO_STEP
+    force_step: _ForceStep = _NO_STEP
 
 
 @dataclass(frozen=True)
 class BrakeBalance:
     """Forces of a run [N], shapes (n,).
 
-    ``nominal_f``, ``nominal_r`` brake forces of nominal pads; ``balance`` all others; ``active``
-    where the pads bite, after the lead-in.
+    ``nominal_f``, ``nominal_r`` are the brake forces of nominal pads, ``balance`` all other forces;
+    ``active`` is true where the pads bite, after the lead-in.
     """
 
     nominal_f: Array
@@ -111,96 +117,137 @@ class BrakeBalance:
     active: Mask
 
 
-def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
-    """Delay and force without pressure of a run; None if it brakes too little to tell."""
-    size = samples_in(_STEP, s.sample_time)
-    step = size * s.sample_time
-    active = forces.active.astype(float)
-    time, nominal, demanded, braked, slow, use = (
-        block_mean(x, size)
-        for x in (
-            s.time,
-            forces.nominal_f + forces.nominal_r,
-            forces.balance.demanded,
-            active,
-            active * np.clip((FADE_OUT - s.speed) / (FADE_OUT - _GONE), 0.0, 1.0),
-            _useful(s, forces.active).astype(float),
-        )
+def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
+    """Compute the forces of a run with the nominal pads of ``car`` and the known effects."""
+    nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
+    drive = (s.drive_f, s.drive_r)
+    after_lead_in = ~np.logical_or.accumulate(s.lead_in[::-1])[::-1]  # all true without a lead-in
+    return BrakeBalance(
+        nominal_f=nominal_f,
+        nominal_r=nominal_r,
+        balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f, drive),
+        active=after_lead_in & (np.maximum(s.p_f, s.p_r) > BITE),
     )
-    inside = use == 1.0
-    if step * float(braked[inside].sum()) < _LEAST:
+
+
+@dataclass(frozen=True)
+class _Means:
+    """Means of a run over ``step`` [s], (k,), compared where ``inside`` is true; forces in N.
+
+    Brake forces are the ``nominal`` one of nominal pads and the ``demanded`` one by the
+    deceleration; ``braked`` and ``slow`` are those of the head [1].
+    """
+
+    step: float
+    time: Array
+    nominal: Array
+    demanded: Array
+    braked: Array
+    slow: Array
+    inside: Mask
+
+    @classmethod
+    def of_run(cls, s: Signals, forces: BrakeBalance) -> "_Means":
+        size = samples_in(_STEP, s.sample_time)
+        bites = forces.active.astype(float)
+        handed_over = np.clip((FADE_OUT - s.speed) / (FADE_OUT - _GONE), 0.0, 1.0)
+        return cls(
+            step=size * s.sample_time,
+            time=block_mean(s.time, size),
+            nominal=block_mean(forces.nominal_f + forces.nominal_r, size),
+            demanded=block_mean(forces.balance.demanded, size),
+            braked=block_mean(bites, size),
+            slow=block_mean(bites * handed_over, size),
+            inside=block_mean(_useful(s, forces.active).astype(float), size) == 1.0,
+        )
+
+    @cached_property
+    def age(self) -> Array:
+        """Time from the middle of the run over `_AGE` [1]."""
+        return (self.time - float(self.time[self.inside].mean())) / _AGE
+
+
+def _useful(s: Signals, active: Mask) -> Mask:
+    """Mask (n,) of the lead-in, and of braking (``active``) with the time around it."""
+    if not active.any():
+        return np.zeros_like(active)
+    soon = time_since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
+    lately = time_since(s.time, active) < _AFTER
+    unbraked = (s.lead_in | soon | lately) & (s.speed > _SLOW)
+    return np.asarray(unbraked | (active & (s.speed > _GONE)))
+
+
+def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
+    """Estimate delay and force without pressure of a run; None if it brakes too little."""
+    m = _Means.of_run(s, forces)
+    if m.step * float(m.braked[m.inside].sum()) < _LEAST:
         return None
-    age = (time - float(time[inside].mean())) / _AGE
-    y = demanded[inside]
-    usual = float(np.median(y[braked[inside] > 0.5]))
-    constant = np.ones_like(time)
-    tried, late, on = _tried(time, nominal, braked, step)
-    late, on = late[:, inside], on[:, inside]
-    others = (np.broadcast_to(x[inside], late.shape) for x in (constant, slow))
-    columns = np.stack([late, late * age[inside], on, *others], 1)
-    squares = residual_squares(inner_products(columns, y))
-    A = columns[int(np.argmin(squares))].T
-    variance = long_run_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
-    # maximum a posteriori over the delays that were tried
-    best = int(np.argmin(squares / variance + ((tried - _USUAL) / _SPREAD) ** 2))
-    lagged, delay = best >= tried.size - _LAGS.size, float(tried[best])
+    y = m.demanded[m.inside]
+    usual = float(np.median(y[m.braked[m.inside] > 0.5]))
+    delay, lagged = _likeliest_delay(m, y)
     for _ in range(_REFINED):
-        n, applied = (_delayed(time, x, delay, lagged=lagged) for x in (nominal, braked))
-        slope = -np.gradient(n, step)  # by the delay
-        width = -np.gradient(slope, step)  # by half its variance
-        A = np.column_stack([n, n * age, applied, constant, -slow, slope, width])[inside]
+        nominal, braked = (_delayed(m.time, x, delay, lagged=lagged) for x in (m.nominal, m.braked))
+        by_delay = -np.gradient(nominal, m.step)
+        by_width = -np.gradient(by_delay, m.step)  # by half the variance of the delay
+        terms = nominal, nominal * m.age, braked, np.ones_like(nominal), -m.slow, by_delay, by_width
+        A = np.column_stack(terms)[m.inside]
         free = np.linalg.lstsq(A, y, rcond=None)[0]
-        level = float(free[0])
+        level = float(free[_LEVEL])
         if not (level > 0.0 and usual > 0.0):
             return None
         variance = long_run_variance(y - A @ free, _GROUP)
-        smeared = _WIDTH * (delay**2 + _USUAL**2)
-        spread = {2: _FORCE * usual, 4: _FADING * usual, 5: level * _SPREAD, 6: level * smeared}
+        prior_sigma = {
+            _BRAKED: _FORCE * usual,
+            _FADES: _FADING * usual,
+            _DELAY: level * _SPREAD,
+            _WIDER: level * (_WIDTH * (delay**2 + _USUAL**2)),
+        }
         precision, side = A.T @ A / variance, A.T @ y / variance
-        for column, sigma in spread.items():
+        for column, sigma in prior_sigma.items():
             precision[column, column] += sigma**-2.0
-        side[5] += (_USUAL - delay) / _SPREAD / spread[5]
+        side[_DELAY] += (_USUAL - delay) / _SPREAD / prior_sigma[_DELAY]
         covariance = np.linalg.inv(precision)
         solution, errors = covariance @ side, np.sqrt(np.diag(covariance))
         residual = y - A @ solution
-        delay += float(solution[5]) / level
+        delay += float(solution[_DELAY]) / level
     return BrakeResponse(
-        level=float(solution[0]),
+        level=float(solution[_LEVEL]),
         delay=delay,
-        delay_sigma=float(errors[5]) / level,
-        share=float(solution[2]) / usual,
-        share_sigma=float(errors[2]) / usual,
-        fading=float(solution[4]) / usual,
-        fading_sigma=_LASTING * float(errors[4]) / usual,
-        step=_step(step, time[inside], braked[inside], n[inside] * level / usual, residual / usual),
+        delay_sigma=float(errors[_DELAY]) / level,
+        share=float(solution[_BRAKED]) / usual,
+        share_sigma=float(errors[_BRAKED]) / usual,
+        fading=float(solution[_FADES]) / usual,
+        fading_sigma=_LASTING * float(errors[_FADES]) / usual,
+        force_step=_largest_step(m, nominal[m.inside] * level / usual, residual / usual),
     )
 
 
-def _step(step: float, time: Array, braked: Array, nominal: Array, residual: Array) -> _ForceStep:
-    """The largest step of ``residual`` in the longest braking, by medians, so that no bump counts.
+def _likeliest_delay(m: _Means, y: Array) -> tuple[float, bool]:
+    """Delay [s] of those tried with the greatest posterior probability, and whether it is a lag.
 
-    ``nominal`` and ``residual`` (n,) over the usual brake force [1]; ``step`` [s].
+    ``y`` is the demanded brake force inside (k,).
     """
-    on = np.flatnonzero(braked == 1.0)
-    longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)
-    width, apart = round(_WINDOW / step), round((_WINDOW + _BETWEEN) / step)
-    if longest.size < 2 * apart:
-        return _NO_STEP
-    windows = np.lib.stride_tricks.sliding_window_view(
-        np.stack([residual, nominal])[:, longest], width, axis=1
-    )
-    middle = [(width - 1) // 2, width // 2]
-    levels, pressed = np.partition(windows, middle, axis=-1)[..., middle].mean(axis=-1)
-    steps = levels[apart:] - levels[:-apart]
-    middles = time[longest][(apart + width) // 2 :][: steps.size]
-    comparable = (np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY) & (
-        middles > middles[0] + _BITTEN
-    )
-    if not comparable.any():
-        return _NO_STEP
-    largest = int(np.argmax(np.where(comparable, np.abs(steps), 0.0)))
-    sigma = scatter(steps[comparable] - np.median(steps[comparable]))
-    return _ForceStep(float(middles[largest]), float(steps[largest]), sigma)
+    tried, nominal, braked = _tried_delays(m)
+    nominal, braked = nominal[:, m.inside], braked[:, m.inside]
+    constant, slow = np.ones_like(nominal), np.broadcast_to(m.slow[m.inside], nominal.shape)
+    columns = np.stack([nominal, nominal * m.age[m.inside], braked, constant, slow], 1)  # (d, 5, k)
+    squares = residual_squares(inner_products(columns, y))
+    A = columns[int(np.argmin(squares))].T
+    variance = long_run_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0], _GROUP)
+    best = int(np.argmin(squares / variance + ((tried - _USUAL) / _SPREAD) ** 2))
+    return float(tried[best]), best >= tried.size - _LAGS.size
+
+
+def _tried_delays(m: _Means) -> tuple[Array, Array, Array]:
+    """Delays [s] (d,): none, shifts, lags; the nominal force and [braked] after each, (d, k)."""
+    every = samples_in(_TRIED, m.step)
+    shifts = np.arange(round(_EARLIEST / m.step), round(_LATEST / m.step) + 1, every)
+    shifts = np.concatenate([[0], shifts[shifts != 0]])
+    earlier = np.clip(np.arange(m.time.size) - shifts[:, None], 0, m.time.size - 1)
+    lagged = [first_order(m.time, m.nominal, lag)[None] for lag in _LAGS]
+    nominal = np.vstack([m.nominal[earlier], *lagged])
+    braked = np.vstack([m.braked[earlier], np.broadcast_to(m.braked, (_LAGS.size, m.braked.size))])
+    return np.concatenate([shifts * m.step, _LAGS]), nominal, braked
 
 
 def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
@@ -210,34 +257,28 @@ def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
     return np.interp(time - delay, time, x)
 
 
-def _useful(s: Signals, active: Mask) -> Mask:
-    """Samples (n,) of the lead-in, and of braking with what is just before and after it."""
-    if not active.any():
-        return np.zeros_like(active)
-    soon = time_since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
-    fast = (s.lead_in | soon | (time_since(s.time, active) < _AFTER)) & (s.speed > _SLOW)
-    return np.asarray(fast | (active & (s.speed > _GONE)))
+def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
+    """The largest step of ``residual`` in the longest braking, by medians, so that no bump counts.
 
-
-def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Array, Array, Array]:
-    """Delays [s] (m,): none, shifts, first-order lags; both signals after each of them (m, n)."""
-    each = samples_in(_TRIED, step)
-    shifts = np.arange(round(_EARLIEST / step), round(_LATEST / step) + 1, each)
-    shifts = np.concatenate([[0], shifts[shifts != 0]])
-    places = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
-    late = np.vstack([nominal[places], *(first_order(time, nominal, lag)[None] for lag in _LAGS)])
-    on = np.vstack([braked[places], np.broadcast_to(braked, (_LAGS.size, braked.size))])
-    return np.concatenate([shifts * step, _LAGS]), late, on
-
-
-def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
-    """Balance of a run with the nominal pads of ``car`` and the known effects."""
-    nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
-    drive = (s.drive_f, s.drive_r)
-    began = ~np.logical_or.accumulate(s.lead_in[::-1])[::-1]  # all along without a lead-in
-    return BrakeBalance(
-        nominal_f=nominal_f,
-        nominal_r=nominal_r,
-        balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f, drive),
-        active=began & (np.maximum(s.p_f, s.p_r) > BITE),
+    ``nominal`` force and ``residual`` inside (k,) over the usual brake force [1].
+    """
+    time, braked = m.time[m.inside], np.flatnonzero(m.braked[m.inside] == 1.0)
+    ends = np.flatnonzero(np.diff(time[braked]) > 1.5 * m.step) + 1
+    longest = max(np.split(braked, ends), key=len)
+    width, apart = round(_WINDOW / m.step), round((_WINDOW + _BETWEEN) / m.step)
+    if longest.size < 2 * apart:
+        return _NO_STEP
+    windows = np.lib.stride_tricks.sliding_window_view(  # (2, windows, width)
+        np.stack([residual, nominal])[:, longest], width, axis=1
     )
+    middle = [(width - 1) // 2, width // 2]
+    medians, pressed = np.partition(windows, middle, axis=-1)[..., middle].mean(axis=-1)
+    steps = medians[apart:] - medians[:-apart]
+    times = time[longest][(apart + width) // 2 :][: steps.size]
+    steady = np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY
+    comparable = steady & (times > times[0] + _BITTEN)
+    if not comparable.any():
+        return _NO_STEP
+    largest = int(np.argmax(np.where(comparable, np.abs(steps), 0.0)))
+    sigma = scatter(steps[comparable] - np.median(steps[comparable]))
+    return _ForceStep(float(times[largest]), float(steps[largest]), sigma)

@@ -5,9 +5,9 @@
                                                                  pads without the effects
     mass, radii, inertias as driven                              into the vehicle
 
-What else slows body or wheels (drag, grade, engine) or moves load (pitch) stays in the balance of
-forces, where a fit and an estimate account for it (`calib.estimation.known`). So does a logged
-torque of engine or motor: do not specify ``engine_drag`` with it, or both are removed.
+Whatever else slows body or wheels (drag, grade, engine) or moves load (pitch) stays in the balance
+of forces, where a fit and an estimate account for it (`calib.estimation.known`). So does a logged
+torque of engine or motor: do not specify ``engine_drag`` with such a log, or both are removed.
 """
 
 from dataclasses import dataclass, replace
@@ -37,9 +37,8 @@ from calib.car.model import Model, default_model
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 
-_TOLERANCE, _ITERATIONS = 1e-9, 50
-"""Largest change of a_x [m/s^2] in the last iteration; each gains a digit, or more."""
-
+_TOLERANCE = 1e-9  # largest change of a_x [m/s^2] in the last iteration
+_ITERATIONS = 50  # most iterations to the true a_x; each gains a digit, or more
 _HEAT_ITERATIONS = 3  # friction and heat depend on each other; three are enough even for wet pads
 
 
@@ -47,9 +46,9 @@ _HEAT_ITERATIONS = 3  # friction and heat depend on each other; three are enough
 class CorrectedRun:
     """A run as the car would have given it without the effects.
 
-    ``vehicle`` as driven, with the effects of the balance of forces alone; ``log`` with the true
-    ``a_x``, and wheel pressures where an effect changed them; ``factor_f``, ``factor_r`` (n,) of
-    the effects on the pad friction.
+    ``vehicle`` is the car as driven, with the effects of the balance of forces alone. ``log`` has
+    the true ``a_x``, and wheel pressures where an effect on the brakes is known. ``factor_f`` and
+    ``factor_r`` (n,) are the factors by which the effects change the pad friction.
     """
 
     vehicle: Vehicle
@@ -58,7 +57,7 @@ class CorrectedRun:
     factor_r: Array
 
     def take(self, rows: Index) -> "CorrectedRun":
-        """The samples at ``rows`` alone."""
+        """Return the samples at ``rows`` alone."""
         channels = {name: x[rows] for name, x in self.log.channels.items()}
         log = replace(self.log, channels=channels)
         return CorrectedRun(self.vehicle, log, self.factor_f[rows], self.factor_r[rows])
@@ -79,42 +78,53 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
                 where=log.source,
                 expected="a term on the brakes, or over speed, pressure, deceleration or time",
             )
-    car = replace(
-        as_driven(vehicle, full_model.effects), effects=on_links(full_model.effects, BALANCE)
-    )
+    driven = as_driven(vehicle, full_model.effects)
+    car = replace(driven, effects=on_links(full_model.effects, BALANCE))
     effects = on_links(full_model.effects, (*BRAKES, *READINGS))
     ones = np.ones_like(log.time)
     if not effects:
         return CorrectedRun(car, log, ones, ones)
     model = replace(full_model, vehicle=car, effects=effects)
-    history = _history(model, log)
-    channels = {**log.channels, "a_x": -G * history.z, **_in_time(effects, log, history)}
-    moved = Motion(history.v, *axle_loads(car, history.z), history)
-    for w, factor in wheel_speed_factors(car, effects, moved).items():
+    history = _true_motion(model, log)
+    channels = {**log.channels, "a_x": -G * history.z, **_speeds_in_time(effects, log, history)}
+    motion = Motion(history.v, *axle_loads(car, history.z), history)
+    for w, factor in wheel_speed_factors(car, effects, motion).items():
         channels[f"omega_{w}"] = channels[f"omega_{w}"] / factor
     factors = (ones, ones)
     if on_links(effects, BRAKES):
-        pressures = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
-        pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
-        brakes = brakes_of(model, pedal, pressures)
-        torques = brakes.torques(history)
-        for _ in range(_HEAT_ITERATIONS):
-            lost = (np.abs(torques[f"{a}l"] * log[f"omega_{a}l"]) for a in AXLES)
-            energy_f, energy_r = (integral(log.time, power) for power in lost)  # [J]
-            history = replace(history, energy_f=energy_f, energy_r=energy_r)
-            torques = brakes.torques(history)
-        for w in WHEELS:
-            gain = brakes.axle(w).torque_gain
-            pads = model.pad_friction_f if w[0] == "f" else model.pad_friction_r
-            channels[f"p_{w}"] = torques[brakes.twin(w)] / (pads * gain)
-        clamp = [brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES]
-        factors = pad_factors(effects, history, clamp[0], clamp[1])
+        pressures, factors = _at_plain_pads(model, log, history)
+        channels |= pressures
     notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
     return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
 
 
-def _history(model: Model, log: Log) -> RunHistory:
-    """The true motion of the car, errors of the accelerometer undone; no brake heat yet."""
+def _at_plain_pads(
+    model: Model, log: Log, history: RunHistory
+) -> tuple[dict[str, Array], tuple[Array, Array]]:
+    """Wheel pressures that make the same torques on pads without effects, and `factor_f`, `_r`."""
+    logged = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
+    pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
+    brakes = brakes_of(model, pedal, logged)
+    torques = brakes.torques(history)
+    for _ in range(_HEAT_ITERATIONS):
+        powers = (np.abs(torques[f"{a}l"] * log[f"omega_{a}l"]) for a in AXLES)
+        energy_f, energy_r = (integral(log.time, power) for power in powers)  # [J]
+        history = replace(history, energy_f=energy_f, energy_r=energy_r)
+        torques = brakes.torques(history)
+    pads = {"f": model.pad_friction_f, "r": model.pad_friction_r}
+    pressures = {
+        f"p_{w}": torques[brakes.twin(w)] / (pads[w[0]] * brakes.axle(w).torque_gain)
+        for w in WHEELS
+    }
+    clamp_f, clamp_r = (brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES)
+    return pressures, pad_factors(model.effects, history, clamp_f, clamp_r)
+
+
+def _true_motion(model: Model, log: Log) -> RunHistory:
+    """Motion of the car, with the errors of the accelerometer undone; without heat of the brakes.
+
+    a_x is found by iteration: to a_x is added what its reading exceeds the sensed a_x by.
+    """
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
@@ -127,12 +137,12 @@ def _history(model: Model, log: Log) -> RunHistory:
     )
     # invert a first-order accelerometer; a second order would matter little and add noise
     rise = np.diff(log["a_x"], prepend=log["a_x"][0]) / np.gradient(log.time)
-    a_x = felt = log["a_x"] + accelerometer_lag(model.effects) * rise
+    a_x = reading = log["a_x"] + accelerometer_lag(model.effects) * rise
     for _ in range(_ITERATIONS):
         run = replace(run, z=deceleration(a_x))
-        off = felt - as_sensed(car, model.effects, run, a_x)
-        a_x = a_x + off
-        if float(np.max(np.abs(off))) < _TOLERANCE:
+        excess = reading - as_sensed(car, model.effects, run, a_x)
+        a_x = a_x + excess
+        if float(np.max(np.abs(excess))) < _TOLERANCE:
             return run
     raise ModelError(
         "the acceleration cannot be computed from its reading",
@@ -141,17 +151,21 @@ def _history(model: Model, log: Log) -> RunHistory:
     )
 
 
-def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
-    """Speeds with their delay corrected by the change of v; slip is constant over the delay."""
+def _speeds_in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
+    """Speeds whose delay is known, corrected by the change of v in that time; slip stays constant.
+
+    Without v in the log, the history has the speed of the late wheels.
+    """
     gained = integral(log.time, -G * history.z)
-    late = {
-        "v": reading_delay(effects, "speed_delay"),
-        "omega": reading_delay(effects, "wheel_speed_delay"),
-    }
-    since = {name: gained - delayed(log.time, gained, delay) for name, delay in late.items()}
-    right = {"v": log["v"] + since["v"]} if "v" in log and late["v"] else {}
-    if late["omega"]:
-        own_speed = right.get("v", history.v) - (since["omega"] if "v" in log else 0.0)
-        ratio = 1.0 + since["omega"] / np.maximum(own_speed, MOVING)
-        right |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
-    return right
+    v_delay = reading_delay(effects, "speed_delay")
+    omega_delay = reading_delay(effects, "wheel_speed_delay")
+    in_time = {}
+    v = history.v
+    if "v" in log and v_delay:
+        v = in_time["v"] = log["v"] + (gained - delayed(log.time, gained, v_delay))
+    if omega_delay:
+        change = gained - delayed(log.time, gained, omega_delay)
+        then = v - change if "v" in log else v
+        ratio = 1.0 + change / np.maximum(then, MOVING)
+        in_time |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
+    return in_time

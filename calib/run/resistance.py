@@ -2,9 +2,10 @@
 
     W z - sum(J d omega/dt)/R = 1/2 rho c_d A v^2 + c_rr W
 
-A short lead-in fixes the sum at one speed and leaves the shares to the prior (the cards' typical
-values); a coast over a wide range of speeds separates them. Wrong when the engine drives or brakes,
-in wind, and on a slope that the accelerometer does not see.
+The prior is that of the effects' cards (typical values, spreads and ranges). A short lead-in fixes
+the sum of drag and rolling at one speed and leaves their shares to the prior; a coast over a wide
+range of speeds separates them. Wrong when the engine drives or brakes, in wind, and on a slope that
+the accelerometer does not see.
 """
 
 from collections.abc import Iterable
@@ -24,16 +25,17 @@ _MODEL_ERROR = 3e-4
 """Error of z of a coast that is not modelled: wind, road crown, a warm gearbox [1]."""
 _CARDS = (AERODYNAMIC_DRAG.card, ROLLING_RESISTANCE.card)
 DRAG, ROLLING = ((card.name, card.parameters[0].name) for card in _CARDS)
-"""Effect and parameter that are estimated."""
+"""Name of the effect, and of its parameter that is estimated: drag area and rolling coefficient."""
 RESISTANCE = (DRAG[0], ROLLING[0])
+_FIXED = 0.02  # sigma of a value of the vehicle file over that of the prior: keeps algebra regular
 
 
 @dataclass(frozen=True)
 class Resistance:
-    """Drag and rolling resistance among all known ``effects`` on body and wheels.
+    """All known ``effects`` on body and wheels, with the estimated drag and rolling resistance.
 
-    ``covariance`` of drag area [m^2] and rolling coefficient [1], (2, 2); ``specified``: the
-    vehicle file gave both.
+    ``covariance`` is that of drag area [m^2] and rolling coefficient [1], (2, 2); ``specified``
+    says whether the vehicle file gave both.
     """
 
     effects: Effects
@@ -43,48 +45,47 @@ class Resistance:
     @property
     def mean(self) -> tuple[float, float]:
         """Drag area [m^2] and rolling coefficient [1]."""
-        drag, rolling = (self.effects.parameters[effect][name] for effect, name in (DRAG, ROLLING))
-        return drag, rolling
+        values = self.effects.parameters
+        return values[DRAG[0]][DRAG[1]], values[ROLLING[0]][ROLLING[1]]
 
     def sigma_z(self, vehicle: Vehicle, v: Array) -> Array:
         """Standard deviation of the resistance at speed ``v`` [m/s], as a deceleration [1]."""
-        gain = np.stack([_drag_gain(vehicle, v), np.ones_like(v)], axis=-1)
+        gain = np.stack([_drag_gain(vehicle, v), np.ones_like(v)], axis=-1)  # (..., 2)
         variance = np.einsum("...i,ij,...j->...", gain, np.asarray(self.covariance), gain)
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistance:
-    """Drag and rolling resistance from the unbraked blocks of ``runs``.
+    """Estimate drag and rolling resistance from the unbraked blocks of ``runs``.
 
     Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file stay, and
-    its other effects are removed first. The result is the posterior mode with a Gaussian prior at
-    the cards' typical values, within the cards' ranges; the covariance ignores these ranges.
+    its other effects are removed first. The result is the posterior mode within the ranges of the
+    cards, with a Gaussian prior at their typical values; the covariance ignores the ranges.
 
     Raises ModelError for an unknown effect or parameter of the vehicle, or a value out of range.
     """
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
     priors = [card.parameters[0] for card in _CARDS]
-    specified = [effects.parameters.get(name, {}).get(p) for name, p in (DRAG, ROLLING)]
-    centre = [p.typical if g is None else g for p, g in zip(priors, specified, strict=True)]
-    # 2 % of the prior sigma for a value of the file keeps the algebra regular
-    spread = [
-        p.spread * (1.0 if g is None else 0.02) for p, g in zip(priors, specified, strict=True)
-    ]
-    rows, sides = [np.diag(1.0 / np.asarray(spread))], [np.asarray(centre) / np.asarray(spread)]
+    specified = [effects.parameters.get(effect, {}).get(name) for effect, name in (DRAG, ROLLING)]
+    free = np.asarray([value is None for value in specified])
+    solution = np.asarray(
+        [p.typical if value is None else value for p, value in zip(priors, specified, strict=True)]
+    )
+    spread = np.asarray([p.spread for p in priors]) * np.where(free, 1.0, _FIXED)
+    rows, sides = [np.diag(1.0 / spread)], [solution / spread]
     for b, density in runs:
         use = b.lead_in & (b.speed > 3.0)
         count = int(use.sum())
         if count < 4:
             continue
-        resist = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
+        resistance = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
         gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
-        # white noise within a run; the error that is not modelled is common to the run
+        # noise is white within a run; the error that is not modelled is common to the run
         sigma = np.sqrt(density**2 / b.length + count * _MODEL_ERROR**2)
         rows.append(gain / sigma)
-        sides.append(resist / sigma)
+        sides.append(resistance / sigma)
     A, y = np.vstack(rows), np.concatenate(sides)
-    solution, free = np.asarray(centre), np.asarray([g is None for g in specified])
     if np.any(free):
         low, high = np.asarray([(p.low - 1e-12, p.high) for p in priors])[free].T
         residual = y - A[:, ~free] @ solution[~free]
@@ -98,12 +99,12 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
     return Resistance(
         effects=others.with_(Effects(parameters, sigma=sigmas)),
         covariance=tuple(tuple(row) for row in covariance.tolist()),
-        specified=all(g is not None for g in specified),
+        specified=not np.any(free),
     )
 
 
 def _bounded(A: Array, y: Array, low: Array, high: Array) -> Array:
-    """Least squares (k,) within bounds; imports scipy.optimize only where a bound is active."""
+    """Least squares (k,) within bounds; scipy.optimize is imported only where a bound is active."""
     solution = np.linalg.lstsq(A, y, rcond=-1)[0]
     if np.all((solution >= low) & (solution <= high)):
         return np.asarray(solution)
@@ -113,4 +114,5 @@ def _bounded(A: Array, y: Array, low: Array, high: Array) -> Array:
 
 
 def _drag_gain(vehicle: Vehicle, v: Array) -> Array:
+    """Deceleration [1] that a drag area of 1 m^2 makes at speed ``v`` [m/s]."""
     return 0.5 * AIR_DENSITY * v**2 / vehicle.weight

@@ -1,11 +1,11 @@
-"""One log of one car: each view of it is computed here, once, when it is first asked for.
+"""One log of one car: each view of the log is computed once, when it is first asked for.
 
-    log --> driving record --> brakings, slips, wheels, sensors       needs no vehicle
+    log --> driving record --> events, slips, axles, wheels, sensors  needs no vehicle
      |
-     +--> known effects taken out --> signals --> blocks --> noise    what a fit and an estimate
-                                         |          |                 start from
-                                         |          +--> accelerometer, balance of forces
-                                         +--> lead-in, delay of v, rolling radii, brake response
+     +--> known effects taken out --> signals --> blocks --> noise    where a fit and an estimate
+                                         |          |                 start
+                                         |          +--> accelerometer
+                                         +--> lead-in, rolling radii, response of the brakes
 
 Without a vehicle there are the views of the first line, and signals and blocks as read.
 """
@@ -29,9 +29,9 @@ from calib.run.accelerometer import (
     other_scale,
     speed_evidence,
 )
-from calib.run.axle_signals import Signals, causal_signals, rolling_radii, signals, wheels_held
+from calib.run.axle_signals import Signals, causal_signals, signals, wheels_held
 from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone
-from calib.run.brake_response import BrakeBalance, BrakeResponse, brake_balance, brake_response
+from calib.run.brake_response import BrakeResponse, brake_balance, brake_response
 from calib.run.driving_record import (
     BrakeEvent,
     DrivingRecord,
@@ -59,7 +59,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A ``log`` as read, of a ``vehicle`` with known effects; ``causal``: signals of an ECU."""
+    """Views of a ``log`` as read, of a ``vehicle`` with known effects.
+
+    If ``causal``, the signals are those that an ECU has (`causal_signals`).
+    """
 
     log: Log
     vehicle: Vehicle | None = None
@@ -82,22 +85,22 @@ class Run:
 
     @property
     def moves(self) -> bool:
-        """Whether ``a_x`` and all wheel speeds are there, which most views need."""
+        """Whether ``a_x`` and all wheel speeds are logged, which most views need."""
         return not set(self.missing) - {"p_mc"}
 
     @cached_property
     def clock(self) -> Sampling:
-        """Samples, rate, jitter and gaps."""
+        """Number of samples, rate, jitter and gaps."""
         return sampling_of(self.log.time)
 
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
-        """One for each channel but ``time``."""
+        """The sensor of each channel but ``time``."""
         return sensors_of(self.log, self.driving if self.moves else None)
 
     def sensor(self, channel: str) -> Sensor | None:
-        """The sensor of a channel, or None."""
-        return next((s for s in self.sensors if s.channel == channel), None)
+        """Return the sensor of a channel, or None if it is not logged."""
+        return next((sensor for sensor in self.sensors if sensor.channel == channel), None)
 
     @cached_property
     def driving(self) -> DrivingRecord:
@@ -111,13 +114,17 @@ class Run:
 
     @cached_property
     def rolling(self) -> Mask:
-        """The lead-in (n,): steady rolling before the first braking, in which eta is zeroed."""
+        """Mask (n,) of the lead-in: unbraked rolling before the first braking; eta is zeroed there.
+
+        Without a pressure the deceleration shows the braking.
+        """
         if not self.moves or self.speed < MOVING:
             return np.zeros(self.log.time.size, bool)
         if "p_mc" in self.log:
             return self.signals.lead_in
-        pressure = {"p_mc": np.where(self.driving.braked, 2.0 * BITE, 0.0)}
-        return signals(replace(self.log, channels=self.log.channels | pressure)).lead_in
+        pressure = np.where(self.driving.braked, 2.0 * BITE, 0.0)
+        with_pressure = replace(self.log, channels={**self.log.channels, "p_mc": pressure})
+        return signals(with_pressure).lead_in
 
     @property
     def lead_in(self) -> float:
@@ -126,7 +133,7 @@ class Run:
 
     @property
     def coasting(self) -> float:
-        """All unbraked, steady and moving time [s]."""
+        """Time of unbraked rolling [s], as in `DrivingRecord.unbraked`."""
         return float(self.driving.unbraked.sum() * self.driving.step) if self.moves else 0.0
 
     @property
@@ -136,14 +143,14 @@ class Run:
 
     @property
     def z(self) -> float:
-        """Highest deceleration, in g [1]."""
+        """Highest deceleration while the car moves [g]."""
         if not (self.moves and self.driving.moving.any()):
             return 0.0
         return float(self.driving.z[self.driving.moving].max())
 
     @cached_property
     def alone(self) -> Axle | None:
-        """The axle that brakes alone by its pressures, or None."""
+        """The axle that, by the pressures, brakes alone, or None."""
         return braked_alone(self.log) if self.moves else None
 
     @cached_property
@@ -165,17 +172,17 @@ class Run:
 
     @cached_property
     def slipping(self) -> Slipping | None:
-        """Wheels at their limit."""
+        """ABS cycles and locked wheels."""
         return slipping(self.slips, self.driving) if self.moves else None
 
     @cached_property
     def axles(self) -> Axles | None:
-        """Front against rear, left against right."""
+        """Front wheels against rear wheels, left against right, and all against v and a_x."""
         return axles_of(self.log, self.driving, self.slips) if self.moves else None
 
     @cached_property
     def wheels(self) -> WheelParts | None:
-        """Change of the four slips by braking; None without rolling or braking, too."""
+        """Change of the four slips by braking; None also without rolling or braking."""
         return wheel_parts(self.log, self.driving) if self.moves else None
 
     # --- the car, its known effects taken out -----------------------------------------------------
@@ -190,21 +197,20 @@ class Run:
 
     @property
     def car(self) -> Vehicle:
-        """The vehicle as driven, with those effects that take part in the balance of forces."""
+        """The vehicle as driven, with the known effects of the balance of forces alone."""
         return self.corrected.vehicle
 
     @cached_property
     def signals(self) -> Signals:
-        """Signals of the axles at the rate of the log; as read where no vehicle is known."""
+        """Signals of the axles at the rate of the log; as read without a vehicle."""
         if self.vehicle is None:
             return signals(self.log)
-        radius = self.car.rear.rolling_radius
         read = causal_signals if self.causal else signals
-        return read(self.corrected.log, radius)
+        return read(self.corrected.log, self.car.rear.rolling_radius)
 
     @cached_property
     def blocks(self) -> Blocks:
-        """Means of the signals over 50 ms."""
+        """Means of the signals over blocks of 50 ms."""
         return blocks(self.signals)
 
     @cached_property
@@ -215,7 +221,7 @@ class Run:
 
     @cached_property
     def other_scale(self) -> float:
-        """Scale of a_x against v [1] by a wrong unit, clock or filter; else 0."""
+        """Scale of a_x against v [1] that a wrong unit, clock or filter makes; else 0."""
         return other_scale(self.blocks, self.noise.z, self.noise.v)
 
     @cached_property
@@ -226,38 +232,45 @@ class Run:
     @cached_property
     def rolling_radii(self) -> tuple[float, float] | None:
         """Radii [m] of front and rear wheels on the lead-in; None without ``v`` or a lead-in."""
-        return rolling_radii(self.signals)
+        s = self.signals
+        if s.v is None or not s.lead_in.any():
+            return None
+        speed, front, rear = (np.mean(x[s.lead_in]) for x in (s.v, s.omega_f, s.omega_r))
+        return float(speed / front), float(speed / rear)
 
     @cached_property
     def speed_evidence(self) -> SpeedEvidence:
-        """What v shows of the accelerometer."""
+        """What v shows of the accelerometer, with the `noise` of the run."""
         return speed_evidence(self.blocks, self.noise.z, self.noise.v)
 
     def accelerometer(
         self, resistance: "Resistance", noise: SensorNoise | None = None
     ) -> Accelerometer:
-        """Scale and offset of the accelerometer with a known ``resistance``; `noise` by default."""
-        b = self.blocks
-        evidence = speed_evidence(b, noise.z, noise.v) if noise else self.speed_evidence
+        """Scale and offset of the accelerometer with a known ``resistance``.
+
+        ``noise`` is that of the run, unless another one is given.
+        """
+        b, evidence = self.blocks, self.speed_evidence
+        if noise is not None:
+            evidence = speed_evidence(b, noise.z, noise.v)
         unexplained = block_balance(self.car, resistance.effects, b).demanded / self.car.weight
         return accelerometer(evidence, unexplained, resistance.sigma_z(self.car, b.speed))
 
     def felt(self, sensor: Accelerometer | None) -> Blocks:
-        """Blocks with z corrected by the accelerometer; as read without one."""
+        """Blocks with the z that the tyres feel, by the ``sensor``; as read without a sensor."""
         b = self.blocks
         return b if sensor is None else replace(b, z=sensor.corrected(b.z))
 
-    def balance(self, effects: Effects) -> BrakeBalance:
-        """Forces of the run with nominal pads and the ``effects`` known of body and wheels."""
-        return brake_balance(self.car, effects, self.signals)
-
     def response(self, effects: Effects) -> BrakeResponse | None:
-        """Response of the brakes to the pressure; None if the run brakes too little."""
-        return brake_response(self.signals, self.balance(effects))
+        """Response of the brakes to the pressure; None if the run brakes too little.
+
+        ``effects`` are the known ones of body and wheels.
+        """
+        return brake_response(self.signals, brake_balance(self.car, effects, self.signals))
 
 
 def figures(run: Run) -> dict[str, float | None]:
-    """Every figure of `batch check` in SI; None where the log gives none."""
+    """Return every figure of `batch check`, in SI; None for a figure that the log does not give."""
     clock, pressure = run.clock, run.sensor("p_mc")
     zero = run.axles.front_rear if run.axles else None
     return {

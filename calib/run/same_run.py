@@ -1,14 +1,14 @@
 """Whether two logs are one run: saved in another format, rounded, cut or resampled.
 
-Two runs have independent noise, even if a robot drives both; a copy has that of its original. Means
-over 50 ms are aligned by the wheel speeds, and their difference is compared with their noise. Where
-that is close, the signs of the third differences decide, which are noise:
+Two runs have independent noise, even if a robot drives both; a copy has the noise of its original.
+Means over 50 ms are aligned by the wheel speeds, and their difference is compared with their noise.
+Where the two are close, third differences, which contain only noise, are compared by their signs:
 
     D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.9; two: 1 or more
     r = sin(pi/2 * mean(sign(a''') * sign(b''')))                  one run: 0.3 to 1; two: about 0
 
-Wrong where most channels of a copy are rounded to more than five times their noise: it counts as
-another run.
+Wrong where most channels of a copy are rounded to more than five times their noise: such a copy
+counts as another run.
 
 A table holds the `Fingerprint` of its runs: the means, rounded to a quarter of their noise, as the
 second differences of whole numbers. A run of 10 s takes about 5 kB.
@@ -31,18 +31,18 @@ from calib.logs.log import Log
 from calib.run.sensors import resolution_of
 
 _COMPARED = ("p_mc", "a_x", *WHEEL_SPEEDS, "v")
-_ROUNDS = 3  # steps of Newton's method to a lag between the samples
+_LAG_STEPS = 3  # steps of Newton's method to a lag that is not a whole number of means
 VERSION = 1
 _FINE = 0.25  # unit of the whole numbers over the noise [1]: rounding adds 0.3 % to its square
 _MOST = 2.0**40  # largest whole number of a channel that has no noise
 
 _View = dict[str, Array]
-"""Means of the channels [SI], and of the four ``wheels``."""
+"""Means of the channels [SI], and under ``wheels`` the mean of the four wheel speeds."""
 
 
 @dataclass(frozen=True)
 class _FingerprintChannel:
-    """A channel as multiples of ``unit`` [SI]; ``differences`` their second differences as text."""
+    """A channel as whole multiples of ``unit`` [SI]; their second ``differences`` as text."""
 
     name: str
     unit: float
@@ -51,14 +51,16 @@ class _FingerprintChannel:
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """Consecutive means over ``step`` [s] of the channels of a run; ``version`` of the format."""
+    """Consecutive means over ``step`` [s] of the channels of a run, in a ``version`` of the format.
+
+    Raises ValueError for a fingerprint that is not one of this format.
+    """
 
     version: int
     step: float
     channels: tuple[_FingerprintChannel, ...]
 
     def __post_init__(self) -> None:
-        """Raise ValueError for a fingerprint that is not one of this format."""
         names = {channel.name for channel in self.channels}
         sizes = {_decoded(channel.differences).size for channel in self.channels}
         units = (self.step, *(channel.unit for channel in self.channels))
@@ -72,7 +74,7 @@ class Fingerprint:
 
     @cached_property
     def view(self) -> _View:
-        """The means of the channels [SI], each (n,), and of the wheels."""
+        """The means of the channels and of the wheels [SI], each (n,)."""
         return _with_wheels({c.name: _decoded(c.differences) * c.unit for c in self.channels})
 
 
@@ -89,100 +91,112 @@ def same_as(fingerprint: Fingerprint, log: Log) -> bool:
 
 
 def _agree(a: _View, other: Log, step: float) -> bool:
-    """Whether the channels agree at the best lag; ``other`` is read again between its steps."""
+    """Whether the channels agree at the best lag.
+
+    The lag is first a whole number of means over ``step`` [s]. The means of ``other`` are then
+    taken again from a later sample on, until its means and those of ``a`` begin together.
+    """
     b = _view_of(other, step)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
     lag = _best_lag(a["wheels"], b["wheels"])
-    late = float(lag)
-    for _ in range(_ROUNDS):
-        step_left, far = _residual_lag(a["wheels"], b["wheels"], lag)
-        if far > LIMITS.run_far:
+    exact_lag = float(lag)
+    for _ in range(_LAG_STEPS):
+        change, spread = _residual_lag(a["wheels"], b["wheels"], lag)
+        if spread > LIMITS.run_far:
             return False
-        if _alike(a, b, lag):
+        if _is_one_run(a, b, lag):
             return True
-        late += step_left
-        lag = int(np.ceil(late))
-        b = _view_of(other, step, (lag - late) * step)
+        exact_lag += change
+        lag = int(np.ceil(exact_lag))
+        b = _view_of(other, step, (lag - exact_lag) * step)
         sizes = a["wheels"].size, b["wheels"].size
         if min(min(sizes), max(sizes) - abs(lag)) < LIMITS.run_fewest:
             return False
-    return _alike(a, b, lag)
+    return _is_one_run(a, b, lag)
 
 
-def _alike(view: _View, other: _View, lag: int) -> bool:
-    """Whether D and r show one run, where ``other`` begins ``lag`` samples after ``view``."""
+def _is_one_run(view: _View, other: _View, lag: int) -> bool:
+    """Whether D and r show one run, if ``other`` begins ``lag`` means after ``view``.
+
+    D is the median over the channels, of which the wheel speeds count as one.
+    """
     pairs = {
-        name: _over(view[name], other[name], lag)
+        name: _overlap(view[name], other[name], lag)
         for name in _COMPARED
         if name in view and name in other and np.ptp(view[name]) + np.ptp(other[name]) > 0.0
     }
-    each = {name: _apart(a, b) for name, (a, b) in pairs.items()}
-    wheels = [apart for name, apart in each.items() if name.startswith("omega_")]
-    kinds = [apart for name, apart in each.items() if not name.startswith("omega_")]
-    kinds += [float(np.median(wheels))] if wheels else []
-    apart = float(np.median(kinds)) if kinds else np.inf
-    together = apart < LIMITS.run_two and _together(list(pairs.values())) > LIMITS.run_together
-    return bool(apart < LIMITS.run_alike or together)
+    spreads = {name: _spread(a, b) for name, (a, b) in pairs.items()}
+    wheels = [spreads.pop(name) for name in WHEEL_SPEEDS if name in spreads]
+    counted = [*spreads.values(), float(np.median(wheels))] if wheels else [*spreads.values()]
+    d = float(np.median(counted)) if counted else np.inf
+    if d < LIMITS.run_alike:
+        return True
+    r = _sign_correlation(list(pairs.values()))
+    return bool(d < LIMITS.run_two and r > LIMITS.run_together)
 
 
-def _over(view: Array, other: Array, lag: int) -> tuple[Array, Array]:
+def _overlap(view: Array, other: Array, lag: int) -> tuple[Array, Array]:
+    """The parts of both at the same time, if ``other`` begins ``lag`` means after ``view``."""
     a, b = view[max(lag, 0) :], other[max(-lag, 0) :]
     n = min(a.size, b.size)
     return a[:n], b[:n]
 
 
-def _apart(a: Array, b: Array) -> float:
-    between = scatter(a - b) ** 2
+def _spread(a: Array, b: Array) -> float:
+    """D of one channel [1]."""
+    square = scatter(a - b) ** 2
     noise = _noise_of(a) ** 2 + _noise_of(b) ** 2
     if noise == 0.0:
-        return 0.0 if between == 0.0 else np.inf
-    return between / noise
+        return 0.0 if square == 0.0 else np.inf
+    return square / noise
 
 
-def _together(pairs: list[tuple[Array, Array]]) -> float:
-    """Correlation r [1] of third differences by their signs: the bite is large and always alike."""
+def _sign_correlation(pairs: list[tuple[Array, Array]]) -> float:
+    """Correlation r [1] of third differences; by their signs, since the bite is large in both."""
     signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
     products = np.concatenate(signs)
     products = products[products != 0.0]
-    return (
-        float(np.sin(0.5 * np.pi * np.mean(products)))
-        if products.size >= LIMITS.run_fewest
-        else 0.0
-    )
+    if products.size < LIMITS.run_fewest:
+        return 0.0
+    return float(np.sin(0.5 * np.pi * np.mean(products)))
 
 
 def _residual_lag(view: Array, other: Array, lag: int) -> tuple[float, float]:
-    """Steps by which ``other`` is later than ``lag``, by the slope of the wheels, and D then."""
-    a, b = _over(view, other, lag)
+    """Lag of ``other`` beyond ``lag`` by the slope of the wheels [means], at most 1, and D then."""
+    a, b = _overlap(view, other, lag)
     slope = np.gradient(b)
     square = float(slope @ slope)
-    step = float(np.clip(slope @ (b - a) / square, -1.0, 1.0)) if square > 0.0 else 0.0
-    return step, _apart(a, b - step * slope)
+    change = float(np.clip(slope @ (b - a) / square, -1.0, 1.0)) if square > 0.0 else 0.0
+    return change, _spread(a, b - change * slope)
 
 
 def _best_lag(a: Array, b: Array) -> int:
-    """The lag of ``b`` in ``a`` [steps] with the least mean square difference."""
+    """The lag of ``b`` in ``a`` [means] with the least mean square difference.
+
+    The sum of (a - b)^2 over the overlap is that of a^2 + b^2 less twice that of a b, which is a
+    convolution: the Fourier transform gives it for all lags at once.
+    """
     least = max(LIMITS.run_fewest, int(LIMITS.run_overlap * min(a.size, b.size)))
     centre = float(a.mean())
     a, b = a - centre, b - centre
     lags = np.arange(least - b.size, a.size - least + 1)
-    size = 1 << int(np.ceil(np.log2(a.size + b.size)))
+    size = 1 << int(np.ceil(np.log2(a.size + b.size)))  # a power of two, zeros behind both
     product = np.fft.irfft(np.fft.rfft(a, size) * np.conj(np.fft.rfft(b, size)), size)[lags]
     first, last = np.maximum(lags, 0), np.minimum(lags + b.size, a.size)
-    squares = [np.concatenate([[0.0], np.cumsum(x**2)]) for x in (a, b)]
-    total = squares[0][last] - squares[0][first]
-    total += squares[1][last - lags] - squares[1][first - lags]
-    return int(lags[np.argmin((total - 2.0 * product) / (last - first))])
+    squares_a, squares_b = (np.concatenate([[0.0], np.cumsum(x**2)]) for x in (a, b))
+    squares = squares_a[last] - squares_a[first]
+    squares += squares_b[last - lags] - squares_b[first - lags]
+    return int(lags[np.argmin((squares - 2.0 * product) / (last - first))])
 
 
 def fingerprint_of(log: Log) -> Fingerprint:
-    """The fingerprint of a run, which must have its wheel speeds."""
+    """Return the fingerprint of a run, which must have its wheel speeds."""
     view, channels = _view_of(log), []
     for name in (channel for channel in _COMPARED if channel in view):
         x = view[name]
         least = max(_FINE * _noise_of(x), float(np.max(np.abs(x), initial=0.0)) / _MOST)
-        # a power of two, so that no rounding enters a product with it
+        # a power of two, so that a product with it is exact
         unit = 2.0 ** math.floor(math.log2(least)) if least > 0.0 else 1.0
         differences = np.diff(np.round(x / unit).astype(np.int64), 2, prepend=[0, 0])
         channels.append(_FingerprintChannel(name, unit, " ".join(map(str, differences))))
@@ -190,7 +204,7 @@ def fingerprint_of(log: Log) -> Fingerprint:
 
 
 def _decoded(text: str) -> Array:
-    """Values of second differences as text. Raises ValueError for no whole numbers."""
+    """Whole numbers (n,) of their second differences as text; ValueError if there are others."""
     try:
         differences = np.array([int(word) for word in text.split()], dtype=np.int64)
     except OverflowError as error:
@@ -199,7 +213,7 @@ def _decoded(text: str) -> Array:
 
 
 def _view_of(log: Log, step: float = LIMITS.run_means, offset: float = 0.0) -> _View:
-    """Means over every ``step`` [s] of the channels, from ``offset`` [s] on."""
+    """Means of the channels over every ``step`` [s], from ``offset`` [s] on."""
     time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
     integrals = {name: integral(log.time, log[name]) for name in _COMPARED if name in log}
     return _with_wheels(
@@ -208,6 +222,7 @@ def _view_of(log: Log, step: float = LIMITS.run_means, offset: float = 0.0) -> _
 
 
 def _with_wheels(channels: dict[str, Array]) -> _View:
+    """Return the channels with the mean wheel speed added."""
     return channels | {"wheels": np.mean([channels[name] for name in WHEEL_SPEEDS], axis=0)}
 
 
@@ -225,14 +240,21 @@ def refuse_copies(fitted: Sequence[Log], held_out: Sequence[Log] = ()) -> None:
 
 
 def refuse_copy(log: Log, fitted: Sequence[Log], held_out: Sequence[Log] | None = None) -> None:
-    """Raise LogError if ``log`` is one of ``fitted``, or, itself held out, of ``held_out``."""
-    copied = next((k for k in (*fitted, *(held_out or ())) if same_run(k, log)), None)
-    if copied is None:
-        return
-    reason, do = "given twice", "give each run once"
-    if held_out is not None:
-        reason = "held out twice"
-        if any(copied is one for one in fitted):
-            reason = "which is among the calibration logs: it is no hold-out and proves nothing"
-            do = "hold out a run of its own"
-    raise LogError(f"the same run as {copied.source}, {reason}", where=log.source, do=do)
+    """Raise LogError if ``log`` is a copy of a ``fitted`` log, or of a ``held_out`` one.
+
+    With ``held_out``, which may be empty, the log itself is held out.
+    """
+    for original in fitted:
+        if not same_run(original, log):
+            continue
+        if held_out is None:
+            raise _copied(log, original, "given twice", "give each run once")
+        reason = "which is among the calibration logs: it is no hold-out and proves nothing"
+        raise _copied(log, original, reason, "hold out a run of its own")
+    for original in () if held_out is None else held_out:
+        if same_run(original, log):
+            raise _copied(log, original, "held out twice", "give each run once")
+
+
+def _copied(log: Log, original: Log, reason: str, do: str) -> LogError:
+    return LogError(f"the same run as {original.source}, {reason}", where=log.source, do=do)

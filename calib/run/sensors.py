@@ -1,4 +1,7 @@
-"""Properties of each channel's sensor: range, resolution, noise, stuck values, saturation."""
+"""Properties of the sensor of each channel: range, resolution, noise, stuck values, saturation.
+
+A `Sensor` has one property for each; the functions below it compute them.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,12 +16,15 @@ from calib.run.driving_record import SMOOTHING, DrivingRecord
 from calib.run.filters import true_intervals
 
 _RESTING = ("T_drive_f", "T_drive_r")
-"""Channels whose highest value may be zero: a motor that only brakes has negative torque."""
+"""Channels that rest at their highest value: a motor that only brakes has no positive torque."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensor:
-    """One ``channel`` of a ``log``, in SI; without ``driving`` it is unbraked and never stuck."""
+    """The sensor of one ``channel`` of a ``log``, in SI.
+
+    Without ``driving``, all of the log counts as unbraked and nothing as stuck.
+    """
 
     channel: str
     log: Log
@@ -30,7 +36,7 @@ class Sensor:
 
     @cached_property
     def _quiet(self) -> Array:
-        """Its unbraked values."""
+        """Values while the car rolls unbraked."""
         return self._x if self.driving is None else self._x[self.driving.unbraked]
 
     @cached_property
@@ -50,11 +56,14 @@ class Sensor:
 
     @cached_property
     def noise(self) -> float:
-        """Standard deviation of its white noise, unbraked, without outliers; NaN if too short."""
+        """Standard deviation of its white noise, unbraked, without outliers; NaN if too short.
+
+        Third differences contain almost no motion; those of white noise have 20 times its variance.
+        """
         if self._quiet.size < LIMITS.noise_fewest:
             return float("nan")
         change = np.diff(self._quiet, 3)
-        usual = np.abs(change) <= 5.0 * np.quantile(np.abs(change), 0.84)
+        usual = np.abs(change) <= 5.0 * np.quantile(np.abs(change), 0.84)  # 0.84: about one sigma
         return float(np.sqrt(np.mean(change[usual] ** 2) / 20.0))
 
     @cached_property
@@ -64,21 +73,25 @@ class Sensor:
 
     @cached_property
     def stuck(self) -> tuple[tuple[float, float], ...]:
-        """Where it is constant for over a second while others change, as (from, to) [s]."""
+        """Intervals (from, to) [s] of over a second in which it is constant while others change."""
         driving = self.driving
         if driving is None:
             return ()
         same = np.concatenate([[False], np.diff(self._x) == 0])
-        return tuple(
-            (float(driving.time[start - 1]), float(driving.time[end - 1]))
-            for start, end in true_intervals(same, int(LIMITS.hanging / driving.step) - 1)
+        constant = [
+            (start - 1, end)  # the value is that of the sample before
+            for start, end in true_intervals(same)
             if (end - start) * driving.step >= LIMITS.hanging
-            and _others_move(self.channel, self.log, driving, slice(start - 1, end))
+        ]
+        return tuple(
+            (float(driving.time[start]), float(driving.time[end - 1]))
+            for start, end in constant
+            if _others_move(self.channel, self.log, driving, slice(start, end))
         )
 
     @cached_property
     def saturated(self) -> float:
-        """Time for which it stays at its highest (``a_x``: lowest) value, if unusual [s].
+        """Time for which it stays at its highest (``a_x``: lowest) value [s], 0 if that is usual.
 
         0 for the channels of `_RESTING`, and for a pressure that the driver holds.
         """
@@ -89,24 +102,24 @@ class Sensor:
 
 
 FIGURES = ("channel", "low", "high", "resolution", "noise", "flat", "stuck", "saturated")
-"""Fields of a `Sensor` in a document."""
+"""Properties of a `Sensor` that a JSON document has."""
 
 
 def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:
-    """Sensors of all measured channels except ``time``."""
+    """Return the sensors of all measured channels except ``time``."""
     names = (name for name in CHANNELS if name in log and name != "time")
     return tuple(Sensor(name, log, driving) for name in names)
 
 
 def resolution_of(x: Array) -> float:
-    """The smallest difference of two values, if all others are multiples of it; else 0."""
+    """Smallest difference of two values, if all others are multiples of it; else 0."""
     gaps = np.diff(np.unique(x))
     gaps = gaps[gaps > 1e-9 * max(np.ptp(x), 1e-12)]
     if gaps.size < 3:
         return 0.0
     step = float(gaps.min())
-    ratio = gaps[gaps < 100 * step] / step
-    return step if np.all(np.abs(ratio - np.round(ratio)) < 0.1) else 0.0
+    multiples = gaps[gaps < 100 * step] / step
+    return step if np.all(np.abs(multiples - np.round(multiples)) < 0.1) else 0.0
 
 
 def _flatness(x: Array) -> float:
@@ -117,29 +130,30 @@ def _flatness(x: Array) -> float:
 def _saturation(x: Array, step: float) -> float:
     """Time at the highest value [s], if no other value is constant for nearly as long; else 0.
 
-    A value that is constant from the first sample on is a signal at rest.
+    A value that is constant from the first sample on is that of a signal at rest: it is left out.
     """
     top = x.max()
     if not 10 <= np.count_nonzero(x == top) < x.size:
         return 0.0
     edges = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1, [x.size]])
-    length, value = np.diff(edges), x[edges[:-1]]
+    length, value = np.diff(edges), x[edges[:-1]]  # of each interval of equal values [samples]
     at_top = value == top
     at_top[0] = False
     longest = int(length[at_top].max(initial=0))
-    other = int(length[value < top].max(initial=1))
-    odd = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * other
+    longest_other = int(length[value < top].max(initial=1))
+    odd = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * longest_other
     return longest * step if odd else 0.0
 
 
 def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
-    """Whether the pedal was held: the deceleration is constant at the highest pressure.
+    """Whether the driver holds the highest pressure: the deceleration is constant while it lasts.
 
     Beyond the range of the sensor the deceleration would still rise.
     """
     if driving is None:
         return False
-    start, end = max(true_intervals(pressure == pressure.max()), key=lambda run: run[1] - run[0])
+    at_highest = true_intervals(pressure == pressure.max())
+    start, end = max(at_highest, key=lambda interval: interval[1] - interval[0])
     start += round(LIMITS.followed / driving.step)
     followed = slice(start, end - round(SMOOTHING / driving.step))
     z = driving.z[followed][driving.moving[followed]]
@@ -147,9 +161,9 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
 
 
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
-    """Whether the other channels show that this one should have changed.
+    """Whether the other channels show that ``name`` should have changed in ``part``.
 
-    Both ends of the interval are left out: smoothing mixes in samples from outside, and each wheel
+    Both ends of the part are left out: smoothing mixes in samples from outside, and each wheel
     speed of a stopping car jumps to 0 at another time.
     """
     edge = round(SMOOTHING / driving.step)
@@ -160,24 +174,32 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
         return bool(np.ptp(wheel) > max(1.0, 0.05 * wheel.max()))
     moving = driving.moving[inside]
     if name == "a_x":
-        spin = driving.wheel_z[inside][moving]
-        return spin.size > 0 and bool(np.ptp(spin) > 0.1)
+        wheel_z = driving.wheel_z[inside][moving]
+        return wheel_z.size > 0 and bool(np.ptp(wheel_z) > 0.1)
     if name == "p_mc":
-        z = driving.z[inside][moving]
-        if z.size == 0 or float(np.ptp(z)) <= 0.15:
-            return False
-        if log[name][part.start] == 0:
-            return float(z.max()) > 0.3
-        # no pedal holds noise still: the constant value of a noisy channel is a fault
-        quiet = log[name][driving.unbraked]
-        rustles = quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.rustles
-        returns = _returns_with_a_jump(log[name], part.stop)
-        return float(z.min()) < LIMITS.released or returns or rustles
+        return _is_stuck_pressure(log[name], driving, part, driving.z[inside][moving])
     return False
 
 
+def _is_stuck_pressure(p: Array, driving: DrivingRecord, part: slice, z: Array) -> bool:
+    """Whether no driver can have held the constant pressure of ``part``; ``z`` [g] within it.
+
+    The deceleration must have changed. A pressure of zero is then stuck in a strong braking, any
+    other if the brakes were released, if it goes on with a jump, or if it has noise elsewhere: no
+    driver holds the noise still.
+    """
+    if z.size == 0 or float(np.ptp(z)) <= 0.15:
+        return False
+    if p[part.start] == 0:
+        return float(z.max()) > 0.3
+    quiet = p[driving.unbraked]
+    is_noisy = quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.rustles
+    was_released = float(z.min()) < LIMITS.released
+    return was_released or is_noisy or _returns_with_a_jump(p, part.stop)
+
+
 def _returns_with_a_jump(x: Array, end: int) -> bool:
-    """Whether the step at ``end`` is much larger than those after it."""
+    """Whether the step of ``x`` at ``end`` is over five times the median of the five after it."""
     if end + 5 >= x.size:
         return False
     after = np.abs(np.diff(x[end : end + 6]))

@@ -1,4 +1,8 @@
-"""The four wheels compared: radii, sign of a_x, ABS, locked wheels."""
+"""The four wheels compared: slips, ratios of their speeds, radii, sign of a_x, ABS, locked wheels.
+
+log --slips_of--> slip of each wheel --axles_of--> Axles       speeds of wheels and axles compared
+--slipping--> Slipping    ABS cycles and locked wheels
+"""
 
 import math
 from collections.abc import Mapping
@@ -24,6 +28,23 @@ from calib.run.filters import (
 LOW, HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [1]
 
 
+def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
+    """Slip of each wheel [1] (n,), without errors of a single sample, smoothed over 30 ms.
+
+    If the car rolls unbraked and ``v`` is logged, each slip is zeroed there. Without ``v`` the
+    fastest wheel gives the speed of the car.
+    """
+    width = samples_in(0.03, driving.step) | 1
+    omega = {w: centred_mean(median_of_three(log[f"omega_{w}"]), width) for w in WHEELS}
+    free = driving.unbraked
+    speed, radius = np.max(list(omega.values()), axis=0), dict.fromkeys(WHEELS, 1.0)
+    if "v" in log and free.any():
+        v = speed = centred_mean(log["v"], width)
+        radius = {w: float(np.median(v[free] / np.maximum(omega[w][free], 1e-6))) for w in WHEELS}
+    floor = np.maximum(speed, 1e-6)
+    return {w: 1.0 - radius[w] * omega[w] / floor for w in WHEELS}
+
+
 @dataclass(frozen=True)
 class IntervalEstimate:
     """A value with the half width of its 95 % interval."""
@@ -33,9 +54,9 @@ class IntervalEstimate:
 
 
 def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | None:
-    """Ratio b/a - 1 of two wheel speeds within ``mask`` [1]; None with fewer than three blocks.
+    """Mean of b/a - 1 of two wheel speeds within ``mask`` [1]; None with fewer than three blocks.
 
-    The interval takes the blocks of 0.2 s as independent: a slow drift, as on a bend, is not in it.
+    The interval takes the blocks of 0.2 s as independent, so it lacks a slow drift, as on a bend.
     """
     ratio = _ratios(a, b, mask, step)
     if ratio.size < 3:
@@ -44,9 +65,10 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 
 
 def half_width(rolling: Array, braked: float = np.inf) -> Array:
-    """Half width of the 95 % interval of the mean of ``rolling`` (..., k).
+    """Half width of the 95 % interval of the mean of k independent values ``rolling`` (..., k).
 
-    With ``braked`` blocks: of the change to their mean, with the same noise.
+    With a number of ``braked`` values it is that of the difference of both means, if the braked
+    values have the same noise.
     """
     from scipy.special import stdtrit
 
@@ -56,12 +78,12 @@ def half_width(rolling: Array, braked: float = np.inf) -> Array:
 
 
 def wheel_means(x: Array, mask: Mask, step: float) -> Array:
-    """Means over `wheel_block` within ``mask``; empty if that is short."""
+    """Means of ``x`` (..., n) within ``mask`` over blocks of `LIMITS.wheel_block`, (..., k)."""
     return block_mean(x[..., mask], samples_in(LIMITS.wheel_block, step))
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
-    """``b/a - 1`` of means [1], without those in which the first wheel does not turn."""
+    """b/a - 1 of the means of two wheel speeds [1] (k,), without means in which ``a`` is zero."""
     first, second = wheel_means(np.stack([a, b]), mask, step)
     turns = first > 0.0
     return np.asarray(second[turns] / first[turns] - 1.0)
@@ -69,7 +91,7 @@ def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
 
 @dataclass(frozen=True)
 class Axles:
-    """Comparison of the wheels; None where a part is too short.
+    """Comparison of the wheels; a field is None where its part of the log is too short.
 
     Attributes
     ----------
@@ -78,9 +100,9 @@ class Axles:
     radius : ``v`` over the wheel speed while rolling unbraked, the median [m].
     slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
         correct; negative for a wrong sign.
-    eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
-    eta_most : the same in the third of a braking with 0.1 to 0.5 g in which it is farthest from 0
-        [1]: eta rises and falls again, so its mean may be 0.
+    eta_braked : mean eta while braking with 0.2 to 0.5 g, less that of the unbraked part [1].
+    eta_most : the same in that third of the braking with 0.1 to 0.5 g in which it is farthest from
+        0 [1]: eta rises and falls again, so its mean may be 0.
     """
 
     front_rear: IntervalEstimate | None
@@ -93,30 +115,32 @@ class Axles:
 
 
 def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
-    """Compare the wheels of a log with ``a_x`` and four wheel speeds; ``slips`` as `slips_of`."""
+    """Compare the wheels of a log with ``a_x`` and four wheel speeds; ``slips`` of `slips_of`."""
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
-    braking = driving.braked & (driving.wheel_z < HIGH) & (driving.speed > 5.0)
-    braked = mismatch(front, rear, braking & (driving.wheel_z > 0.2), driving.step)
+    below = driving.braked & (driving.wheel_z < HIGH) & (driving.speed > 5.0)
+    braked = mismatch(front, rear, below & (driving.wheel_z > 0.2), driving.step)
+    braking = below & (driving.wheel_z > LOW)
+    change = None
     if braked is not None and zero is not None:
         half = float(np.hypot(braked.half, zero.half))
-        braked = IntervalEstimate(braked.value - zero.value, half)
+        change = IntervalEstimate(braked.value - zero.value, half)
     return Axles(
         front_rear=zero,
         left_right_f=mismatch(fl, fr, free, driving.step),
         left_right_r=mismatch(rl, rr, free, driving.step),
         radius=rolling_radius(log, driving),
-        slope=_against_wheels(driving, _all_roll(slips, driving)),
-        eta_braked=braked if zero is not None else None,
-        eta_most=_most(front, rear, free, braking & (driving.wheel_z > LOW), driving.step),
+        slope=_slope_over_wheels(driving, _no_deep_slip(slips, driving)),
+        eta_braked=change,
+        eta_most=_largest_change(front, rear, free, braking, driving.step),
     )
 
 
-def _most(
+def _largest_change(
     front: Array, rear: Array, free: Mask, braking: Mask, step: float
 ) -> IntervalEstimate | None:
-    """Largest change of eta from ``free`` rolling to a third of ``braking`` [1]."""
+    """Largest change of eta from ``free`` rolling to a third of the ``braking`` [1]."""
     rolling, slipping = (_ratios(front, rear, mask, step) for mask in (free, braking))
     if min(rolling.size, slipping.size) < 3:
         return None
@@ -129,35 +153,36 @@ def _most(
 def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
     """Median of ``v`` over the median wheel speed [m] unbraked, (19) at zero slip; None without v.
 
-    It contains the slip by an engine in gear: 0.1 % at 0.03 g.
+    It contains the slip that an engine in gear makes: 0.1 % at 0.03 g.
     """
     if "v" not in log:
         return None
     wheel = np.median([log[f"omega_{w}"] for w in WHEELS], axis=0)
-    rolls = ~driving.braked & (wheel * NOMINAL_RADIUS > MOVING)
-    if rolls.sum() < LIMITS.noise_fewest:
+    rolling = ~driving.braked & (wheel * NOMINAL_RADIUS > MOVING)
+    if rolling.sum() < LIMITS.noise_fewest:
         return None
-    return float(np.median(log["v"][rolls] / wheel[rolls]))
+    return float(np.median(log["v"][rolling] / wheel[rolling]))
 
 
-def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
-    """Slope of the measured deceleration over that of the rolling wheels [m].
+def _slope_over_wheels(driving: DrivingRecord, use: Mask) -> float | None:
+    """Slope of the measured deceleration over that of the wheels [m], within ``use`` (n,).
 
-    None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
+    None if the correlation is below 0.8, as on a wet road with much slip or with a wrong ``a_x``,
+    and if either deceleration hardly changes.
     """
     width = samples_in(LIMITS.slope_time, driving.step) | 1
-    use = driving.moving & rolling
-    spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[use]
-    a = centred_mean(driving.z * G, width)[use]
-    if spin.size < 20 or np.ptp(spin) < 3.0 or np.ptp(a) == 0.0:  # 3 rad/s^2 are about 0.1 g
+    use = driving.moving & use
+    slowing = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[use]  # [rad/s^2]
+    a = centred_mean(driving.z * G, width)[use]  # [m/s^2]
+    if slowing.size < 20 or np.ptp(slowing) < 3.0 or np.ptp(a) == 0.0:  # 3 rad/s^2: about 0.1 g
         return None
-    if abs(np.corrcoef(a, spin)[0, 1]) < 0.8:
+    if abs(np.corrcoef(a, slowing)[0, 1]) < 0.8:
         return None
-    return float(np.cov(a, spin)[0, 1] / np.var(spin, ddof=1))
+    return float(np.cov(a, slowing)[0, 1] / np.var(slowing, ddof=1))
 
 
-def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
-    """Mask (n,): no wheel slips deeply within `near_lock`: a wheel near lock is not the speed."""
+def _no_deep_slip(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
+    """Mask (n,): no wheel slips deeply within `LIMITS.near_lock`, so the wheels show the speed."""
     slip = np.array(list(slips.values()))
     free = driving.unbraked
     zero = np.median(slip[:, free], axis=1, keepdims=True) if free.any() else 0.0
@@ -168,7 +193,7 @@ def _all_roll(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
 
 @dataclass(frozen=True)
 class Slipping:
-    """ABS cycles as (wheel, start [s]), locked wheels, and the ``first`` deep slip [s] or inf."""
+    """ABS ``cycles`` as (wheel, start [s]), ``locked`` wheels, ``first`` deep slip [s] or inf."""
 
     cycles: tuple[tuple[str, float], ...]
     locked: tuple[str, ...]
@@ -176,46 +201,37 @@ class Slipping:
 
 
 def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
-    """Find ABS cycles and locked wheels; without ``v`` not where all four slip at once."""
-    inside = driving.braked & driving.moving
-    cycles, locked, first = [], [], math.inf
+    """Find ABS cycles and locked wheels; without ``v`` not where all four slip at once.
+
+    A cycle is a deep slip that the wheel leaves within `LIMITS.abs_cycle`. A wheel without one may
+    have `_swings`.
+    """
+    braking = driving.braked & driving.moving
+    cycles: list[tuple[str, float]] = []
+    locked, first = [], math.inf
     for wheel, slip in slips.items():
-        for start, end in true_intervals(inside & (slip > LIMITS.deep_back)):
-            deepest, time = slip[start:end].max(), (end - start) * driving.step
-            if deepest > LIMITS.deep:
-                first = min(first, float(driving.time[start]))
+        starts = []
+        for start, end in true_intervals(braking & (slip > LIMITS.deep_back)):
+            deepest, length = slip[start:end].max(), (end - start) * driving.step
             if deepest > LIMITS.locked:
                 locked.append(wheel)
-            comes_back = end < inside.size and inside[end] and time < LIMITS.abs_cycle
-            if deepest > LIMITS.deep and comes_back:
-                cycles.append((wheel, float(driving.time[start])))
-        if not any(w == wheel for w, _ in cycles):
-            cycles += [(wheel, at) for at in _swings(slip, driving, inside)]
+            if deepest > LIMITS.deep:
+                first = min(first, float(driving.time[start]))
+                rolls_again = end < braking.size and braking[end]
+                if rolls_again and length < LIMITS.abs_cycle:
+                    starts.append(float(driving.time[start]))
+        if not starts:
+            starts = _swings(slip, driving, braking)
+        cycles += [(wheel, start) for start in starts]
     cycles.sort(key=lambda cycle: cycle[1])
     return Slipping(tuple(cycles), tuple(dict.fromkeys(locked)), first)
 
 
-def _swings(slip: Array, driving: DrivingRecord, inside: Mask) -> list[float]:
-    """Starts [s] of slip that repeats while braking, as by ABS; none of single or long slip."""
+def _swings(slip: Array, driving: DrivingRecord, braking: Mask) -> list[float]:
+    """Starts [s] of slip that comes and goes repeatedly, as by ABS; none if it does so rarely."""
     width = samples_in(LIMITS.swing_time, driving.step) | 1
-    above = inside & (driving.speed > MOVING)
+    above = braking & (driving.speed > MOVING)
     above &= slip - sliding_minimum(slip, width) > LIMITS.swing
     starts = [float(driving.time[start]) for start, _ in true_intervals(above)]
     near = np.diff(starts) < LIMITS.abs_cycle
     return starts if np.count_nonzero(near) + 1 >= LIMITS.swings else []
-
-
-def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
-    """Slip of each wheel [1], without single wild samples, smoothed over 30 ms.
-
-    Zero on the unbraked part if there is one.
-    """
-    width = samples_in(0.03, driving.step) | 1
-    omega = {w: centred_mean(median_of_three(log[f"omega_{w}"]), width) for w in WHEELS}
-    free = driving.unbraked
-    v, scale = np.max(list(omega.values()), axis=0), dict.fromkeys(WHEELS, 1.0)
-    if "v" in log and free.any():
-        v = centred_mean(log["v"], width)
-        scale = {w: float(np.median(v[free] / np.maximum(omega[w][free], 1e-6))) for w in WHEELS}
-    floor = np.maximum(v, 1e-6)
-    return {w: 1.0 - scale[w] * omega[w] / floor for w in WHEELS}

@@ -162,7 +162,7 @@ def _no_brake(item: Series, points: int, checked: Array | None, clock: ColumnClo
         return None if points > 0 else "a pressure, not known to be of the brake"
     every = np.ones(checked.size, bool)
     delay = pressure_delay(clock.time, checked / G, [item.values], [], every)
-    if delay and abs(delay.surely) > bounds_of("pressure_late")[1]:
+    if delay and abs(delay.least) > bounds_of("pressure_late")[1]:
         return (
             f"a pressure that is {delay.words} against the deceleration: take it with --take, "
             f"and put it in time with {delay.entry}"

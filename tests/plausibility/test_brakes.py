@@ -45,9 +45,9 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
         (response(delay=-0.15), ["pressure_lag"]),
         (response(delay=0.15), []),
         (response(delay=0.25, sigma=0.1), []),
-        (response(step=_ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
-        (response(step=_ForceStep(4.0, 0.08, 0.02)), []),
-        (response(step=_ForceStep(4.0, 0.02, 0.001)), []),
+        (response(force_step=_ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
+        (response(force_step=_ForceStep(4.0, 0.08, 0.02)), []),
+        (response(force_step=_ForceStep(4.0, 0.02, 0.001)), []),
     ],
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):

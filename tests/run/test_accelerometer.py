@@ -126,8 +126,8 @@ def test_the_sigma_is_that_of_the_errors():
 def test_a_slope_that_changes_is_felt_by_the_tyres_and_is_no_scale(size, turns):
     b, felt = run(grade=size * np.sin(turns * TIME))
     sensor = judged(b)
-    assert sensor.wanders > 0.99
-    assert sensor.disagrees > abs(size)
+    assert sensor.walk_probability > 0.99
+    assert sensor.disagreement > abs(size)
     error = (sensor.corrected(felt) - felt)[BRAKED][40:]
     assert np.mean(np.abs(error) < 1.96 * sensor.sigma(felt)[BRAKED][40:]) > 0.9
     assert np.all(np.abs(error) < 0.4 * 0.04)
@@ -135,7 +135,7 @@ def test_a_slope_that_changes_is_felt_by_the_tyres_and_is_no_scale(size, turns):
 
 def test_a_steady_slope_and_a_wrong_sensor_are_no_slope_that_changes():
     for hidden in ({}, {"grade": 0.03}, {"scale": 0.03}, {"bias": 0.03}, {"lag": 0.02}):
-        assert judged(run(**hidden)[0]).wanders < 0.3
+        assert judged(run(**hidden)[0]).walk_probability < 0.3
 
 
 @pytest.mark.parametrize("scale", [0.22, -0.15, -0.2, -0.3])

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.run.copies import (
-    _came_at,
-    _period_of,
+    _arrivals,
+    _mean_period,
+    copied_pairs,
     shares_of_speed,
-    twice,
     without_holds,
 )
 from tests.support.made_runs import changed, made_run, stop
@@ -23,7 +23,7 @@ RUN = made_run(stop())
 
 
 def straight(x, longest=50.0):
-    came = _came_at(x, longest)
+    came = _arrivals(x, longest)
     return x if came is None else np.interp(np.arange(x.size), came, x[came])
 
 
@@ -37,7 +37,7 @@ def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed
     x = held(noise, period)[phase:]
     found = straight(x)
     came = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
-    assert _period_of(x) == period
+    assert _mean_period(x) == period
     np.testing.assert_allclose(found[came], x[came])
     middle = (came[1:-1] + came[2:]) / 2.0
     np.testing.assert_allclose(
@@ -59,7 +59,7 @@ def test_what_changes_with_its_clock_or_is_kept_for_too_long_is_not_changed(peri
 def test_messages_that_do_not_fall_on_the_samples_are_told():
     log = as_log(drive(IDEAL, lambda t: 30e5 * min(max(t - 1, 0), 1), 30.0, rate=200.0), "stop")
     sent = chained(log, {"v": Message(30.0)}, np.random.default_rng(3))
-    assert _period_of(sent["v"]) == pytest.approx(200.0 / 30.0, rel=0.02)
+    assert _mean_period(sent["v"]) == pytest.approx(200.0 / 30.0, rel=0.02)
     found = without_holds(sent)
     n = found.time.size
     assert log.time.size - n < 200.0 / 30.0 + 1.0  # nothing is known after the last value
@@ -71,11 +71,11 @@ def test_messages_that_do_not_fall_on_the_samples_are_told():
 
 def test_one_signal_under_two_names_is_found_also_where_both_are_held():
     names = ["omega_fl", "omega_fr", "v"]
-    assert list(twice(RUN, names)) == []
+    assert list(copied_pairs(RUN, names)) == []
     same = changed(RUN, omega_fr=1.001 * RUN["omega_fl"])
-    assert [pair for *pair, _ in twice(same, names)] == [["omega_fl", "omega_fr"]]
+    assert [pair for *pair, _ in copied_pairs(same, names)] == [["omega_fl", "omega_fr"]]
     seldom = changed(same, **{name: held(same[name], 5) for name in names})
-    assert [pair for *pair, _ in twice(seldom, names)] == [["omega_fl", "omega_fr"]]
+    assert [pair for *pair, _ in copied_pairs(seldom, names)] == [["omega_fl", "omega_fr"]]
 
 
 @pytest.mark.parametrize("width", [2, 16])

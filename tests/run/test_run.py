@@ -37,7 +37,7 @@ def test_the_figures_are_the_columns_of_a_batch():
 
 
 def share(log):
-    return Run(log).pressures["p_mc"].in_time
+    return Run(log).pressures["p_mc"].explained_in_time
 
 
 @pytest.mark.parametrize("pressure", [ramp(), stop(), stop(level=8.0), stop(end=4.0)])
