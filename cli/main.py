@@ -1,6 +1,7 @@
 """The command line: its commands by subject, and the exit codes of their errors."""
 
 import errno
+import gc
 import io
 import os
 import signal
@@ -105,6 +106,8 @@ app = group(
 )
 
 _INTERRUPTED = 130
+_GARBAGE = 100_000
+"""New objects after which garbage is looked for; usually 700."""
 """Exit code after Ctrl-C and SIGTERM, as `typer` gives it."""
 
 
@@ -136,6 +139,8 @@ def main() -> None:
     for library in ("OPENBLAS", "OMP", "MKL"):
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    # a tenth of a short command is the search for garbage that it does not make
+    gc.set_threshold(_GARBAGE)
     begin()
     for number in STOP_SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:  # as for a job of a shell's background

@@ -71,6 +71,7 @@ _RC: dict[str, Any] = {
     "axes.titlesize": 8.5,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
+    "axes.titley": 1.0,  # else each drawing looks for ticks that a title would cover
     "axes.labelsize": 8.0,
     "axes.spines.top": False,
     "axes.spines.right": False,
