@@ -2,6 +2,7 @@
 
 import glob
 import io
+import json
 import os
 import shlex
 import shutil
@@ -100,7 +101,10 @@ def demo(
 
 
 def _run(folder: Path, step: "Step") -> "Ran":
-    """Run one line as a shell in ``folder`` would; its answer is the first line that it prints."""
+    """Run one line as a shell in ``folder`` would.
+
+    Its answer is the first line that it prints; that of `plot` is what the picture says.
+    """
     from calib.base.names import SETTINGS_VARIABLE
     from calib.help.demo import Ran
     from cli.main import main
@@ -109,8 +113,9 @@ def _run(folder: Path, step: "Step") -> "Ran":
     os.environ[SETTINGS_VARIABLE] = ""  # no settings of a project around it
     os.environ.pop("COLUMNS", None)  # lines stay whole
     out, err, code = io.StringIO(), io.StringIO(), 0
+    draws = step.line.startswith("brake-cal plot ")
     with chdir(folder), redirect_stdout(out), redirect_stderr(err):
-        words = shlex.split(f"{step.line} -q")
+        words = shlex.split(f"{step.line} {'--json' if draws else '-q'}")
         sys.argv = [file for word in words for file in sorted(glob.glob(word)) or [word]]
         try:
             copy_context().run(main)
@@ -120,6 +125,9 @@ def _run(folder: Path, step: "Step") -> "Ran":
             sys.argv = argv
             os.environ.clear()
             os.environ.update(environment)
-    lines = (out.getvalue() or err.getvalue()).strip().splitlines()
-    answer = lines[0] if lines else ""
+    if draws and not code:
+        (sheet,) = json.loads(out.getvalue())["sheets"]
+        answer = sheet["result"] or sheet["title"]
+    else:
+        answer = "".join((out.getvalue() or err.getvalue()).strip().splitlines()[:1])
     return Ran(answer, not code and step.expected in answer)
