@@ -227,10 +227,11 @@ def _torque_panel(stop: _Stop) -> Panel:
         front, rear = 2.0 * stop.truth.torque / 1e3
         true = zip((front, rear, front + rear), ("truth", "", ""), strict=True)
         beside += [Line(stop.time, y, style.TRUTH, label) for y, label in true]
-    bounds = [np.asarray(x) for line in lines for x in (line.y, *(line.band or ()))]
+    drawn = [*lines, *beside]
+    bounds = [np.asarray(x) for line in drawn for x in (line.y, *(line.band or ()))]
     torque_unit = "brake torque [kN m]"
     return _panel(stop, "axle-torques", "Brake torque of the axles and of both", torque_unit,
-                  [*lines, *beside], bounds, named=True)  # fmt: skip
+                  drawn, bounds, named=True)  # fmt: skip
 
 
 def _pad_panel(stop: _Stop) -> Panel:
