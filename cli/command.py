@@ -39,14 +39,12 @@ class Answer:
     result : a text, facts, or a result that `calib.show.facts` knows; its warnings go to stderr.
     exit_code : 0 if it passed.
     out : the folder that was written, which the next step names.
-    live : whether the pictures on the page of --report may be live.
     """
 
     document: dict[str, Any]
     result: object = ""
     exit_code: int = 0
     out: Path | None = None
-    live: bool = False
 
     @property
     def facts(self) -> "Facts | str":
@@ -263,7 +261,7 @@ def _print_answer(answer: Answer, as_json: bool, page: Path | None) -> None:
     if not isinstance(facts, str):
         warn(facts.warnings)
         if page is not None:
-            write_page(page, facts, answer.live, "--report")
+            write_page(page, facts, "--report")
     if this_run().documents:
         return
     if as_json:

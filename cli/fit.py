@@ -73,7 +73,7 @@ def fit(
     used = mass_used(car, mass)
     reached = compare(plan, table, runs, used) if plan else None
     fitted = Fitted(stored, used, ramps, files, reached)
-    return Answer(document(fitted), fitted, live=True)
+    return Answer(document(fitted), fitted)
 
 
 def files_of(*options: str) -> dict[str, Path]:

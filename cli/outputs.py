@@ -109,15 +109,16 @@ def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> 
     say(f"wrote {out}")
 
 
-def write_page(out: Path, result: object, live: bool = True, option: str = OUT) -> None:
-    """Write a result or its facts as a page; pictures are ``live`` if they can."""
+def write_page(out: Path, result: object, option: str = OUT) -> None:
+    """Write a result or its facts as a page, with live pictures where Bokeh is installed."""
     from calib.show.facts import facts_of
     from calib.show.html import page_of
     from calib.show.interactive import EXTRA, installed
 
-    if live and not installed():
+    page = page_of(facts_of(result), live=installed())
+    if "<figure>" in page and not installed():
         say(f"the pictures stand still; to zoom in them: pip install 'brake-cal[{EXTRA}]'")
-    write_file(out, page_of(facts_of(result), live=live and installed()).encode(), option)
+    write_file(out, page.encode(), option)
 
 
 def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:

@@ -1,9 +1,10 @@
-"""A result as facts: each sentence is made once, for the terminal and for the page.
+"""Facts: what is said of a result, once for the terminal and for the page.
 
-    a result --facts_of--> Facts --calib.show.terminal-> lines and grids
-                                 --calib.show.html-----> one file
+    a result --facts_of--> Facts --calib.show.terminal--> lines and grids
+                                 --calib.show.html------> one HTML file
 
-A terminal prints parts only with -v, and no pictures; it has warnings on stderr.
+A page shows all facts. A terminal prints no pictures, and the parts only with -v; its warnings are
+printed on stderr by the command.
 """
 
 import re
@@ -20,20 +21,28 @@ if TYPE_CHECKING:
     from calib.show.sheet import Sheet
 
 DIR = "DIR"
-"""Stands for the folder of --out in the next step."""
+"""Placeholder, in the text of the next step, of the folder that --out names."""
 Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
 """Verdicts, which colour the head of a page, a section or a row; "" for none."""
 _NUMBER = re.compile(r"[+-]?(\d[\d.]*(e[+-]\d+)?)?")
+"""Pattern of a number, of a sign alone and of an empty text."""
 WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
+"""Verdicts as people say them."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """Cells as texts; the first cell of a row names it.
+    """A table of texts; the first cell of a row names the row.
 
-    ``verdicts``, and ``links`` and ``images`` of the first cell have one entry a row, "" for none.
+    Attributes
+    ----------
+    heads, rows : heads of the columns, and the cells of each row.
+    caption : a sentence above the table.
+    verdicts : verdict of each row, "" for none; () if no row has one.
+    links, images : address that the first cell of each row links, and address of the picture in
+        that cell; "" for none, () if no row has one.
     """
 
     heads: Sequence[str]
@@ -45,19 +54,25 @@ class Table:
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """Whether each column but the first holds numbers, by the first words of its cells.
+        """Whether each column holds numbers, by the first words of its cells; the first is a name.
 
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
         """
-        columns = ([row[i].split() for row in self.rows] for i in range(1, len(self.heads)))
-        firsts = ([words[0] for words in column if words] for column in columns)
-        return False, *(bool(f) and all(map(_NUMBER.fullmatch, f)) for f in firsts)
+        numeric = [False]
+        for column in range(1, len(self.heads)):
+            cells = [row[column].split() for row in self.rows]
+            first_words = [words[0] for words in cells if words]
+            numeric.append(bool(first_words) and all(map(_NUMBER.fullmatch, first_words)))
+        return tuple(numeric)
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A sheet that is drawn when a page needs it; ``names`` of the panels shown, else all."""
+    """A picture of a page; ``make`` returns its sheet when the page is written.
+
+    ``names`` are those of the panels that the page shows, () for all.
+    """
 
     caption: str
     make: "Callable[[], Sheet]"
@@ -66,18 +81,19 @@ class Picture:
 
 @dataclass(frozen=True)
 class Facts:
-    """A result, or a part of one; what is empty is not shown.
+    """What is said of a result, or of a part of a result; empty fields are not shown.
 
     Attributes
     ----------
-    title : of the page or of the part.
-    verdict, word : `PASSED` and so on, and the verdict as people say it.
+    title : title of the page or of the part.
     headline : the result in a sentence or two.
-    numbers : the most important, each with its name.
-    rows : names and their texts.
-    tables, notes, warnings, pictures : in this order.
-    next : what to do next, a command where there is one.
-    parts : details, such as of each stop.
+    verdict : `PASSED`, `WARNING`, `FAILED` or `UNJUDGED`.
+    word : the verdict as people say it.
+    numbers : the most important numbers, each with its name.
+    rows : other names with their texts.
+    tables, notes, warnings, pictures : as their names say.
+    next : what to do next; a command where there is one.
+    parts : details, such as those of each stop.
     """
 
     title: str = ""
@@ -99,15 +115,18 @@ class Facts:
         return ": ".join(text for text in (self.word, self.headline) if text)
 
     def written(self, folder: Path | None) -> "Facts":
-        """The facts with the ``folder`` that was written for the `DIR` of the next step."""
+        """Return the facts with the ``folder`` of --out in place of `DIR` in the next step."""
         return self if folder is None else replace(self, next=self.next.replace(DIR, str(folder)))
 
     @property
     def filled(self) -> bool:
         """Whether there is anything below the title."""
-        tables = any(table.rows for table in self.tables)
-        others = (self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures)
-        return tables or any(others) or any(part.filled for part in self.parts)
+        texts = (self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures)
+        return (
+            any(texts)
+            or any(table.rows for table in self.tables)
+            or any(part.filled for part in self.parts)
+        )
 
 
 _FACTS = {
@@ -121,11 +140,14 @@ _FACTS = {
     "Validated": "validation:validation_facts",
     "Vehicle": "vehicle:vehicle_facts",
 }
-"""The function of each kind of result, by the name of its class."""
+"""Module and function that tell a result, by the name of the result's class."""
 
 
 def facts_of(result: object) -> Facts:
-    """Facts of a result; its module is imported here. Raises KeyError for another kind."""
+    """Return the facts of a result, by the function of its class, which is imported here.
+
+    Facts are returned as they are. Raises KeyError for a class that `_FACTS` does not have.
+    """
     if isinstance(result, Facts):
         return result
     module, _, name = _FACTS[type(result).__name__].partition(":")

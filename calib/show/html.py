@@ -1,12 +1,17 @@
 """Facts as one HTML file: style, pictures and scripts are inside, and all is escaped.
 
-Only a live page has scripts, those of `calib.show.interactive`; it can be read without them.
+A page can be read and printed without its scripts. One sorts its tables and filters them. Those of
+a live page are `calib.show.interactive`'s; a browser unpacks them, since they are most of the page.
 """
 
+import base64
+import hashlib
 import re
+import zlib
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
@@ -26,6 +31,10 @@ _GENERATOR = "brake-cal"
 """Generator of every page, by which one is recognised."""
 _HEAD = 1000
 """First bytes of a page, which hold its generator."""
+_LONG = 3
+"""Fewest rows of a table that can be sorted."""
+_ROOM = 900_000
+"""Letters of a page for live pictures; with Bokeh and the still ones it has 1.6 MB at most."""
 _PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
 _PARTS = 120
@@ -62,13 +71,44 @@ def _template() -> "Template":
 def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
     """The page, which fetches nothing; equal facts give equal bytes.
 
-    It loads itself again after ``again`` [s], 0: never. Sheets of a ``live`` one can be zoomed on
-    a screen, by scripts that are inside; it needs Bokeh.
+    It loads itself again after ``again`` [s], 0: never. Then it has no scripts, since what a reader
+    sorted would be lost each time. Pictures of a ``live`` page can be zoomed; it needs Bokeh.
     """
-    pictures = _Pictures(live)
-    functions = {"warned": _warned, "bokeh": source}
-    page = {"facts": facts, "again": again, "generator": _GENERATOR, "pictures": pictures}
-    return _template().render(page | functions).lstrip()
+    sorting = _asset("tables.js") if not again and _has_long_table(facts) else ""
+    digest = base64.b64encode(hashlib.sha256(sorting.encode()).digest()).decode()
+    page = {
+        "facts": facts,
+        "again": again,
+        "generator": _GENERATOR,
+        "pictures": _Pictures(live),
+        "drawing": _drawing,
+        "sorting": sorting,
+        "allowed": "'unsafe-inline'" if live else f"'sha256-{digest}'" if sorting else "'none'",
+        "warned": _warned,
+    }
+    return _template().render(page).lstrip()
+
+
+def _has_long_table(facts: Facts) -> bool:
+    """Whether the page has a table that is worth sorting."""
+    tables = [len(facts.warnings), *(len(table.rows) for table in facts.tables)]
+    return max(tables) >= _LONG or any(map(_has_long_table, facts.parts))
+
+
+def _asset(name: str) -> str:
+    """A script from the folder of the templates."""
+    return (Path(__file__).parent / "templates" / name).read_text(encoding="utf-8")
+
+
+def _packed(text: str) -> str:
+    """A script as a browser unpacks it: by zlib, in letters."""
+    return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
+
+
+@cache
+def _drawing() -> str:
+    """What draws live pictures, packed: Bokeh and the script that uses it."""
+    return _packed(f"{source()}\n{_asset('live.js')}")
 
 
 def is_page(data: bytes) -> bool:
@@ -77,19 +117,26 @@ def is_page(data: bytes) -> bool:
 
 
 class _Pictures:
-    """The pictures of a page as panels, and the ``scripts`` that fill the places of live ones."""
+    """The pictures of a page as panels, and the packed ``scripts`` of those that are live.
+
+    Of a ``live`` page the first picture is live, and those after it for which there is room.
+    """
 
     def __init__(self, live: bool) -> None:
         self.live, self.scripts = live, list[str]()
 
     def panels(self, picture: Picture) -> list[tuple[str, str]]:
         """Each panel as SVG, with the place of its live picture, or ""."""
-        sheet, number = picture.make(), len(self.scripts)
+        sheet = picture.make()
         names = picture.names or sheet.names
-        places = {name: f"sheet-{number}-{i}" for i, name in enumerate(names)}
+        stills = [_panel(sheet, name) for name in names]
+        places = [f"sheet-{len(self.scripts)}-{i}" for i in range(len(names))]
         if self.live:
-            self.scripts.append(script(sheet, places))
-        return [(_panel(sheet, name), places[name] if self.live else "") for name in names]
+            drawing = _packed(script(sheet, dict(zip(names, places, strict=True))))
+            if not self.scripts or sum(map(len, self.scripts)) + len(drawing) <= _ROOM:
+                self.scripts.append(drawing)
+                return list(zip(stills, places, strict=True))
+        return [(still, "") for still in stills]
 
 
 def _panel(sheet: Sheet, name: str) -> str:

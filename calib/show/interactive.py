@@ -33,8 +33,10 @@ _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
 _LEGEND = {
     "click_policy": "hide", "location": "top_left", "border_line_color": None,
     "background_fill_alpha": 0.0, "label_text_font_size": "11px", "glyph_width": 22,
-    "glyph_height": 12, "label_height": 12, "spacing": 8, "padding": 0, "margin": 0,
+    "glyph_height": 12, "label_height": 12, "spacing": 8, "padding": 2, "margin": 0,
 }  # fmt: skip
+_ID = re.compile(r'(?<="id": ")p\d+(?=")|(?<=[{ ]")p\d+(?=": "sheet-)')
+"""Number of a model of Bokeh, where it stands in a document or names the place of a panel."""
 _COLOURS = 64
 """Colours of a field."""
 _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
@@ -61,8 +63,10 @@ def script(sheet: Sheet, places: Mapping[str, str]) -> str:
     for name, place in places.items():
         document.add_root(figure := making.figure(panels[name]))
         roots[figure.id] = place
-    data = json.dumps(document.to_json(deferred=False))
-    return f"live({data}, {json.dumps(roots)});".replace("<", "\\u003c")
+    call = f"live({json.dumps(document.to_json(deferred=False))}, {json.dumps(roots)});"
+    # Bokeh numbers all models of a process; a page counts its own
+    numbers = {id_: f"p{number}" for number, id_ in enumerate(dict.fromkeys(_ID.findall(call)))}
+    return _ID.sub(lambda id_: numbers[id_[0]], call).replace("<", "\\u003c")
 
 
 class _Making:

@@ -1,4 +1,4 @@
-"""Numbers and names as people read them: SI inside, here bar, km/h and degC."""
+"""Numbers and names as people read them; SI units become bar, km/h, % and so on."""
 
 import math
 import re
@@ -21,51 +21,59 @@ _SHOWN = {
     "W": ("kW", 1e-3),
     "1": ("", 1.0),
 }
-"""SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
+"""Printed unit of an SI unit, and the factor to it; other units are printed unchanged."""
 
 _UNIT = r"%|sigma|degC?|rad/s|bar|[cmukM]?(?:g|m|s|Pa|Hz|N|J|W)(?:[/*^]\w+)*"
+"""Pattern of a unit."""
 _BEFORE_UNIT = re.compile(rf"(?<=\d) (?=(?:{_UNIT})(?![\w*^]))")
+"""Space between a number and a unit."""
 _METRES = re.compile(r"\b(k?N) (?=m\b)")
+"""Force and space of the unit N m."""
 
 
 def whole(text: str) -> str:
-    """The text with no-break spaces between numbers and units; a command stays as it is."""
+    """Return the text with no-break spaces between numbers and units; a command is not changed."""
     if text.startswith("brake-cal "):
         return text
     return _BEFORE_UNIT.sub(NBSP, _METRES.sub(rf"\1{NBSP}", text.replace(" ± ", f"{NBSP}±{NBSP}")))
 
 
 def spaced(name: str) -> str:
-    """A name with spaces for underscores."""
+    """Return a name with spaces in place of underscores."""
     return name.replace("_", " ")
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
-    """Names as a list in words: `a, b and c`."""
-    words = [spaced(name) for name in names]
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
+    """Return names in a row, the ``last`` word before the last name: `a, b and c`."""
+    *others, final = [spaced(name) for name in names]
+    return f"{', '.join(others)} {last} {final}" if others else final
 
 
 def in_shown(value: float, unit: str) -> float:
-    """A value [SI ``unit``] in the unit that is printed."""
+    """Return a value [SI ``unit``] in the unit that is printed."""
     return value * _SHOWN.get(unit, (unit, 1.0))[1]
 
 
 def with_unit(text: str, unit: str) -> str:
-    """A text with the printed unit of a quantity [SI ``unit``]."""
+    """Return a text with the printed unit of a quantity whose SI unit is ``unit``."""
     return f"{text} {_SHOWN.get(unit, (unit, 1.0))[0]}".rstrip()
 
 
 def number(value: float, step: float) -> str:
-    """A value to the second digit of ``step``, such as the half width of its interval."""
+    """Return a value as text, rounded to the second significant digit of ``step``.
+
+    ``step`` has the unit of the value, such as the half width of its interval; 0 stands for a
+    thousandth of the value.
+    """
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
-    exponent = math.floor(math.log10(step or 1e-3 * abs(value) or 1.0))
+    step = step or 1e-3 * abs(value) or 1.0
+    exponent = math.floor(math.log10(step))
     return f"{value:z.{max(0, 1 - exponent)}f}"
 
 
 def estimate(parameter: "ParameterEstimate") -> tuple[str, str]:
-    """A parameter with its unit, and its 95 % interval in the same."""
+    """Return a parameter with its unit, and its 95 % interval in the same unit, as texts."""
     value, low, high = (in_shown(x, parameter.unit) for x in (parameter.value, *parameter.ci95))
     half = 0.5 * (high - low)
     interval = f"{number(low, half)} to {number(high, half)}"
@@ -73,8 +81,8 @@ def estimate(parameter: "ParameterEstimate") -> tuple[str, str]:
 
 
 def span(ends: tuple[float, float], unit: str) -> str:
-    """A range [SI ``unit``] as it is printed, to three digits at most: `20 to 29 bar`."""
+    """Return a range [SI ``unit``] as text: `20 to 29 bar`; a narrow one has a decimal."""
     low, high = (in_shown(end, unit) for end in ends)
     digits = 0 if high - low >= 2.0 else 1
-    text = f"{low:z.{digits}f}", f"{high:z.{digits}f}"
-    return with_unit(text[0] if text[0] == text[1] else f"{text[0]} to {text[1]}", unit)
+    first, last = f"{low:z.{digits}f}", f"{high:z.{digits}f}"
+    return with_unit(first if first == last else f"{first} to {last}", unit)

@@ -25,6 +25,7 @@ from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture, Row
 from calib.show.facts import Table as Cells
 from calib.show.html import page_of
+from calib.show.interactive import installed
 from calib.show.judged import budget_rows, judged, ramp_rows, stop_by_stop
 from calib.show.origin import origin
 from calib.show.stop import torque_and_pads
@@ -135,7 +136,8 @@ def store_and_write(
             for form in dict.fromkeys(forms):
                 export(stored, work / export_name(form), form)
         write_whole(work / JUNIT, junit_xml(outcome, stored))
-        write_whole(work / REPORT, page_of(station_facts(StationRun(outcome, stored))).encode())
+        page = page_of(station_facts(StationRun(outcome, stored)), live=installed())
+        write_whole(work / REPORT, page.encode())
         names = sorted(path.name for path in work.iterdir() if path.name != DOCUMENT)
         document = to_dict(outcome, stored, names)
         written = to_text(document).encode()

@@ -8,8 +8,9 @@ from xml.dom.minidom import parseString
 import numpy as np
 import pytest
 from selenium.webdriver import ActionChains
+from selenium.webdriver.support.ui import WebDriverWait
 
-from calib.show.facts import Facts, Picture
+from calib.show.facts import Facts, Picture, Table
 from calib.show.html import page_of
 from calib.show.interactive import script
 from calib.show.panel import Field, Line, Mark, Panel
@@ -92,15 +93,31 @@ def test_a_live_page_is_printed_as_any_other(sheet):
     facts = Facts("made", pictures=[Picture("made", lambda: sheet)])
     still, live = page_of(facts), page_of(facts, live=True)
     assert "<script" not in still
-    assert still.count("<img") == live.count('<img class="still"') == 4
+    assert still.count("<img") == live.count("<img") == live.count('class="live"') == 4
     pictures = re.findall(r'src="data:image/svg\+xml,([^"]*)"', still)
     assert [parseString(unquote(one)).documentElement.tagName for one in pictures] == ["svg"] * 4
+    assert live == page_of(facts, live=True)
+
+
+def test_a_page_has_as_many_live_pictures_as_it_can_carry(sheet, monkeypatch):
+    monkeypatch.setattr("calib.show.html._ROOM", 1)
+    page = page_of(Facts("made", pictures=[Picture("made", lambda: sheet)] * 2), live=True)
+    assert page.count('class="live"') == 4
+    assert page.count("<img") == 8
+
+
+def drawn(browser, page, *how):
+    """Requests beside the page, and complaints, until its first picture is drawn."""
+    requests, told = opened(browser, page, *how)
+    WebDriverWait(browser, 30).until(lambda _: ask(browser, "typeof last != 'undefined'"))
+    browser.execute_async_script("last.then(arguments[0])")
+    return requests, told + browser.get_log("browser")
 
 
 @needs_browser
 @pytest.mark.parametrize(("width", "dark"), [(1000, True), (360, False)])
 def test_it_opens_without_a_request_and_fits_the_screen(browser, page, width, dark):
-    requests, told = opened(browser, page, width, dark)
+    requests, told = drawn(browser, page, width, dark)
     assert requests == []
     assert [one for one in told if one["level"] != "INFO"] == []
     assert ask(browser, "document.documentElement.scrollWidth") <= width
@@ -112,7 +129,7 @@ def test_it_opens_without_a_request_and_fits_the_screen(browser, page, width, da
 
 @needs_browser
 def test_panels_over_one_axis_zoom_together(browser, page):
-    opened(browser, page)
+    drawn(browser, page)
     browser.execute_script("Bokeh.documents[0].roots()[0].x_range.setv({start: 2, end: 3})")
     ends = ask(browser, "Bokeh.documents[0].roots().map(r => [r.x_range.start, r.x_range.end])")
     assert ends[0] == ends[1] == [2, 3]
@@ -121,7 +138,7 @@ def test_panels_over_one_axis_zoom_together(browser, page):
 
 @needs_browser
 def test_two_taps_tell_what_is_at_both_and_the_difference(browser, page):
-    opened(browser, page)
+    drawn(browser, page)
     panel = browser.find_elements("css selector", ".live")[0]
     for right in (-60, 100):
         ActionChains(browser).move_to_element_with_offset(panel, right, 20).click().perform()
@@ -136,7 +153,7 @@ def test_two_taps_tell_what_is_at_both_and_the_difference(browser, page):
 
 @needs_browser
 def test_a_slider_moves_through_the_slices_of_a_map_and_its_torques_are_told(browser, page):
-    opened(browser, page)
+    drawn(browser, page)
     told = browser.execute_script("""
         const input = document.querySelector("input"), fig = Bokeh.documents[0].roots()[3];
         input.value = 1.5; input.oninput();
@@ -148,3 +165,19 @@ def test_a_slider_moves_through_the_slices_of_a_map_and_its_torques_are_told(bro
     ratio, front, rear = (float(x) for x in re.findall(r"(?:value:|front|rear) ([\d.]+)", told[1]))
     share = 2.0 * ratio / (1.0 + 2.0 * ratio)  # at a value of 1 the front has two thirds
     assert [front, rear] == pytest.approx([9.0 * 0.5 * share, 6.0 * 0.5 * (1.0 - share)], rel=1e-3)
+
+
+@needs_browser
+def test_a_table_sorts_by_numbers_and_shows_what_failed(browser, tmp_path):
+    rows = [("b", "10.5 %"), ("a", "-9 %"), ("d", ""), ("c", "9 %")]
+    table = Table(("stop", "error"), rows, verdicts=["passed", "failed", "passed", "warning"])
+    path = tmp_path / "page.html"
+    path.write_text(page_of(Facts("made", tables=[table])))
+    assert opened(browser, path)[1] == []  # its digest is that which the page allows
+    names = """[...document.querySelectorAll("tbody tr")]
+        .filter(row => row.clientHeight).map(row => row.cells[0].innerText).join("")"""
+    for head, order in ((1, "acbd"), (1, "bcad"), (0, "abcd")):
+        browser.find_elements("css selector", "thead button")[head].click()
+        assert ask(browser, names) == order
+    browser.find_element("css selector", "input").click()
+    assert ask(browser, names) == "ac"

@@ -1,5 +1,15 @@
-/* Bokeh fills the places of a picture. Then pointer, taps and a slider tell what is there. */
-async function live(data, roots) {
+/* Bokeh fills the places of a picture, one picture after another, and hides the still ones.
+   Then pointer, taps and a slider tell what is there. */
+let last = Promise.resolve();
+function live(data, roots) {
+  last = last.then(() => draw(data, roots));
+}
+async function draw(data, roots) {
+  for (const id of Object.values(roots)) {
+    const place = document.getElementById(id);
+    place.hidden = false;
+    place.nextElementSibling.className = "still";
+  }
   await Bokeh.embed.embed_items({sheet: data}, [{docid: "sheet", roots, root_ids: Object.keys(roots)}]);
   const made = Bokeh.documents.at(-1).roots().map(
     fig => ({fig, place: document.getElementById(roots[fig.id])}));
