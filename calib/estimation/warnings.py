@@ -16,7 +16,14 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.names import G
-from calib.base.warning import VOID, WARN, Measured, PlausibilityWarning, rule_warnings
+from calib.base.warning import (
+    VOID,
+    WARN,
+    Measured,
+    PlausibilityWarning,
+    rule_warnings,
+    unexplained,
+)
 from calib.car.braking import BITE, MOVING
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
@@ -88,7 +95,8 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         log_run.slipping.locked or log_run.slipping.cycles
     )
     named = _mistakes(e, resistance, evidence) if asks and rolls else ()
-    return (*rule_warnings(log_run.log.name, named, VALIDATE), *warnings)
+    by_mistake = rule_warnings(log_run.log.name, named, VALIDATE)
+    return (*unexplained(by_mistake, warnings), *warnings)
 
 
 def _beside_pressure(evidence: Evidence) -> bool:

@@ -115,7 +115,7 @@ def fit(
     # curves over eta, and the level of both axles' pads, come from ramps on which both axles brake
     full = [run for run in runs if run.only is None]
     causes = causes_of(car, full)
-    mistakes = _mistakes(causes, full, refused)
+    mistakes = unexplained(_mistakes(causes, full, refused), warnings)
     moves_eta = [warning for warning in warnings if warning.code in MOVE_ETA]
     ensemble, figures = explained(car, runs, ratio_prior, priors, refused, [*mistakes, *moves_eta])
     ensemble, by_stops = learn(car, ensemble, braked)

@@ -13,6 +13,7 @@ from calib.base.intervals import likelihood_ratio
 from calib.base.names import G
 from calib.base.warning import Measured
 from calib.car.braking import MOVING
+from calib.plausibility.acceleration_delay import acceleration_delay
 from calib.plausibility.evidence import Evidence
 from calib.run.blocks import BLOCK
 from calib.run.driving_record import NOMINAL_RADIUS
@@ -45,7 +46,7 @@ def bend(e: Evidence) -> Iterator[Measured]:
 
 
 def accelerometer(e: Evidence) -> Iterator[Measured]:
-    """Scale, slope, offset, drag and delay."""
+    """Scale, slope, offset and drag."""
     sensor = e.accelerometer
     if sensor is None:
         return
@@ -58,7 +59,12 @@ def accelerometer(e: Evidence) -> Iterator[Measured]:
         yield Measured("a_x_against_v", sensor.disagreement, sigma)
     yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
     yield Measured("unexplained_drag", G * sensor.drag)
-    yield Measured("a_x_late", sensor.lag, math.sqrt(sensor.variance_lag))
+
+
+def a_x_late(e: Evidence) -> Iterator[Measured]:
+    """Delay of a_x against v, or against the wheel speeds."""
+    if e.run.vehicle is not None and (delay := acceleration_delay(e.run)) is not None:
+        yield Measured("a_x_late", delay.value, delay.sigma, words={"against": delay.against})
 
 
 def brakes(e: Evidence) -> Iterator[Measured]:

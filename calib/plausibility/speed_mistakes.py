@@ -34,10 +34,10 @@ _FILE, _USUAL, _CAR, _UNIT = 0.012, 0.08, 0.1, 3.0
 in another unit [1]."""
 _STEEP, _GENTLE = 8, 0.1
 """Order in z of the steep term; least z to which it is scaled [1]."""
-_SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
+SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
 """Mean and sigma of the coefficients of slip: of z, its square, cube and steep term; and of the
 growth of a tyre by the square of the wheel speed over 100 rad/s [1]."""
-_SLIPPERY = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), _SLIP[-1])
+_SLIPPERY = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), SLIP[-1])
 """The same on a wet road: a brush of stiffness K and peak m has (1 + z/(3 m) + 5 z^2/(27 m^2) ...)
 z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean, since
 negative slip is that of a v that runs fast."""
@@ -253,7 +253,7 @@ class _AxleSpeed:
 
     def _prior(self, belief: _Belief) -> Array:
         """Mean and sigma of the unknowns (2, 14); the rate is relative to that of the belief."""
-        slip = self.brakes * np.array(_SLIPPERY if belief.slippery else _SLIP)
+        slip = self.brakes * np.array(_SLIPPERY if belief.slippery else SLIP)
         of_v = np.array([(0.0, _STEADY)])
         if belief.slips:
             slip, of_v = slip * (0.0, 1.0), slip[:1]

@@ -19,6 +19,7 @@ against them. A bias that changes within the log is taken for a grade that chang
 import math
 from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,7 +49,7 @@ _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 """Resistance of a usual car over its weight: rolling [1], and by the speed squared [s^2/m^2] of
 0.66 m^2 and 1500 kg; their relative standard deviation [1]."""
 
-_LAG = 0.02  # sigma of the lag between v and a_x [s]
+_LAG = 0.02  # sigma of the lag between v and a_x [s]; `acceleration_delay` finds larger ones
 _SECOND = 1.0  # time over which a_x and v are averaged [s]: the noise of v is then 0.002 g
 _MULTIPLE = 4  # number of blocks that are compared is a multiple: an end below 0.2 s is not used
 
@@ -63,8 +64,8 @@ _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 
 class Accelerometer:
     """Scale c [1] and offset (``bias``) [g] of the accelerometer from a whole run.
 
-    ``drag`` [g] comes on top of the known resistance. ``lag`` is that of a_x behind v [s];
-    ``walk_probability`` that of a grade that walks [1]; ``disagreement`` see `_disagreement` [g].
+    ``drag`` [g] comes on top of the known resistance. ``walk_probability`` is that of a grade that
+    walks [1]; ``disagreement`` see `_disagreement` [g].
     """
 
     scale: float
@@ -73,8 +74,6 @@ class Accelerometer:
     variance_bias: float
     covariance: float
     drag: float
-    lag: float
-    variance_lag: float
     walk_probability: float
     disagreement: float
 
@@ -88,30 +87,16 @@ class Accelerometer:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-@dataclass(frozen=True)
-class _AgainstSpeed:
+class _AgainstSpeed(NamedTuple):
     """Normal equations of (c, e = bias + grade, d = bias + drag) from v, the lag eliminated.
 
     ``precision`` (3, 3) and ``vector`` (3,) are 0 for d. ``likelihood`` is its logarithm at
-    c = e = d = 0, up to a constant. The eliminated row of the lag had the diagonal
-    ``lag_information`` [1/s^2], the right side ``lag_side`` and the ``lag_coupling`` (2,) to c and
-    e [1/s].
+    c = e = d = 0, up to a constant.
     """
 
     precision: Array
     vector: Array
     likelihood: float
-    lag_information: float
-    lag_side: float
-    lag_coupling: Array
-
-    def lag_of(self, weighed: Mixture) -> tuple[float, float]:
-        """Time by which a_x comes after v [s], and its variance."""
-        mean = _SENSED[:2] @ weighed.mean
-        covariance = _SENSED[:2] @ weighed.covariance @ _SENSED[:2].T
-        spread = float(self.lag_coupling @ covariance @ self.lag_coupling)
-        lag = (self.lag_side - float(self.lag_coupling @ mean)) / self.lag_information
-        return -lag, 1.0 / self.lag_information + spread / self.lag_information**2
 
 
 @dataclass(frozen=True)
@@ -152,7 +137,6 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
     weighed = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)
     c, bias, _, drag = weighed.mean.tolist()
     walk = float(weighed.weights[1::2].sum())
-    (lag, variance), (walk_lag, walk_variance) = (x.lag_of(weighed) for x in evidence.grades)
     return Accelerometer(
         scale=c,
         bias=bias,
@@ -160,10 +144,6 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
         variance_bias=float(weighed.covariance[1, 1]),
         covariance=float(weighed.covariance[0, 1]),
         drag=drag,
-        lag=(1.0 - walk) * lag + walk * walk_lag,
-        variance_lag=(1.0 - walk) * variance
-        + walk * walk_variance
-        + (1.0 - walk) * walk * (walk_lag - lag) ** 2,
         walk_probability=walk,
         disagreement=_disagreement(evidence.blocks, c, evidence.last),
     )
@@ -224,7 +204,7 @@ def _against_speed(
     moving average of order two, which a filter makes white. The grade in e is that at the start.
     """
     if compared is None:
-        return _AgainstSpeed(np.zeros((3, 3)), np.zeros(3), 0.0, _LAG**-2.0, 0.0, np.zeros(2))
+        return _AgainstSpeed(np.zeros((3, 3)), np.zeros(3), 0.0)
     white, walk = densities[1] ** 2 / h, (G * densities[0]) ** 2 * h
     columns, usable = compared
     average, sigma = second_differences(white, walk, (G * h * grade_walk) ** 2 * h)
@@ -234,10 +214,9 @@ def _against_speed(
     products = rows @ rows.T  # of measurement, c, e, lag, start
     likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
     pair, side, by_start = _without_last(products[1:, 1:], products[1:, 0], white)
-    lag_row = float(pair[2, 2] + 1.0 / _LAG**2), float(side[2]), pair[:2, 2]
     precision, vector = np.zeros((3, 3)), np.zeros(3)
     precision[:2, :2], vector[:2], by_lag = _without_last(pair, side, _LAG**2)
-    return _AgainstSpeed(precision, vector, likelihood + by_start + by_lag, *lag_row)
+    return _AgainstSpeed(precision, vector, likelihood + by_start + by_lag)
 
 
 def _without_last(pair: Array, side: Array, variance: float) -> tuple[Array, Array, float]:

@@ -85,7 +85,7 @@ def test_a_wrong_scale_of_the_accelerometer_moves_the_pads_by_its_part(clean, ta
 
 def sensed(scale=0.0, bias=0.0, together=0.0):
     """An accelerometer with these variances."""
-    return Accelerometer(0.0, 0.0, scale, bias, together, *np.zeros(5))
+    return Accelerometer(0.0, 0.0, scale, bias, together, *np.zeros(3))
 
 
 def test_level_parts_in_closed_form(clean):

@@ -16,10 +16,10 @@ from tests.support.refusals import broken
 
 
 def sensor(**values):
-    """An accelerometer that is right, but for ``values``; sigma 0.1 %, 0.0005 g, 5 ms."""
-    names = ("scale", "bias", "covariance", "drag", "lag", "walk_probability", "disagreement")
+    """An accelerometer that is right, but for ``values``; sigma 0.1 % and 0.0005 g."""
+    names = ("scale", "bias", "covariance", "drag", "walk_probability", "disagreement")
     fields = dict.fromkeys(names, 0.0)
-    known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7, "variance_lag": 2.5e-5}
+    known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7}
     fields |= {**known, **values}
     return Accelerometer(**fields)
 
@@ -46,7 +46,6 @@ def test_a_sensor_that_is_right_is_not_warned_about():
         ({"bias": 0.03}, "a_x_offset", -0.03 * G),
         ({"bias": -0.03}, "a_x_offset", 0.03 * G),
         ({"drag": 0.03}, "unexplained_drag", 0.03 * G),
-        ({"lag": 0.15}, "a_x_late", 0.15),
         ({"walk_probability": 0.9, "disagreement": 0.03}, "a_x_against_v", 0.03),
     ],
 )
@@ -77,7 +76,6 @@ def test_a_gain_of_a_x_is_told_by_the_wheels_where_no_v_is(gain):
 def test_what_is_not_sure_is_not_warned_about():
     assert codes(sensor(scale=0.04, variance_scale=9e-4)) == []
     assert codes(sensor(bias=0.03, variance_bias=1.6e-3)) == []
-    assert codes(sensor(lag=0.15, variance_lag=2.5e-3)) == []
     assert codes(sensor(walk_probability=0.2, disagreement=0.03)) == []
     assert codes(sensor(walk_probability=0.9, disagreement=0.005)) == []
     assert not warned(sensor(walk_probability=0.9, disagreement=0.02), noise=0.008)

@@ -27,7 +27,11 @@ Make = Callable[[Rng], "Mistake"]
 @dataclass(frozen=True)
 class Mistake:
     """One mistake of one size: what becomes of the vehicle ``file``, of a ``run``, of ``channels``
-    by name in its log, of all ``logs``; whether the torque of motors is among the channels."""
+    by name in its log, of all ``logs``; whether the torque of motors is among the channels.
+
+    ``entries`` that it makes wrong, as the program's list of unseen errors calls them, with the
+    relative error [1].
+    """
 
     size: str
     file: Callable[[Vehicle], Vehicle] = lambda car: car
@@ -35,6 +39,7 @@ class Mistake:
     channels: dict[str, Callable[[Array, Log], Array]] = field(default_factory=dict)
     logs: Callable[[Logs], Logs] = lambda logs: logs
     with_drive: bool = False
+    entries: dict[str, float] = field(default_factory=dict)
 
     def line(self, line: Line, runs: tuple[str, ...]) -> Line:
         """The line that it makes of a good one, in some of its runs."""
@@ -83,7 +88,11 @@ def file_value(name: str, low: float, high: float, up: bool = False) -> Make:
 
     def make(rng: Rng) -> Mistake:
         k = 1.0 + float(rng.uniform(low, high)) if up else off_by(rng, low, high)
-        return Mistake(percent(k), lambda car: replace(car, **{name: k * getattr(car, name)}))
+        return Mistake(
+            percent(k),
+            lambda car: replace(car, **{name: k * getattr(car, name)}),
+            entries={name: k - 1.0},
+        )
 
     return make
 
@@ -95,7 +104,11 @@ def axle_value(name: str, low: float, high: float, axles: tuple[str, ...] = ()) 
         k = off_by(rng, low, high)
         chosen = axles or (str(rng.choice(["front", "rear"])),)
         factors = dict.fromkeys(chosen, k)
-        return Mistake(f"{'+'.join(chosen)} {percent(k)}", lambda car: scaled(car, name, factors))
+        return Mistake(
+            f"{'+'.join(chosen)} {percent(k)}",
+            lambda car: scaled(car, name, factors),
+            entries=dict.fromkeys([f"{axle}.{name}" for axle in chosen], k - 1.0),
+        )
 
     return make
 
@@ -115,7 +128,8 @@ def pads_swapped(rng: Rng) -> Mistake:
 
 def heavier(rng: Rng) -> Mistake:
     k = 1.0 + float(rng.uniform(0.05, 0.2))
-    return of_car(percent(k), lambda p: replace(p, mass_scale=k))
+    loaded = of_car(percent(k), lambda p: replace(p, mass_scale=k))
+    return replace(loaded, entries={"mass": k - 1.0})
 
 
 def engine(rng: Rng) -> Mistake:
@@ -237,7 +251,8 @@ def times(channel: str, k: float) -> Make:
 def gain(channel: str, low: float, high: float) -> Make:
     def make(rng: Rng) -> Mistake:
         k = off_by(rng, low, high)
-        return Mistake(percent(k), channels={channel: lambda x, log: k * x})
+        changed = {channel: lambda x, log: k * x}
+        return Mistake(percent(k), channels=changed, entries={channel: k - 1.0})
 
     return make
 

@@ -13,6 +13,9 @@ it. Every one is written to files and goes through `fit`, `validate` and `statio
   whatever it moves (a channel that is a copy, the ramp as hold-out).
 * silent: exit code 0 and no warning, of the material ones that the command met: `fit` those in
   ramp, coast or vehicle file; `validate` those with a table; `station` all.
+* silent, but unseen and named: the command printed every wrong entry in its list of unseen errors,
+  with a size that is not below that of the mistake.
+* silent, but within the intervals: the 95 % intervals of the pads hold the truth in every run.
 * named: a refusal or the first two causes of a warning of any command hold the kind's words. What
   to do about a check of the station is no such cause: it lists all parts that there are.
 """
@@ -36,6 +39,7 @@ from typer.testing import CliRunner
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.base.errors import BrakeCalError
+from calib.base.intervals import Z95
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.logs.write import write_parquet
@@ -56,7 +60,8 @@ class Said:
     """What one command said: exit ``code``, ``refusal`` where it ended with an error.
 
     ``codes`` of its warnings, and of the station's checks that failed or warn; ``causes`` the first
-    two of each warning; ``crash`` a traceback, where the program broke.
+    two of each warning; ``crash`` a traceback, where the program broke; ``unseen`` sizes [1] of
+    the errors that it lists as unseen.
     """
 
     code: int
@@ -64,6 +69,7 @@ class Said:
     codes: tuple[str, ...] = ()
     causes: tuple[str, ...] = ()
     crash: str = ""
+    unseen: dict[str, float] = field(default_factory=dict)
 
     @property
     def anything(self) -> bool:
@@ -73,10 +79,14 @@ class Said:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the program made of a line: by command what it said; pads [1] by run; D over eta."""
+    """What the program made of a line: by command what it said; pads [1] by run; D over eta.
+
+    ``halves`` of the 95 % intervals of these pads, relative [1].
+    """
 
     said: dict[str, Said]
     pads: dict[str, Pads] = field(default_factory=dict)
+    halves: dict[str, Pads] = field(default_factory=dict)
     difference: tuple[np.ndarray, np.ndarray] | None = None
 
 
@@ -87,20 +97,23 @@ def answer(vehicle: Vehicle, logs: dict[str, Log], folder: Path) -> Answer:
         write_parquet(replace(log, truth={}), folder / f"{name}.parquet")
     ramp, coast, *stops = (folder / f"{name}.parquet" for name in ("ramp", "coast", *STOPS))
     car, store = ("--vehicle", folder / "vehicle.toml"), ("--store", folder / "tables")
-    said, pads, difference = {}, {}, None
+    said, pads, halves, difference = {}, {}, {}, None
     said["fit"], document = run("fit", ramp, coast, *car, *store)
     if document:
-        calibration = document["calibration"]
-        pads["ramp"] = tuple(calibration[f"pad_friction_{a}"]["value"] for a in "fr")
+        fitted = [document["calibration"][f"pad_friction_{axle}"] for axle in "fr"]
+        pads["ramp"] = tuple(pad["value"] for pad in fitted)
+        halves["ramp"] = tuple(Z95 * pad["sigma"] / pad["value"] for pad in fitted)
         curve = Store(folder / "tables").load(vehicle.name).table.difference
         difference = curve.eta, curve.D
         said["validate"], document = run("validate", vehicle.name, *stops, *store)
         for name, log in zip(STOPS, document.get("logs", ()), strict=False):
             of_stop = tuple(log["figures"][f"pad_friction_{a}"] for a in "fr")
-            pads |= {} if None in of_stop else {name: of_stop}
+            if None not in of_stop:
+                pads[name] = of_stop
+                halves[name] = tuple(log["figures"][f"interval_{axle}"] for axle in "fr")
     elsewhere = ("--store", folder / "of_station", "--out", folder / "out")
     said["station"], _ = run("station", ramp, *stops, "--coast", coast, *car, *elsewhere)
-    return Answer(said, pads, difference)
+    return Answer(said, pads, halves, difference)
 
 
 def run(*words: object) -> tuple[Said, dict[str, Any]]:
@@ -129,7 +142,10 @@ def run(*words: object) -> tuple[Said, dict[str, Any]]:
     ]
     codes = [warning["code"] for warning in warnings]
     causes = [cause for warning in warnings for cause in warning["causes"][:2]]
-    return Said(ran.exit_code, "", (*codes, *checks, *failed), tuple(causes)), document
+    listed = (document.get("validation") or document).get("unseen", ())
+    unseen = {one["entry"]: one["up_to"] for one in listed}
+    told = (*codes, *checks, *failed)
+    return Said(ran.exit_code, "", told, tuple(causes), unseen=unseen), document
 
 
 Errors = dict[tuple[str, str], float]
@@ -143,7 +159,8 @@ PADS, CURVE = 0.05, 0.02
 class Row:
     """One line: the mistake and its size, how far it moved pads and D, what was said.
 
-    ``off`` largest error of the pads without the mistake, front and rear [1].
+    ``off`` largest error of the pads without the mistake, front and rear [1]; ``entries`` that are
+    wrong, with their errors [1]; ``holds``: every 95 % interval of the pads holds the truth.
     """
 
     number: int
@@ -154,6 +171,8 @@ class Row:
     curve: float
     clean: dict[str, Said]
     said: dict[str, Said]
+    entries: dict[str, float]
+    holds: bool
 
     @property
     def moved(self) -> bool:
@@ -179,6 +198,12 @@ class Row:
         words = re.compile(KINDS[self.kind].named, re.IGNORECASE)
         told = [text for said in self.said.values() for text in (said.refusal, *said.causes)]
         return any(map(words.search, told))
+
+    def unseen(self, command: str) -> bool:
+        """Whether the command lists each wrong entry as unseen, with at least its error."""
+        listed = self.said[command].unseen
+        sizes = (listed.get(entry, 0.0) - abs(error) for entry, error in self.entries.items())
+        return bool(self.entries) and min(sizes) >= 0.0
 
     def met(self, command: str) -> bool:
         """Whether the command could have seen it."""
@@ -224,6 +249,11 @@ def tried(job: tuple[int, int, str]) -> Row:
         moved_curve(clean, made),
         clean.said,
         made.said,
+        mistake.entries,
+        all(
+            abs(math.expm1(error)) <= made.halves[run]["fr".index(axle)]
+            for (run, axle), error in after.items()
+        ),
     )
 
 
@@ -267,11 +297,24 @@ def report(rows: list[Row]) -> None:
     for text, hits in (
         *((f"silent in {c}", [not r.said[c].anything for r in material if r.met(c)])
           for c in COMMANDS),
+        *((f"silent in {c}, but unseen and named",
+           [r.unseen(c) for r in material if r.met(c) and not r.said[c].anything])
+          for c in COMMANDS),
+        *((f"silent in {c}, but within the intervals",
+           [r.holds for r in material if r.met(c) and not r.said[c].anything])
+          for c in COMMANDS),
         ("silent in all three", [not r.caught for r in material]),
         ("named", [r.named for r in material]),
         ("named, of those that were caught", [r.named for r in material if r.caught]),
     ):  # fmt: skip
-        print(f"  {text:34} {share(hits)}")
+        print(f"  {text:44} {share(hits)}")
+    for row in material:
+        quiet = [c for c in COMMANDS if row.met(c) and not row.said[c].anything]
+        if quiet:
+            print(
+                f"  line {row.number}, {row.kind} {row.size}: silent in {', '.join(quiet)}; "
+                f"pads {100 * row.pads:.1f} %, D {row.curve:.3f}; intervals hold: {row.holds}"
+            )
     print("\ngood lines")
     middle, high = (100 * np.nanpercentile([row.off for row in rows], q, axis=0) for q in (50, 95))
     print(f"  largest error of the pads, front / rear: median {middle[0]:.1f} / {middle[1]:.1f} %, "

@@ -1,0 +1,40 @@
+"""The delay of a_x against v and the wheel speeds, which the plant made without one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.plausibility.acceleration_delay import acceleration_delay
+from calib.plausibility.evidence import Evidence
+from calib.plausibility.forces import a_x_late
+from calib.run.run import Run
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, without
+from tests.support.refusals import broken
+
+LOGS = {"ramp": noisy(ramp(REAL, 7e5), 5), "stop": noisy(stop(REAL), 6)}
+
+
+def delayed(log, by):
+    a_x = np.interp(log.time - by, log.time, log["a_x"])
+    return replace(log, channels={**log.channels, "a_x": a_x})
+
+
+@pytest.mark.parametrize("absent", [(), ("v",)])
+@pytest.mark.parametrize("by", [0.0, 0.25])
+@pytest.mark.parametrize("kind", LOGS)
+def test_a_delay_of_a_x_is_measured(kind, by, absent):
+    log = without(delayed(LOGS[kind], by), *absent)
+    found = acceleration_delay(Run(log, CAR))
+    assert found.value == pytest.approx(by, abs=0.06)
+    assert found.against == ("the wheel speeds" if absent else "v")
+    assert [one.code for one in broken((a_x_late,), Evidence(Run(log, CAR)))] == (
+        ["a_x_late"] if by else []
+    )
+
+
+def test_a_log_without_braking_shows_no_delay():
+    log = LOGS["ramp"]
+    rolls = log.time < 1.0
+    cut = {name: x[rolls] for name, x in log.channels.items()}
+    assert acceleration_delay(Run(replace(log, channels=cut, truth={}), CAR)) is None
