@@ -45,7 +45,7 @@ def fleet_facts(summary: Summary) -> Facts:
     drawn = [metric for metric in metrics if metric.outlying.any()]
     apart = [
         (log, "; ".join(_reason(summary, o) for o in reasons))
-        for log, reasons in summary.apart.items()
+        for log, reasons in summary.outliers.items()
     ]
     errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in summary.failures]
     failed = [(log, _limits(why)) for log, why in summary.failed.items()]
@@ -121,7 +121,7 @@ def _verdict(summary: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
     if not summary.judged:
         return UNJUDGED
-    return WARNING if summary.apart or summary.failures else PASSED
+    return WARNING if summary.outliers or summary.failures else PASSED
 
 
 def _row(metric: MetricSummary) -> tuple[str, ...]:

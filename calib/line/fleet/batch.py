@@ -1,7 +1,9 @@
-"""Run a batch: find logs, skip finished ones, compute the others in chunks, write the results.
+"""Run a batch: find the logs, compute their rows in chunks, and write the results.
 
-find ──> [a limited number of chunks] ──> workers ──> journal ──> results.parquet
-                           └── if a worker died: its logs again, one at a time
+find_logs ──> chunks of a few logs ──> workers ──> journal ──> results.parquet
+                                         └── if a worker died: its logs again, one at a time
+
+A worker skips a log whose digest is that of a row in the journal.
 """
 
 import glob
@@ -23,10 +25,10 @@ from calib.line.fleet.workers import Executor, Rows
 from calib.logs.read import FORMATS
 
 _CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8}
-"""Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
+"""Largest number of logs in a chunk: its transfer is negligible against 10 ms for each log."""
 
 _CHUNKS_PER_WORKER = 3
-"""Submitted chunks for each worker: one in progress, the others waiting."""
+"""Submitted chunks for each worker: one in progress, two waiting."""
 
 
 def run_batch(
@@ -36,11 +38,11 @@ def run_batch(
     executor: Executor,
     report: Callable[["BatchRun"], None] = lambda run: None,
 ) -> "BatchRun":
-    """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
+    """Run the job on every log that ``arguments`` name, and write ``out``/results.parquet.
 
-    Continues an earlier run with the same settings. Raises LogError when an argument names no log,
-    BatchError when ``out`` holds another batch or the workers are not of this version, OSError when
-    ``out`` cannot be written.
+    An earlier run with the same settings is continued. ``report`` is called after each chunk.
+    Raises LogError when an argument names no log, BatchError when ``out`` holds another batch or
+    the workers are not of this version, OSError when ``out`` cannot be written.
     """
     logs = {printable(path): path for path in find_logs(arguments, out)}
     settings = job.settings()
@@ -52,10 +54,11 @@ def run_batch(
 
 
 class BatchRun:
-    """Submits ``total`` logs to the workers, and writes their rows into the journal.
+    """A run over ``total`` logs: it submits them to workers and writes rows into the journal.
 
-    ``counts`` of rows by status so far, ``computed`` of them now and the others earlier; ``report``
-    is called with the run after each chunk, ``on_row`` with each new row.
+    ``counts`` has the number of rows by status so far; ``computed`` of these are of this run, the
+    others of earlier runs. ``report`` is called with the run after each chunk, ``on_row`` with each
+    new row.
     """
 
     def __init__(
@@ -67,19 +70,20 @@ class BatchRun:
         report: Callable[["BatchRun"], None] = lambda run: None,
         on_row: Callable[[Row], None] = lambda row: None,
     ):
-        self.packed, self.journal, self.executor = pickle.dumps(job), journal, executor
-        self.most, self.total, self.report, self.on_row = _CHUNK[job.command], total, report, on_row
+        self.packed, self.largest_chunk = pickle.dumps(job), _CHUNK[job.command]
+        self.journal, self.executor, self.total = journal, executor, total
+        self.report, self.on_row = report, on_row
         self.pending: dict[Future[Rows], tuple[WorkItem, ...]] = {}
-        self.results, self.counts = journal.folder / NAME, Counter[Status]()
-        self.computed = 0
+        self.results = journal.folder / NAME
+        self.counts, self.computed = Counter[Status](), 0
 
     @property
     def finished(self) -> int:
-        """Return the number of logs with a row."""
+        """The number of logs with a row."""
         return self.counts.total()
 
     def document(self) -> dict[str, object]:
-        """The counts as plain data."""
+        """Return the counts as plain data."""
         return {
             "results": self.results,
             "logs": self.finished,
@@ -89,8 +93,8 @@ class BatchRun:
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
         """Compute all ``logs``, each as (name of its row, path)."""
-        # small chunks of few logs, so that all workers have some
-        size = min(self.most, 1 + self.total // (8 * self.executor.workers))
+        # of few logs the chunks are small, so that all workers get some
+        size = min(self.largest_chunk, 1 + self.total // (8 * self.executor.workers))
         items = (
             WorkItem(name, os.path.abspath(path), self.journal.digest(name)) for name, path in logs
         )
@@ -108,30 +112,30 @@ class BatchRun:
             future.set_exception(error)
             return future
 
-    def _drain(self, most: int) -> None:
-        """Wait until at most ``most`` chunks are unfinished, and store finished rows."""
-        while len(self.pending) > most:
-            suspects = self._gather(FIRST_COMPLETED)
-            if suspects:
-                # a pool that lost one worker loses all unfinished logs
-                suspects += self._gather(ALL_COMPLETED)
+    def _drain(self, unfinished: int) -> None:
+        """Store finished rows until at most ``unfinished`` chunks are pending."""
+        while len(self.pending) > unfinished:
+            lost = self._gather(FIRST_COMPLETED)
+            if lost:
+                # a pool that lost one worker loses all pending chunks
+                lost += self._gather(ALL_COMPLETED)
                 self.executor.renew()
-                for item in suspects:
+                for item in lost:
                     self._store((item,), self._retry(item))
 
     def _gather(self, until: str) -> list[WorkItem]:
-        """Store the rows of finished chunks; return the logs whose worker died."""
-        suspects: list[WorkItem] = []
+        """Wait, store the rows of finished chunks, and return the logs whose worker died."""
+        lost: list[WorkItem] = []
         for future in wait(self.pending, return_when=until).done:
             items = self.pending.pop(future)
             if _worker_error(future):
-                suspects += items
+                lost += items
             else:
                 self._store(items, future.result())
-        return suspects
+        return lost
 
     def _retry(self, item: WorkItem) -> Rows:
-        """Repeat the log of a dead worker, alone; an error if the worker dies again."""
+        """Repeat a log alone after its worker died. Its row is an error if a worker dies again."""
         future = self._submit((item,))
         error = _worker_error(future)
         if error is None:
@@ -142,21 +146,23 @@ class BatchRun:
         return [Row(item.name, None, Status.ERROR, text, lost=True)]
 
     def _store(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
-        """Store the rows of a chunk; an unchanged log already has its row in the journal."""
+        """Store the rows of a chunk, and count them. An unchanged log is in the journal already."""
         computed = [row for row in rows if row is not None]
-        # a log that cannot be read has no digest: it is tried each time
-        new = [r for r in computed if r.digest is not None or self.journal.row(r.log) != r]
+        # a log that cannot be read has no digest and is tried each time: its row may be the same
+        new = [
+            row for row in computed if row.digest is not None or self.journal.row(row.log) != row
+        ]
         self.journal.add(new)
         self.computed += len(computed)
-        stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
-        self.counts.update(row.status for row in (*computed, *self.journal.rows(stored)))
+        unchanged = [item.name for item, row in zip(items, rows, strict=True) if row is None]
+        self.counts.update(row.status for row in (*computed, *self.journal.rows(unchanged)))
         self.report(self)
         for row in new:
             self.on_row(row)
 
 
 def _worker_error(future: Future[Rows]) -> BaseException | None:
-    """Why the worker died, None if it did not. Raises what a user can correct."""
+    """Return why the worker died; None if it lives. Raises an error that a user can correct."""
     error = future.exception()
     if isinstance(error, BrakeCalError):
         raise error
@@ -164,21 +170,25 @@ def _worker_error(future: Future[Rows]) -> BaseException | None:
 
 
 def find_logs(arguments: Iterable[str], out: Path) -> Iterator[str]:
-    """Paths of the logs, relative where the argument is; one may come twice.
+    """Yield the paths of the logs, relative for a relative argument. A path may come twice.
 
-    A folder means all logs in it and below. Hidden files, the results in ``out``, and all of an
-    ``out`` within a folder are left out. Raises LogError for an argument without a log; a missing
-    file with the ending of a log is returned, and gets a row with an error.
+    An argument is a file, a pattern, or a folder, which means all logs in it and below. Hidden
+    files, the results in ``out``, and all of an ``out`` within a folder are left out. Raises
+    LogError for an argument without a log. A missing file with the ending of a log is a path, too:
+    its row will have an error.
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:
-        named = os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument))
+        is_pattern = glob.has_magic(argument) or not _is_log(argument)
+        matches = [argument]
+        if is_pattern and not os.path.exists(argument):
+            matches = sorted(glob.iglob(argument, recursive=True))
         paths: list[str] = []
-        for path in [argument] if named else sorted(glob.iglob(argument, recursive=True)):
+        for path in matches:
             if os.path.isdir(path):
                 paths += logs_below(path, out)
-            elif named or _is_log(path):
-                paths += [path] * (named or os.path.realpath(path) != results)
+            elif path == argument or (_is_log(path) and os.path.realpath(path) != results):
+                paths.append(path)
         if not paths:
             expected = f"files that end in {', '.join(FORMATS)}"
             do = "check the path; put a pattern in quotes"
@@ -193,18 +203,20 @@ def _refuse(error: OSError) -> None:
 def logs_below(
     folder: str, out: Path, on_error: Callable[[OSError], None] = _refuse
 ) -> Iterator[str]:
-    """Paths of the logs in a folder and below, possibly none. Else like `find_logs`.
+    """Yield the paths of the logs in a folder and below, possibly none, as `find_logs` does.
 
-    ``on_error`` is called if a folder cannot be read; the folder is then skipped.
+    ``on_error`` is called if a folder cannot be read; by default it raises LogError, otherwise the
+    folder is skipped.
     """
     for place, folders, files in os.walk(folder, onerror=on_error):
-        folders[:] = sorted(f for f in folders if not f.startswith("."))
-        has_results = os.path.realpath(place) == os.path.realpath(out)
-        if has_results and place != folder:
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        is_out = os.path.realpath(place) == os.path.realpath(out)
+        if is_out and place != folder:
             folders.clear()
-        else:
-            logs = (f for f in sorted(files) if _is_log(f) and not (has_results and f == NAME))
-            yield from (os.path.join(place, f) for f in logs)
+            continue
+        for name in sorted(files):
+            if _is_log(name) and not (is_out and name == NAME):
+                yield os.path.join(place, name)
 
 
 def _is_log(path: str) -> bool:

@@ -3,9 +3,9 @@
     settings   name, value          what the rows depend on besides the logs
     rows       log, digest, status, error, cells (JSON), lost
 
-Rows that finish together are one transaction in a write-ahead log, on the disk when `add` returns:
-a kill -9 or a power failure loses none of them. SQLite's exclusive lock on the journal excludes a
-second run; it ends with the process.
+Rows that finish together are one transaction, which is on the disk when `add` returns: a kill -9 or
+a power failure loses none of them. SQLite's exclusive lock on the journal keeps a second run out;
+the lock ends with the process.
 """
 
 import errno
@@ -23,7 +23,7 @@ from calib.line.fleet.rows import Row, Status
 
 NAME = "journal.sqlite"
 _SCHEMA = "2"
-_ANEW = "name another --out, or remove this folder to start again"
+_DO = "name another --out, or remove this folder to start again"
 _TABLES = """
 BEGIN;
 CREATE TABLE settings (name TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -33,10 +33,10 @@ CREATE TABLE rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL,
 
 
 class BatchJournal:
-    """The journal of ``folder``, open for one run at a time; made if there is none.
+    """The journal in ``folder``, open for one run at a time. A missing journal is made.
 
-    It and its methods raise BatchError for other settings or another version, damage, or use by
-    another run, and OSError when the disk is full or fails.
+    The class and its methods raise BatchError for other settings, another version, damage, or use
+    by another run, and OSError when the disk is full or fails.
     """
 
     def __init__(self, folder: Path, settings: dict[str, str]):
@@ -45,61 +45,63 @@ class BatchJournal:
         wanted = {"schema": _SCHEMA, **settings}
         self._db, stored = _locked(self._path)
         if not stored:
-            with _explained(self._path), self._db:
+            with _errors_of_sqlite(self._path), self._db:
                 self._db.executescript(_TABLES)
                 self._db.executemany("INSERT INTO settings VALUES (?, ?)", wanted.items())
-        elif differ := {key for key, _ in stored.items() ^ wanted.items()}:
+        elif stored != wanted:
             self.close()
-            problem = f"holds results of other settings: {', '.join(sorted(differ))}"
-            raise BatchError(problem, where=folder, do=_ANEW)
+            keys = sorted({*stored, *wanted})
+            differing = [key for key in keys if stored.get(key) != wanted.get(key)]
+            problem = f"holds results of other settings: {', '.join(differing)}"
+            raise BatchError(problem, where=folder, do=_DO)
 
     def add(self, rows: Iterable[Row]) -> None:
-        """Store rows, all or none; each replaces an earlier row of its log."""
-        values = [
-            (r.log, r.digest, r.status, r.error, json.dumps(r.cells, allow_nan=False), r.lost)
-            for r in rows
-        ]
-        with _explained(self._path), self._db:
+        """Store rows, all or none. A row replaces an earlier row of its log."""
+        values = []
+        for row in rows:
+            cells = json.dumps(row.cells, allow_nan=False)
+            values.append((row.log, row.digest, row.status, row.error, cells, row.lost))
+        with _errors_of_sqlite(self._path), self._db:
             self._db.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, ?, ?, ?)", values)
 
     def row(self, log: str) -> Row | None:
-        """The row of a log, or None; floats are exact."""
+        """Return the row of a log with exact floats, or None."""
         for _, digest, status, error, cells, lost in self._select("* FROM rows WHERE log = ?", log):
             return Row(log, digest, Status(status), error, tuple(json.loads(cells)), bool(lost))
         return None
 
     def digest(self, log: str) -> str | None:
-        """The digest of a log that need not be tried again, else None."""
+        """Return the digest of a log that need not be tried again, else None."""
         row = self.row(log)
         return None if row is None or row.lost else row.digest
 
     def rows(self, logs: Iterable[str]) -> Iterator[Row]:
-        """Rows of those of ``logs`` that have one, in their order."""
+        """Return the rows of ``logs`` in that order, without logs that have no row."""
         return filter(None, map(self.row, logs))
 
     def counts(self) -> Counter[Status]:
-        """Number of rows by status."""
+        """Return the number of rows by status."""
         return Counter(Status(word) for (word,) in self._select("status FROM rows"))
 
     def logs(self) -> list[str]:
-        """All logs that have a row, sorted."""
+        """Return all logs that have a row, sorted."""
         return [log for (log,) in self._select("log FROM rows ORDER BY log")]
 
     def _select(self, query: str, *values: str) -> list[tuple[Any, ...]]:
-        with _explained(self._path):
+        with _errors_of_sqlite(self._path):
             return self._db.execute(f"SELECT {query}", values).fetchall()
 
     def close(self) -> None:
-        """Close it; another run may then open it."""
+        """Close the journal; another run may then open it."""
         self._db.close()
 
 
 def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
-    """Lock the file and check it; return its settings, none if it is new.
+    """Return the locked and checked database, and its settings, which are empty if it is new.
 
     A file that is not a journal is not changed.
     """
-    with _explained(path):
+    with _errors_of_sqlite(path):
         db = sqlite3.connect(path, timeout=0.0)
         try:
             db.execute("PRAGMA locking_mode = EXCLUSIVE")
@@ -117,18 +119,19 @@ def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
 
 
 @contextmanager
-def _explained(path: Path) -> Iterator[None]:
-    """Turn errors of SQLite into BatchError, or into OSError if the disk is the reason."""
+def _errors_of_sqlite(path: Path) -> Iterator[None]:
+    """Raise errors of SQLite as BatchError, or as OSError if the disk is the reason."""
     try:
         yield
     except sqlite3.DatabaseError as cause:
-        code = getattr(cause, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # no details
+        # the lowest byte is the primary code, the others are details
+        code = getattr(cause, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
         if code == sqlite3.SQLITE_BUSY:
             do = "wait for it, or name another --out"
             raise BatchError("another run uses this folder", where=path.parent, do=do) from cause
         if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT):
             problem = "damaged, or not the journal of a batch of this version"
-            raise BatchError(problem, where=path, do=_ANEW) from cause
+            raise BatchError(problem, where=path, do=_DO) from cause
         if code == sqlite3.SQLITE_CANTOPEN:
             path.open("ab").close()  # raises OSError with the reason
         number = errno.ENOSPC if code == sqlite3.SQLITE_FULL else errno.EIO

@@ -1,4 +1,4 @@
-"""`results.parquet`: one row for each log, with the columns of `calib.line.fleet.rows`."""
+"""Write and read `results.parquet`: one row for each log, columns as in `calib.line.fleet.rows`."""
 
 import itertools
 import re
@@ -23,35 +23,34 @@ _EXPECTED = "results.parquet of `brake-cal batch`"
 
 
 def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> None:
-    """Write the rows in their order; an old file is replaced at the end.
+    """Write the rows in their order. An earlier file is replaced when the new one is complete.
 
-    Units and meanings are in the metadata of the fields, the settings in that of the file; equal
-    rows give equal bytes. Raises OSError if the folder cannot be written.
+    The metadata of a column holds its unit and meaning, the metadata of the file the settings.
+    Equal rows give equal bytes. Raises OSError if the folder cannot be written.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     command = Command(settings["command"])
     types = {float: pa.float64(), bool: pa.bool_(), str: pa.string()}
-    fields = [
-        pa.field(
-            c.name, types[c.kind], metadata={"unit": c.unit, "meaning": metric_of(c.name).name}
-        )
-        for c in (*HEAD, *columns_of(command))
-    ]
+    fields = []
+    for column in (*HEAD, *columns_of(command)):
+        metadata = {"unit": column.unit, "meaning": metric_of(column.name).name}
+        fields.append(pa.field(column.name, types[column.kind], metadata=metadata))
     schema = pa.schema(fields, metadata={f"brake_cal.{k}": v for k, v in settings.items()})
-    cells, written = (row.head() | row.metrics(command) for row in rows), pa.BufferOutputStream()
-    with pq.ParquetWriter(written, schema, compression="zstd") as writer:
+    cells = (row.head() | row.metrics(command) for row in rows)
+    content = pa.BufferOutputStream()
+    with pq.ParquetWriter(content, schema, compression="zstd") as writer:
         while group := list(itertools.islice(cells, _GROUP)):
             writer.write_table(pa.Table.from_pylist(group, schema=schema))
-    write_whole(folder / NAME, written.getvalue().to_pybytes())
+    write_whole(folder / NAME, content.getvalue().to_pybytes())
 
 
 @dataclass(frozen=True)
 class FleetFile:
-    """Results in the natural order of the logs' names.
+    """Results of n logs in the order of their names, where log10 follows log9.
 
-    ``logs`` (n,) names; ``metrics`` the columns after the first ones.
+    ``metrics`` are the columns but for `HEAD`, ``table`` is the whole Arrow table.
     """
 
     logs: tuple[str, ...]
@@ -59,11 +58,11 @@ class FleetFile:
     table: Any
 
     def numbers(self, name: str) -> Array:
-        """A column of numbers, (n,); NaN if a log has none."""
+        """Return a column of numbers, (n,); NaN for a log without a number."""
         return np.asarray(self.table.column(name).cast("float64").to_numpy(), dtype=np.float64)
 
     def values(self, name: str) -> tuple[str | None, ...]:
-        """A column of text; () if there is none."""
+        """Return a column of text, n or, without such a column, none."""
         exists = name in self.table.column_names
         return tuple(self.table.column(name).to_pylist()) if exists else ()
 
@@ -74,7 +73,8 @@ def open_fleet(path: Path) -> FleetFile:
     for name in ("log", "status", "error"):
         if name not in table.column_names:
             raise InputError(f"no column {name!r}", where=path, expected=_EXPECTED)
-    unknown = sorted(set(map(str, table.column("status").to_pylist())) - {*Status})
+    statuses = map(str, table.column("status").to_pylist())
+    unknown = sorted(status for status in statuses if status not in [*Status])
     if unknown or not table.num_rows:
         problem = f"status {unknown[0]!r}" if unknown else "no rows"
         raise InputError(problem, where=path, expected=f"rows with {', '.join(Status)}")
@@ -82,41 +82,43 @@ def open_fleet(path: Path) -> FleetFile:
     order = sorted(range(len(logs)), key=lambda row: _natural(logs[row]))
     head = {column.name for column in HEAD}
     return FleetFile(
-        tuple(logs[row] for row in order),
-        tuple(_column_of(field) for field in table.schema if field.name not in head),
-        table.take(order),
+        logs=tuple(logs[row] for row in order),
+        metrics=tuple(_column_of(field) for field in table.schema if field.name not in head),
+        table=table.take(order),
     )
 
 
 def _natural(text: str) -> list[tuple[int, int, str]]:
-    """Key that sorts by the numbers in a text.
+    """Return a key that sorts texts by the numbers in them.
 
     >>> sorted(["car10", "car9", "car1"], key=_natural)
     ['car1', 'car9', 'car10']
     """
     parts = re.split(r"(\d+)", text)
-    return [(1, int(p), "") if p.isdecimal() else (0, 0, p) for p in parts]
+    return [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in parts]
 
 
 def _read(path: Path) -> Any:
-    """The whole table. Raises InputError if it is missing, not Parquet, or cut off."""
+    """Return the Arrow table of a file. Raises InputError if it is missing or not Parquet."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     data = bytes_of(path, RESULT, InputError, _EXPECTED)
     try:
-        # without threads: a thread pool that still runs at exit aborts a short program
+        # use_threads: threads that still run when the program ends would abort it (exit code 134)
         return pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
     except (pa.ArrowInvalid, OSError) as cause:
         raise InputError("not a Parquet file, or cut off", where=path) from cause
 
 
 def _column_of(field: Any) -> Column:
-    """A column from the file's schema; integers are numbers, and unknown types are text."""
+    """Return the column of a field of the file's schema; a field of an unknown type is text."""
     import pyarrow.types as types
 
     unit = (field.metadata or {}).get(b"unit", b"1").decode()
-    number = types.is_floating(field.type) or types.is_integer(field.type)
-    return Column(
-        field.name, unit, float if number else bool if types.is_boolean(field.type) else str
-    )
+    kind: type = str
+    if types.is_floating(field.type) or types.is_integer(field.type):
+        kind = float
+    elif types.is_boolean(field.type):
+        kind = bool
+    return Column(field.name, unit, kind)

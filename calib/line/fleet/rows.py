@@ -1,4 +1,7 @@
-"""Rows and columns of `results.parquet`."""
+"""Rows and columns of `results.parquet`, the results of a command for many logs.
+
+Every row begins with the columns `HEAD`; the columns of the command follow (`columns_of`).
+"""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -16,7 +19,7 @@ class Command(StrEnum):
 
 
 class Status(StrEnum):
-    """Outcome for a log; DONE if the command has no limits, ERROR if there is no result."""
+    """Outcome for a log: DONE for a command without limits, ERROR if there is no result."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -26,7 +29,7 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Column:
-    """One column, in its SI ``unit``; ``kind`` float, bool or str."""
+    """One column: its SI ``unit``, and the ``kind`` of its cells, which is float, bool or str."""
 
     name: str
     unit: str = "1"
@@ -35,9 +38,11 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """Result of a command for one log; ``cells`` by `columns_of`, none for an error.
+    """Result of a command for one log.
 
-    ``lost`` whether the log is tried again: its error may have another cause, as a dead worker.
+    ``digest`` is the SHA-256 of the log, ``cells`` are those of `columns_of`; a row with an
+    ``error`` has no cells. ``lost`` tells that the error may not come from the log, such as a dead
+    worker: the next run tries the log again.
     """
 
     log: str
@@ -48,20 +53,21 @@ class Row:
     lost: bool = False
 
     def head(self) -> dict[str, str | None]:
-        """The cells of `HEAD`, by name."""
+        """Return the cells of `HEAD` by name."""
         return {"log": self.log, "digest": self.digest, "status": self.status, "error": self.error}
 
     def metrics(self, command: Command) -> dict[str, Any]:
-        """The cells of a command, by name."""
+        """Return the cells of the command by name; none of a row with an error."""
         names = (column.name for column in columns_of(command))
         return dict(zip(names, self.cells, strict=False))
 
     def line(self, command: Command) -> str:
-        """The row in one line: its error, or its status with the limits that it does not hold."""
+        """Return one line of text: the error, or the status with the limits that are not held."""
         if self.error is not None:
             return f"{self.log}: error: {self.error.removeprefix(f'{self.log}: ')}"
         not_held = self.metrics(command).get("not_held")
-        return f"{self.log}: {self.status}{f' ({not_held})' if not_held else ''}"
+        limits = f" ({not_held})" if not_held else ""
+        return f"{self.log}: {self.status}{limits}"
 
 
 def _columns(*names: str, unit: str = "1", kind: type = float) -> tuple[Column, ...]:
@@ -69,17 +75,17 @@ def _columns(*names: str, unit: str = "1", kind: type = float) -> tuple[Column, 
 
 
 HEAD = _columns("log", "digest", "status", "error", kind=str)
-"""The first columns, of every command."""
+"""The first columns of every command."""
 
 _WARNED = _columns("warned", kind=str)
-"""Codes of the warnings; null without any."""
+"""Codes of the warnings of a log; null without a warning."""
 
 QUALITY = (
     *("deceleration_max", "front_biased_up_to", "eta_peak", "eta_peak_deceleration"),
     *("eta_peak_is_real", "residual_eta_rms_sigma", "residual_slip_rms_sigma", "outliers"),
     "pad_ratio_nominal_weight",
 )
-"""Figures of a fit, as its table has them."""
+"""Metrics of the quality of a table that are columns of `fit`."""
 
 _COLUMNS = {
     Command.FIT: (
@@ -106,7 +112,7 @@ _COLUMNS = {
 
 
 def columns_of(command: Command) -> tuple[Column, ...]:
-    """The columns after `HEAD`."""
+    """Return the columns of a command, which follow those of `HEAD`."""
     if command != Command.VALIDATE:
         return _COLUMNS[command]
     from calib.estimation.metrics import METRICS

@@ -1,4 +1,4 @@
-"""Summary of a fleet: scatter, outliers, errors by kind."""
+"""Summary of a fleet: the scatter of each metric, the outliers, and the errors by kind."""
 
 import re
 from collections import Counter
@@ -11,20 +11,20 @@ import numpy as np
 
 from calib.base.arrays import Array, Index, Mask
 from calib.base.plain import counted, metric_of
-from calib.line.fleet.outliers import find_outliers
+from calib.line.fleet.outliers import OutlierTest, find_outliers
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
 _MAD = 0.67449
-"""Median absolute deviation of a normal distribution of sigma 1."""
+"""Median absolute deviation of the normal distribution with sigma 1."""
 
 _EXAMPLES = 3
-"""Most logs that are named for a kind of error."""
+"""Largest number of logs that are named for a kind of error."""
 
 
 @dataclass(frozen=True)
 class Outlier:
-    """A metric for which a log is an outlier: its ``value``, and its two-sided ``p``."""
+    """A log that is an outlier in the metric ``figure``, with its two-sided ``p``."""
 
     log: str
     figure: str
@@ -34,10 +34,10 @@ class Outlier:
 
 @dataclass(frozen=True)
 class MetricSummary:
-    """One metric, a number, over the k logs of the fleet that have it.
+    """One metric over the k logs of the fleet that have a number of it.
 
-    ``rows`` of these logs, ``values``, and ``outlying``, all (k,); ``judged`` whether there are
-    enough values for outliers.
+    ``rows`` are these logs, ``values`` their numbers, ``outlying`` tells the outliers, all (k,).
+    The metric is ``judged`` if there are enough values to find outliers.
     """
 
     column: Column
@@ -53,20 +53,18 @@ class MetricSummary:
 
     @property
     def median(self) -> float:
-        """Median in the metric's unit; NaN without a value, and so are scale and quantiles."""
+        """The median in the metric's unit. Without a value it is NaN, as scale and quantiles."""
         return float(np.median(self._values))
 
     @property
     def scale(self) -> float:
-        """Standard deviation of a normal distribution with the same median deviation."""
+        """Standard deviation of a normal distribution with the same median absolute deviation."""
         return float(np.median(np.abs(self._values - self.median))) / _MAD
 
     @property
     def quantiles(self) -> dict[str, float]:
-        """Quantiles 5, 25, 75 and 95 %."""
-        shares = ("5", "25", "75", "95")
-        quantiles = np.quantile(self._values, [0.05, 0.25, 0.75, 0.95]).tolist()
-        return dict(zip(shares, quantiles, strict=True))
+        """The quantiles 5, 25, 75 and 95 %, by percentage."""
+        return {f"{x}": float(np.quantile(self._values, x / 100.0)) for x in (5, 25, 75, 95)}
 
     @property
     def _values(self) -> Array:
@@ -74,7 +72,7 @@ class MetricSummary:
 
     @property
     def inlier_range(self) -> tuple[float, float]:
-        """Quantiles 5 and 95 % of the values without outliers; of all if each is one."""
+        """The quantiles 5 and 95 % of the values without outliers; of all values without these."""
         inliers = self.values[~self.outlying]
         low, high = np.quantile(inliers if inliers.size else self.values, [0.05, 0.95])
         return float(low), float(high)
@@ -82,9 +80,9 @@ class MetricSummary:
 
 @dataclass(frozen=True)
 class _Failure:
-    """Errors of one kind: the ``message`` of the first, their ``count``, some of their ``logs``.
+    """Errors of one kind, whose messages differ only in names and numbers.
 
-    Messages that differ only in names and numbers are of one kind.
+    ``message`` is the first message, ``count`` the number of errors, ``logs`` are some of the logs.
     """
 
     message: str
@@ -94,18 +92,19 @@ class _Failure:
 
 @dataclass(frozen=True)
 class Summary:
-    """The whole fleet.
+    """Summary of the whole fleet.
 
-    ``status`` number of logs for each; ``failed`` logs that fail, each with the limits that it does
-    not hold, "" where that is not known; ``apart`` the reasons of each outlier, the strongest first
-    and the farthest log first; ``copies`` names of logs that are the same recording, by recording.
+    ``status``: number of logs by status
+    ``failed``: for each log that fails, the limits that are not held; "" where they are not known
+    ``outliers``: for each outlier its reasons, the least p first, in the order of p of the logs
+    ``copies``: groups of logs that are the same recording
     """
 
     logs: tuple[str, ...]
     status: dict[Status, int]
     failed: dict[str, str]
     metrics: tuple[MetricSummary, ...]
-    apart: dict[str, list[Outlier]]
+    outliers: dict[str, list[Outlier]]
     failures: tuple[_Failure, ...]
     copies: list[list[str]]
 
@@ -118,65 +117,85 @@ class Summary:
     def headline(self) -> str:
         """The fleet in one sentence."""
         errors = sum(failure.count for failure in self.failures)
-        failed = f"; {counted(errors, 'log')} with an error" if errors else ""
+        with_error = f"; {counted(errors, 'log')} with an error" if errors else ""
         if not self.judged:
-            some = any(metric.values.size for metric in self.metrics)
-            why = "too few to judge outliers" if some else "none has a metric"
-            return f"{counted(len(self.logs), 'log')}: {why}{failed}."
-        n = len(self.apart)
-        apart = f"{counted(n, 'log')} {'stands' if n == 1 else 'stand'}" if n else "No log stands"
-        return f"{apart} apart{failed}."
+            has_values = any(metric.values.size for metric in self.metrics)
+            why = "too few to judge outliers" if has_values else "none has a metric"
+            return f"{counted(len(self.logs), 'log')}: {why}{with_error}."
+        n = len(self.outliers)
+        subject = counted(n, "log") if n else "No log"
+        return f"{subject} {'stand' if n > 1 else 'stands'} apart{with_error}."
 
 
 def summarise(fleet: FleetFile) -> Summary:
-    """Summarise all metrics that are numbers."""
-    numbers = [m for m in fleet.metrics if m.kind is float]
-    every = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
-    test = find_outliers(every, [metric_of(m.name).step for m in numbers])
-    metrics = []
-    for m, x, p, outlying in zip(numbers, every, test.p, test.reasons, strict=True):
-        rows = np.flatnonzero(np.isfinite(x))
-        judged = bool(np.isfinite(p).any())
-        metrics.append(MetricSummary(m, rows, x[rows], outlying[rows], judged))
-    apart = dict[str, list[Outlier]]()
-    for row in sorted(np.flatnonzero(test.reasons.any(axis=0)), key=test.p_of_car.__getitem__):
-        reasons = [
-            Outlier(fleet.logs[row], numbers[i].name, float(every[i, row]), float(test.p[i, row]))
-            for i in np.flatnonzero(test.reasons[:, row])
-        ]
-        apart[fleet.logs[row]] = sorted(reasons, key=lambda outlier: outlier.p)
-    words = fleet.values("status")
-    status = Counter(words)
-    verdicts = zip_longest(fleet.logs, words, fleet.values("not_held"))
-    recordings: dict[object, list[str]] = {}
-    for log, digest in zip(fleet.logs, fleet.values("digest"), strict=False):
-        recordings.setdefault(log if digest is None else digest, []).append(log)
+    """Return the summary of the results of a batch; its metrics are the columns of numbers."""
+    numbers = [metric for metric in fleet.metrics if metric.kind is float]
+    # (metrics, logs), also without a metric
+    values = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
+    test = find_outliers(values, [metric_of(metric.name).step for metric in numbers])
+    statuses = fleet.values("status")
+    counts = Counter(statuses)
+    with_limits = zip_longest(fleet.logs, statuses, fleet.values("not_held"))
     return Summary(
-        fleet.logs,
-        {name: status[name] for name in Status if status[name]},
-        {log: str(why or "") for log, word, why in verdicts if word == Status.FAILED},
-        tuple(metrics),
-        apart,
-        failures(fleet.logs, fleet.values("error")),
-        [copies for copies in recordings.values() if len(copies) > 1],
+        logs=fleet.logs,
+        status={status: counts[status] for status in Status if counts[status]},
+        failed={log: limits or "" for log, s, limits in with_limits if s == Status.FAILED},
+        metrics=_metrics(numbers, values, test),
+        outliers=_outliers(fleet.logs, numbers, values, test),
+        failures=failures_of(fleet.logs, fleet.values("error")),
+        copies=_copies(fleet),
     )
 
 
-def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
-    """Errors grouped by kind, the most frequent first."""
+def _metrics(columns: list[Column], values: Array, test: OutlierTest) -> tuple[MetricSummary, ...]:
+    """Return the summary of each metric of ``values`` (m, n)."""
+    metrics = []
+    for column, x, p, outlying in zip(columns, values, test.p, test.reasons, strict=True):
+        rows = np.flatnonzero(np.isfinite(x))
+        judged = bool(np.isfinite(p).any())
+        metrics.append(MetricSummary(column, rows, x[rows], outlying[rows], judged))
+    return tuple(metrics)
+
+
+def _outliers(
+    logs: tuple[str, ...], columns: list[Column], values: Array, test: OutlierTest
+) -> dict[str, list[Outlier]]:
+    """Return the reasons of each outlier, as `Summary.outliers`; ``values`` (m, n)."""
+    outliers: dict[str, list[Outlier]] = {}
+    rows = np.flatnonzero(test.reasons.any(axis=0))
+    for row in sorted(rows, key=test.p_of_car.__getitem__):
+        reasons = [
+            Outlier(logs[row], columns[i].name, float(values[i, row]), float(test.p[i, row]))
+            for i in np.flatnonzero(test.reasons[:, row])
+        ]
+        outliers[logs[row]] = sorted(reasons, key=lambda reason: reason.p)
+    return outliers
+
+
+def _copies(fleet: FleetFile) -> list[list[str]]:
+    """Return the groups of logs with one digest."""
+    by_digest: dict[str, list[str]] = {}
+    for log, digest in zip(fleet.logs, fleet.values("digest"), strict=False):
+        if digest is not None:
+            by_digest.setdefault(digest, []).append(log)
+    return [logs for logs in by_digest.values() if len(logs) > 1]
+
+
+def failures_of(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
+    """Return the errors grouped by kind, the most frequent kind first."""
     kinds: dict[str, list[tuple[str, str]]] = {}
     for log, error in zip(logs, errors, strict=True):
         if isinstance(error, str):
             kinds.setdefault(kind_of(error, log), []).append((error, log))
-    ranked = sorted(kinds.items(), key=lambda kind: (-len(kind[1]), kind[0]))
-    return tuple(
-        _Failure(group[0][0], len(group), tuple(log for _, log in group[:_EXAMPLES]))
-        for _, group in ranked
-    )
+    failures = []
+    for kind in sorted(kinds, key=lambda kind: (-len(kinds[kind]), kind)):
+        messages, names = zip(*kinds[kind], strict=True)
+        failures.append(_Failure(messages[0], len(messages), names[:_EXAMPLES]))
+    return tuple(failures)
 
 
 def kind_of(error: str, log: str) -> str:
-    """The message without the name of this log and without numbers.
+    """Return a message without the name of its log and without numbers.
 
     >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
     'LOG: ends at # s; expected # s'
@@ -187,7 +206,7 @@ def kind_of(error: str, log: str) -> str:
 
 
 def document(summary: Summary) -> dict[str, Any]:
-    """The whole summary as one JSON-able document."""
+    """Return the JSON document of a summary."""
     return {
         "schema": 1,
         "logs": len(summary.logs),
@@ -197,8 +216,8 @@ def document(summary: Summary) -> dict[str, Any]:
         "errors": summary.failures,
         "copies": summary.copies,
         "outliers": sorted(
-            (reason for reasons in summary.apart.values() for reason in reasons),
-            key=lambda outlier: (outlier.p, outlier.log),
+            (reason for reasons in summary.outliers.values() for reason in reasons),
+            key=lambda reason: (reason.p, reason.log),
         ),
         "figures": {
             m.column.name: {

@@ -1,7 +1,9 @@
-"""Watch a folder for new logs: each is processed once, when it is complete.
+"""Watch a folder for new logs. Each log is processed once, when its file is complete.
 
-scan ──> complete files ──> workers ──> journal, on the disk ──> printed row
-  └── every second when all are done; then, and every 30 s, results.parquet is written
+scan ──> complete files ──> workers ──> journal, on the disk ──> on_row
+
+The folder is scanned again when all complete files are processed, every second if there are none.
+When there are none, and every 30 s, results.parquet is written.
 """
 
 import math
@@ -24,34 +26,40 @@ from calib.line.fleet.workers import Executor
 
 _RETRY = 60.0
 """Time after which a log that could not be read, or killed its worker, is tried again [s]."""
-_LATE = 30.0
+_MAX_DELAY = 30.0
 """Longest delay of the results file behind the journal while logs arrive [s]."""
 
 
 class _CompleteFiles:
-    """Files whose size and times of change are constant for ``settle`` [s]."""
+    """Files whose size and times of change were constant for ``settle`` [s]."""
 
     def __init__(self, settle: float):
         self.settle = settle
         self._files: dict[str, tuple[tuple[int, ...], float]] = {}
-        """Size and times of each file, and when it is ready [s]."""
+        """Stamp of each file, see `_stamp`, and the time at which the file is ready [s]."""
 
     def ready(self, paths: Iterable[str], now: float) -> list[str]:
-        """Those of ``paths`` that are complete and new or changed; ``now`` [s]."""
+        """Return those of ``paths`` that are complete and to be processed at the time ``now`` [s].
+
+        A new or changed file is ready ``settle`` after its last change was seen.
+        """
         earlier, self._files = self._files, {}
         for path in paths:
-            if stamp := _stamp(path):
-                old = earlier.get(path)
-                self._files[path] = old if old and old[0] == stamp else (stamp, now + self.settle)
+            stamp = _stamp(path)
+            if stamp is None:
+                continue
+            self._files[path] = stamp, now + self.settle
+            if path in earlier and earlier[path][0] == stamp:
+                self._files[path] = earlier[path]
         return [path for path, (_, ready_at) in self._files.items() if now >= ready_at]
 
-    def submitted(self, path: str, retry_at: float = math.inf) -> None:
-        """Mark a file as submitted to a worker; it is ready again at ``retry_at`` [s]."""
+    def postpone(self, path: str, retry_at: float = math.inf) -> None:
+        """Make an unchanged file ready again at ``retry_at`` [s], by default never."""
         self._files[path] = self._files[path][0], retry_at
 
 
 def _stamp(path: str) -> tuple[int, ...] | None:
-    """Size and times of change of a file; None if it is gone or not a regular one."""
+    """Return size and times of change of a file; None if it is gone or not a regular file."""
     try:
         status = os.stat(path)
     except OSError:
@@ -76,21 +84,23 @@ def watch(
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
     ``folder`` is scanned each ``every`` [s]; a log is complete after ``settle`` [s] without change.
-    ``out`` has journal and results.parquet as in `run_batch`, with paths within ``folder``.
-    ``on_row`` is called with each row after it is on the disk, ``on_error`` once when a folder
-    cannot be read; ``clock`` [s]. Returns the number of rows by status.
+    ``out`` has journal and results.parquet as in `run_batch`; names of logs are paths within
+    ``folder``. ``on_row`` is called with each row when it is on the disk, ``on_error`` once with
+    each folder that cannot be read. ``clock`` gives the time [s]. Returns the number of rows by
+    status.
 
-    A log is repeated only if its digest has changed; one that was deleted keeps its row. Raises
-    like `run_batch`.
+    A log is repeated only if its digest has changed. The row of a deleted log stays. Raises as
+    `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
-    files, reported, written, outdated = _CompleteFiles(settle), set[str](), -math.inf, True
+    files, reported = _CompleteFiles(settle), set[str]()
+    written_at, is_outdated = -math.inf, True  # of results.parquet
 
     def until_stopped(logs: dict[str, str]) -> Iterator[tuple[str, str]]:
         for name, path in logs.items():
             if stop.is_set():
                 return
-            files.submitted(path)
+            files.postpone(path)
             yield name, path
 
     with closing(BatchJournal(out, settings)) as journal:
@@ -109,13 +119,14 @@ def watch(
             run.work(until_stopped(logs))
             for row in journal.rows(logs):
                 if row.digest is None or row.lost:
-                    files.submitted(logs[row.log], clock() + _RETRY)
-            outdated = outdated or bool(ready)
-            if outdated and (not ready or stop.is_set() or clock() - written > _LATE):
+                    files.postpone(logs[row.log], clock() + _RETRY)
+            is_outdated = is_outdated or bool(ready)
+            is_idle = not ready or stop.is_set()
+            if is_outdated and (is_idle or clock() - written_at > _MAX_DELAY):
                 names = journal.logs()
                 if names:
                     write_results(journal.rows(names), settings, out)
-                outdated, written = False, clock()
+                is_outdated, written_at = False, clock()
             if not ready:
                 stop.wait(every)
         return journal.counts()

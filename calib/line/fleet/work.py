@@ -1,4 +1,4 @@
-"""Work on one log: read it, run the command, return its row. Errors become rows."""
+"""Work on one log: read the log, run the command, return a row. An error becomes a row, too."""
 
 import json
 import pickle
@@ -22,11 +22,15 @@ from calib.logs.read import REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
 Outcome = tuple[Status, tuple[Cell, ...]]
+"""What a command returns of one log: the status and the cells of the row."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A command and its inputs: `validate` needs a table and limits, `fit` a vehicle."""
+    """A command and its inputs but for the log: `validate` needs a table, `fit` a vehicle.
+
+    ``version`` is that of the program which made the job.
+    """
 
     command: Command
     table: Table | None = None
@@ -36,7 +40,7 @@ class Job:
     version: str = VERSION
 
     def settings(self) -> dict[str, str]:
-        """What the rows depend on besides the logs, each as a word or a digest."""
+        """Return what the rows depend on besides the logs, each as a word or a digest."""
         return {
             "command": self.command,
             "table": self.table.digest if self.table else "none",
@@ -47,15 +51,15 @@ class Job:
         }
 
 
-def _map_digest(mapped: ChannelMap) -> str:
-    """Digest of a map and of the content of the files that describe frames, not of their paths."""
-    content = asdict(mapped)
-    del content["where"]
-    content["databases"] = {
+def _map_digest(channel_map: ChannelMap) -> str:
+    """Digest of a map and of its DBC files, by their content and not by their paths."""
+    fields = asdict(channel_map)
+    del fields["where"]
+    fields["databases"] = {
         bus: [sha256(bytes_of(path, DBC, ChannelMapError, "a DBC")) for path in paths]
-        for bus, paths in mapped.databases.items()
+        for bus, paths in channel_map.databases.items()
     }
-    return _digest(content)
+    return _digest(fields)
 
 
 def _digest(value: object) -> str:
@@ -64,7 +68,7 @@ def _digest(value: object) -> str:
 
 @dataclass(frozen=True)
 class WorkItem:
-    """A log to process: its name in the results, its path, and the digest in its row, if any."""
+    """A log to process; ``digest`` is that of an earlier row of the log, None without one."""
 
     name: str
     path: str
@@ -72,9 +76,10 @@ class WorkItem:
 
 
 def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
-    """Rows of some logs in their order; None for a log whose digest has not changed.
+    """Return the rows of some logs in their order; None for a log whose digest has not changed.
 
-    ``packed`` a pickled `Job`. Raises BatchError if it comes from another version of the program.
+    ``packed`` is a pickled `Job`. Raises BatchError if the job comes from another version of the
+    program.
     """
     job: Job = _unpacked(packed)
     if job.version != VERSION:
@@ -86,10 +91,11 @@ def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
     return [_run_item(job, item) for item in items]
 
 
-_unpacked = lru_cache(maxsize=2)(pickle.loads)
+_unpacked = lru_cache(maxsize=2)(pickle.loads)  # a worker gets the same job with every chunk
 
 
 def _run_item(job: Job, item: WorkItem) -> Row | None:
+    """Return the row of one log; None if its digest has not changed."""
     digest, lost = None, False
     try:
         data = log_bytes(Path(item.path), item.name)
@@ -119,9 +125,10 @@ def _validate(job: Job, log: Log) -> Outcome:
 
     assert job.table is not None
     result = validate_one(job.table, log, job.vehicle, job.limits)
-    not_held = ", ".join(j.figure for j in result.judgements if j.verdict == FAILED)
+    failed = [judgement.figure for judgement in result.judgements if judgement.verdict == FAILED]
+    not_held = ", ".join(failed) if failed else None
     metrics = (finite_or_none(result.figures[name]) for name in METRICS)
-    cells = (*metrics, not_held or None, _codes(result.warnings))
+    cells = (*metrics, not_held, _codes(result.warnings))
     return Status.PASSED if result.passed else Status.FAILED, cells
 
 
@@ -130,14 +137,17 @@ def _fit(job: Job, log: Log) -> Outcome:
 
     assert job.vehicle is not None
     table = fit(job.vehicle, [log])
-    cal, q = table.calibration, table.quality
-    pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
-    metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in QUALITY)]
+    calibration = table.calibration
+    pads = (calibration.pad_friction_f, calibration.pad_friction_r, calibration.pad_scale)
+    values, sigmas = [pad.value for pad in pads], [pad.sigma for pad in pads]
+    metrics = [*values, *sigmas, *(table.quality[name] for name in QUALITY)]
     return Status.DONE, (*map(finite_or_none, metrics), _codes(table.warnings), table.digest)
 
 
 def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
-    return ", ".join(dict.fromkeys(one.code for one in warnings)) or None
+    """Return the different codes in one text; None without a warning."""
+    codes = dict.fromkeys(warning.code for warning in warnings)
+    return ", ".join(codes) if codes else None
 
 
 def _check(job: Job, log: Log) -> Outcome:

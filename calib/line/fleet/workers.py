@@ -1,4 +1,7 @@
-"""Executors of a batch: processes of this machine, or the workers of a Dask cluster."""
+"""Executors of a batch: a `Pool` of processes of this machine, or a Dask `Cluster`.
+
+A batch submits chunks, a few logs each. The future of a chunk fails if its worker died.
+"""
 
 from concurrent.futures import Future
 from functools import partial
@@ -11,16 +14,17 @@ from calib.line.fleet.rows import Row
 from calib.line.fleet.work import WorkItem, run_items
 
 Rows = list[Row | None]
+"""The rows of a chunk in the order of its logs; None for a log that has not changed."""
 
 _PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
     *("scipy.special", "calib.plausibility.check", "calib.fitting.fit"),
     *("calib.estimation.validate", "calib.line.fleet.work"),
 )
-"""Late imports of the library, done once in the server from which workers are forked."""
+"""Modules that a command imports late. The server from which workers are forked imports them."""
 
-_PATIENCE = "10s"
-"""Longest wait for an answer of the scheduler [s]."""
+_TIMEOUT = "10s"
+"""Longest wait for an answer of the scheduler, in Dask's spelling."""
 
 
 class Pool:
@@ -31,7 +35,7 @@ class Pool:
         self._pool = worker_pool(count, *_PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Compute the rows of some logs, see `calib.line.fleet.work.run_items`."""
+        """Submit a chunk; ``packed`` as for `calib.line.fleet.work.run_items`."""
         return self._pool.submit(run_items, packed, items)
 
     def renew(self) -> None:
@@ -40,16 +44,16 @@ class Pool:
         self._pool = worker_pool(self.workers, *_PRELOADED)
 
     def close(self) -> None:
-        """End the workers, also during a log; it has no row and the next run repeats it."""
+        """End the workers at once. The next run repeats the logs that this interrupts."""
         terminate(self._pool)
 
 
 class Cluster:
-    """The workers of Dask, the extra `dist`, behind a scheduler at ``address``, "tcp://host:port".
+    """The workers of Dask behind a scheduler at ``address``, such as "tcp://host:8786".
 
     Each worker must have this version of the program, and the logs under the same absolute paths.
-    Dask gives the logs of a dead worker to another one. Raises BatchError if there is no answer,
-    and so do its methods.
+    Dask itself gives the logs of a dead worker to another one. The class and its methods raise
+    BatchError if the scheduler does not answer.
     """
 
     def __init__(self, address: str):
@@ -58,8 +62,8 @@ class Cluster:
         try:
             # without a host and a port the client ends with a traceback
             distributed.comm.addressing.get_address_host_port(address)
-            self._client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
-            self._client.wait_for_workers(1, timeout=_PATIENCE)
+            self._client = distributed.Client(address, timeout=_TIMEOUT, set_as_default=False)
+            self._client.wait_for_workers(1, timeout=_TIMEOUT)
         except (OSError, ValueError) as cause:
             self.close()
             raise BatchError(
@@ -72,7 +76,7 @@ class Cluster:
 
     @property
     def workers(self) -> int:
-        """Number of threads of all workers, which may change."""
+        """The number of threads of all workers at this moment, at least 1."""
         self.renew()
         try:
             threads: int = sum(self._client.nthreads().values())
@@ -81,16 +85,15 @@ class Cluster:
         return max(1, threads)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Submit logs to the scheduler."""
+        """Submit a chunk as `Pool.submit`."""
         rows: Future[Rows] = Future()
         dask_future = self._client.submit(run_items, packed, items, pure=False)
         dask_future.add_done_callback(partial(_pass_on, rows))
-        # If the scheduler is lost, running futures fail, but later ones would not.
-        self.renew()
+        self.renew()  # without a scheduler a new future would wait for ever
         return rows
 
     def renew(self) -> None:
-        """Do nothing, since Dask renews workers itself. Raises BatchError without a scheduler."""
+        """Raise BatchError without a scheduler. Dask itself replaces workers."""
         if self._client.status != "running":
             raise self._gone()
 
@@ -99,17 +102,17 @@ class Cluster:
         return BatchError("the scheduler is gone", where=self._address, do=do)
 
     def close(self) -> None:
-        """Disconnect from the cluster; unfinished logs are dropped."""
+        """Disconnect from the cluster, and drop unfinished logs."""
         if self._client is not None:
             self._client.close()
 
 
 Executor = Pool | Cluster
-"""Computes rows on this machine or a cluster. A future fails if its worker died."""
+"""What a batch computes with."""
 
 
 def _pass_on(rows: Future[Rows], dask_future: Any) -> None:
-    """Copy the result of a Dask future; Dask's own executor loses it if the transfer fails."""
+    """Copy result or error of a Dask future. Dask's own executor loses a failed transfer."""
     try:
         rows.set_result(dask_future.result())
     except BaseException as error:

@@ -1,27 +1,31 @@
 r"""Gauge repeatability and reproducibility of a metric: variance components, %GRR and ndc.
 
-    y = mean + car_i + station_j + (car x station)_ij + repeat      all but the mean random
+    y = mean + car_i + station_j + (car x station)_ij + repeat      all random but the mean
 
-The sum of squares is split by cause, in this order, each adjusted for the ones before it (type I,
-Henderson's third method). The expected mean squares are linear in the variances:
+These are the causes of scatter. `anova` splits the sum of squares by cause, in this order; each
+cause is adjusted for the causes before it (type I, Henderson's third method). The mean square MS of
+a cause is its sum of squares over its degrees of freedom. Expected mean squares are linear in the
+variances sigma^2 of the causes, with a matrix C that depends on the design only:
 
-    E[MS] = C sigma^2      C from the design only, so  sigma^2 = C^-1 MS
+    E[MS] = C sigma^2,      so the estimate is  sigma^2 = C^-1 MS
 
 In a full design this is the textbook table (AIAG, Measurement Systems Analysis, 4th ed., app. A;
 Montgomery, Design and Analysis of Experiments, ch. 13). With missing cells the estimates stay
 unbiased; the intervals are approximate, with the degrees of freedom of Satterthwaite (1946).
 
-    GRR^2 = EV^2 + AV^2          scatter of the measurement: repeatability and reproducibility
-    TV^2 = GRR^2 + PV^2          PV: the cars themselves
-    %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG)
-    %GRR of the tolerance = 6 GRR/(USL - LSL)                    (the same, ch. III, section B)
+`gauge_rr` combines the standard deviations EV of the repeats, AV of station and car x station
+together, and PV of the cars. A negative variance counts as zero.
 
-Where the cars do not differ, %GRR is near 100 % for any gauge; only that of the tolerance helps.
-AV is station and car-by-station together; a negative variance counts as zero. Intervals are
-generalised confidence intervals (Burdick, Borror, Montgomery: Design and Analysis of Gauge R&R
-Studies, SIAM 2005): the 2.5 and 97.5 % points of draws of nu MS/chi2(nu) for each expected mean
-square. How often they contain the truth:
-`tests/studies/results/repeatability_coverage.md`.
+    GRR^2 = EV^2 + AV^2          the gauge: repeatability and reproducibility
+    TV^2 = GRR^2 + PV^2          total
+    %GRR = GRR/TV                ndc, number of distinct categories = 1.41 PV/GRR, rounded down
+    %GRR of the tolerance = 6 GRR/(USL - LSL), upper less lower limit  (AIAG, ch. III, section B)
+
+If the cars do not differ, %GRR is near 100 % for any gauge, and only %GRR of the tolerance helps.
+Intervals are generalised confidence intervals (Burdick, Borror, Montgomery: Design and Analysis of
+Gauge R&R Studies, SIAM 2005): the 2.5 and 97.5 % points over draws, in which nu MS/chi2(nu) stands
+for each expected mean square; nu are its degrees of freedom.
+`tests/studies/results/repeatability_coverage.md` has how often they contain the truth.
 """
 
 import math
@@ -35,15 +39,16 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 
 Codes = NDArray[np.int64]
+"""Numbers, from 0, of the cars or of the stations of n readings, (n,)."""
 
 CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
 
 _RANK = 1e-9
-"""Singular value over the largest one below which a direction is ignored."""
+"""Singular value below which a direction counts as zero, over the norm of the columns."""
 
 _SIGMAS = 6.0
-"""Standard deviations across a process, which AIAG compares with the tolerance."""
+"""Number of standard deviations of the gauge that AIAG compares with the tolerance."""
 _NDC = 1.41
 """Factor of ndc: the square root of 2 as rounded by AIAG."""
 
@@ -53,9 +58,10 @@ _DRAWS = 20_000
 
 @dataclass(frozen=True)
 class _VarianceSource:
-    """One row of the table: ``ss``, ``ms`` in the metric's unit squared, ``df`` degrees of freedom.
+    """A row of the analysis of variance: the cause ``source``, and its degrees of freedom ``df``.
 
-    ``effective_df``: of the chi-square distribution of the mean square, possibly approximate.
+    ``ss`` is its sum of squares and ``ms`` its mean square, in the metric's unit squared.
+    ``effective_df`` is that of the chi-square distribution of the mean square, see `_effective_df`.
     """
 
     source: str
@@ -67,9 +73,10 @@ class _VarianceSource:
 
 @dataclass(frozen=True)
 class Anova:
-    """The table, and the estimated variances; a negative estimate stays negative.
+    """An analysis of variance with k causes.
 
-    ``expected_mean_squares`` C: coefficient of each variance in each mean square, (k, k).
+    ``variances`` are the estimates by cause, which may be negative. ``expected_mean_squares`` is C,
+    (k, k): a row for each mean square, a column for each variance.
     """
 
     sources: tuple[_VarianceSource, ...]
@@ -78,9 +85,10 @@ class Anova:
 
 
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
-    """Causes that the design can separate, in order; ``car``, ``station`` codes (n,).
+    """Return the causes that the design of n readings can separate, in order.
 
-    The interaction needs a repeat in a cell, the station a car that was on two of them.
+    Stations are separated from cars if a car was on two of them, the interaction from repeats if a
+    car was twice on a station.
     """
     names, columns = [CAR], _columns(car)
     for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
@@ -94,68 +102,73 @@ def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
 
 
 def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = None) -> Anova:
-    """Analysis of variance of ``y`` (n,) by the causes ``terms``; those from `terms_of` if None.
+    """Return the analysis of variance of ``y`` (n,) by the causes ``terms``, or by `terms_of`.
 
     Raises ValueError if a cause has no degree of freedom left.
     """
-    names = terms or terms_of(car, station)
+    causes = terms or terms_of(car, station)
     codes = {CAR: car, STATION: station, INTERACTION: _cell(car, station)}
-    Z = {n: _columns(codes[n]) if n in codes else np.eye(y.size) for n in names}
-    parts = _partition(Z)
-    df = {n: U.shape[1] for n, U in parts.items()}
+    # y = mean + sum of Z u over the causes, with Z (n, levels) and u the effect of each level
+    Z = {cause: _columns(codes[cause]) if cause in codes else np.eye(y.size) for cause in causes}
+    directions = _directions(Z)
+    df = {cause: U.shape[1] for cause, U in directions.items()}
     centred = y - np.mean(y)
-    ss = {n: float(np.sum((U.T @ centred) ** 2)) for n, U in parts.items()}
-    ms = {n: ss[n] / df[n] for n in names}
-    # E[MS] has tr(U U' Z Z')/df of each variance
-    C = np.array(
-        [[float(np.sum((U.T @ z) ** 2)) / df[n] for z in Z.values()] for n, U in parts.items()]
-    )
-    variances = dict(zip(names, map(float, np.linalg.solve(C, [*ms.values()])), strict=True))
+    ss = {cause: float(np.sum((U.T @ centred) ** 2)) for cause, U in directions.items()}
+    ms = {cause: ss[cause] / df[cause] for cause in causes}
+    C = np.empty((len(causes), len(causes)))
+    for i, (cause, U) in enumerate(directions.items()):
+        # the mean square is |U' y|^2/df, so a variance counts by |U' Z|^2/df
+        C[i] = [float(np.sum((U.T @ z) ** 2)) / df[cause] for z in Z.values()]
+    variances = dict(zip(causes, np.linalg.solve(C, [*ms.values()]).tolist(), strict=True))
     sources = (
-        _VarianceSource(n, df[n], ss[n], ms[n], _effective_df(U, Z, variances))
-        for n, U in parts.items()
+        _VarianceSource(cause, df[cause], ss[cause], ms[cause], _effective_df(U, Z, variances))
+        for cause, U in directions.items()
     )
     return Anova(tuple(sources), variances, C)
 
 
-def _partition(Z: dict[str, Array]) -> dict[str, Array]:
-    """Orthonormal directions of each cause, orthogonal to the mean and to the causes before it."""
+def _directions(Z: dict[str, Array]) -> dict[str, Array]:
+    """Return orthonormal directions U (n, df) of each cause from its columns ``Z`` (n, levels).
+
+    They are orthogonal to the mean and to the causes before. Raises ValueError if a cause has none.
+    """
     n = len(next(iter(Z.values())))
     basis = np.ones((n, 1)) / np.sqrt(n)
-    parts: dict[str, Array] = {}
-    for name, columns in Z.items():
+    directions: dict[str, Array] = {}
+    for cause, columns in Z.items():
         U, size, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
         least = _RANK * max(1.0, float(np.max(np.abs(columns).sum(axis=0))))
-        parts[name] = U[:, size > least]
-        if parts[name].shape[1] == 0:
-            raise ValueError(f"no degree of freedom left for {name}")
-        basis = np.hstack([basis, parts[name]])
-    return parts
+        directions[cause] = U[:, size > least]
+        if directions[cause].shape[1] == 0:
+            raise ValueError(f"no degree of freedom left for {cause}")
+        basis = np.hstack([basis, directions[cause]])
+    return directions
 
 
 def _cell(car: Codes, station: Codes) -> Codes:
+    """Return another number for each pair of car and station."""
     return np.asarray(car * (int(np.max(station)) + 1) + station)
 
 
 def _columns(codes: Codes) -> Array:
-    """One column of zeros and ones for each level, (n, levels)."""
+    """Return a column for each level, 1 in its readings and 0 in the others, (n, levels)."""
     return np.asarray(codes[:, None] == np.unique(codes)[None, :], dtype=np.float64)
 
 
 def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) -> float:
-    """Satterthwaite's degrees of freedom of y' U U' y; negative ``variances`` count as zero.
+    """Return Satterthwaite's degrees of freedom of the mean square with the directions ``U``.
 
-    tr(M)^2 / tr(M^2) with M = U' V U: the number of directions if M is a multiple of 1.
+    These are tr(M)^2/tr(M^2), where M = U' V U (df, df) is the covariance of U' y; if M is a
+    multiple of the identity, they are df. A negative variance counts as zero.
     """
-    parts = [max(variances[n], 0.0) * (U.T @ z) @ (U.T @ z).T for n, z in Z.items()]
-    M = np.sum(parts, axis=0)
-    square = float(np.sum(M * M))
-    return float(np.trace(M) ** 2 / square) if square > 0.0 else float(U.shape[1])
+    M = np.sum([max(variances[c], 0.0) * (U.T @ z) @ (U.T @ z).T for c, z in Z.items()], axis=0)
+    trace_of_square = float(np.sum(M * M))
+    return float(np.trace(M) ** 2 / trace_of_square) if trace_of_square > 0.0 else float(U.shape[1])
 
 
 @dataclass(frozen=True)
 class _Component:
-    """Standard deviation in the metric's unit, with its 95 % interval."""
+    """A standard deviation in the metric's unit, with its 95 % interval."""
 
     sd: float
     ci95: tuple[float, float]
@@ -171,12 +184,12 @@ class _Ratio:
 
 @dataclass(frozen=True)
 class GaugeRR:
-    """Components of a metric's scatter, as the document has them.
+    """The scatter of a metric, as the JSON document of a study has it.
 
-    ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
-    ``gauge`` and ``total``; ``grr`` standard deviation of the gauge over the total; ``ndc`` rounded
-    down; ``grr_of_tolerance`` six standard deviations of the gauge over the tolerance, None without
-    one; ``cars_differ`` whether the interval of the cars' standard deviation is above zero.
+    ``components`` has the causes of the analysis by name, ``reproducibility`` if there are
+    stations, and ``gauge`` and ``total``. ``grr``, ``ndc`` and ``grr_of_tolerance`` are those of
+    the head of this file; the last is None without a tolerance. ``cars_differ`` tells whether the
+    interval of the standard deviation of the cars is above zero.
     """
 
     anova: tuple[_VarianceSource, ...]
@@ -188,54 +201,65 @@ class GaugeRR:
 
 
 def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
-    """Components, %GRR and ndc of an analysis, and %GRR of a ``tolerance``.
+    """Return components, %GRR and ndc of an analysis, and %GRR of a tolerance.
 
     ``tolerance`` is the width USL - LSL in the metric's unit. Raises ValueError if repeats do not
     scatter.
     """
     if analysis.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
-    # generalised intervals: C^-1 applied to draws of nu MS/chi2(nu)
+    # draws of expected mean squares and of variances, (k, _DRAWS)
     ms = [x.ms * x.effective_df / _chi2(x.effective_df, i) for i, x in enumerate(analysis.sources)]
-    solved = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
-    point = _derived(analysis.variances)
-    draws = _derived(dict(zip(analysis.variances, solved, strict=True)))
-    ends = {name: np.sqrt(_ends(draws[name])).tolist() for name in point}
-    components = {n: _Component(math.sqrt(x), (*ends[n],)) for n, x in point.items()}
-    (grr, ndc), (grrs, ndcs) = _ratios(point), _ratios(draws)
-    factor = _SIGMAS / tolerance if tolerance else math.nan
-    of_tolerance = _Ratio(factor * components[GAUGE].sd, (*(factor * x for x in ends[GAUGE]),))
+    drawn = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
+    estimates = _components(analysis.variances)
+    draws = _components(dict(zip(analysis.variances, drawn, strict=True)))
+    components = {}
+    for name, variance in estimates.items():
+        low, high = _interval(draws[name])
+        components[name] = _Component(math.sqrt(variance), (math.sqrt(low), math.sqrt(high)))
+    gauge, (grr, ndc), (grr_draws, ndc_draws) = (
+        components[GAUGE],
+        _ratios(estimates),
+        _ratios(draws),
+    )
+    of_tolerance = None
+    if tolerance:
+        factor = _SIGMAS / tolerance
+        low, high = gauge.ci95
+        of_tolerance = _Ratio(factor * gauge.sd, (factor * low, factor * high))
     return GaugeRR(
-        analysis.sources,
-        components,
-        _Ratio(float(grr), _ends(grrs)),
-        _Ratio(int(min(float(ndc), 1e9)), _ends(ndcs)),
-        of_tolerance if tolerance else None,
-        ends[CAR][0] > 0.0,
+        anova=analysis.sources,
+        components=components,
+        grr=_Ratio(float(grr), _interval(grr_draws)),
+        ndc=_Ratio(int(min(float(ndc), 1e9)), _interval(ndc_draws)),
+        grr_of_tolerance=of_tolerance,
+        cars_differ=components[CAR].ci95[0] > 0.0,
     )
 
 
 @lru_cache(maxsize=16)  # 160 kB each; unbalanced designs seldom repeat their degrees of freedom
 def _chi2(nu: float, stream: int) -> Array:
-    """Chi-square numbers (_DRAWS,), always the same, so that a report is reproducible."""
+    """Return chi-square draws (_DRAWS,), always the same, so that a report is reproducible."""
     return np.random.default_rng([20, stream]).chisquare(nu, _DRAWS)
 
 
-def _derived(variances: Mapping[str, Array | float]) -> dict[str, Array]:
-    """All components of the scatter, a negative variance as zero."""
-    v = {name: np.maximum(x, 0.0) for name, x in variances.items()}
-    stations = {n: v[n] for n in (STATION, INTERACTION) if n in v}
-    out = {REPEATABILITY: v[REPEATABILITY], **stations}
-    if stations:
-        out[REPRODUCIBILITY] = np.sum([*stations.values()], axis=0)
-    out[GAUGE] = np.sum([v[REPEATABILITY], *stations.values()], axis=0)
-    return out | {CAR: v[CAR], TOTAL: out[GAUGE] + v[CAR]}
+def _components(variances: Mapping[str, Array | float]) -> dict[str, Array]:
+    """Return the variance of each component in `GaugeRR`; a negative variance counts as zero."""
+    v = {cause: np.maximum(x, 0.0) for cause, x in variances.items()}
+    of_stations = {cause: v[cause] for cause in (STATION, INTERACTION) if cause in v}
+    components = {REPEATABILITY: v[REPEATABILITY], **of_stations}
+    if of_stations:
+        components[REPRODUCIBILITY] = np.sum([*of_stations.values()], axis=0)
+    components[GAUGE] = np.sum([v[REPEATABILITY], *of_stations.values()], axis=0)
+    return components | {CAR: v[CAR], TOTAL: components[GAUGE] + v[CAR]}
 
 
 def _ratios(v: dict[str, Array]) -> tuple[Array, Array]:
+    """Return %GRR and ndc, not rounded, from the variances of the components."""
     return np.sqrt(v[GAUGE] / v[TOTAL]), _NDC * np.sqrt(v[CAR] / v[GAUGE])
 
 
-def _ends(draws: Array) -> tuple[float, float]:
+def _interval(draws: Array) -> tuple[float, float]:
+    """Return the 95 % interval of draws."""
     low, high = np.quantile(draws, [0.025, 0.975])
     return float(low), float(high)

@@ -1,7 +1,7 @@
-"""The plan of a gauge study, car and station of each ramp, and the metrics of these ramps.
+"""Read the plan of a gauge study, and the metrics of its ramps.
 
 log,car,station,road,vehicle                station, road and vehicle are optional
-a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the plan's folder
+a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the folder of the plan
 """
 
 import csv
@@ -24,7 +24,7 @@ _FILE = f"a CSV file with columns {', '.join(_COLUMNS)}; the last three may be l
 
 @dataclass(frozen=True)
 class PlannedRamp:
-    """A ramp of a study; ``station`` and ``road`` are "" if they are not given."""
+    """A ramp of a study; ``station`` and ``road`` are "" if the plan does not give them."""
 
     log: Path
     car: str
@@ -34,17 +34,19 @@ class PlannedRamp:
 
 
 def read_plan(path: Path, vehicle: Path | None = None) -> tuple[PlannedRamp, ...]:
-    """Read a plan with commas or semicolons; ``vehicle`` is the file where it names none.
+    """Read a plan with commas or semicolons; ``vehicle`` is the vehicle file of rows without one.
 
-    Raises InputError if the file is not readable, if a log or column occurs twice, and for ramps of
-    several roads: the stiffness of the tyres depends on the road, so they are no repeats.
+    Raises InputError if the file is not readable or a log or a column occurs twice. Ramps of
+    several roads are refused as well: the stiffness of the tyres depends on the road, so they are
+    no repeats.
     """
     ramps = tuple(_rows(path, vehicle))
     if not ramps:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
     files = [os.path.realpath(ramp.log) for ramp in ramps]
-    if twice := [file for file in files if files.count(file) > 1]:
-        raise InputError(f"{twice[0]} occurs twice", where=path)
+    repeated = [file for file in files if files.count(file) > 1]
+    if repeated:
+        raise InputError(f"{repeated[0]} occurs twice", where=path)
     if len({bool(ramp.station) for ramp in ramps}) > 1:
         raise InputError("some logs have a station and some have none", where=path)
     if len({ramp.road for ramp in ramps}) > 1:
@@ -54,6 +56,7 @@ def read_plan(path: Path, vehicle: Path | None = None) -> tuple[PlannedRamp, ...
 
 
 def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
+    """Yield the ramp of each row. Raises InputError."""
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
         text = data.decode("utf-8-sig")
@@ -64,19 +67,20 @@ def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
         rows = [[cell.strip() for cell in row] for row in lines]
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
-    heads = rows[0] if rows else []
-    if not {"log", "car"} <= {*heads} <= {*_COLUMNS} or len({*heads}) < len(heads):
-        raise InputError(f"columns {', '.join(heads)}", where=path, expected=_FILE)
+    columns = rows[0] if rows else []
+    has_required, is_known = {"log", "car"} <= {*columns}, {*columns} <= {*_COLUMNS}
+    if not (has_required and is_known) or len({*columns}) < len(columns):
+        raise InputError(f"columns {', '.join(columns)}", where=path, expected=_FILE)
     for number, row in enumerate(rows[1:], 2):
         if not any(row):
             continue
-        cells = dict(zip(heads, row, strict=False))
-        if len(row) > len(heads) or not (cells.get("log") and cells.get("car")):
+        cells = dict(zip(columns, row, strict=False))
+        if len(row) > len(columns) or not (cells.get("log") and cells.get("car")):
             problem = f"row {number} has no log or car, or too many cells"
             raise InputError(problem, where=path, expected=_FILE)
-        named = cells.pop("vehicle", "")
-        file = path.parent / named if named else vehicle
-        yield PlannedRamp(path.parent / cells.pop("log"), vehicle=file, **cells)
+        vehicle_cell = cells.pop("vehicle", "")
+        vehicle_file = path.parent / vehicle_cell if vehicle_cell else vehicle
+        yield PlannedRamp(path.parent / cells.pop("log"), vehicle=vehicle_file, **cells)
 
 
 def readings(
@@ -85,24 +89,25 @@ def readings(
     names: Sequence[str],
     report: Callable[[], None] = lambda: None,
 ) -> tuple[GaugeReading, ...]:
-    """Metrics ``names`` of each ramp, fitted alone; each ramp must have a vehicle.
+    """Fit each ramp alone, and return its metrics ``names``. Each ramp must have a vehicle.
 
     ``report`` is called after each ramp. Raises LogError for a ramp that cannot be fitted,
-    InputError for one that was given twice.
+    InputError for a ramp that was given twice.
     """
     from calib.car.vehicle_file import read_vehicle
 
     cars = {file: read_vehicle(file) for file in {ramp.vehicle for ramp in ramps} if file}
-    each: list[GaugeReading] = []
-    parents: list[LogReference] = []
+    ramp_readings: list[GaugeReading] = []
+    fitted_logs: list[LogReference] = []
     for ramp in ramps:
         assert ramp.vehicle is not None
         log = read_log(ramp.log, channel_map)
-        refuse_repeated(log, parents)
+        refuse_repeated(log, fitted_logs)
         table = fit(cars[ramp.vehicle], [log])
-        parents += table.provenance.logs
+        fitted_logs += table.provenance.logs
         metrics = metrics_of(table, log)
-        chosen = {name: metrics[name] for name in names}
-        each.append(GaugeReading(str(ramp.log), ramp.car, ramp.station, chosen, log.digest))
+        figures = {name: metrics[name] for name in names}
+        reading = GaugeReading(str(ramp.log), ramp.car, ramp.station, figures, log.digest)
+        ramp_readings.append(reading)
         report()
-    return tuple(each)
+    return tuple(ramp_readings)

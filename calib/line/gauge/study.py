@@ -1,9 +1,10 @@
 """Gauge study of the calibration: repeated ramps of several cars, judged metric by metric.
 
-ramps --fit, one table a ramp--> metrics --anova--> components --limits--> verdict
+ramps --fit, one table for each ramp--> metrics --anova--> components --limits--> verdict
 
-The scatter of the gauge is compared with the differences of the cars (%GRR, ndc), and with the
-tolerance of a metric where it is known. Limits and tolerances stand in one file:
+The scatter of the gauge is compared with the differences of the cars (%GRR, ndc) and, where it is
+known, with the tolerance of a metric; see `calib.line.gauge.gauge_rr`. One file has limits and
+tolerances:
 
     [limits]
     grr = { max = 0.3 }                           %GRR of every metric, as a share
@@ -41,10 +42,10 @@ METRICS = ("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_st
 """Metrics of every ramp [1], see `metrics_of`."""
 
 _FIGURES = ("grr", "ndc", "grr_of_tolerance")
-"""What is judged of each metric."""
+"""Figures of each metric that are judged."""
 
 KNOWN_LIMITS = (*_FIGURES, *METRICS)
-"""Names in a file of limits; that of a metric is its tolerance."""
+"""Names that a file of limits may have. The limit of a metric is its tolerance."""
 
 _DEFAULTS = (
     Limit("grr", None, 0.30),
@@ -55,9 +56,9 @@ _DEFAULTS = (
 
 
 class GaugeVerdict(StrEnum):
-    """Verdict on a metric as a gauge, by AIAG; NOT_JUDGED if repeats do not scatter.
+    """Verdict on the gauge of a metric, by AIAG.
 
-    ALIKE: the cars do not differ and no tolerance is known, so nothing can be judged.
+    ALIKE: the cars do not differ and no tolerance is known. NOT_JUDGED: repeats do not scatter.
     """
 
     GOOD = "good"
@@ -68,12 +69,12 @@ class GaugeVerdict(StrEnum):
 
 
 REFUSED = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
-"""Verdicts with which a metric does not pass."""
+"""The verdicts with which a metric does not pass."""
 
 
 @dataclass(frozen=True)
 class GaugeReading:
-    """The metrics of one ramp, ``figures`` by name of `METRICS`; its car, station and SHA-256."""
+    """The metrics of one ramp: ``figures`` by the names of `METRICS`; ``digest`` of the log."""
 
     log: str
     car: str
@@ -84,7 +85,7 @@ class GaugeReading:
 
 @dataclass(frozen=True)
 class GaugeResult:
-    """Result for one metric; ``values`` are in the order of the readings.
+    """The result for one metric, with its ``values`` (n,) in the order of the n readings.
 
     ``gauge`` is None if repeats do not scatter at all.
     """
@@ -98,7 +99,7 @@ class GaugeResult:
 
 @dataclass(frozen=True)
 class GaugeStudy:
-    """The whole study; ``notes`` on the limits of the design."""
+    """The whole study; ``notes`` say what its design cannot tell."""
 
     readings: tuple[GaugeReading, ...]
     results: tuple[GaugeResult, ...]
@@ -116,34 +117,37 @@ class GaugeStudy:
 
     @property
     def stations(self) -> tuple[str, ...]:
-        """Names of the stations, sorted; empty if they are not given."""
+        """Names of the stations, sorted; empty if the plan does not give them."""
         return tuple(sorted({r.station for r in self.readings if r.station}))
 
 
 def metrics_of(table: Table, log: Log) -> dict[str, float]:
-    """Metrics of one ramp from its ``table``.
+    """Return the metrics of the ramp ``log`` from its ``table``.
 
-    The curves follow from them: D = C (eta - 1) with the slip stiffness C, and f1 and f2 from D.
+    The curves need no metrics of their own: D = C (eta - 1) with the slip stiffness C, and D gives
+    f1 and f2.
     """
     s, pads = signals(log, table.vehicle.rear.rolling_radius), table.calibration
+    omega_f, omega_r = (np.mean(omega[s.lead_in]) for omega in (s.omega_f, s.omega_r))
     return {
         "pad_scale": pads.pad_scale.value,
         "pad_friction_f": pads.pad_friction_f.value,
         "pad_friction_r": pads.pad_friction_r.value,
-        "eta_zero": float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0,
+        "eta_zero": float(omega_r / omega_f) - 1.0,
         "slip_stiffness": pads.slip_stiffness.value,
     }
 
 
-def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
-    """Raise InputError for a run that was read before: a copy is no repeat."""
-    first = next((one for one in read if one.is_run_of(log)), None)
-    if first is not None:
-        raise InputError(f"the same run as {first.name}", where=log.source, do="give it once")
+def refuse_repeated(log: Log, earlier: Iterable[LogReference]) -> None:
+    """Raise InputError if ``log`` is a copy of an earlier log: a copy is no repeat."""
+    for reference in earlier:
+        if reference.is_run_of(log):
+            flaw = f"the same run as {reference.name}"
+            raise InputError(flaw, where=log.source, do="give it once")
 
 
 def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
-    """The limits of a file; the `_DEFAULTS` without one. Raises LimitsError for a bad file."""
+    """Return the limits of a file, or `_DEFAULTS` without a file. Raises LimitsError."""
     if path is None:
         return _DEFAULTS
     from calib.estimation.limits_file import read_limits
@@ -154,35 +158,39 @@ def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
 
 
 def _tolerances(limits: tuple[Limit, ...], where: object = None) -> dict[str, float]:
-    """Width USL - LSL of the tolerance of each metric with a limit, in its unit."""
-    out = {}
-    for limit in (limit for limit in limits if limit.figure in METRICS):
+    """Return the width USL - LSL of each tolerance, in the unit of its metric.
+
+    Raises LimitsError for a tolerance without two ends that are apart.
+    """
+    widths = {}
+    for limit in limits:
+        if limit.figure not in METRICS:
+            continue
         if limit.low is None or limit.high is None or not limit.low < limit.high:
             raise LimitsError(
                 f"{limit.figure} is the tolerance of a metric and needs two ends that are apart",
                 where=where,
                 expected=f"{limit.figure} = {{ min = LOW, max = HIGH }}",
             )
-        out[limit.figure] = limit.high - limit.low
-    return out
+        widths[limit.figure] = limit.high - limit.low
+    return widths
 
 
 def study(
     readings: tuple[GaugeReading, ...],
     limits: tuple[Limit, ...] = _DEFAULTS,
 ) -> GaugeStudy:
-    """Analyse the readings, each metric by itself. Raises InputError for an insufficient design.
+    """Analyse the readings, each metric by itself.
 
-    At least two cars and one repeated ramp are needed; stations are optional. A limit of a metric
-    itself is its tolerance; where there are no others, the `_DEFAULTS` judge. Raises LimitsError
-    for a tolerance with one end.
+    At least two cars and one repeated ramp are needed; stations are optional. The limit of a metric
+    is its tolerance. If ``limits`` has only tolerances, `_DEFAULTS` judge. Raises InputError for an
+    insufficient design, LimitsError for a tolerance with one end.
     """
     tolerances = _tolerances(limits)
     of_gauge = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS
-    car, station = (
-        np.unique([getattr(r, key) for r in readings], return_inverse=True)[1]
-        for key in ("car", "station")
-    )
+    # numbers of car and station of each reading, (n,)
+    car = np.unique([reading.car for reading in readings], return_inverse=True)[1]
+    station = np.unique([reading.station for reading in readings], return_inverse=True)[1]
     terms = terms_of(car, station)
     values = {name: np.array([r.figures[name] for r in readings]) for name in readings[0].figures}
     try:
@@ -197,7 +205,7 @@ def study(
         _result(name, values[name], analysis, of_gauge, tolerances.get(name))
         for name, analysis in analyses.items()
     ]
-    notes = _notes(terms, several=bool(station.max()))
+    notes = _notes(terms, several_stations=bool(station.max()))
     alike = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
     if alike:
         notes.append(
@@ -210,16 +218,17 @@ def study(
 def _result(
     name: str, values: Array, analysis: Anova, limits: tuple[Limit, ...], tolerance: float | None
 ) -> GaugeResult:
+    """Return the result for one metric. Figures against alike cars say nothing and are left out."""
     try:
         gauge = gauge_rr(analysis, tolerance)
     except ValueError:
         return GaugeResult(name, values, None, (), GaugeVerdict.NOT_JUDGED)
-    of_cars = (gauge.grr.value, gauge.ndc.value) if gauge.cars_differ else (None, None)
+    grr, ndc = (gauge.grr.value, gauge.ndc.value) if gauge.cars_differ else (None, None)
     of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
-    figures = dict(zip(_FIGURES, (*of_cars, of_tolerance), strict=True))
+    figures = dict(zip(_FIGURES, (grr, ndc, of_tolerance), strict=True))
     judgements = judge(limits, figures)
-    shares = [x for x in (of_cars[0], of_tolerance) if x is not None]
-    if any(j.verdict == FAILED for j in judgements):
+    shares = [share for share in (grr, of_tolerance) if share is not None]
+    if any(judgement.verdict == FAILED for judgement in judgements):
         verdict = GaugeVerdict.BAD
     elif not shares:
         verdict = GaugeVerdict.ALIKE
@@ -228,22 +237,19 @@ def _result(
     return GaugeResult(name, values, gauge, judgements, verdict)
 
 
-def _notes(terms: tuple[str, ...], *, several: bool) -> list[str]:
-    """What the design cannot tell; ``several`` stations."""
-    notes = {
-        "stations are not given: reproducibility is not measured": not several,
-        "no car was on two stations: differences of stations count as differences of cars": (
-            several and STATION not in terms
-        ),
-        "no car was twice on a station: the interaction counts as repeatability": (
-            STATION in terms and INTERACTION not in terms
-        ),
-    }
-    return [text for text, holds in notes.items() if holds]
+def _notes(terms: tuple[str, ...], *, several_stations: bool) -> list[str]:
+    """Return what the design cannot tell; ``terms`` are the causes that it separates."""
+    if not several_stations:
+        return ["fewer than two stations are given: reproducibility is not measured"]
+    if STATION not in terms:
+        return ["no car was on two stations: differences of stations count as differences of cars"]
+    if INTERACTION not in terms:
+        return ["no car was twice on a station: the interaction counts as repeatability"]
+    return []
 
 
 def to_dict(result: GaugeStudy) -> dict[str, object]:
-    """The JSON document of a study."""
+    """Return the JSON document of a study."""
     return {
         "passed": result.passed,
         "cars": result.cars,
@@ -255,10 +261,10 @@ def to_dict(result: GaugeStudy) -> dict[str, object]:
 
 
 def _entry(result: GaugeResult) -> dict[str, object]:
-    limits = [asdict(j) | j.outcome for j in result.judgements]
+    """Return the part of the document for one metric; every metric is a pure number."""
+    limits = [asdict(judgement) | judgement.outcome for judgement in result.judgements]
     entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": limits}
     if result.gauge is None:
-        return entry | dict.fromkeys(
-            ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
-        )
+        without = ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
+        return entry | dict.fromkeys(without)
     return entry | {"mean": float(result.values.mean()), **vars(result.gauge)}

@@ -1,10 +1,10 @@
-"""The files of a run at the station: all of them, or none.
+"""Write the files of a run at the station, all of them or none.
 
-DIR/station.json  junit.xml  report.html  summary.json  <stop>.parquet  exports
-DIR/refused.json  instead, where the car could not be judged: its identity and the reason
+DIR/station.json, junit.xml, report.html, summary.json, <stop>.parquet, exports
+DIR/refused.json instead, if the car could not be judged: its identity and the reason
 
-`station.json` is moved into place last: without it the run is not complete. It holds no time and no
-path: the same logs, limits and identifiers give the same bytes.
+`station.json` is moved to its place last: a run without it is not complete. It holds no time and no
+path, so the same logs, limits and identifiers give the same bytes.
 """
 
 import json
@@ -33,17 +33,17 @@ _FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 
 def export_name(form: str) -> str:
-    """File name of an export of the format ``form``."""
+    """Return the file name of an export in the format ``form``."""
     return f"table.{ENDINGS[form]}"
 
 
 def outputs_of(stops: Sequence[str], forms: Sequence[str]) -> list[str]:
-    """Every file that a run may write, with hold-outs named ``stops`` and exports ``forms``."""
+    """Return every file that a run may write; ``stops`` are hold-outs, ``forms`` the exports."""
     return [*_FIXED, REFUSED, *map(export_name, forms), *(f"{stop}.parquet" for stop in stops)]
 
 
 def why_not_exported(stored: Stored) -> str:
-    """Why the station hands this table to no ECU; "" if it does."""
+    """Return why the station exports no table for an ECU; "" if it does export this one."""
     if not stored.state.released:
         return "only a released table may reach an ECU"
     beyond = ", ".join(stored.table.not_sensed)
@@ -53,27 +53,29 @@ def why_not_exported(stored: Stored) -> str:
 def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
-    Files of an earlier run that this one did not make are removed: no export may stay when the car
-    fails now. Raises OSError, see `calib.base.write.publish`.
+    Files of an earlier run that this run did not write are removed: the export of a car that passed
+    must not stay when the car fails. Raises OSError, see `calib.base.write.publish`.
     """
     return publish(work, out, DOCUMENT, _stale)
 
 
 def _stale(out: Path) -> set[str]:
-    """Every export, every file that an earlier verdict lists, and the refusal of an earlier run."""
+    """Return every export, the files that an earlier verdict lists, and an earlier refusal."""
     stale = {*map(export_name, ENDINGS), REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
-        names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
-        stale |= {n for n in names if isinstance(n, str) and n == Path(n).name and n not in _FIXED}
+        for name in json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]:
+            is_file_here = isinstance(name, str) and name == Path(name).name
+            if is_file_here and name not in _FIXED:
+                stale.add(name)
     return stale
 
 
 def write_refusal(
     error: BrakeCalError, identity: Identity, logs: Sequence[Path], out: Path
 ) -> None:
-    """Write `REFUSED` into the folder ``out``, whole or not at all. Raises OSError.
+    """Write `REFUSED` into the folder ``out``, completely or not at all. Raises OSError.
 
-    The files of an earlier run stay; the next run that ends with a verdict removes it.
+    The files of an earlier run stay. The next run that ends with a verdict removes the refusal.
     """
     document = {
         "schema": 1,
@@ -88,7 +90,7 @@ def write_refusal(
 
 
 def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
-    """The document as plain data; ``files`` are the other files in its folder."""
+    """Return `station.json` as plain data; ``files`` are the other files of the run."""
     return {
         "schema": 1,
         "verdict": outcome.verdict,
@@ -102,7 +104,7 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
         "warnings": [warning_dict(warning) for warning in outcome.warnings],
         "checks": [_check(check) for check in outcome.checks],
         "figures": {name: finite_or_none(value) for name, value in outcome.figures.items()},
-        "pads_of_ramp": _ramp(outcome.table),
+        "pads_of_ramp": _pads_of_ramp(outcome.table),
         "logs": [{"log": log, "digest": sha, "role": role} for role, log, sha in outcome.logs],
         "validation": validation_dict(stored, list(outcome.results)),
         "remarks": list(outcome.table.remarks),
@@ -111,34 +113,41 @@ def to_dict(outcome: StationOutcome, stored: Stored, files: list[str]) -> dict[s
 
 
 def to_text(document: dict[str, Any]) -> str:
-    """The text of `station.json`."""
+    """Return the text of `station.json` or `refused.json`."""
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
-def _ramp(table: Table) -> dict[str, float]:
-    """Pad friction of the ramp [1], and the torque of both wheels of an axle [N m/Pa]."""
-    car, cal = table.vehicle, table.calibration
-    axles = ("f", car.front, cal.pad_friction_f), ("r", car.rear, cal.pad_friction_r)
-    torques = {f"torque_per_bar_{x}": 2.0 * one.torque_gain * mu.value for x, one, mu in axles}
-    return {f"pad_friction_{x}": mu.value for x, _, mu in axles} | torques
+def _pads_of_ramp(table: Table) -> dict[str, float]:
+    """Return pad frictions [1], and brake torques of both wheels of an axle over pressure.
+
+    The torques are in N m/Pa; they are displayed per bar.
+    """
+    front, rear = table.vehicle.front, table.vehicle.rear
+    mu_f, mu_r = table.calibration.pad_friction_f.value, table.calibration.pad_friction_r.value
+    return {
+        "pad_friction_f": mu_f,
+        "pad_friction_r": mu_r,
+        "torque_per_bar_f": 2.0 * front.torque_gain * mu_f,
+        "torque_per_bar_r": 2.0 * rear.torque_gain * mu_r,
+    }
 
 
 def _check(check: StationCheck) -> dict[str, Any]:
-    j = check.judgement
+    judgement = check.judgement
     return {
         "scope": check.scope,
         "figure": check.figure,
         "meaning": metric_of(check.figure).meaning,
-        "value": finite_or_none(j.value),
-        "fail": [j.low, j.high],
-        "warn": [j.warn_low, j.warn_high],
+        "value": finite_or_none(judgement.value),
+        "fail": [judgement.low, judgement.high],
+        "warn": [judgement.warn_low, judgement.warn_high],
         "verdict": check.verdict,
         "action": check.action if check.verdict in (FAILED, WARNING) else None,
     }
 
 
 def junit_xml(outcome: StationOutcome, stored: Stored) -> bytes:
-    """The document. All times are zero, so that the same car gives the same bytes."""
+    """Return the checks as JUnit XML. All times are zero, so the same car gives the same bytes."""
     environment = templates("calib.line.station", markup=True)
     environment.filters["clean"] = _clean
     identifiers = {
@@ -158,6 +167,6 @@ def junit_xml(outcome: StationOutcome, stored: Stored) -> bytes:
 
 
 def _clean(text: str) -> str:
-    """``text`` without characters that XML 1.0 cannot hold; a log's name may have any bytes."""
-    shown = (c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text.replace(NBSP, " "))
-    return "".join(shown)
+    """Replace what XML 1.0 cannot hold: the name of a log may have any characters."""
+    with_spaces = text.replace(NBSP, " ")
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in with_spaces)

@@ -1,22 +1,22 @@
-"""Distance of a car's table from the golden table of its model: D(eta), pads, tyres.
+"""Distance of a car's table from the golden table of its model, in D(eta), pads and tyres.
 
-D = C (eta - 1) and the stiffness of the tyres depend on the road, the pads do not: the golden table
-must be of the same track. D is compared where both tables are measured.
+A golden table is the released table of a good car, or the mean of several good cars. It must be of
+the same track: D = C (eta - 1) and the stiffness of the tyres depend on the road, the pads do not.
+D is compared where both tables have it.
 
-Against a golden table that is the mean of several cars, also in sigma of their fleet:
+A golden mean gives the distance also in sigma of its cars:
 
-    t = (car - mean)/sqrt(between^2 + error of the mean^2 + own error of the car^2)
+    t = (car - mean)/sqrt(between^2 + error of the mean^2 + error of one run of the car^2)
 
-t has Student's distribution with one degree of freedom less than the golden table has cars. It is
-given as the normal deviate of the same p: beyond 3 sigma is one good car in 370. What car and fleet
-share (vehicle file, track, method) cancels, unless one has v and the other not.
+t has Student's distribution with one degree of freedom less than the golden table has cars. The
+metric is the normal deviate of the same p: beyond 3 sigma is one good car in 370. Errors that car
+and golden cars share (vehicle file, track, method) cancel, unless one log has v and another not.
 """
 
 import math
 
 import numpy as np
 
-from calib.base.arrays import Array
 from calib.base.errors import StoreError
 from calib.base.intervals import Z95
 from calib.base.random_effects import normal_equivalent
@@ -26,11 +26,14 @@ from calib.table.budget import pad_levels, per_run
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5
-"""Least share of the golden table's range of eta that a car's table must have for a distance."""
+"""Least share of the golden table's range of eta [1] that the car's table must cover for D."""
 
 
 def golden_table(store: Store, reference: str) -> Stored:
-    """Return a golden table: released, or a draft named by its version. Raises StoreError."""
+    """Return a golden table, which is released, or a draft that ``reference`` names by version.
+
+    Raises StoreError for another state.
+    """
     stored = store.released(reference)
     if not (stored.state.usable and stored.state.in_store):
         raise StoreError(
@@ -42,70 +45,82 @@ def golden_table(store: Store, reference: str) -> Stored:
 
 
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
-    """The `golden_` metrics of the car that both tables give.
+    """Return the `golden_` metrics of a car that both tables give.
 
-    Those of D need `_OVERLAP`, those in sigma a golden table of several cars.
+    Metrics of D need an `_OVERLAP`, metrics in sigma a golden mean.
     """
-    ours, theirs = table.calibration, golden.calibration
+    pads, golden_pads = table.calibration, golden.calibration
     metrics = {
-        "golden_pads_f": ours.pad_friction_f.value / theirs.pad_friction_f.value - 1.0,
-        "golden_pads_r": ours.pad_friction_r.value / theirs.pad_friction_r.value - 1.0,
-        "golden_stiffness": ours.slip_stiffness.value / theirs.slip_stiffness.value - 1.0,
+        "golden_pads_f": pads.pad_friction_f.value / golden_pads.pad_friction_f.value - 1.0,
+        "golden_pads_r": pads.pad_friction_r.value / golden_pads.pad_friction_r.value - 1.0,
+        "golden_stiffness": pads.slip_stiffness.value / golden_pads.slip_stiffness.value - 1.0,
     }
     golden_end = float(golden.difference.eta[-1])
     end = min(float(table.difference.eta[-1]), golden_end)
-    common = end - 1.0 >= _OVERLAP * (golden_end - 1.0)
-    if common:
+    overlaps = end - 1.0 >= _OVERLAP * (golden_end - 1.0)
+    if overlaps:
         metrics |= _distance(table, golden, end)
     if golden.spread is not None:
-        metrics |= _sigmas(table, golden, golden.spread, end if common else None)
+        metrics |= _sigmas(table, golden, golden.spread, end if overlaps else None)
     return metrics
 
 
 def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
-    """Largest difference of D up to ``end``, over the golden peak and over its 95 % half width."""
-    ours, theirs = table.difference, golden.difference
-    # both are linear between their rows, so the largest difference is at a row of one of them
-    rows = np.union1d(ours.eta, theirs.eta)
+    """Return the largest difference of D up to eta = ``end``, measured by two yardsticks.
+
+    These are the golden table's largest D, and the 95 % half width of the difference.
+    """
+    curves = table.difference, golden.difference
+    # both curves are linear between rows, so their difference is largest at a row of one of them
+    rows = np.union1d(*(curve.eta for curve in curves))
     eta = rows[(rows > 1.0) & (rows <= end)]
-    a, b = (np.interp(eta, d.eta, d.D) for d in (ours, theirs))
-    widths = [0.5 * np.interp(eta, d.eta, d.upper - d.lower) for d in (ours, theirs)]
-    difference: Array = np.abs(a - b)
-    worst = int(np.argmax(difference))
-    largest, width = float(difference[worst]), float(np.hypot(*widths)[worst])
-    return {
-        "golden_distance": largest / abs(theirs.peak[1]),
-        "golden_bands": largest / width if width > 0.0 else math.inf if largest > 0.0 else 0.0,
-    }
+    D, golden_D = (np.interp(eta, curve.eta, curve.D) for curve in curves)
+    widths = [0.5 * np.interp(eta, curve.eta, curve.upper - curve.lower) for curve in curves]
+    worst = int(np.argmax(np.abs(D - golden_D)))
+    largest, width = float(np.abs(D - golden_D)[worst]), float(np.hypot(*widths)[worst])
+    without_width = math.inf if largest > 0.0 else 0.0
+    bands = largest / width if width > 0.0 else without_width
+    return {"golden_distance": largest / abs(golden.difference.peak[1]), "golden_bands": bands}
 
 
 def _sigmas(
     table: Table, golden: Table, spread: FleetScatter, end: float | None
 ) -> dict[str, float]:
-    """Pads and tyres in sigma, and D where it is largest up to ``end`` in the golden table."""
-    ours, theirs = (pad_levels(t.vehicle, t.calibration) for t in (table, golden))
+    """Return the distances in sigma of pads and tyres, and of D unless ``end`` is None.
+
+    D is compared where the golden D is largest up to eta = ``end``.
+    """
+    pads, golden_pads = (pad_levels(t.vehicle, t.calibration) for t in (table, golden))
     stiffness, mean = (t.calibration.slip_stiffness.value for t in (table, golden))
-    budget = table.budget
-    parts = {
-        "level": (ours.level - theirs.level, spread.pad_level, per_run(budget.level)),
-        "ratio": (ours.ratio - theirs.ratio, spread.pad_ratio, per_run(budget.ratio)),
-        "stiffness": (math.log(stiffness / mean), spread.stiffness, per_run(budget.stiffness)),
+    budget, freedom = table.budget, spread.freedom
+    sigmas = {
+        "golden_sigma_level": _sigma(
+            pads.level - golden_pads.level, spread.pad_level, per_run(budget.level), freedom
+        ),
+        "golden_sigma_ratio": _sigma(
+            pads.ratio - golden_pads.ratio, spread.pad_ratio, per_run(budget.ratio), freedom
+        ),
+        "golden_sigma_stiffness": _sigma(
+            math.log(stiffness / mean), spread.stiffness, per_run(budget.stiffness), freedom
+        ),
     }
     if end is not None:
-        d, reference = table.difference, golden.difference
-        row = int(np.argmax(np.where(reference.eta <= end, np.abs(reference.D), -1.0)))
+        curve, golden_curve = table.difference, golden.difference
+        row = int(np.argmax(np.where(golden_curve.eta <= end, np.abs(golden_curve.D), -1.0)))
         D, upper, lower, own = (
-            float(np.interp(reference.eta[row], d.eta, x)) for x in (d.D, d.upper, d.lower, d.own)
+            float(np.interp(golden_curve.eta[row], curve.eta, column))
+            for column in (curve.D, curve.upper, curve.lower, curve.own)
         )
-        of_run = ((upper - lower) / (2.0 * Z95)) ** 2 * own
-        parts["d"] = (D - float(reference.D[row]), spread.D[row], of_run)
-    return {f"golden_sigma_{k}": _sigma(*part, spread.freedom) for k, part in parts.items()}
+        per_run_variance = ((upper - lower) / (2.0 * Z95)) ** 2 * own
+        difference = D - float(golden_curve.D[row])
+        sigmas["golden_sigma_d"] = _sigma(difference, spread.D[row], per_run_variance, freedom)
+    return sigmas
 
 
-def _sigma(difference: float, scatter: Scatter, variance: float, freedom: int) -> float:
-    predicted = math.sqrt(scatter.between**2 + scatter.of_mean**2 + variance)
-    if predicted == 0.0:
-        return (
-            normal_equivalent(math.copysign(math.inf, difference), freedom) if difference else 0.0
-        )
-    return normal_equivalent(difference / predicted, freedom)
+def _sigma(difference: float, scatter: Scatter, per_run_variance: float, freedom: int) -> float:
+    """Return the normal deviate of t, see the head of this file."""
+    predicted = math.sqrt(scatter.between**2 + scatter.of_mean**2 + per_run_variance)
+    if difference == 0.0:
+        return 0.0
+    t = difference / predicted if predicted > 0.0 else math.copysign(math.inf, difference)
+    return normal_equivalent(t, freedom)

@@ -1,7 +1,7 @@
-"""The runs below a folder, as the operator's screen shows them.
+"""Find the runs below a folder, for the index page on the operator's screen.
 
-A run is a folder with a station.json or a refused.json; with both, the refusal is the newer one.
-Folders inside a run are not searched.
+A run is a folder with a station.json or a refused.json. If it has both, the refusal is newer and
+counts. Folders inside a run are not searched.
 """
 
 import json
@@ -16,7 +16,7 @@ from calib.base.errors import printable
 from calib.line.station.files import DOCUMENT, REFUSED
 
 INDEX, LIVE = "index.html", "live.html"
-"""The page, and the same one that reloads itself every few seconds."""
+"""Names of the page, and of a copy of the page that reloads itself every few seconds."""
 UNREADABLE = "not readable"
 """Verdict of a run whose station.json or refused.json is damaged."""
 NO_VERDICT = "refused"
@@ -27,10 +27,12 @@ NO_VERDICT = "refused"
 class IndexedRun:
     """One run as the index shows it.
 
-    ``place`` its folder below that of the index; ``written_at`` time of its verdict [s since 1970];
-    ``bad`` number of metrics and warnings that speak against the car; ``why`` the first of them as
-    (metric, stop, value, next step); ``trend`` metrics over the line by name, with ``limits`` (low,
-    high); ``refusal`` why the car could not be judged.
+    ``place``: folder of the run, relative to that of the index
+    ``written_at``: time of the verdict [s since 1970]
+    ``bad``: number of checks and warnings that speak against the car
+    ``why``: the first of these checks, as (metric, stop, value, next step)
+    ``trend``: the metrics `TRENDS` by name, with their ``limits`` (low, high)
+    ``refusal``: why the car could not be judged
     """
 
     place: str
@@ -46,21 +48,21 @@ class IndexedRun:
 
 
 TRENDS = ("torque_per_bar_f", "torque_per_bar_r", "pad_scale", "ramp_eta_zero")
-"""Metrics of which the index shows the trend: the brakes of the ramp, and the zero."""
+"""Metrics of the ramp, of which the index shows the trend over the cars."""
 
 
 def runs_below(folder: Path) -> list[IndexedRun]:
-    """All runs below ``folder``, the last first. Raises OSError if it cannot be read."""
+    """Return all runs below ``folder``, the last first. Raises OSError if it cannot be read."""
     indexed = []
     for path in _documents(folder):
-        with suppress(FileNotFoundError):  # a run that is being published again
+        with suppress(FileNotFoundError):  # the run is just being replaced
             place = printable(os.path.relpath(path.parent, folder))
             indexed.append(_run(path, place, path.stat().st_mtime))
     return sorted(indexed, key=lambda run: (-run.written_at, run.place))
 
 
 def _documents(folder: Path) -> Iterator[Path]:
-    """The document of every run below ``folder``, hidden folders left out."""
+    """Yield the document of every run below ``folder``, but not in hidden folders."""
 
     def fail(error: OSError) -> None:
         if Path(error.filename) == folder:
@@ -75,7 +77,7 @@ def _documents(folder: Path) -> Iterator[Path]:
 
 
 def _run(path: Path, place: str, written_at: float) -> IndexedRun:
-    """One run from its document; if that is damaged, its verdict is `UNREADABLE`."""
+    """Read the document of a run; the verdict is `UNREADABLE` if the document is damaged."""
     try:
         document = json.loads(read_bounded(path, VALIDATION))
         identity = document["identity"]
@@ -84,13 +86,14 @@ def _run(path: Path, place: str, written_at: float) -> IndexedRun:
         if path.name == REFUSED:
             return replace(run, bad=1, refusal=str(document["error"]["message"]))
         checks, metrics = document["checks"], document["figures"] | document.get("pads_of_ramp", {})
-        bad = [c for word in ("failed", "warning") for c in checks if c["verdict"] == word]
-        why = [(c["figure"], c["scope"], c["value"], c["action"] or "") for c in bad]
+        failed = [check for check in checks if check["verdict"] == "failed"]
+        bad = failed + [check for check in checks if check["verdict"] == "warning"]
+        reasons = [(c["figure"], c["scope"], c["value"], c["action"] or "") for c in bad]
         return replace(
             run,
             verdict=str(document["verdict"]),
             bad=len(bad) + len(document["warnings"]),
-            why=why[0] if why else None,
+            why=reasons[0] if reasons else None,
             trend={name: metrics.get(name) for name in TRENDS},
             limits={c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
         )

@@ -1,4 +1,4 @@
-"""The default limits of a car, and a file of them to edit, each with its reason and next step."""
+"""The default limits of a car and its stops, and a limits file to edit, which explains each."""
 
 from math import inf
 from pathlib import Path
@@ -12,25 +12,32 @@ from calib.estimation.metrics import METRICS as OF_STOPS
 from calib.line.station.metrics import METRICS as OF_CAR
 
 
-def _limit(key: str) -> Limit:
-    metric = METRICS[key]
+def _limit(figure: str) -> Limit:
+    """Return the default limit of a metric: that of the station, or else that of `validate`."""
+    metric = METRICS[figure]
     of_station = metric.low, metric.high, metric.warn_low, metric.warn_high
-    ends = metric.stop if of_station == (None,) * 4 else of_station
-    return Limit(key, *ends, metric.required)
+    has_limit = any(end is not None for end in of_station)
+    return Limit(figure, *(of_station if has_limit else metric.stop), metric.required)
 
 
-_JUDGED = (key for key, one in METRICS.items() if one.judged)
-LIMITS = tuple(map(_limit, sorted(_JUDGED, key=lambda key: METRICS[key].judged)))
-"""The default limits: first of the car, then of each stop."""
+_JUDGED = [figure for figure, metric in METRICS.items() if metric.judged]
+LIMITS = tuple(map(_limit, sorted(_JUDGED, key=lambda figure: METRICS[figure].judged)))
+"""The default limits, first of the car, then of each stop."""
 
 
 def limits_of_car(path: Path | None) -> tuple[Limit, ...]:
-    """The limits of a file for a car and its stops; `LIMITS` without one. Raises LimitsError."""
+    """Return the limits of a file for a car and its stops. Raises LimitsError.
+
+    Without a file these are `LIMITS`.
+    """
     return read_limits(path, {*OF_STOPS, *OF_CAR}) if path else LIMITS
 
 
 def limits_of_stops(path: Path | None) -> tuple[Limit, ...]:
-    """The limits of a file for single stops; `DEFAULTS` without one. Raises LimitsError."""
+    """Return the limits of a file for single stops. Raises LimitsError if it has none.
+
+    Without a file these are the `DEFAULTS` of `validate`.
+    """
     if path is None:
         return DEFAULTS
     limits = tuple(limit for limit in limits_of_car(path) if limit.figure in OF_STOPS)
@@ -41,16 +48,17 @@ def limits_of_stops(path: Path | None) -> tuple[Limit, ...]:
 
 
 def document() -> list[dict[str, Any]]:
-    """The limits with their units, reasons and next steps, as plain data."""
+    """Return the default limits with their units, reasons and next steps, as plain data."""
     rows = [(limit, METRICS[limit.figure]) for limit in LIMITS]
     return [
         {
             "limit": limit,
-            "unit": one.unit if one.unit and one.factor == 1.0 else "1",
-            "reason": one.reason,
-            "action": one.action,
+            # a metric with a factor, such as 100 for a percentage, has its limits as a share
+            "unit": metric.unit if metric.unit and metric.factor == 1.0 else "1",
+            "reason": metric.reason,
+            "action": metric.action,
         }
-        for limit, one in rows
+        for limit, metric in rows
     ]
 
 
@@ -66,22 +74,26 @@ A metric without a line is not judged. `validate` judges the metrics of the stop
 
 
 def limits_file() -> str:
-    """The text: every metric that is judged by default, then the other ones, as comments."""
+    """Return the text of a limits file with the default limits.
+
+    Comments at its end name the metrics of stops that are not judged by default.
+    """
     lines = [f"# {line}".rstrip() for line in _HEAD.splitlines()] + ["schema = 1", "", "[limits]"]
-    for limit, metric in ((limit, METRICS[limit.figure]) for limit in LIMITS):
+    for limit in LIMITS:
+        metric = METRICS[limit.figure]
+        scope = "each stop: " if metric.scope == "stop" else ""
         fail, warn = _range(limit.low, limit.high), _range(limit.warn_low, limit.warn_high)
-        required = ", required = true" * limit.required
+        required = ", required = true" if limit.required else ""
         lines += [
-            f"# {'each stop: ' * (metric.scope == 'stop')}{metric.meaning}",
+            f"# {scope}{metric.meaning}",
             f"# why: {metric.reason}",
             f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}",
             "",
         ]
     lines.append(f"# Not judged unless a line is added, such as `{_EXAMPLE}`:")
-    others = ((figure, metric) for figure, metric in METRICS.items() if not metric.judged)
-    lines += [
-        f"# {figure}: {metric.meaning}" for figure, metric in others if metric.scope == "stop"
-    ]
+    for figure, metric in METRICS.items():
+        if metric.scope == "stop" and not metric.judged:
+            lines.append(f"# {figure}: {metric.meaning}")
     return "\n".join(lines) + "\n"
 
 

@@ -1,11 +1,13 @@
-"""The metrics of a car as a whole; those of each hold-out are in `calib.estimation.metrics`."""
+"""Metrics of a car as a whole. Those of a single hold-out are in `calib.estimation.metrics`.
+
+`metrics_of` has all of them; the rest of the file is the side difference, left against right.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.plain import limit_of, meanings
 from calib.base.warning import LIMITS
 from calib.car.balance import front_biased_up_to
@@ -21,10 +23,10 @@ from calib.table.curves import MEASURED
 from calib.table.table import Table
 
 METRICS: dict[str, str] = meanings("car")
-"""Every metric of the car, with its meaning."""
+"""The metrics of a car, with their meanings."""
 
 _LOW, _HIGH = 0.10, 0.40
-"""Range of deceleration [1] for left and right: too much noise below, a nonlinear tyre above."""
+"""Range of deceleration [1] of a side difference: too noisy below, nonlinear tyres above."""
 _WIDEST = 0.05
 """Half width of the 95 % interval [1] above which a side difference is not known."""
 _FEWEST = 8
@@ -34,97 +36,99 @@ _FEWEST = 8
 def metrics_of(
     table: Table, ramps: Sequence[Log], results: Sequence[Validation], golden: Table | None = None
 ) -> dict[str, float | None]:
-    """All `METRICS` of a car; None where its logs cannot give one.
+    """Return all `METRICS` of a car; None where its logs cannot give a metric.
 
-    ``ramps`` the logs that ``table`` was fitted on, without coasts; ``results`` of its hold-outs;
-    ``golden`` the table of its model.
+    ``ramps`` are the logs that ``table`` was fitted on, without coasts; ``results`` those of the
+    hold-outs; ``golden`` is the golden table of the model.
     """
-    cal, runs = table.calibration, [Run(log) for log in ramps]
-    car = table.vehicle.with_pads(cal.pad_friction_f.value, cal.pad_friction_r.value)
+    pads, runs = table.calibration, [Run(log) for log in ramps]
+    car = table.vehicle.with_pads(pads.pad_friction_f.value, pads.pad_friction_r.value)
     zeros = [run.axles.front_rear for run in runs if run.axles]
     mismatches = [table.vehicle.radius_mismatch(zero.value) for zero in zeros if zero]
-    out: dict[str, float | None] = {
+    metrics: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
         "band_width": table.difference.band_width,
         "ramp_eta_zero": _largest(mismatches),
-        "pad_scale": cal.pad_scale.value,
-        "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
-        # The cut stands for everything above it.
+        "pad_scale": pads.pad_scale.value,
+        "pad_ratio": float(np.exp(pads.pad_log_ratio.value)),
+        # the value `cut` stands for all larger values
         "front_biased_up_to": min(front_biased_up_to(car), limit_of("front_biased_up_to", "cut")),
     }
     for axle in "fr":
-        sides = [side_difference(table, run, axle) for run in runs]
-        out[f"side_difference_{axle}"] = _largest(sides)
-    if together := agreement(results):
-        out["repeatability_f"] = together.largest_departure_f
-        out["repeatability_r"] = together.largest_departure_r
+        differences = [side_difference(table, run, axle) for run in runs]
+        metrics[f"side_difference_{axle}"] = _largest(differences)
+    of_stops = agreement(results)
+    if of_stops:
+        metrics["repeatability_f"] = of_stops.largest_departure_f
+        metrics["repeatability_r"] = of_stops.largest_departure_r
     if golden:
-        out |= golden_metrics(table, golden)
-    return {name: out.get(name) for name in METRICS}
+        metrics |= golden_metrics(table, golden)
+    return {name: metrics.get(name) for name in METRICS}
 
 
 def _largest(values: Sequence[float | None]) -> float | None:
-    """The value of largest magnitude, with its sign."""
-    return max((v for v in values if v is not None), key=abs, default=None)
+    """Return the value of largest magnitude, with its sign; None without a value."""
+    return max((value for value in values if value is not None), key=abs, default=None)
 
 
 def side_difference(table: Table, run: Run, axle: str) -> float | None:
-    """Brake force left less right over their mean [1], of ``axle`` "f" or "r".
+    """Return the brake force left less right over their mean [1], of ``axle`` "f" or "r".
 
-    slip of each wheel, zeroed on the unbraked part, (20) --> the tyre curve g of the table
-    d = (g(s_l) - g(s_r)) / mean: left and right carry the same load on a straight, level road
+    The slip s of each wheel (20), less its mean on the unbraked part, gives the force g(s) by the
+    tyre curve of the table. On a straight, level road left and right carry the same load, so
 
-    Where the log has both pressures of the axle, their difference is subtracted, so that d is that
-    of the pads. None without a reference speed, with too little braking between 0.1 and 0.4 g, or
-    an interval wider than +-`_WIDEST`. A bend or a crowned road looks like a difference.
+        F_l - F_r = d (F_l + F_r)/2        F = g(s), d is the difference
+
+    Where the log has both pressures of the axle, their difference is subtracted, so that only the
+    pads remain. The result is None without a reference speed, with too little braking between 0.1
+    and 0.4 g, or if the half width of the 95 % interval is above `_WIDEST`. A bend or a crowned
+    road looks like a difference.
     """
     log, driving = run.log, run.driving
     if "v" not in log:
         return None
     wheel = table.vehicle.front if axle == "f" else table.vehicle.rear
-    speed = np.maximum(log["v"], 1.0)
+    speed = np.maximum(log["v"], 1.0)  # no division by zero at rest [m/s]
     slips = [slip(wheel, log[f"omega_{axle}{side}"], speed) for side in "lr"]
     block = samples_in(LIMITS.wheel_block, driving.step)
-    free = [block_mean(s[driving.unbraked], block) for s in slips]
-    if free[0].size < 3:
+    rolling = [block_mean(s[driving.unbraked], block) for s in slips]
+    if rolling[0].size < 3:
         return None
     use = driving.braked & (driving.z > _LOW) & (driving.z < _HIGH) & (driving.speed > MOVING)
-    slipping = [
-        block_mean(s[use], block) - np.mean(zero) for s, zero in zip(slips, free, strict=True)
-    ]
+    zeroed = [block_mean(s[use], block) - np.mean(s0) for s, s0 in zip(slips, rolling, strict=True)]
     tyre = table.tyre
-    on_curve = np.maximum(*slipping) <= tyre.slip[-1]
+    on_curve = np.maximum(*zeroed) <= tyre.slip[-1]
     if np.count_nonzero(on_curve) < _FEWEST:
         return None
-    # the curve is odd, for noise about zero
+    # noise may make a small slip negative: the curve is continued as an odd function
     F_l, F_r = (
-        np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force)
-        for s in (x[on_curve] for x in slipping)
+        np.sign(s[on_curve]) * np.interp(np.abs(s[on_curve]), tyre.slip, tyre.force) for s in zeroed
     )
     stiffness = float(tyre.force[1] / tyre.slip[1])
-    d, half = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (free[0] - free[1]))
-    return d - _pressures(log, axle, use) if half <= _WIDEST else None
+    d, half_width = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (rolling[0] - rolling[1]))
+    return d - _pressure_difference(log, axle, use) if half_width <= _WIDEST else None
 
 
-def _slope(x: Array, y: Array, free: Array) -> tuple[float, float]:
-    """Slope d of y = d x, and the half width of its 95 % interval.
+def _slope(x: Array, y: Array, y_rolling: Array) -> tuple[float, float]:
+    """Return the slope d of y = d x, and the half width of its 95 % interval.
 
-    It includes the error of the zero, which is estimated from ``free``, the y of unbraked rolling.
+    The interval counts the error of the zero of y, by the scatter of y in unbraked rolling.
     """
     from scipy.special import stdtrit
 
-    power = float(x @ x)
-    if power == 0.0:
+    sum_of_squares = float(x @ x)
+    if sum_of_squares == 0.0:
         return 0.0, np.inf
-    d = float(x @ y) / power
-    spread = float(np.std(y - d * x, ddof=1)) / np.sqrt(power)
-    zero = float(np.std(free, ddof=1)) / np.sqrt(free.size) * abs(float(np.sum(x))) / power
-    return d, float(stdtrit(y.size - 1, 0.975)) * float(np.hypot(spread, zero))
+    d = float(x @ y) / sum_of_squares
+    of_noise = float(np.std(y - d * x, ddof=1)) / np.sqrt(sum_of_squares)
+    zero = float(np.std(y_rolling, ddof=1)) / np.sqrt(y_rolling.size)
+    of_zero = zero * abs(float(np.sum(x))) / sum_of_squares
+    return d, float(stdtrit(y.size - 1, 0.975)) * float(np.hypot(of_noise, of_zero))
 
 
-def _pressures(log: Log, axle: str, use: NDArray[np.bool_]) -> float:
-    """Left less right over their mean of the wheel pressures [1]; zero where not logged."""
+def _pressure_difference(log: Log, axle: str, use: Mask) -> float:
+    """Return the wheel pressure left less right over their mean [1]; zero without pressures."""
     if f"p_{axle}l" not in log or f"p_{axle}r" not in log:
         return 0.0
     left, right = (float(np.mean(log[f"p_{axle}{side}"][use])) for side in "lr")

@@ -1,6 +1,7 @@
-"""The verdict on one car: fitted, validated on its stops, every metric checked with its limit.
+"""The verdict on one car.
 
-ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or failed
+ramps, coasts --fit--> table
+table, stops --validate--> metrics --limits--> checks --> passed, warning or failed
 """
 
 import math
@@ -30,21 +31,21 @@ from calib.store.version import Stored
 from calib.table.table import Table
 
 STATION = "station"
-"""Purpose of the rules that the station asks of ramp and stops together."""
+"""Purpose of the plausibility rules for ramp and stops together, see `calib/base/rules.csv`."""
 
 _LONGEST = 64
 """Largest number of characters of an identifier."""
 
 Identity = Mapping[str, str]
-"""Identifiers of a run at the line that were given, by their names in `TITLES`."""
+"""The identifiers that were given for a run, by their names in `TITLES`."""
 
 TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
-"""Identifiers in a report: of the car or brake control unit, of the car, where it ran, and the
-software identification of UN R156."""
+"""Titles of the identifiers: number of the car or its brake control unit, number of the car, place
+of the run, and number of the software by UN R156."""
 
 
 def identifier(text: str) -> str:
-    """Return the text of an identifier. Raises ValueError for one that no report can show."""
+    """Return ``text`` if a report can show it as an identifier. Raises ValueError."""
     if not text.strip() or len(text) > _LONGEST or not text.isprintable():
         raise ValueError(f"not an identifier: 1 to {_LONGEST} characters that can be printed")
     return text
@@ -52,19 +53,19 @@ def identifier(text: str) -> str:
 
 @dataclass(frozen=True)
 class StationCheck:
-    """One metric and its limit: of the hold-out named ``stop``; None for the car as a whole."""
+    """A metric judged by its limit, of the hold-out ``stop`` or, if that is None, of the car."""
 
     stop: str | None
     judgement: Judgement
 
     @property
     def scope(self) -> str:
-        """Name of the hold-out, or "car"; a hold-out may have that name as well."""
+        """The name of the hold-out, or "car". A hold-out may be named "car" as well."""
         return "car" if self.stop is None else self.stop
 
     @property
     def figure(self) -> str:
-        """Name of the metric."""
+        """The name of the metric."""
         return self.judgement.figure
 
     @property
@@ -74,29 +75,29 @@ class StationCheck:
 
     @property
     def text(self) -> str:
-        """In plain names and units: `Front brakes, left less right: 31 %; limit: -20 to 20 %`."""
-        j, shown = self.judgement, metric_of(self.figure)
-        kind, ends = "limit", (j.low, j.high)
+        """Value and limit in words: `Front brakes, left less right: 31 %; limit: -20 to 20 %`."""
+        judgement, metric = self.judgement, metric_of(self.figure)
+        kind, limit = "limit", metric.bounds(judgement.low, judgement.high)
         if self.verdict == WARNING:
-            kind, ends = "no warning", (j.warn_low, j.warn_high)
+            kind, limit = "no warning", metric.bounds(judgement.warn_low, judgement.warn_high)
         prefix = "" if self.stop is None else f"stop {self.stop}, "
-        return f"{prefix}{shown.name}: {shown.with_unit(j.value)}; {kind}: {shown.bounds(*ends)}"
+        return f"{prefix}{metric.name}: {metric.with_unit(judgement.value)}; {kind}: {limit}"
 
     @property
     def action(self) -> str:
-        """What to do where the limit is not held, in one or two sentences."""
-        look = "Look at the log with brake-cal check and brake-cal plot."
-        return metric_of(self.figure).action or look
+        """The next step where the limit is not held, in one or two sentences."""
+        default = "Look at the log with brake-cal check and brake-cal plot."
+        return metric_of(self.figure).action or default
 
 
 @dataclass(frozen=True)
 class StationOutcome:
     """A car after its run at the station, and the verdict.
 
-    ``table`` fitted on ``ramps`` and on coasts; ``results`` of the hold-outs in their order;
-    ``golden`` table of its model; ``accepted`` why warnings are accepted; ``by`` who answers for
-    it, "" for the user of the computer; ``limits_file`` file of ``limits`` with its digest, "" for
-    the default ones.
+    ``table`` was fitted on ``ramps`` and on coasts. ``results`` are those of the hold-outs in their
+    order, ``golden`` is the golden table of the model. ``accepted`` says why warnings are accepted;
+    "" accepts none. ``by`` is who answers for the verdict, "" the user of the computer.
+    ``limits_file`` names the file of ``limits`` with its digest, "" stands for default limits.
     """
 
     table: Table
@@ -121,22 +122,26 @@ class StationOutcome:
 
     @cached_property
     def checks(self) -> list[StationCheck]:
-        """Every metric of the car and of its stops that has a limit."""
-        of_car = judge(tuple(x for x in self.limits if x.figure in OF_CAR), self.figures)
-        of_stops = [StationCheck(r.log, j) for r in self.results for j in r.judgements]
-        return [*(StationCheck(None, j) for j in of_car), *of_stops]
+        """The check of every metric of the car and of its stops that has a limit."""
+        limits = tuple(limit for limit in self.limits if limit.figure in OF_CAR)
+        of_car = [StationCheck(None, judgement) for judgement in judge(limits, self.figures)]
+        of_stops = [
+            StationCheck(r.log, judgement) for r in self.results for judgement in r.judgements
+        ]
+        return of_car + of_stops
 
     @property
     def logs(self) -> list[tuple[str, str, str]]:
         """Role, name and digest of each log."""
-        fitted = [x for x in self.table.provenance.logs if x.role in ("ramp", "coast")]
-        stops = [(r.role, r.log, r.digest) for r in self.results]
-        return [(x.role, x.name, x.digest) for x in fitted] + stops
+        roles = ("ramp", "coast")  # without a tyre file
+        fitted = [log for log in self.table.provenance.logs if log.role in roles]
+        stops = [(result.role, result.log, result.digest) for result in self.results]
+        return [(log.role, log.name, log.digest) for log in fitted] + stops
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
-        """Warnings of the fit, of the stops, and of both together."""
-        of_stops = (w for result in self.results for w in result.warnings)
+        """The warnings of the fit, of fit and stops together, and of the stops."""
+        of_stops = (warning for result in self.results for warning in result.warnings)
         return (*self.table.warnings, *car_warnings(self.table, self.results), *of_stops)
 
     @property
@@ -153,23 +158,25 @@ class StationOutcome:
 
     @property
     def headline(self) -> str:
-        """The verdict in a sentence with its counts."""
-        n, count = self.counts, len(self.warnings)
-        parts = {"failed": n[FAILED], "with a warning": n[WARNING], "not known": n[NOT_KNOWN]}
-        others = [f"{number} {word}" for word, number in parts.items() if number]
-        of_logs = f"; {counted(count, 'warning')} of its logs" if count else ""
-        passed = ", ".join([f"{counted(n[PASSED], 'check')} passed", *others])
-        return f"{passed}{of_logs}{self._unproved}"
+        """The numbers of checks and warnings in a sentence."""
+        counts, warnings = self.counts, len(self.warnings)
+        labels = {FAILED: "failed", WARNING: "with a warning", NOT_KNOWN: "not known"}
+        others = [
+            f"{counts[verdict]} {label}" for verdict, label in labels.items() if counts[verdict]
+        ]
+        checks = ", ".join([f"{counted(counts[PASSED], 'check')} passed", *others])
+        of_logs = f"; {counted(warnings, 'warning')} of its logs" if warnings else ""
+        return f"{checks}{of_logs}{self._unproved}"
 
     @property
     def _unproved(self) -> str:
-        """Remark where the stops have nothing that could prove the table."""
+        """A remark where the stops have neither truth nor speed that could prove the table."""
         return f", {CONSISTENT}" if self.passed and proof_of(self.results) == NONE else ""
 
     def decision(self, digest: str) -> StateDecision:
-        """The state of the table by the verdict; ``digest`` of `station.json`, its evidence.
+        """Return the decision on the table's state; ``digest`` is that of `station.json`.
 
-        With warnings that nobody accepts it stays a draft.
+        A table with warnings that nobody accepts stays a draft.
         """
         state = {PASSED: RELEASED, FAILED: REJECTED}.get(self.verdict, DRAFT)
         reason = f"{self.verdict} at the station{self._unproved}"
@@ -180,7 +187,7 @@ class StationOutcome:
 
     @cached_property
     def counts(self) -> dict[str, int]:
-        """Number of checks by verdict."""
+        """The number of checks by verdict."""
         verdicts = [check.verdict for check in self.checks]
         return {word: verdicts.count(word) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
 
@@ -202,15 +209,16 @@ def judged_car(
 
     Parameters
     ----------
-    ramps, coasts : logs for the fit; the provenance of the table holds the ``identity``.
+    ramps, coasts : logs for the fit.
     stops : hold-outs of the same car.
-    mass : of the car in these logs [kg], if it is not that of ``vehicle``.
-    golden : the table of its model.
+    identity : identifiers of the run, which the provenance of the table holds.
+    mass : mass of the car in these logs [kg], if it is not that of ``vehicle``.
+    golden : golden table of the model.
     report : called after the fit and after each stop.
     fields : further fields of `StationOutcome`.
 
-    Raises VehicleError for a golden table of another car, LogError for a ramp without braking, a
-    coast with braking, a stop that was fitted.
+    Raises VehicleError for a golden table of another model, LogError for a ramp without braking, a
+    coast with braking, or a stop that is a copy of a log of the fit.
     """
     if golden is not None:
         require_same_car(golden.table.vehicle, vehicle)
@@ -219,14 +227,16 @@ def judged_car(
     _require_roles(fitted, ramps, coasts)
     table = replace(fitted, provenance=replace(fitted.provenance, identity=dict(identity or {})))
     report()
-    of_stops, results = tuple(x for x in limits if x.figure in OF_STOPS), []
+    stop_limits = tuple(limit for limit in limits if limit.figure in OF_STOPS)
+    results = []
     for log in stops:
-        results.append(validate_one(table, log, None, of_stops, mass=mass))
+        results.append(validate_one(table, log, None, stop_limits, mass=mass))
         report()
     return StationOutcome(table, ramps, tuple(results), limits, golden, **fields)
 
 
 def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) -> None:
+    """Raise LogError for a ramp that the fit took as a coast, or a coast taken as a ramp."""
     roles = {log.digest: log.role for log in table.provenance.logs}
     for role, logs in (("ramp", ramps), ("coast", coasts)):
         for log in logs:
@@ -239,19 +249,23 @@ def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) ->
 
 
 def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[PlausibilityWarning, ...]:
-    """Warnings of a brake level that changed from the ramp to the mean of the stops."""
-    changes = [change for r in results if (change := level_change(table, r)) is not None]
-    mean = float(np.mean(np.log(changes))) if changes else 0.0
+    """Return a warning if the brakes of the stops, in the mean, are not those of the ramp."""
+    changes = [level_change(table, result) for result in results]
+    ratios = [change for change in changes if change is not None]
+    mean = float(np.mean(np.log(ratios))) if ratios else 0.0
     measured = Measured("level_changed", mean, to_display=math.expm1)
     return rule_warnings(table.vehicle.name, [measured], STATION)
 
 
 def level_change(table: Table, result: Validation) -> float | None:
-    """Brake force of a stop over that with the pads of the ramp [1]; None if not known."""
+    """Return the brake force of a stop over that with the pads of the ramp [1].
+
+    The result is None if the pad friction of the stop is not known.
+    """
     mu_f, mu_r = (result.figures[f"pad_friction_{axle}"] for axle in "fr")
     if mu_f is None or mu_r is None:
         return None
-    cal = table.calibration
-    share = front_share(table.vehicle, cal.pad_log_ratio.value)
-    front, rear = mu_f / cal.pad_friction_f.value, mu_r / cal.pad_friction_r.value
+    pads = table.calibration
+    share = front_share(table.vehicle, pads.pad_log_ratio.value)
+    front, rear = mu_f / pads.pad_friction_f.value, mu_r / pads.pad_friction_r.value
     return share * front + (1.0 - share) * rear

@@ -3,7 +3,7 @@ import re
 import pytest
 
 from calib.line.fleet.results import open_fleet
-from calib.line.fleet.summary import failures, kind_of, summarise
+from calib.line.fleet.summary import failures_of, kind_of, summarise
 from tests.support.fleet_results import OUTLIER, results
 
 
@@ -13,10 +13,10 @@ def found(tmp_path_factory):
 
 
 def test_the_outlier_is_named(found):
-    log, (reason,) = next(iter(found.apart.items()))
+    log, (reason,) = next(iter(found.outliers.items()))
     assert log == reason.log == f"line/car{OUTLIER + 1}.csv"
     assert (reason.figure, reason.value) == ("pad_friction_f", 0.55)
-    assert len(found.apart) <= 2
+    assert len(found.outliers) <= 2
 
 
 def test_statuses_shares_and_errors(found):
@@ -36,7 +36,7 @@ def test_errors_of_one_kind_meet():
         "no channel p_mc in run4",
     )
     logs = tuple(f"a/run{i}.csv" for i in range(1, 5))
-    assert [(f.message, f.count) for f in failures(logs, errors)] == [
+    assert [(f.message, f.count) for f in failures_of(logs, errors)] == [
         ("a/run1.csv: ends at 3.2 s", 2),
         ("no channel p_mc in run4", 1),
     ]

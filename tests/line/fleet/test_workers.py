@@ -112,7 +112,7 @@ def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, cluster, tmp_p
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense"])
 def test_the_command_says_that_nobody_answers(tmp_path, fleet, address):
     code = (
-        "import sys; from calib.line.fleet import workers; workers._PATIENCE = '1s'; "
+        "import sys; from calib.line.fleet import workers; workers._TIMEOUT = '1s'; "
         "from cli.main import main; main()"
     )
     words = ["batch", "check", str(fleet), "--out", str(tmp_path / "out")]
