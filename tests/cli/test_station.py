@@ -131,7 +131,7 @@ def test_a_refused_car_is_on_the_index_until_it_is_judged(station, good, brake_c
 
 
 def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
-    def full(*_):
+    def full(*_, **__):
         raise OSError(28, "no space left")
 
     monkeypatch.setattr("calib.show.station_page.page_of", full)
