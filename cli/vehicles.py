@@ -34,7 +34,7 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     from calib.base.errors import InputError
     from calib.base.plain import counted
     from calib.base.warning import to_dict
-    from calib.car.plausible import plausible
+    from calib.car.plausible import vehicle_warnings
     from calib.car.vehicle_file import read_vehicle
 
     judged, failed, lines, code = [], [], [], 0
@@ -45,7 +45,7 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
             failed.append({"source": path, "error": str(error)})
             complain(str(error))
             continue
-        warnings, verdict = plausible(car), "plausible"
+        warnings, verdict = vehicle_warnings(car), "plausible"
         warn(warnings)
         details = {"plausible": not warnings, "warnings": [to_dict(one) for one in warnings]}
         judged.append({"source": path, "vehicle": car.name, **details})
@@ -73,7 +73,7 @@ def show(
     """
     from calib.base.warning import to_dict
     from calib.car.characteristics import characteristics
-    from calib.car.plausible import plausible
+    from calib.car.plausible import vehicle_warnings
     from calib.car.vehicle_file import read_vehicle
     from calib.show.sheet import render
     from calib.show.vehicle import vehicle_sheet
@@ -81,7 +81,7 @@ def show(
     car = read_vehicle(file)
     if plot is not None:
         write_file(plot, render(vehicle_sheet(car).overview(), plot.suffix.lower()), "--plot")
-    warnings = [to_dict(warning) for warning in plausible(car)]
+    warnings = [to_dict(warning) for warning in vehicle_warnings(car)]
     return Answer({"name": car.name, "facts": characteristics(car), "warnings": warnings}, car)
 
 

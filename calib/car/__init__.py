@@ -1,1 +1,1 @@
-"""The equations of car, wheel, tyre and brake; each is written once."""
+"""Data and equations of the car: vehicle file, brakes, tyres, forces, physical effects, priors."""

@@ -1,16 +1,19 @@
 """The force balance of a car: the forces of tyres and brakes at a given deceleration.
 
-    W z = tyre forces + body forces          tyre forces = brakes + other moments on the wheels
+    W z = tyre forces + body forces
+    tyre force of an axle = brake force + other moments on the wheels/R
 
-The other moments come from known effects, from the inertia of the wheels, and from a logged torque
-of engine or motor. Valid for quasi-static loads in a straight line.
+Body forces are those of known effects, such as air drag. The other moments come from known effects,
+from the inertia of the wheels, and from a logged torque of engine or motor. Valid for quasi-static
+loads in a straight line.
 
-    friction used |      front ___.--   an axle locks where it uses what the road offers;
-                  | __.--'  .--'        the axle that uses more locks first
-                  |   rear-'
-                  +---------------- z
+The second half of the file has the distribution of the brake force between the axles, for equal
+pressure on both axles and without drag, slip control and wheel inertia, as in (9):
 
-The picture is for one pressure on both axles, without drag, slip control and wheel inertia, as (9).
+    F |      front ___.--      an axle locks where its normalised force F reaches the friction
+      | __.--'  .--'           of the road: the axle with the larger F locks first
+      |   rear-'
+      +---------------- z
 """
 
 import math
@@ -32,12 +35,16 @@ T = TypeVar("T", float, Array)
 
 @dataclass(frozen=True)
 class ForceBalance:
-    """Forces of a run [N], shapes (n,).
+    """Forces of a run [N], shapes (n,); all but the loads are positive when they slow the car.
 
-    ``load_f``, ``load_r`` axle loads (6), (7) with known effects; ``drag_f``, ``drag_r`` moments
-    that slow the wheels besides the brakes, over the rolling radius: drag less drive, where the
-    inertia of slowing wheels counts as drive; ``drag_no_inertia_f``, ``..._r`` without it; ``body``
-    forces that slow the body directly; ``tyre_sum`` sum of all tyre forces (5), (17).
+    Attributes
+    ----------
+    load_f, load_r : axle loads (6), (7), with the known effects on them.
+    drag_f, drag_r : moments on the wheels besides the brakes, over the rolling radius. The inertia
+        of slowing wheels, which drives the car on, makes them smaller.
+    drag_no_inertia_f, drag_no_inertia_r : the same without the inertia of the wheels.
+    body : sum of the forces that slow the body directly.
+    tyre_sum : sum of all tyre forces (5), (17).
     """
 
     load_f: Array
@@ -51,7 +58,7 @@ class ForceBalance:
 
     @property
     def demanded(self) -> Array:
-        """Brake force of both axles by the deceleration [N]."""
+        """Brake force of both axles together [N] (n,), as the deceleration demands it."""
         return self.tyre_sum - self.drag_f - self.drag_r
 
 
@@ -67,9 +74,9 @@ def force_balance(
 ) -> ForceBalance:
     """Balance at ``time`` [s], ``speed`` [m/s], ``z`` [1] and ``pressure`` [Pa], shapes (n,).
 
-    ``drive`` torque of engine or motor at the front and the rear wheels [N m per axle], negative
-    where it slows; ``spin`` d omega/dt of the front and the rear wheels [rad/s^2], by default
-    -g z/R, which neglects the change of slip.
+    ``drive`` is the torque of engine or motor at the front and the rear wheels [N m per axle],
+    negative where it slows. ``spin`` is d omega/dt of the front and the rear wheels [rad/s^2]; its
+    default -g z/R neglects the change of slip.
     """
     load_f, load_r = axle_loads(vehicle, z)
     history = replace(constant_speed(time, pressure, 0.0), v=speed, z=z)
@@ -80,10 +87,10 @@ def force_balance(
         spin = (-G * z / vehicle.front.rolling_radius, -G * z / vehicle.rear.rolling_radius)
     if drive is None:
         drive = (np.zeros_like(z), np.zeros_like(z))
-    net = tuple(moment - torque for moment, torque in zip(moments, drive, strict=True))
+    net_moments = [moment - torque for moment, torque in zip(moments, drive, strict=True)]
     drag_f, drag_r = (
         np.asarray((moment + 2.0 * axle.wheel_inertia * rate) / axle.rolling_radius)  # (1)
-        for axle, moment, rate in zip(axles, net, spin, strict=True)
+        for axle, moment, rate in zip(axles, net_moments, spin, strict=True)
     )
     body = total_body_force(vehicle, effects, motion)
     shift = vehicle.weight * total_load_shift(vehicle, effects, history)
@@ -92,17 +99,17 @@ def force_balance(
         load_r=load_r + shift,
         drag_f=drag_f,
         drag_r=drag_r,
-        drag_no_inertia_f=net[0] / vehicle.front.rolling_radius,
-        drag_no_inertia_r=net[1] / vehicle.rear.rolling_radius,
+        drag_no_inertia_f=net_moments[0] / vehicle.front.rolling_radius,
+        drag_no_inertia_r=net_moments[1] / vehicle.rear.rolling_radius,
         body=body,
         tyre_sum=vehicle.weight * z - body,  # (5), (17)
     )
 
 
 def rotating_shares(vehicle: Vehicle) -> tuple[float, float]:
-    """Equivalent mass of the front and the rear wheels over the mass of the car [1]."""
-    front, rear = (2.0 * axle.wheel_mass / vehicle.mass for axle in (vehicle.front, vehicle.rear))
-    return front, rear
+    """`Axle.wheel_mass` of both front and of both rear wheels over the mass of the car [1]."""
+    mass = vehicle.mass
+    return 2.0 * vehicle.front.wheel_mass / mass, 2.0 * vehicle.rear.wheel_mass / mass
 
 
 def tyre_forces(
@@ -110,8 +117,9 @@ def tyre_forces(
 ) -> tuple[Array, Array]:
     """Tyre forces of the axles where the brakes alone slow the car, (13), (14).
 
-    ``brake`` force of both axles; ``share`` of the front one in it [1]; ``inertia`` -M dv/dt. The
-    inertia of the wheels takes its part of the brake force. All in N, or all over the weight.
+    ``brake`` is the brake force of both axles, ``share`` the part of the front axle in it [1], and
+    ``inertia`` is -M dv/dt. A part of the brake force slows the wheels themselves. All forces are
+    in N, or all are over the weight.
     """
     front, rear = rotating_shares(vehicle)
     return share * brake - front * inertia, (1.0 - share) * brake - rear * inertia
@@ -120,12 +128,16 @@ def tyre_forces(
 def brake_forces(
     vehicle: Vehicle, p_f: Array, p_r: Array, log_ratio: Array | float = 0.0
 ) -> tuple[Array, Array]:
-    """Brake force of each axle at the road [N] by (2), nominal pads times exp(+-log_ratio/2)."""
+    """Brake force of the front and the rear axle at the road [N] at pressures [Pa], by (2).
+
+    ``log_ratio`` is ln of front over rear pad friction, less that of the vehicle file [1]: the
+    nominal front pads are multiplied by exp(log_ratio/2), the rear pads are divided by it.
+    """
     front, rear = vehicle.front, vehicle.rear
     gain_f = 2.0 * front.torque_gain * front.pad_friction / front.rolling_radius
     gain_r = 2.0 * rear.torque_gain * rear.pad_friction / rear.rolling_radius
-    half = np.exp(0.5 * np.asarray(log_ratio))
-    return gain_f * half * p_f, gain_r / half * p_r
+    factor = np.exp(0.5 * np.asarray(log_ratio))
+    return gain_f * factor * p_f, gain_r / factor * p_r
 
 
 def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:
@@ -141,10 +153,10 @@ def pressure_per_g(vehicle: Vehicle) -> float:
 
 
 def front_share(vehicle: Vehicle, log_ratio: T) -> T:
-    """Share of the front axle in the brake force [1], the same at every pressure.
+    """Share phi of the front axle in the brake force [1], the same at every pressure.
 
-    ``log_ratio`` ln of front over rear pads, less that of the vehicle file [1], plus ln of front
-    over rear pressure where these differ.
+    ``log_ratio`` is ln of front over rear pad friction, less that of the vehicle file [1]. Where
+    the pressures of the axles differ, add ln of front over rear pressure.
     """
     front, rear = force_per_pressure(vehicle)
     share: T = front / (front + rear * math.e**-log_ratio)
@@ -152,19 +164,25 @@ def front_share(vehicle: Vehicle, log_ratio: T) -> T:
 
 
 def front_biased_up_to(vehicle: Vehicle) -> float:
-    """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
+    """z [1] at which F_f = F_r with nominal pads; below it the front axle has the larger F.
 
-    From (2), (9) and the I curve: there the front share of the tyre force equals that of the load.
-    Infinite without a rear brake; zero where the car is rear-biased at every z.
+    There the front axle has the same share in the brake force as in the load: phi L = l_r + z h, by
+    (2), (6), (9). Infinite without a rear brake; zero where the rear axle has the larger F at every
+    z.
     """
-    share = front_share(vehicle, 0.0)
-    z = (share * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
-    return math.inf if share == 1.0 else max(z, 0.0)
+    phi = front_share(vehicle, 0.0)
+    z = (phi * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
+    return math.inf if phi == 1.0 else max(z, 0.0)
 
 
 def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
-    """z at which the first axle locks over the ``friction`` of the road [1]; at most 1."""
-    share, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height
-    lever = share * L - friction * h  # phi z L = mu (l_r + z h), from (6)
-    front = vehicle.cg_to_rear_axle / lever if lever > 0.0 else math.inf
-    return min(front, vehicle.cg_to_front_axle / ((1.0 - share) * L + friction * h))  # from (7)
+    """z at which the first axle locks, over the ``friction`` mu of the road [1]; at most 1.
+
+    The front axle locks where phi z L = mu (l_r + z h), from (6); the rear axle where
+    (1 - phi) z L = mu (l_f - z h), from (7).
+    """
+    phi, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height
+    divisor = phi * L - friction * h
+    front = vehicle.cg_to_rear_axle / divisor if divisor > 0.0 else math.inf  # z/mu
+    rear = vehicle.cg_to_front_axle / ((1.0 - phi) * L + friction * h)
+    return min(front, rear)

@@ -1,10 +1,10 @@
-"""Priors of what is not measured, from `beliefs.csv`: each field here is a row there, or several.
+"""Priors of quantities that are not measured, from `beliefs.csv`, where each has its source.
 
-Four groups: a `CAR`, a `SENSOR`, how one `LOG` differs from others, how a `STOP` differs from the
-ramp. A quantity with two priors stands in two groups; the sources say why.
+There are four groups: the `CAR`, a `SENSOR` of any car, how one `LOG` differs from other logs of
+the same car, and how a `STOP` differs from the ramp. Each field of a group is one row of the file,
+or several rows if it is a mixture. A quantity may have a prior in two groups; the sources say why.
 """
 
-from collections import Counter
 from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 import numpy as np
@@ -16,10 +16,11 @@ Row = dict[str, str]
 
 
 class Belief(NamedTuple):
-    """A normal prior, or a number where sigma is 0, in the unit of its row.
+    """A normal prior in the unit of its row; a fixed number where ``sigma`` is 0.
 
-    ``model`` variance among cars of one model over that among all cars; ``tyre_file`` standard
-    deviation of the value in a tyre file, by default ``sigma``.
+    ``model`` is the variance among cars of one model over the variance among all cars.
+    ``tyre_file`` is the standard deviation of the value that a tyre file gives; ``sigma`` where the
+    row has none.
     """
 
     mean: float
@@ -28,13 +29,11 @@ class Belief(NamedTuple):
     tyre_file: float = 0.0
 
 
-STIFFENING, DRY_PEAK = 0.25, 0.9
-"""ln of the tyres' stiffness on another road rises with this share of ln of its peak over that of
-dry asphalt [1]; the rows `log_stiffness` are what varies beside it."""
-
-
 class Mixture(NamedTuple):
-    """A mixture of normal priors: each of its k ``cases`` has a relative share, mean and sigma."""
+    """A mixture of normal priors: ``share``, ``mean`` and ``sigma`` (k,) of its k ``cases``.
+
+    The shares are relative: their sum need not be 1.
+    """
 
     cases: tuple[str, ...]
     share: Array
@@ -42,12 +41,12 @@ class Mixture(NamedTuple):
     sigma: Array
 
     def case(self, u: Array) -> Index:
-        """Index of the case (n,) that uniform numbers ``u`` (n,) draw."""
+        """Draw the index of a case (n,) by uniform random numbers ``u`` (n,)."""
         ends = np.cumsum(self.share)
         return np.asarray(np.minimum(np.searchsorted(ends, u * ends[-1]), ends.size - 1))
 
     def is_case(self, name: str, u: Array) -> Mask:
-        """Whether ``u`` (n,) draws the case ``name``. Raises ValueError for an unknown one."""
+        """Whether ``u`` (n,) draws the case ``name``. Raises ValueError for an unknown name."""
         return np.asarray(self.case(u) == self.cases.index(name))
 
     def drawn(self, u: Array, x: Array) -> Array:
@@ -56,8 +55,16 @@ class Mixture(NamedTuple):
         return np.asarray(self.mean[case] + self.sigma[case] * x)
 
 
+STIFFENING, DRY_PEAK = 0.25, 0.9
+"""Change of the tyres' slip stiffness with the road [1], and peak on dry asphalt [1].
+
+On a road with the tyre peak mu, ln(stiffness) changes by STIFFENING ln(mu/DRY_PEAK). The rows
+`log_stiffness` give the variation about this mean.
+"""
+
+
 class Car(NamedTuple):
-    """A car, its tyres and its brakes; relative to the vehicle file where that has the value."""
+    """Car, tyres and brakes; relative to the vehicle file for quantities that the file has."""
 
     compliance: Belief
     log_tyre_ratio: Belief
@@ -109,37 +116,46 @@ Group = TypeVar("Group", Car, Sensor, Log, Stop)
 
 
 def beliefs_of(group: type[Group], table: list[Row]) -> Group:
-    """The priors of a group, from the rows of `beliefs.csv`.
+    """Return the priors of a group from the rows of `beliefs.csv`.
 
     Raises ValueError for a row without a field, a field without a row, a row that occurs twice, a
     quantity with two units, and a cell that is not a number.
     """
-    kinds, lines = get_type_hints(group), [r for r in table if r["group"] == group.__name__.lower()]
-    if unlike := kinds.keys() ^ {row["quantity"] for row in lines}:
-        raise ValueError(f"a row without a field, or a field without a row: {', '.join(unlike)}")
-    units = {(row["quantity"], row["unit"]) for row in table}
-    if twice := [name for name, n in Counter(name for name, _ in units).items() if n > 1]:
-        raise ValueError(f"two units of {', '.join(twice)}")
-    read: dict[str, Any] = {}
+    kinds = get_type_hints(group)  # Belief or Mixture by field
+    group_rows = [row for row in table if row["group"] == group.__name__.lower()]
+    unmatched = kinds.keys() ^ {row["quantity"] for row in group_rows}
+    if unmatched:
+        raise ValueError(f"a row without a field, or a field without a row: {', '.join(unmatched)}")
+    _require_one_unit(table)
+    priors: dict[str, Any] = {}
     for name, kind in kinds.items():
-        # in the order of their cases: no draw depends on the order of rows
-        rows_of = sorted((r for r in lines if r["quantity"] == name), key=lambda row: row["case"])
-        cases = tuple(row["case"] for row in rows_of)
-        has_cases = kind is Mixture and all(cases) and len(set(cases)) == len(cases)
-        if not (has_cases or (kind is Belief and cases == ("",))):
-            raise ValueError(f"{name} is one row, or each of its rows a case of its own: {cases}")
-        read[name] = _mixture(cases, rows_of) if has_cases else _belief(*rows_of)
-    return group(**read)
+        field_rows = [row for row in group_rows if row["quantity"] == name]
+        priors[name] = _mixture(name, field_rows) if kind is Mixture else _belief(name, field_rows)
+    return group(**priors)
 
 
-def _belief(row: Row) -> Belief:
+def _require_one_unit(table: list[Row]) -> None:
+    units: dict[str, str] = {}
+    for row in table:
+        if units.setdefault(row["quantity"], row["unit"]) != row["unit"]:
+            raise ValueError(f"two units of {row['quantity']}")
+
+
+def _belief(name: str, field_rows: list[Row]) -> Belief:
+    cases, row = [row["case"] for row in field_rows], field_rows[0]
+    if cases != [""]:
+        raise ValueError(f"{name} is one row without a case, not rows with the cases {cases}")
     mean, sigma = float(row["mean"]), float(row["sigma"])
     return Belief(mean, sigma, float(row["model"] or 1.0), float(row["tyre_file"] or sigma))
 
 
-def _mixture(cases: tuple[str, ...], rows_of: list[Row]) -> Mixture:
+def _mixture(name: str, field_rows: list[Row]) -> Mixture:
+    ordered = sorted(field_rows, key=lambda row: row["case"])  # no draw depends on the file's order
+    cases = tuple(row["case"] for row in ordered)
+    if "" in cases or len(set(cases)) < len(cases):
+        raise ValueError(f"each row of {name} is a case of its own, not {cases}")
     columns = ("share", "mean", "sigma")
-    share, mean, sigma = (np.array([float(row[key]) for row in rows_of]) for key in columns)
+    share, mean, sigma = (np.array([float(row[key]) for row in ordered]) for key in columns)
     return Mixture(cases, share, mean, sigma)
 
 

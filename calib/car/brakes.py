@@ -1,9 +1,10 @@
-"""From the pedal to the brake torque of each wheel.
+"""The brake torque of each wheel, from the pressure of the master cylinder.
 
-    p_mc --line--> wheel pressure --caliper--> clamp --pads--> torque --left/right--> T_b (2) (3)
-                   (or as logged)
+    p_mc --line_pressure--> wheel pressure --caliper_pressure--> clamping pressure
+    clamping pressure --pads--> pad friction --brake_torque (2) (3), wheel_factors--> T_b
 
-The right wheel of an axle is computed only where wheel pressures or an effect make it differ.
+A logged wheel pressure replaces the result of `line_pressure`. The right wheel of an axle is
+computed only where wheel pressures or an effect make it differ from the left wheel.
 """
 
 from collections.abc import Mapping
@@ -21,13 +22,17 @@ from calib.car.vehicle import Axle
 
 @dataclass(frozen=True)
 class Brakes:
-    """The brakes in one run: ``model`` as driven, ``clamp`` pressure [Pa] (n,) by wheel."""
+    """The brakes in one run.
+
+    ``model`` is the car with all effects on it; ``clamp`` are the clamping pressures [Pa] (n,) of
+    the computed wheels.
+    """
 
     model: Model
     clamp: dict[str, Array]
 
     def twin(self, w: str) -> str:
-        """The computed wheel for ``w``: itself, or the left one of its axle."""
+        """The computed wheel that stands for ``w``: itself, or the left wheel of its axle."""
         return w if w in self.clamp else f"{w[0]}l"
 
     def axle(self, w: str) -> Axle:
@@ -35,35 +40,36 @@ class Brakes:
         return self.model.vehicle.front if w[0] == "f" else self.model.vehicle.rear
 
     def pads(self, history: RunHistory, side: str = "l") -> Pair:
-        """Friction of the front and the rear pads [1] (n,) on one side."""
+        """Friction of the front and the rear pads [1] (n,) on the left ("l") or right side."""
         p_f, p_r = (self.clamp[self.twin(f"{a}{side}")] for a in "fr")
         front, rear = pad_factors(self.model.effects, history, p_f, p_r)
         return self.model.pad_friction_f * front, self.model.pad_friction_r * rear
 
     def torques(self, history: RunHistory) -> dict[str, Array]:
-        """Brake torque [N m] (n,) by wheel."""
+        """Brake torque [N m] (n,) of the computed wheels."""
         factors = wheel_factors(self.model.effects, history)
         pads = {side: self.pads(history, side) for side in {w[1] for w in self.clamp}}
         torques = {}
         for w, p in self.clamp.items():
-            T_b = forces.brake_torque(self.axle(w), pads[w[1]]["fr".index(w[0])], p)  # (2), (3)
+            front, rear = pads[w[1]]
+            T_b = forces.brake_torque(self.axle(w), front if w[0] == "f" else rear, p)  # (2), (3)
             torques[w] = T_b * factors[w] if w in factors else T_b
         return torques
 
 
 def brakes_of(model: Model, history: RunHistory, logged: Mapping[str, Array]) -> Brakes:
-    """The brakes at the pressure of ``history``, or at ``logged`` pressures [Pa] by wheel.
+    """Return the brakes at the pressure of ``history``, or at ``logged`` pressures [Pa] by wheel.
 
     A wheel pressure is measured behind the line, so only effects of the caliper act on it.
     """
     effects = model.effects
     p_f, p_r = line_pressure(effects, history)
     wheel_pressure = {w: logged.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
-    uneven = {w[0] for w in wheel_factors(effects, history)}
+    uneven_axles = {w[0] for w in wheel_factors(effects, history)}
+    computed = [w for w in WHEELS if w[1] == "l" or logged or w[0] in uneven_axles]
     clamp: dict[str, Array] = {}
-    for side in "lr" if logged or uneven else "l":
-        pair = (wheel_pressure[f"f{side}"], wheel_pressure[f"r{side}"])
-        front, rear = caliper_pressure(effects, history, *pair)
+    for side in {w[1] for w in computed}:
+        p_front, p_rear = wheel_pressure[f"f{side}"], wheel_pressure[f"r{side}"]
+        front, rear = caliper_pressure(effects, history, p_front, p_rear)
         clamp |= {f"f{side}": front, f"r{side}": rear}
-    computed = [w for w in WHEELS if w[1] == "l" or logged or w[0] in uneven]
     return Brakes(model, {w: clamp[w] for w in computed})

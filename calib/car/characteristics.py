@@ -1,6 +1,6 @@
 """Characteristics of a car with its nominal pads: loads, torques, share of the front axle.
 
-Without drag, and without the inertia of the wheels, as in (9).
+Drag and the inertia of the wheels are neglected, as in (9).
 """
 
 from typing import Any
@@ -16,13 +16,12 @@ from calib.car.vehicle import Vehicle
 
 
 def characteristics(vehicle: Vehicle) -> dict[str, Any]:
-    """Return the characteristics of a vehicle, JSON-able.
+    """Return the characteristics of a vehicle as JSON types.
 
-    Of the car ``wheelbase`` [m], ``pressure_per_g`` [bar], ``front_share`` of the brake force [1],
-    ``front_biased_up_to`` [g], beyond which the rear axle locks first, None if never, and
-    ``rear_lifts_at`` [g]. Of ``front`` and ``rear`` torques [N m/bar], loads at rest and at 0.5 g
-    as the mass carried [kg], and ``wheel_mass`` that has a wheel's moment of inertia at its rolling
-    radius [kg].
+    The car has ``wheelbase`` [m], ``pressure_per_g`` [bar], ``front_share`` of the brake force [1],
+    ``front_biased_up_to`` [g], beyond which the rear axle locks first (None if it never does), and
+    ``rear_lifts_at`` [g]. Each axle, ``front`` and ``rear``, has torques [N m/bar], loads at rest
+    and at 0.5 g as the mass that it carries [kg], and `Axle.wheel_mass` [kg].
     """
     axles, loads = (vehicle.front, vehicle.rear), axle_loads(vehicle, np.array([0.0, 0.5]))
     car = {
@@ -32,14 +31,14 @@ def characteristics(vehicle: Vehicle) -> dict[str, Any]:
         "front_biased_up_to": finite_or_none(front_biased_up_to(vehicle)),
         "rear_lifts_at": vehicle.cg_to_front_axle / vehicle.cg_height,
     }
-    of_axles = {}
+    by_axle = {}
     for name, axle, load in zip(AXLE_NAMES.values(), axles, loads, strict=True):
-        per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
-        of_axles[name] = {
-            "torque_per_bar_wheel": per_bar,
-            "torque_per_bar_axle": 2.0 * per_bar,
+        torque_per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
+        by_axle[name] = {
+            "torque_per_bar_wheel": torque_per_bar,
+            "torque_per_bar_axle": 2.0 * torque_per_bar,
             "static_load": float(load[0]) / G,
             "load_at_half_g": float(load[1]) / G,
             "wheel_mass": axle.wheel_mass,
         }
-    return {**car, **of_axles}
+    return {**car, **by_axle}

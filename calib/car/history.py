@@ -1,4 +1,8 @@
-"""A run as input of the effects: its history, its state, and the temperature of its discs."""
+"""A run as the effects see it: its history, its state, and the temperature of its discs.
+
+`RunHistory` is a run over time, for effects that depend on the past, such as fade. `Motion` is the
+state that a force or moment depends on at each moment.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,30 +13,37 @@ from calib.base.arrays import Array
 from calib.car.lag import first_order
 
 HEAT_CAPACITY = {"f": 3700.0, "r": 2300.0}
-"""Of the discs of a medium sedan [J/K]: 8 kg vented in front, 5 kg solid behind, of grey cast iron
-with 460 J/(kg K)."""
+"""Heat capacity [J/K] of a front and a rear disc of a medium sedan: 8 kg vented in front, 5 kg
+solid behind, of grey cast iron with 460 J/(kg K)."""
 
 _COOLING_TIME = 300.0
-"""Time constant [s] by 0.13 m^2 and 60 to 100 W/(m^2 K), 280 to 470 s in front; in a stop of 10 s
-it takes 2 % of the rise."""
+"""Time constant [s] of the cooling of a disc. A front disc of 0.13 m^2 with 60 to 100 W/(m^2 K) has
+280 to 470 s. In a stop of 10 s, cooling takes 2 % of the rise in temperature."""
 
 START_TEMP = 100.0
 """Temperature of a disc at the first sample [degC] if not logged: the upper end of cold brakes in
 UN R13-H, annex 3 (65 to 100 degC)."""
 
 COLD = (START_TEMP, START_TEMP)
+"""`START_TEMP` of the front and the rear discs."""
 
 
 @dataclass(frozen=True)
 class RunHistory:
-    """A run over time, for effects that depend on the past; arrays (n,), SI.
+    """A run over time; arrays (n,).
 
-    ``time`` [s], increasing; ``v`` [m/s]; ``z`` deceleration over g [1]; ``p_mc`` [Pa];
-    ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
-    ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
-    one brake of the axle since the first sample [J]; ``source`` the log or the simulation, for
-    messages; ``start_heat`` temperature of the front and the rear discs at the first sample
-    [degC], where it is not logged; ``averaged`` number of samples of which each one is the mean.
+    Attributes
+    ----------
+    time : [s], increasing.
+    v : speed [m/s].
+    z : deceleration over g [1].
+    p_mc : master-cylinder pressure [Pa].
+    temperature_f, temperature_r : temperature of the discs [degC], None where not known.
+    angle_f, angle_r : angle of the wheels since the first sample [rad].
+    energy_f, energy_r : energy dissipated in one brake of the axle since the first sample [J].
+    source : name of the log or the simulation, for messages.
+    start_heat : temperature [degC] of front and rear discs at the first sample, if not logged.
+    averaged : number m of raw samples whose mean each sample here is.
     """
 
     time: Array
@@ -52,22 +63,24 @@ class RunHistory:
     def ripple(self, phase: float) -> Array:
         """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.
 
-        The mean of m even samples over the angle a is sin(a/2)/(m sin(a/(2 m))) of the middle one.
+        The mean of m evenly spaced samples that span the angle a is the sine at their middle times
+        sin(a/2)/(m sin(a/(2 m))).
         """
         wave = np.sin(self.angle_f + phase)
         if self.averaged == 1 or wave.size < 2:
             return wave
-        half = 0.5 * np.gradient(self.angle_f)
-        divisor = self.averaged * np.sin(half / self.averaged)
-        standing = np.abs(divisor) < 1e-12
-        return wave * np.where(standing, 1.0, np.sin(half) / np.where(standing, 1.0, divisor))
+        half_angle = 0.5 * np.gradient(self.angle_f)  # a/2
+        divisor = self.averaged * np.sin(half_angle / self.averaged)
+        stands = np.abs(divisor) < 1e-12
+        factor = np.where(stands, 1.0, np.sin(half_angle) / np.where(stands, 1.0, divisor))
+        return wave * factor
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The state that an effect may depend on; arrays of one shape.
+    """The state that an effect may depend on at each moment; arrays of one shape.
 
-    ``v`` [m/s]; ``load_f``, ``load_r`` axle loads [N]; ``history`` the run so far.
+    ``v`` speed [m/s]; ``load_f``, ``load_r`` axle loads [N]; ``history`` the run.
     """
 
     v: Array
@@ -84,9 +97,10 @@ def constant_speed(
     source: str = "",
     start_heat: tuple[float, float] = COLD,
 ) -> RunHistory:
-    """A run at the constant speed ``v0`` [m/s]: only pressure and temperatures are known.
+    """Return a run of which only pressure and temperatures are known, at the speed ``v0`` [m/s].
 
-    ``time`` [s], ``p_mc`` [Pa], ``temperature`` [degC] by axle (n,); angles and energies are zero.
+    ``time`` [s], ``p_mc`` [Pa] and ``temperature`` [degC], by axle, have the shape (n,). Angles,
+    energies and deceleration are zero.
     """
     by_axle, zero = temperature or {}, np.zeros_like(time)
     return RunHistory(
@@ -110,13 +124,14 @@ _AIR = 20.0
 
 
 def disc_temperature(time: Array, energy: Array, heat_capacity: float, start: float) -> Array:
-    """Temperature of one disc of ``heat_capacity`` C [J/K] [degC] (n,), ``start`` [degC] at first.
+    """Return the temperature T [degC] (n,) of one disc that begins at ``start`` [degC].
 
-    C dT/dt = P - (C/tau) (T - T_air): heated by the whole braking power, cooled by the air
-    (Limpert, Brake Design and Safety, ch. 3, lumped disc). ``time`` [s] (n,); ``energy`` E [J] (n,)
-    dissipated in this brake since the first sample, linear between samples. The stored heat is E
-    less its first-order lag. Not valid for the surface of the disc in a hard stop, nor over minutes
-    of changing speed: pads take no heat, and cooling does not depend on speed.
+    ``time`` [s] (n,); ``energy`` E [J] (n,) dissipated in this brake since the first sample, linear
+    between samples; ``heat_capacity`` C [J/K]. The braking power P heats the whole disc and the air
+    cools it with the time constant tau: C dT/dt = P - (C/tau) (T - T_air) (Limpert, Brake Design
+    and Safety, ch. 3, lumped disc). So the stored heat is E less the first-order lag of E. Not
+    valid for the surface of the disc in a hard stop, nor over minutes of changing speed: pads take
+    no heat here, and cooling does not depend on speed.
     """
     stored = energy - first_order(time, energy, _COOLING_TIME)
     initial = np.exp(-(time - time[0]) / _COOLING_TIME)

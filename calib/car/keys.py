@@ -1,13 +1,13 @@
-"""The keys of a vehicle file, from `keys.csv`, and a file with a comment on each.
+"""The keys of a vehicle file, from `keys.csv`, and an example file with comments on each key.
 
     # mass M_v of the car as driven ...
     # measure: weigh it ready to drive ...
     # usual: 700 to 4500 kg
     mass = "1744 kg"
 
-The examples are the reference car, `sedan-2up`, of Tables I and II of the paper. Usual ranges are
-for passenger cars and vans. The bounds, from a microcar to a heavy coach, detect a wrong unit or
-decimal point.
+The example is the reference car, `sedan-2up`, of Tables I and II of the paper. Usual ranges are for
+passenger cars and vans; a value outside gives a warning. The wider bounds, from a microcar to a
+heavy coach, detect a wrong unit or decimal point; a value outside them is an error.
 """
 
 import json
@@ -25,10 +25,12 @@ CHASSIS, FRONT, REAR = "chassis", "front", "rear"
 
 @dataclass(frozen=True)
 class VehicleKey:
-    """One key: ``section`` "" for the top of the file, ``unit`` "" for text, "1" for a number.
+    """A key of a vehicle file.
 
-    ``low`` to ``high`` usual range in ``unit``, ``too_low`` and ``too_high`` likely causes outside
-    it; ``least`` and ``most`` bounds [SI]; ``example`` as in the file.
+    ``section`` is "" for a key before the sections. ``unit`` is "" for a text, "1" for a number
+    without unit. ``low`` to ``high`` is the usual range in ``unit``; ``too_low`` and ``too_high``
+    are likely causes of a value outside. ``least`` and ``most`` are the bounds [SI]. ``example`` is
+    the value in the example file, ``measure`` says how to measure it.
     """
 
     section: str
@@ -52,21 +54,25 @@ class VehicleKey:
 
     @property
     def default(self) -> float | None:
-        """Value of an optional key that is not given; None where it has none."""
-        part = Axle if self.section in (FRONT, REAR) else Vehicle
-        value: float | None = getattr(part, self.name)
+        """Value [SI] of an optional key that a file does not give; None if it has no default."""
+        owner = Axle if self.section in (FRONT, REAR) else Vehicle
+        value: float | None = getattr(owner, self.name)
         return value
 
     def value_of(self, vehicle: Vehicle) -> float:
-        """The value in a vehicle, in ``unit``; not for text."""
-        part: Vehicle | Axle = {FRONT: vehicle.front, REAR: vehicle.rear}.get(self.section, vehicle)
-        return from_si(float(getattr(part, self.name)), self.unit, si_of(self.unit))
+        """The value in a vehicle, in ``unit``; only for numbers."""
+        owners: dict[str, Vehicle | Axle] = {FRONT: vehicle.front, REAR: vehicle.rear}
+        value = getattr(owners.get(self.section, vehicle), self.name)
+        return from_si(float(value), self.unit, si_of(self.unit))
 
 
 def _read(row: dict[str, str]) -> VehicleKey:
-    numbers = {name: float(row[name] or 0.0) for name in ("low", "high", "least", "most")}
-    values: dict[str, Any] = {**row, **numbers, "optional": row["optional"] == "yes"}
-    return VehicleKey(**values | {end: texts_of(row[end]) for end in ("too_low", "too_high")})
+    cells: dict[str, Any] = {**row, "optional": row["optional"] == "yes"}
+    for name in ("low", "high", "least", "most"):
+        cells[name] = float(row[name] or 0.0)
+    for name in ("too_low", "too_high"):
+        cells[name] = texts_of(row[name])
+    return VehicleKey(**cells)
 
 
 KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
@@ -88,7 +94,7 @@ _TAIL = """
 
 
 def vehicle_text() -> str:
-    """The file of the reference car; an optional key without a default is a comment."""
+    """The example file; an optional key without a default is a comment."""
     text = _HEAD
     for section, keys in groupby(KEYS, lambda key: key.section):
         head = f"[{section}]\n" if section else ""
@@ -97,11 +103,14 @@ def vehicle_text() -> str:
 
 
 def _commented(key: VehicleKey) -> str:
+    """Return the lines of a key in the example file."""
     measure = f"measure: {key.measure}" if key.unit else key.measure
-    usual = [f"usual: {key.low:g} to {key.high:g}{unit_suffix(key.unit)}"] if key.unit else []
-    about = (*textwrap.wrap(key.meaning, 96), *textwrap.wrap(measure, 96), *usual)
-    # a text of JSON is one of TOML; a number without a unit has no quotes
+    comments = [*textwrap.wrap(key.meaning, 96), *textwrap.wrap(measure, 96)]
+    if key.unit:
+        comments.append(f"usual: {key.low:g} to {key.high:g}{unit_suffix(key.unit)}")
+    # a number without unit has no quotes; TOML reads a text as JSON writes it
     value = key.example if key.unit == "1" else json.dumps(key.example, ensure_ascii=False)
-    is_comment = key.optional and key.default is None
-    lines = [*(f"# {text}" for text in about), f"{'# ' * is_comment}{key.name} = {value}"]
-    return "".join(f"{line}\n" for line in lines)
+    entry = f"{key.name} = {value}"
+    if key.optional and key.default is None:
+        entry = f"# {entry}"
+    return "".join(f"{line}\n" for line in (*(f"# {text}" for text in comments), entry))

@@ -1,7 +1,7 @@
-"""Linear lags of first and second order, at the samples of any clock.
+"""Linear lags of first and second order, and delays, at the samples of any clock.
 
-The input is taken as linear between its samples. For such an input the result is exact at any
-sampling, even or not. The output is in steady state at the first sample.
+The input is taken as linear between its samples. For such an input the result is exact, whether the
+samples are evenly spaced or not. The output is in steady state at the first sample.
 """
 
 from typing import Any
@@ -12,25 +12,29 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 
 _LEAST_DIFFERENCE = 1e-3
-"""Least difference of two time constants over their sum: equal ones would divide by zero."""
+"""Least difference of two time constants over their sum [1].
+
+Equal time constants would divide by zero.
+"""
 
 
 def integral(time: Array, x: Array) -> Array:
-    """Return the integral of ``x`` (n,) from the first sample on; ``time`` [s] (n,)."""
+    """Return the integral of ``x`` (n,) over ``time`` [s] (n,) from the first sample on."""
     return np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))])
 
 
 def delayed(time: Array, x: Array, delay: float) -> Array:
-    """Return ``x`` (n,) of ``delay`` [s] earlier, at ``time`` [s] (n,); ``delay`` not negative.
+    """Return the values that ``x`` (n,) had a ``delay`` [s] before ``time`` [s] (n,).
 
-    Linear between samples; before the first one along the line through the first two.
+    ``delay`` is not negative. ``x`` is linear between samples, and before the first sample it is on
+    the line through the first two samples.
     """
     if delay == 0.0:
         return x
-    then = time - delay
+    earlier = time - delay
     slope = (x[1] - x[0]) / (time[1] - time[0])
-    beyond = np.minimum(then - time[0], 0.0)
-    return np.asarray(np.interp(then, time, x) + slope * beyond)
+    before_start = np.minimum(earlier - time[0], 0.0)  # [s], not positive
+    return np.asarray(np.interp(earlier, time, x) + slope * before_start)
 
 
 def first_order(time: Array, x: Array, time_constant: float) -> Array:
@@ -44,15 +48,15 @@ def second_order(time: Array, x: Array, frequency: float, damping: float) -> Arr
     ``frequency`` w [rad/s]; ``damping`` D [1], 0 <= D < 1: valid for an oscillating mode only.
     """
     pole = frequency * complex(-damping, np.sqrt(1.0 - damping**2))
-    # w^2/((s - p)(s - p*)) in partial fractions; the two parts are conjugate.
+    # partial fractions of w^2/((s - p)(s - p*)) are conjugate, so one of them is enough
     return np.asarray(np.imag(pole * np.conj(_follow(time, x, pole))) / pole.imag, float)
 
 
 def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Array:
     """Return y of S y'' + T y' + y = x at ``time`` [s] (n,); ``x`` (n,).
 
-    ``time_constant`` T [s], above zero, is the delay of a slow x; ``second`` S [s^2], not negative:
-    0 first order, T^2/4 two equal lags in a row, T^2/2 Butterworth.
+    ``time_constant`` T [s], above zero, is the delay of a slow x. ``second`` S [s^2] is not
+    negative: 0 is a lag of first order, T^2/4 two equal lags in a row, T^2/2 a Butterworth filter.
     """
     q = second / time_constant**2
     root = np.sqrt(abs(1.0 - 4.0 * q))
@@ -68,10 +72,11 @@ def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Arra
 
 
 def _follow(time: Array, x: Array, pole: complex) -> NDArray[Any]:
-    """Return y of y' = pole (y - x), from rest."""
+    """Return y of y' = pole (y - x), from steady state."""
     from scipy.linalg.lapack import dtbtrs, ztbtrs
 
-    # e = y - x: e' = pole e - x' has e[k+1] = exp(a) e[k] - (x[k+1] - x[k]) (exp(a) - 1)/a
+    # The error e = y - x has e' = pole e - x'. With a = pole dt and x linear between samples,
+    # e[k+1] = exp(a) e[k] - (x[k+1] - x[k]) (exp(a) - 1)/a: a bidiagonal system of equations.
     a = pole * np.diff(time)
     growth = np.expm1(a)
     bands = np.ones((2, x.size), a.dtype)

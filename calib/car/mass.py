@@ -1,4 +1,4 @@
-"""The mass of the car in a log: that of its vehicle file, or as stated for the run."""
+"""The mass of the car in a log: that of the vehicle file, or one that was stated for the log."""
 
 from dataclasses import dataclass, replace
 
@@ -7,18 +7,21 @@ from calib.base.intervals import Z95
 from calib.car.vehicle import Vehicle
 
 _SHARES = (0.5, 2.0)
-"""Bounds of a stated mass over that of the file [1]: an empty and a laden van. Beyond them it is in
-pounds, or of another car, or the load moves the centre of gravity."""
+"""Range of a stated mass over the mass of the file [1]: an empty and a laden van.
+
+Outside, the number is in pounds or of another car, or the load moves the centre of gravity.
+"""
 
 WEIGHED = 0.005
-"""Standard deviation of a stated mass, relative [1]: a scale for cars and fuel burnt since."""
+"""Relative standard deviation of a stated mass [1]: error of a scale for cars, and fuel burnt."""
 
 
 @dataclass(frozen=True)
 class MassUsed:
-    """The mass in a result: ``value`` [kg] and its relative standard deviation ``tolerance`` [1].
+    """The mass that a result used: ``value`` [kg], ``tolerance`` its relative deviation [1].
 
-    ``stated`` whether it was given for these logs; ``share`` it is of that of the vehicle file [1].
+    The tolerance is one standard deviation. ``stated`` says whether the mass was given for these
+    logs. ``share`` is the mass over that of the vehicle file [1].
     """
 
     value: float
@@ -30,20 +33,22 @@ class MassUsed:
         mass = f"{self.value:.6g} kg ±{100.0 * Z95 * self.tolerance:.2g} % (95 %)"
         if self.stated:
             excess = self.share - 1.0
+            text = f"{mass}, as stated for these logs"
+            if abs(excess) <= WEIGHED:
+                return text
             side = "above" if excess > 0.0 else "below"
-            difference = f": {100.0 * abs(excess):.2g} % {side} the vehicle file"
-            return f"{mass}, as stated for these logs{difference * (abs(excess) > WEIGHED)}"
+            return f"{text}: {100.0 * abs(excess):.2g} % {side} the vehicle file"
         if self.tolerance < Vehicle.mass_tolerance:
             return f"{mass} by the vehicle file"
         return f"{mass}: the load was not stated; give --mass, or mass_tolerance in the file"
 
 
-def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
-    """Return the vehicle with a stated ``mass`` [kg]; unchanged without one.
+def with_mass(vehicle: Vehicle, mass: float | None) -> Vehicle:
+    """Return the vehicle with a stated ``mass`` [kg], or unchanged with None.
 
-    The centre of gravity stays: not valid for a load high up or far behind. The effect
-    ``mass_error`` is dropped; the tolerance is at most `WEIGHED`. Raises VehicleError for a mass
-    outside of `_SHARES`.
+    The effect ``mass_error`` is dropped, and the tolerance is at most `WEIGHED`. The centre of
+    gravity does not move, so this is not valid for a load high up or far behind. Raises
+    VehicleError for a mass outside of `_SHARES`.
     """
     if mass is None:
         return vehicle
@@ -65,6 +70,6 @@ def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
 
 
 def mass_used(vehicle: Vehicle, mass: float | None) -> MassUsed:
-    """The mass that `weighed` gives, for a report."""
-    car = weighed(vehicle, mass)
+    """Return the mass of `with_mass`, for a report."""
+    car = with_mass(vehicle, mass)
     return MassUsed(car.mass, car.mass_tolerance, mass is not None, car.mass / vehicle.mass)

@@ -13,15 +13,16 @@ from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
-"""The tyre that is assumed when nothing is known: a passenger car on wet asphalt."""
+"""The tyre that is assumed where none is known: that of a passenger car on wet asphalt."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """A car that can be simulated; the ``tyre`` is common to both axles.
+    """A car that can be simulated.
 
-    ``vehicle`` masses, lengths, brakes, its list of effects does not count; ``pad_friction_f``,
-    ``pad_friction_r`` mu_p of the axles [1]; ``effects`` all that act in it.
+    ``vehicle`` gives masses, lengths and brakes. Its pad friction and its effects are replaced by
+    ``pad_friction_f`` and ``pad_friction_r`` [1] and by ``effects``. The ``tyre`` is common to both
+    axles.
     """
 
     vehicle: Vehicle
@@ -67,13 +68,13 @@ def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
 
 
 def _checked(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:
-    """Parameters [SI] of one effect. Raises ModelError where its card does not allow them."""
-    cards = {p.name: p for p in card.parameters}
+    """Return parameters [SI] of one effect. Raises ModelError where its card forbids them."""
+    allowed = {parameter.name: parameter for parameter in card.parameters}
     for key in values:
-        if key not in cards:
-            expected, do = f"one of {', '.join(cards)}", did_you_mean(key, cards)
+        if key not in allowed:
+            expected, do = f"one of {', '.join(allowed)}", did_you_mean(key, allowed)
             raise ModelError(f"unknown key {key!r}", where=where, expected=expected, do=do)
-    for key, parameter in cards.items():
+    for key, parameter in allowed.items():
         if key in values and not parameter.low <= values[key] <= parameter.high:
             raise ModelError(
                 f"{values[key]:g}{unit_suffix(parameter.unit)} is not believable",

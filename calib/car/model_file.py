@@ -1,7 +1,8 @@
-"""A model as a TOML file: pads, tyre, effects; `brake-cal manual diagnosis` shows one.
+"""A model as a TOML file: pads, tyre, effects. `brake-cal manual diagnosis` shows a file.
 
-Pads and effects default to those of the vehicle, the tyre to wet asphalt. ``[effects]`` replaces
-the effects of the vehicle. ``[own_effects.NAME]`` has file and SHA-256 of an effect of the user.
+Where the file does not give pads or effects, those of the vehicle count; ``[effects]`` replaces all
+effects of the vehicle. Without ``[tyre]`` the tyre is that of wet asphalt. ``[own_effects.NAME]``
+has file and SHA-256 of an effect of the user.
 """
 
 from collections.abc import Mapping
@@ -29,9 +30,9 @@ from calib.base.write import write_whole
 from calib.car.effects.catalogue import (
     CATALOGUE,
     OwnEffect,
+    all_effects,
     completed,
     definition,
-    every_effect,
     with_file,
 )
 from calib.car.effects.effect import Effect
@@ -44,18 +45,18 @@ _Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
 
 
 class PadsSection(Section):
-    """Pad friction of the axles; nominal when left out."""
+    """Pad friction of the axles; by default the nominal friction."""
 
     front: _Friction | None = None
     rear: _Friction | None = None
 
 
 class _TyreSection(Section):
-    """The tyre of both axles; wet asphalt for what is left out."""
+    """The tyre of both axles; by default that of wet asphalt."""
 
     stiffness: Annotated[float, QuantityMark("1", 1.0, 100.0)] | None = None
     peak: Annotated[float, QuantityMark("1", 0.02, 2.0)] | None = None
-    # 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
+    # with 1 the force stays at the peak, with 2 it falls to zero; the inverse holds only between
     shape: Annotated[float, QuantityMark("1", 1.01, 1.99)] | None = None
     load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
     bend: Annotated[float, QuantityMark("1", 0.0, 1.0)] | None = None
@@ -64,7 +65,7 @@ class _TyreSection(Section):
 
 
 class _EmpiricalSection(Section):
-    """Values at the knots of a driver, in SI; the cause is not known."""
+    """An empirical term, as in `EmpiricalTerm`: values at the knots of a driver, in SI."""
 
     place: Annotated[str, OneOf(tuple(PLACES))]
     driver: Annotated[str, OneOf(tuple(DRIVERS))]
@@ -79,17 +80,14 @@ class _EmpiricalSection(Section):
 
 
 def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
-    """The schema of effects: their parameters, each with the unit and the range of its card."""
+    """Return the schema of effects: their parameters, with the units and ranges of their cards."""
     entries = {}
     for name, effect in effects.items():
-        parameters = {
-            p.name: (
-                Annotated[float, QuantityMark(p.unit, p.low, p.high)],
-                ... if p.default is None else p.default,
-            )
-            for p in effect.card.parameters
-        }
-        entries[name] = section(name, effect.card.cause, parameters)
+        keys: dict[str, tuple[Any, Any]] = {}
+        for p in effect.card.parameters:
+            kind = Annotated[float, QuantityMark(p.unit, p.low, p.high)]
+            keys[p.name] = (kind, ... if p.default is None else p.default)
+        entries[name] = section(name, effect.card.cause, keys)
     about = "The whole list of effects; the vehicle's when left out."
     return by_name("EffectsSection", entries, about)
 
@@ -102,7 +100,7 @@ class _DefinedInSection(Section):
 
 
 class _OwnEffects(Section, extra="ignore"):
-    """The part of a model file that is read first: the files of the user's effects."""
+    """The part of a model file that is read first, since the schema of the effects needs it."""
 
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
 
@@ -118,19 +116,19 @@ class ModelFile(FileSchema):
 
 
 def read_model(path: Path, vehicle: Vehicle) -> Model:
-    """Read a model file; missing parts are as in `default_model`.
+    """Read a model file; parts that the file does not have are as in `default_model`.
 
     Effects of the user must be given with the vehicle, see `calib.car.effects.catalogue.with_own`.
 
     Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
-    effect or unit; for a missing parameter; for a value out of its range; for an own effect whose
-    file was not given or has changed.
+    effect or unit; for a missing parameter; for a value out of its range; and for an effect of the
+    user whose file was not given or has changed.
     """
     document = load_toml(Path(path), ModelError)
     own_effects = _user_defined(document, vehicle.effects, path)
     schema: type[ModelFile] = ModelFile
     if own_effects:
-        effects: Any = _effects_section(every_effect(Effects(user_defined=own_effects))) | None
+        effects: Any = _effects_section(all_effects(Effects(user_defined=own_effects))) | None
         schema = create_model("ModelFile", __base__=ModelFile, effects=(effects, None))
     file = validated(document, schema, path, ModelError)
     base = default_model(vehicle)
@@ -153,11 +151,12 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
 def _user_defined(
     document: Mapping[str, Any], effects: Effects, path: Path
 ) -> dict[str, DefinedIn]:
-    """The effects of the user with their files. Raises ModelError where one was not given."""
-    written = validated(document, _OwnEffects, path, ModelError).own_effects
-    named = {name: DefinedIn(one.file, one.sha256) for name, one in written.items()}
-    files = {n: one for n, one in effects.user_defined.items() if isinstance(one, OwnEffect)}
-    return {n: with_file(n, one, path) for n, one in completed(named, files, path).items()}
+    """Return the effects of the user. Raises ModelError for one without its file."""
+    sections = validated(document, _OwnEffects, path, ModelError).own_effects
+    defined = {name: DefinedIn(entry.file, entry.sha256) for name, entry in sections.items()}
+    files = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}
+    together = completed(defined, files, path)
+    return {name: with_file(name, effect, path) for name, effect in together.items()}
 
 
 def write_model(model: Model, path: Path) -> None:
@@ -168,6 +167,15 @@ def write_model(model: Model, path: Path) -> None:
     import tomlkit
 
     effects = model.effects
+
+    def written(name: str, values: Mapping[str, float]) -> dict[str, str | float]:
+        parameters = definition(effects, name).card.parameters
+        return {
+            p.name: written_quantity(values[p.name], p.unit)
+            for p in parameters
+            if p.name in values or p.default is None
+        }
+
     document: dict[str, Any] = {
         "schema": 1,
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
@@ -175,19 +183,12 @@ def write_model(model: Model, path: Path) -> None:
             name: written_quantity(value, "m" if name == "relaxation" else "1")
             for name, value in asdict(model.tyre).items()
         },
-        "effects": {
-            name: {
-                p.name: written_quantity(values[p.name], p.unit)
-                for p in definition(effects, name).card.parameters
-                if p.name in values or p.default is None
-            }
-            for name, values in effects.parameters.items()
-        },
-        "own_effects": {name: asdict(one) for name, one in effects.defined_in.items()},
-        "empirical": [
-            {**asdict(t), "knots": list(t.knots), "values": list(t.values)} for t in effects.terms
-        ],
+        "effects": {name: written(name, values) for name, values in effects.parameters.items()},
     }
-    optional = ("own_effects", "empirical")
-    document = {key: part for key, part in document.items() if part or key not in optional}
+    if effects.defined_in:
+        document["own_effects"] = {name: asdict(x) for name, x in effects.defined_in.items()}
+    if effects.terms:
+        document["empirical"] = [
+            {**asdict(t), "knots": list(t.knots), "values": list(t.values)} for t in effects.terms
+        ]
     write_whole(Path(path), tomlkit.dumps(document).encode())

@@ -1,7 +1,9 @@
-"""Warnings of a vehicle file with values, or with consequences of them, that no usual car has.
+"""Warnings about a vehicle file whose values no usual car has.
 
-The ranges of `figures.csv` and `keys.csv` hold cars from a microcar to a laden van, with some
-margin (tests/studies/results/vehicle_mistakes.md), so a mass that is 10 % wrong goes unseen.
+The values are those of the file, with ranges in `keys.csv`, and figures that follow from them, such
+as the pressure per g, with ranges in `figures.csv`. The ranges include cars from a microcar to a
+laden van, with some margin (tests/studies/results/vehicle_mistakes.md), so a mass that is 10 %
+wrong gives no warning.
 """
 
 import math
@@ -16,7 +18,7 @@ from calib.car.keys import CHASSIS, KEYS, VehicleKey
 from calib.car.vehicle import Vehicle
 
 _GOOD_ROAD = 0.8
-"""Friction [1] that dry asphalt surely offers: `lock_efficiency` is judged there."""
+"""Friction [1] of the road for `lock_efficiency`, which dry asphalt always has."""
 
 LEAST_FRONT_BIASED = limit_of("front_biased_up_to", "low")
 """Deceleration [g] up to which the front axle must lock first.
@@ -24,7 +26,7 @@ LEAST_FRONT_BIASED = limit_of("front_biased_up_to", "low")
 Cars that control the rear pressure (EBD) have 0.4 or more by design. Pads that scatter by 3 %
 between the axles lower it by as much as 0.1 g in one car of a thousand."""
 
-_VALUES: dict[str, Callable[[Vehicle], float]] = {
+_FIGURE_OF: dict[str, Callable[[Vehicle], float]] = {
     "wheelbase": lambda car: car.wheelbase,
     "static_load_f": lambda car: car.static_loads[0] / car.weight,
     "cg_height_ratio": lambda car: car.cg_height / car.wheelbase,
@@ -40,11 +42,14 @@ _VALUES: dict[str, Callable[[Vehicle], float]] = {
     "front_biased_up_to": front_biased_up_to,
     "lock_efficiency": lambda car: lock_efficiency(car, _GOOD_ROAD),
 }
-"""The figures of `figures.csv`, each in the unit of its code."""
+"""Functions for the figures of `figures.csv`, each in the unit of its code."""
 
 
 class _Figure(NamedTuple):
-    """A figure: its usual range in the unit of ``code``, likely causes outside, and what to do."""
+    """A figure with its usual range in the unit of ``code``, and the remedy ``do``.
+
+    ``too_low`` and ``too_high`` are likely causes of a value outside the range.
+    """
 
     code: str
     value_of: Callable[[Vehicle], float]
@@ -55,27 +60,27 @@ class _Figure(NamedTuple):
     do: str
 
 
-def _of_key(key: VehicleKey) -> _Figure:
+def _figure_of_key(key: VehicleKey) -> _Figure:
     code = key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}"
     causes = key.too_low, key.too_high
     return _Figure(code, key.value_of, key.low, key.high, *causes, f"look at {key.path}")
 
 
-def _of_row(row: dict[str, str]) -> _Figure:
-    """Without a lowest value the station's limit counts, without a highest one none."""
+def _figure_of_row(row: dict[str, str]) -> _Figure:
+    """Return the figure of a row; where the row has no lower bound, the station's limit counts."""
     code, causes = row["code"], (texts_of(row["too_low"]), texts_of(row["too_high"]))
     low, high = float(row["low"] or limit_of(code, "low")), float(row["high"] or math.inf)
-    return _Figure(code, _VALUES[code], low, high, *causes, row["do"])
+    return _Figure(code, _FIGURE_OF[code], low, high, *causes, row["do"])
 
 
 _FIGURES = (
-    *(_of_key(key) for key in KEYS if key.too_low),
-    *map(_of_row, rows("figures.csv", "calib.car")),
+    *(_figure_of_key(key) for key in KEYS if key.too_low),
+    *map(_figure_of_row, rows("figures.csv", "calib.car")),
 )
 
 
-def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
-    """Warnings of figures outside their usual range; the values of the file first."""
+def vehicle_warnings(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
+    """Return a warning for each figure outside its usual range, the values of the file first."""
     warnings = []
     for figure in _FIGURES:
         value, ends = figure.value_of(vehicle), (figure.low, finite_or_none(figure.high))

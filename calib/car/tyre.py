@@ -1,18 +1,18 @@
 """The tyre of a model: Pacejka's Magic Formula with its inverse.
 
     F ^        ____ peak mu          F      = mu sin(C atan(B x)),  B = K/(C mu)
-      |     .-'    `-.__             lambda = s/B tan(asin(F/mu)/C)
-      |   .'            `--          x = lambda/s,  s = (2 F_z/W)^q
+      |     .-'    `-.__             lambda = (1 + b B x) x s
+      |   .'            `--          B x    = tan(asin(F/mu)/C)   the inverse
       |  / slope K
       +-/----------------> lambda
 
-Stiffness per load falls with the load as (2 F_z/W)^-q, the peak as (2 F_z/W)^-p. The formula is
-straight at zero slip. A brush is not, since the end of its contact patch slides at once: F = K
-lambda (1 - K lambda/(3 mu) + ...). The bend b makes up for it, lambda = (1 + b B x) x s; b = C/3
-is a brush.
+F is the tyre force over the load F_z of the axle, lambda the slip. The slip stiffness K, at half of
+the weight W on the axle, falls with the load by s = (2 F_z/W)^q, and the peak by (2 F_z/W)^-p. The
+bend b curves the formula at zero slip, as does the brush model, where the end of the contact patch
+slides at once: F = K lambda (1 - K lambda/(3 mu) + ...); b = C/3 has this curvature.
 
-This is the steady state. The force builds up over the relaxation length sigma: the slip of the
-wheel is ahead of that of the force by (sigma/v) dlambda/dt.
+This is the steady state. The force builds up over the relaxation length sigma, so the slip of the
+wheel is larger than the slip that carries the force by (sigma/v) dlambda/dt.
 
 Source: Pacejka, Tyre and Vehicle Dynamics, ch. 4, pure longitudinal slip without the E term and
 offsets; ch. 3 for the brush; ch. 7 for the relaxation length.
@@ -35,7 +35,7 @@ class MagicFormula:
     Attributes
     ----------
     stiffness : K = dF/dlambda at zero slip and half the weight on the axle [1].
-    peak : mu, the largest normalised force [1].
+    peak : mu, the largest normalised force at half the weight on the axle [1].
     shape : C [1], between 1 (never falls) and 2 (falls to zero).
     load_exponent, peak_exponent : q, p [1].
     bend : b [1], not negative.
@@ -55,9 +55,10 @@ class MagicFormula:
         return self.peak * relative_load**-self.peak_exponent if self.peak_exponent else self.peak
 
     def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
-        """Normalised force F [1] at braking ``slip`` [1], axle load over half the weight [1].
+        """Normalised force F [1] at braking ``slip`` [1] and an axle load over half the weight [1].
 
-        Odd in the slip. Valid beyond the peak too, but not for the heat of a locked wheel.
+        An odd function of the slip. Valid beyond the peak too, but not for a locked wheel, which
+        heats up.
         """
         peak = self.peak_at(relative_load)
         bx = self._without_bend(slip / self._load_factor(relative_load), peak)
@@ -65,30 +66,31 @@ class MagicFormula:
 
     def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
-        load = self._load_factor(relative_load)
-        bx = self._without_bend(slip / load, self.peak_at(relative_load))
-        return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load)
+        load_factor = self._load_factor(relative_load)
+        bx = self._without_bend(slip / load_factor, self.peak_at(relative_load))
+        return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load_factor)
 
-    def rising(
+    def slip_at_force(
         self, force: Array, relative_load: Array | float = 1.0, edge: float = 1.0
     ) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Slip [1] at the normalised ``force`` on the rising branch, dF/dlambda [1] there.
+        """Slip [1] at the normalised ``force`` [1] on the rising branch, and dF/dlambda [1] there.
 
-        Third, whether the force is beyond the share ``edge`` of the peak; it is then cut there.
+        A force above the share ``edge`` of the peak is cut to it; the third result says where.
         """
-        peak, load = self.peak_at(relative_load), self._load_factor(relative_load)
+        peak, load_factor = self.peak_at(relative_load), self._load_factor(relative_load)
         share = force / peak
-        beyond = np.abs(share) >= edge
-        sine = np.clip(share, -edge, edge) if beyond.any() else share
+        is_beyond = np.abs(share) >= edge
+        sine = np.clip(share, -edge, edge) if is_beyond.any() else share
         bx = np.tan(np.arcsin(sine) / self.shape)
-        slope = self._slope(bx, np.sqrt(1.0 - sine * sine), load)
-        return self._with_bend(bx, peak, load), slope, beyond
+        slope = self._slope(bx, np.sqrt(1.0 - sine * sine), load_factor)
+        return self._with_bend(bx, peak, load_factor), slope, is_beyond
 
     def wheel_slip(self, slip: Array, v: Array, time: Array) -> Array:
         """Slip [1] (n,) of the wheel while ``slip`` (n,) carries the force, by the relaxation.
 
-        ``v`` [m/s] (n,), at least `MOVING`; ``time`` [s] (n,). Valid for a lag that is short
-        against the changes of the slip, and not near the peak, where the relaxation length falls.
+        ``time`` [s] (n,); ``v`` [m/s] (n,), of which `MOVING` is the least that counts. Valid for a
+        lag that is short against the changes of the slip, and not near the peak, where the
+        relaxation length falls.
         """
         if self.relaxation == 0.0:
             return slip
@@ -96,12 +98,12 @@ class MagicFormula:
         return np.asarray(slip + lag * np.gradient(slip, time))
 
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
-        """Slip [1] where C atan(B x) is ``fraction`` of pi/2; 1 is the peak itself."""
+        """Slip [1] where C atan(B x) is the ``fraction`` of pi/2, which is 1 at the peak."""
         bx = np.tan(0.5 * np.pi * fraction / self.shape)
         return self._with_bend(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 
     def on_surface(self, stiffness_factor: float, peak_factor: float) -> Self:
-        """Return the tyre on another surface: stiffness and peak times these factors [1]."""
+        """Return the tyre on another surface: stiffness and peak multiplied by factors [1]."""
         stiffness, peak = self.stiffness * stiffness_factor, self.peak * peak_factor
         return replace(self, stiffness=stiffness, peak=peak)
 
@@ -114,14 +116,14 @@ class MagicFormula:
         return np.asarray(without_bend / (1.0 + 2.0 * self.bend * np.abs(bx)))
 
     def _without_bend(self, slip: Array, peak: Array | float) -> Array:
-        """B x at the ``slip`` for half the weight, the stable root of the quadratic."""
-        bx = self._b(peak) * slip
-        return bx * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(bx)))
+        """B x at the ``slip`` over s: the root of (1 + b B x) B x = B slip that is stable."""
+        b_slip = self._b(peak) * slip
+        return b_slip * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(b_slip)))
 
     def _with_bend(
         self, bx: Array | float, peak: Array | float, load_factor: Array | float
     ) -> Array:
-        """Slip at B x."""
+        """Slip at B x and the load factor s."""
         x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
         return np.asarray(x * load_factor)
 

@@ -1,12 +1,14 @@
 """A tyre property file (.tir): the braking part of Pacejka's Magic Formula 5.2 and later.
 
-    d = F_z/F_N - 1,  F_N = LFZO FNOMIN
+    d = F_z/F_N - 1,  F_N = LFZO FNOMIN                     load over the nominal load, less one
     K/F_z = (PKX1 + PKX2 d) exp(PKX3 d) LKX                 slip stiffness over load
     mu    = (PDX1 + PDX2 d) LMUX                            peak
-    E     = (PEX1 + PEX2 d + PEX3 d^2) (1 + PEX4) LEX,  C = PCX1 LCX
-    R_e   = R_0 - F_N/c_z (DREFF atan(BREFF F_z/F_N) + FREFF F_z/F_N)
+    C     = PCX1 LCX                                        shape
+    E     = (PEX1 + PEX2 d + PEX3 d^2) (1 + PEX4) LEX       curvature
+    R_e   = R_0 - F_N/c_z (DREFF atan(BREFF F_z/F_N) + FREFF F_z/F_N)     rolling radius
 
-Source: Pacejka, Tyre and Vehicle Dynamics, 4.3.2 and (7.13). Its offsets, camber and inflation
+Words in capitals are keys of the file; R_0 is UNLOADED_RADIUS, c_z is VERTICAL_STIFFNESS. Source:
+Pacejka, Tyre and Vehicle Dynamics, 4.3.2 and (7.13). Offsets of the formula, camber and inflation
 pressure are not read. Not valid far from the nominal load F_N.
 """
 
@@ -15,7 +17,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -34,30 +36,38 @@ _KEYS = {
     "UNLOADED_RADIUS": _ANY, "VERTICAL_STIFFNESS": _ANY,
     "DREFF": _ANY, "BREFF": _ANY, "FREFF": _ANY,
 }  # fmt: skip
-"""Keys that are read: range for tyres of cars and vans, and default value."""
+"""Keys that are read: range for tyres of cars and vans, default value (... if there is none)."""
 
 _UNITS = {"FORCE": ("newton", "newtons", "n"), "LENGTH": ("meter", "meters", "metre", "m")}
-_FAR = 3.0  # load over the nominal one, or the inverse, beyond which the polynomials fail
+"""Keys of the units, and the values with which the file is in SI."""
+
+_FAR = 3.0  # load over the nominal load, or the inverse, beyond which the polynomials fail
 _KIND = "a tyre property file (.tir) of the Magic Formula 5.2, 6.1 or 6.2 (PAC2002, MF-Tyre)"
 _LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class TyreFile:
-    """The ``keys`` of a file on braking [SI], and the digest of its bytes."""
+    """The ``keys`` [SI] of a file that concern braking, and the ``digest`` of its bytes.
+
+    ``name`` is the file's name without folder and ending; ``source`` is its path, for messages.
+    """
 
     name: str
     source: str
     digest: str
     keys: dict[str, float]
 
-    def relative(self, load: float) -> float:
-        """Wheel load [N] over the nominal one [1]."""
+    def over_nominal(self, load: float) -> float:
+        """Wheel ``load`` [N] over the nominal load [1]."""
         return load / (self.keys["FNOMIN"] * self.keys["LFZO"])
 
     def at_load(self, load: float) -> tuple[float, float]:
-        """Slip stiffness over load [1], and peak [1], at a wheel load [N]. Raises TyreError."""
-        k, d = self.keys, self.relative(load) - 1.0
+        """Slip stiffness over load [1], and peak [1], at a wheel ``load`` [N].
+
+        Raises TyreError where the load or a result is not that of a usual tyre.
+        """
+        k, d = self.keys, self.over_nominal(load) - 1.0
         stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
         peak = (k["PDX1"] + k["PDX2"] * d) * k["LMUX"]
         if not (1.0 / _FAR < d + 1.0 < _FAR and 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0):
@@ -71,46 +81,49 @@ class TyreFile:
         return stiffness, peak
 
     def curve(self, load: float) -> tuple[Array, Array]:
-        """Force over the peak, rising, and slip times stiffness over the peak, all [1] (n,)."""
-        k, d = self.keys, self.relative(load) - 1.0
+        """The tyre curve up to the peak at a wheel ``load`` [N], as two columns [1] (n,).
+
+        The first is F/mu, which rises from 0 to 1; the second is slip times stiffness over mu.
+        """
+        k, d = self.keys, self.over_nominal(load) - 1.0
         C = k["PCX1"] * k["LCX"]
         E = (k["PEX1"] + k["PEX2"] * d + k["PEX3"] * d * d) * (1.0 + k["PEX4"]) * k["LEX"]
-        x = np.linspace(0.0, 20.0, 4001)
-        use = np.sin(C * np.arctan(x - min(E, 1.0) * (x - np.arctan(x))))
-        top = int(np.argmax(use)) + 1
-        return use[:top], C * x[:top]
+        x = np.linspace(0.0, 20.0, 4001)  # B slip, with B = K/(C mu)
+        force = np.sin(C * np.arctan(x - min(E, 1.0) * (x - np.arctan(x))))
+        peak = int(np.argmax(force)) + 1
+        return force[:peak], C * x[:peak]
 
     def radius_load(self, load: float) -> float | None:
-        """Fall of the rolling radius per 100 % of load [1]; None if the file does not say."""
-        k, relative = self.keys, self.relative(load)
+        """Relative fall of the rolling radius if the wheel ``load`` [N] doubles [1], linearised.
+
+        This is -dR_e/dF_z F_z/R_0; None if the file lacks its keys.
+        """
+        k, over_nominal = self.keys, self.over_nominal(load)
         if not all(k[n] > 0.0 for n in ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")):
             return None
-        slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * relative) ** 2) + k["FREFF"]
+        slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * over_nominal) ** 2) + k["FREFF"]
         return load / k["VERTICAL_STIFFNESS"] * slope / k["UNLOADED_RADIUS"]
 
 
 def _read(path: Path | str) -> TyreFile:
-    """Read a tyre property file. Raises TyreError with all that is wrong."""
-    from calib.base.record import OneOf, QuantityMark, section, validated  # pydantic
+    """Read a tyre property file. Raises one TyreError with all mistakes in the file."""
+    from calib.base.record import OneOf, QuantityMark, section, validated  # pydantic is slow
 
-    schema = section(
-        "TyreKeys",
-        "What is read of a tyre property file.",
-        {
-            key: (Annotated[float, QuantityMark("1", low, high)], usual)
-            for key, (low, high, usual) in _KEYS.items()
-        }
-        | {key: (Annotated[str, OneOf(names)], names[0]) for key, names in _UNITS.items()},
-    )
+    keys: dict[str, tuple[Any, Any]] = {}
+    for key, (low, high, default) in _KEYS.items():
+        keys[key] = (Annotated[float, QuantityMark("1", low, high)], default)
+    for key, names in _UNITS.items():
+        keys[key] = (Annotated[str, OneOf(names)], names[0])
+    schema = section("TyreKeys", "The keys of a tyre property file that are read.", keys)
     text = bytes_of(Path(path), TOML, TyreError, _KIND).decode("latin-1")
     entries = {key.upper(): value.lower() for key, value in _LINE.findall(text)}
-    values = {key: entries[key] for key in schema.model_fields if key in entries}
-    keys = validated(values, schema, path, TyreError).model_dump(exclude={*_UNITS})
-    return TyreFile(Path(path).stem, str(path), file_digest(Path(path)), keys)
+    written = {key: entries[key] for key in keys if key in entries}
+    values = validated(written, schema, path, TyreError).model_dump(exclude={*_UNITS})
+    return TyreFile(Path(path).stem, str(path), file_digest(Path(path)), values)
 
 
 def read_tyres(paths: Sequence[Path]) -> tuple[TyreFile, ...]:
-    """The tyres of both axles, or of the front and the rear axle. Raises TyreError."""
+    """Read one file for both axles, or two for the front and the rear axle. Raises TyreError."""
     if len(paths) > 2:
         raise TyreError(f"{len(paths)} files of tyres", expected="one, or front and rear")
     return tuple(_read(path) for path in paths)

@@ -1,10 +1,11 @@
-"""Forms of tyre curves that a fit mixes, each as its inverse in closed form.
+"""Forms of tyre curves, of which a fit takes a weighted mean, each as its inverse in closed form.
 
     slip = c m X(u)        u = F/m,  X(u) -> u as u -> 0        0 <= u < 1
 
-with the compliance c at small slip, the peak m and the normalised force F (similarity method:
-Pacejka, Tyre and Vehicle Dynamics, ch. 4). A tyre is a weighted mean of these inverses. Real tyres
-lie between these forms from a third of the peak on. Valid on the rising branch only.
+with the compliance c = slip/F at small slip, the peak m and the normalised force F (similarity
+method: Pacejka, Tyre and Vehicle Dynamics, ch. 4). From a third of the peak on, real tyres lie
+between these forms. Valid on the rising branch only. The left formula is F/m over x = slip/(c m),
+the right one its inverse X(u).
 
     brush          1 - (1 - x/3)^3            3 (1 - (1 - u)^(1/3))
     exponential    1 - e^-x                   -ln(1 - u)                    Burckhardt, without fall
@@ -21,13 +22,13 @@ FORMS = ("brush", "exponential", "dugoff", "magic_sharp", "magic_round")
 """Names of the forms, in the order of `inverse_forms`."""
 
 NEAR_PEAK = 0.97
-"""Share of its peak above which a tyre no longer counts as rolling [1]."""
+"""Share of its peak above which a tyre counts as sliding [1]."""
 
 
 def inverse_forms(use: Array) -> Array:
-    """X of each form at the used share of the peak ``use`` [1] (...), shape (..., 5).
+    """X of each form at the used share u of the peak, ``use`` [1] (...); shape (..., 5).
 
-    Above `NEAR_PEAK` it is the value there: the caller leaves such forces out.
+    Above `NEAR_PEAK` X is constant; the caller leaves such forces out.
     """
     u = np.clip(use, 0.0, NEAR_PEAK)
     angle = np.arcsin(u)
@@ -43,27 +44,30 @@ def inverse_forms(use: Array) -> Array:
     )
 
 
-_NODES = 2048
+# X/u of the forms at nodes that are evenly spaced in q = sqrt(1 - u), from u = 0 to NEAR_PEAK
+_CELLS = 2048
 _Q_END = np.sqrt(1.0 - NEAR_PEAK)
-_USE = 1.0 - np.linspace(1.0, _Q_END, _NODES + 1) ** 2
-_OVER_USE = np.vstack([np.ones(len(FORMS)), inverse_forms(_USE[1:]) / _USE[1:, None]]).T.copy()
-_RISE = np.diff(_OVER_USE, axis=1)
+_U_NODES = 1.0 - np.linspace(1.0, _Q_END, _CELLS + 1) ** 2
+_AT_ZERO = np.ones((1, len(FORMS)))  # X/u -> 1
+_X_OVER_U = np.vstack([_AT_ZERO, inverse_forms(_U_NODES[1:]) / _U_NODES[1:, None]]).T.copy()
+_RISES = np.diff(_X_OVER_U, axis=1)  # over each cell, (5, _CELLS)
 
 
 def mean_inverse(use: Array, weights: Array) -> Array:
-    """X of tyres with ``weights`` (n, 5) of the forms, at ``use`` (..., n, k) [1]; odd in it.
+    """X of tyres with ``weights`` (n, 5) of the forms, at ``use`` (..., n, k) [1].
 
-    X/u is interpolated linearly over the root of 1 - u: faster than the forms, and within 1e-5.
+    An odd function of the use. X/u is interpolated linearly over the root of 1 - u, which is faster
+    than the forms themselves and within 1e-5 of them.
     """
     u = np.minimum(np.abs(use), NEAR_PEAK)
-    position = (1.0 - np.sqrt(1.0 - u)) * (_NODES / (1.0 - _Q_END))
-    cell = np.minimum(position.astype(np.int64), _NODES - 1)
-    position -= cell
+    place = (1.0 - np.sqrt(1.0 - u)) * (_CELLS / (1.0 - _Q_END))  # in cells from u = 0
+    cell = np.minimum(place.astype(np.int64), _CELLS - 1)
+    place -= cell
     mean = np.zeros_like(u)
-    for over, rise, weight in zip(_OVER_USE, _RISE, weights.T, strict=True):
-        form = rise.take(cell)  # in place: one form at a time stays in the cache
-        form *= position
-        form += over.take(cell)
+    for x_over_u, rises, weight in zip(_X_OVER_U, _RISES, weights.T, strict=True):
+        form = rises.take(cell)  # operations in place keep one form in the cache
+        form *= place
+        form += x_over_u.take(cell)
         form *= weight[:, None]
         mean += form
     return np.asarray(np.copysign(u, use) * mean)

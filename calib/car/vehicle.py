@@ -1,4 +1,8 @@
-"""A vehicle: Tables I and II of the paper. (2) is for one pad face, a disc brake has two."""
+"""A vehicle: the values of Tables I and II of the paper, and the known effects.
+
+Numbers in parentheses are equations of the paper. Its (2) is for one pad face; a disc brake has
+two, which `Axle.friction_faces` counts.
+"""
 
 from dataclasses import asdict, dataclass, field, replace
 from typing import Self
@@ -38,11 +42,11 @@ class Axle:
 
     @property
     def wheel_mass(self) -> float:
-        """The mass [kg] that has the moment of inertia of the wheel at its rolling radius."""
+        """J_w/R^2 [kg]: the mass that resists like the turning wheel."""
         return self.wheel_inertia / self.rolling_radius**2
 
     def with_radius(self, factor: float) -> Self:
-        """The axle with its rolling radius times ``factor`` [1]."""
+        """Return the axle with its rolling radius multiplied by ``factor`` [1]."""
         return replace(self, rolling_radius=self.rolling_radius * factor)
 
 
@@ -50,7 +54,7 @@ UNCERTAINTIES = (
     *("mass_tolerance", "motor_odds"),
     *("front.pad_friction_tolerance", "rear.pad_friction_tolerance"),
 )
-"""Fields of a `Vehicle` in which two files of the same car may differ."""
+"""Fields of a `Vehicle` that state uncertainties; two files of one car may differ in them."""
 
 
 @dataclass(frozen=True)
@@ -66,9 +70,9 @@ class Vehicle:
     track_width : l_w [m].
     front, rear : the axles.
     mass_tolerance : standard deviation of the relative error of the mass [1].
-    motor_odds : prior odds that a motor or an engine brakes with the pedal and is not logged [1].
-        Half of the new cars of 2023 have a motor that brakes (ACEA, new car registrations,
-        European Union), and most tests log it or switch it off.
+    motor_odds : prior odds that the brake pedal also commands a motor whose torque is not
+        logged [1]. Half of the new cars of 2023 have a motor that brakes (ACEA, new car
+        registrations, European Union), and most tests log its torque or switch it off.
     effects : known effects in addition to the paper's model.
     """
 
@@ -95,25 +99,29 @@ class Vehicle:
         return self.mass * G
 
     def with_radii(self, factor: float) -> Self:
-        """The car with the rolling radii of both axles times ``factor`` [1]."""
+        """Return the car with the rolling radii of both axles multiplied by ``factor`` [1]."""
         return replace(
             self, front=self.front.with_radius(factor), rear=self.rear.with_radius(factor)
         )
 
     def with_pads(self, front: float, rear: float) -> Self:
-        """The car with other pads, of these frictions [1]."""
+        """Return the car with pads of other friction ``front`` and ``rear`` [1]."""
         front_axle = replace(self.front, pad_friction=front)
         return replace(self, front=front_axle, rear=replace(self.rear, pad_friction=rear))
 
     def radius_mismatch(self, eta_zero: float) -> float:
-        """Front over rear radius, relative to the file, less one; ``eta_zero`` without brakes."""
+        """True ratio of front to rear radius over the ratio of the file, less one [1].
+
+        ``eta_zero`` is the rear over the front wheel speed, less one, while the car rolls freely.
+        There this ratio of speeds equals the true ratio of front to rear radius.
+        """
         return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0
 
     @property
     def static_loads(self) -> tuple[float, float]:
         """Loads of the front and the rear axle at rest [N], (6) and (7)."""
-        share = self.weight / self.wheelbase
-        return share * self.cg_to_rear_axle, share * self.cg_to_front_axle
+        load_per_length = self.weight / self.wheelbase
+        return load_per_length * self.cg_to_rear_axle, load_per_length * self.cg_to_front_axle
 
 
 def require_same_car(
@@ -123,16 +131,18 @@ def require_same_car(
 
     ``where`` names the file of ``other``. The mass may differ if it was ``weighed``.
     """
-    free = {*UNCERTAINTIES, "front.pad_friction", "rear.pad_friction", *["mass"] * weighed}
-    theirs = _numbers(other)
-    differ = [
-        f"{key} {theirs[key]:.6g} for {x:.6g}"
-        for key, x in _numbers(car).items()
-        if key not in free and theirs[key] != x
+    may_differ = {*UNCERTAINTIES, "front.pad_friction", "rear.pad_friction"}
+    if weighed:
+        may_differ.add("mass")
+    expected, actual = _numbers(car), _numbers(other)
+    differences = [
+        f"{key} {actual[key]:.6g} for {value:.6g}"
+        for key, value in expected.items()
+        if key not in may_differ and actual[key] != value
     ]
-    if differ:
+    if differences:
         raise VehicleError(
-            f"the table was fitted for another car: {', '.join(differ[:4])}",
+            f"the table was fitted for another car: {', '.join(differences[:4])}",
             where=other.name if where is None else where,
             expected="a vehicle with other pads only",
             do="fit a table for this car",
@@ -140,6 +150,9 @@ def require_same_car(
 
 
 def _numbers(car: Vehicle) -> dict[str, float]:
-    parts = asdict(car)
-    axles = {f"{end}.{k}": x for end in ("front", "rear") for k, x in parts[end].items()}
-    return {**{k: x for k, x in parts.items() if isinstance(x, float)}, **axles}
+    """The numbers of a car by the keys of its file, such as ``mass`` and ``front.pad_friction``."""
+    entries = asdict(car)
+    numbers = {key: value for key, value in entries.items() if isinstance(value, float)}
+    for axle in ("front", "rear"):
+        numbers |= {f"{axle}.{key}": value for key, value in entries[axle].items()}
+    return numbers

@@ -19,7 +19,7 @@ from calib.car.vehicle import Axle, Vehicle
 
 
 def _name(name: str) -> str:
-    """A table has the name of its vehicle, so it must be valid as a folder and before an ``@``."""
+    """Refuse a name that cannot be that of the vehicle's table, which is a folder of the store."""
     if not names_a_table(name):
         raise wrong(f"{name!r} cannot name a table", TABLE_NAMES)
     return name
@@ -31,15 +31,16 @@ def _whole(number: float) -> int:
     return int(number)
 
 
-def _rows(part: str) -> dict[str, tuple[Any, Any]]:
-    rows: dict[str, tuple[Any, Any]] = {}
+def _keys_of(section_name: str) -> dict[str, tuple[Any, Any]]:
+    """Return type and default of each key of a section, as `calib.base.record.section` expects."""
+    keys: dict[str, tuple[Any, Any]] = {}
     for key in KEYS:
-        if key.section == part:
+        if key.section == section_name:
             kind: Any = Annotated[float, QuantityMark(si_of(key.unit), key.least, key.most)]
             if key.name == "friction_faces":
                 kind = Annotated[kind, AfterValidator(_whole)]
-            rows[key.name] = (kind, key.default if key.optional else ...)
-    return rows
+            keys[key.name] = (kind, key.default if key.optional else ...)
+    return keys
 
 
 class _Chassis(Section):
@@ -67,10 +68,10 @@ class _Axle(Section):
 
 
 _ChassisSection: Any = section(
-    "_ChassisSection", "Masses and lengths, as in `Vehicle`.", _rows(CHASSIS), _Chassis
+    "_ChassisSection", "Masses and lengths, as in `Vehicle`.", _keys_of(CHASSIS), _Chassis
 )
 _AxleSection: Any = section(
-    "_AxleSection", "One axle, as in `Axle`; every value is for one wheel.", _rows(FRONT), _Axle
+    "_AxleSection", "One axle, as in `Axle`; every value is for one wheel.", _keys_of(FRONT), _Axle
 )
 
 
@@ -92,7 +93,7 @@ class VehicleFile(FileSchema):
 def read_vehicle(path: Path | str) -> Vehicle:
     """Read a vehicle file (TOML, ``schema = 1``, quantities as strings with units).
 
-    Raises one VehicleError with all that is wrong in it.
+    Raises one VehicleError with all mistakes in the file.
 
     >>> import calib
     >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")

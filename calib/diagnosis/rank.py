@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.base.arrays import Array
-from calib.car.effects.catalogue import every_effect
+from calib.car.effects.catalogue import all_effects
 from calib.diagnosis.explanation.base import KINDS, sizes
 from calib.diagnosis.explanation.fit import Fit, of_all
 from calib.diagnosis.explanation.gaussian import Products
@@ -46,7 +46,7 @@ class Trial:
 
 def trials(fit: Fit, names: Iterable[str] | None = None) -> list[Trial]:
     """Further effects, of these ``names`` or every one, beside a fit."""
-    problem, every = fit.problem, every_effect(fit.problem.vehicle.effects)
+    problem, every = fit.problem, all_effects(fit.problem.vehicle.effects)
     new = [n for n in (every if names is None else names) if n not in fit.names]
     of_names = problem.mapped(partial(_tried, fit.alone), new)
     out = list[Trial]()

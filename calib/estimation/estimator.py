@@ -19,7 +19,7 @@ from calib.car.braking import BITE
 from calib.car.effects.combined import sensed
 from calib.car.effects.effect import Pair
 from calib.car.effects.effects import Effects
-from calib.car.mass import weighed
+from calib.car.mass import with_mass
 from calib.car.vehicle import Vehicle
 from calib.estimation.constants import Constants
 from calib.estimation.known import as_driven, known_effects, nominal_car
@@ -210,7 +210,7 @@ def run_of(
 ) -> Run:
     """The run of a log with the table's car and all known effects; arguments as of `estimate`."""
     effects = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
-    return Run(log, weighed(replace(table.vehicle, effects=effects), mass))
+    return Run(log, with_mass(replace(table.vehicle, effects=effects), mass))
 
 
 def estimate_run(

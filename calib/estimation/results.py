@@ -20,7 +20,7 @@ from calib.logs.parquet import parquet_of
 from calib.store.version import Stored
 from calib.table.budget import by_axle
 from calib.table.exported import Precision
-from calib.table.unseen import Unseen, unseen
+from calib.table.unseen import Unseen, unseen_entries
 
 SUMMARY = "summary.json"
 
@@ -54,7 +54,7 @@ def to_dict(
 def unseen_in(stored: Stored, results: Sequence[Validation]) -> list[Unseen]:
     """Entries of the vehicle file that neither ramp nor stops show to be wrong."""
     v = any(r.estimate.blocks.v is not None for r in results)
-    return unseen(stored.table, v, results[0].mass.tolerance if results else None)
+    return unseen_entries(stored.table, v, results[0].mass.tolerance if results else None)
 
 
 def _of_log(r: Validation) -> dict[str, object]:

@@ -15,7 +15,7 @@ from calib.base.warning import REFUSE, Measured, PlausibilityWarning, rule_warni
 from calib.car.balance import front_biased_up_to
 from calib.car.beliefs import CAR, LOG
 from calib.car.braking import BITE
-from calib.car.mass import mass_used, weighed
+from calib.car.mass import mass_used, with_mass
 from calib.car.tyre_file import TyreFile
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import difference_curves, ramp_path, readable_up_to, tyre_curve
@@ -102,7 +102,7 @@ def fit(
 
     0.4 is what the simulation had [1].
     """
-    driven, used = weighed(vehicle, mass), mass_used(vehicle, mass)
+    driven, used = with_mass(vehicle, mass), mass_used(vehicle, mass)
     pad_prior = pad_ratio_prior(driven, bench)
     priors = informative_priors(driven, tyre, fleet or {})
     ramps, coasts, stops = sort_runs([Run(log, driven) for log in logs])

@@ -12,7 +12,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import AXLES, G
-from calib.car.effects.hydraulics import limited
+from calib.car.effects.hydraulics import behind_valve
 from calib.car.forces import mean_slip
 from calib.car.vehicle import Axle, Vehicle
 from calib.model.ramp import RampRun
@@ -136,4 +136,4 @@ def _in_time(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
 
 def _limited(run: RampRun, size: Size) -> RampRun:
     """The run with the rear pressure behind a valve."""
-    return replace(run, blocks=replace(run.blocks, p_r=limited(run.blocks.p_r, *size)))
+    return replace(run, blocks=replace(run.blocks, p_r=behind_valve(run.blocks.p_r, *size)))

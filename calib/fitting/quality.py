@@ -14,7 +14,7 @@ from calib.base.errors import LogError
 from calib.base.warning import Measured, PlausibilityWarning, rule_warnings
 from calib.car.balance import front_biased_up_to
 from calib.car.mass import MassUsed
-from calib.car.plausible import plausible
+from calib.car.plausible import vehicle_warnings
 from calib.car.vehicle import Vehicle
 from calib.fitting.curves import find_peak
 from calib.fitting.ensemble import Ensemble, SlipPrediction
@@ -177,7 +177,7 @@ def warnings_of(
     ``filed`` the vehicle of the file; ``identified`` the resistance of all logs, judged unless the
     file gives one. Where there are coasts, a ramp is judged by their resistance.
     """
-    yield from (w for w in plausible(filed) if not w.code.startswith("pad_friction"))
+    yield from (w for w in vehicle_warnings(filed) if not w.code.startswith("pad_friction"))
     car = ramps[0].car
     if ROLLING[0] not in car.effects:
         yield from rule_warnings(car.name, [Measured("rolling_resistance", identified.mean[1])])

@@ -7,7 +7,7 @@ from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.base.warning import Measured, PlausibilityWarning, bounds_of, relative
 from calib.car.vehicle import Vehicle
-from calib.table.budget import grade, pad_levels
+from calib.table.budget import grade_sigma, pad_levels
 from calib.table.table import Calibration, Value
 
 _POSSIBLE = (0.05, 1.0)
@@ -64,7 +64,7 @@ def of_calibration(
     low, high = bounds_of("pads_off_file_f")
     if all(low <= axle.value <= high for axle in axles):
         scale = fitted.pad_scale
-        sigma = math.hypot(grade(vehicle), scale.sigma / scale.value)
+        sigma = math.hypot(grade_sigma(vehicle), scale.sigma / scale.value)
         yield Measured("pads_off_file", pad_levels(vehicle, fitted).level, sigma, math.expm1)
     rho, expected = fitted.pad_log_ratio, user_specified.value if user_specified else 0.0
     yield Measured("pad_ratio", rho.value - expected, rho.sigma, lambda x: math.expm1(expected + x))

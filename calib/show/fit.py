@@ -21,7 +21,7 @@ from calib.show.table import table_sheet
 from calib.store.figures import usability
 from calib.store.version import Stored
 from calib.table.budget import by_axle
-from calib.table.unseen import Unseen, unseen, unseen_line
+from calib.table.unseen import Unseen, unseen_entries, unseen_line
 
 _CURVES = "The curves of the table with their 95 % bands, and the measured points."
 
@@ -68,7 +68,7 @@ def fit_facts(fitted: Fitted) -> Facts:
 
 def _unseen(fitted: Fitted) -> list[Unseen]:
     has_speed = any("v" in log for log in fitted.ramps)
-    return unseen(fitted.stored.table, has_speed, fitted.mass.tolerance)
+    return unseen_entries(fitted.stored.table, has_speed, fitted.mass.tolerance)
 
 
 def document(fitted: Fitted) -> dict[str, object]:

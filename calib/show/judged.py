@@ -8,7 +8,7 @@ from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgemen
 from calib.estimation.validate import CALIBRATION, Validation
 from calib.show.facts import Row, Table
 from calib.show.torque import UNIT, per_bar
-from calib.table.budget import Parts, ramp_pads, words
+from calib.table.budget import Parts, parts_text, ramp_pads
 from calib.table.table import Table as LookUp
 
 _WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
@@ -71,7 +71,7 @@ def ramp_rows(table: LookUp) -> list[Row]:
 def budget_rows(budgets: Iterable[Parts]) -> list[Row]:
     """Parts of the uncertainty of the pads of both axles."""
     axles = zip(AXLE_NAMES.values(), budgets, strict=False)
-    return [(f"{axle} pads", words(parts)) for axle, parts in axles]
+    return [(f"{axle} pads", parts_text(parts)) for axle, parts in axles]
 
 
 def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> str:

@@ -17,7 +17,7 @@ from calib.store.figures import (
 from calib.store.signature import signer
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
-from calib.table.budget import advice_lines, limiting
+from calib.table.budget import advice_lines, limiting_parts
 
 if TYPE_CHECKING:
     from calib.exports.compare import Difference as FromFile
@@ -61,7 +61,7 @@ def table_facts(stored: Stored) -> Facts:
         rows=[
             ("state", stored.state.description),
             ("range", use.ends),
-            ("largest uncertainty", limiting(budgets)),
+            ("largest uncertainty", limiting_parts(budgets)),
             ("made of", parents or logs),
         ],
         notes=advice_lines(budgets)[:1],

@@ -27,7 +27,7 @@ from calib.show.stop import stops_on_map, torque_and_pads
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
 from calib.store.version import Stored
-from calib.table.budget import STOP, advice_lines, limiting
+from calib.table.budget import STOP, advice_lines, limiting_parts
 from calib.table.exported import Precision
 from calib.table.unseen import unseen_line
 
@@ -67,7 +67,7 @@ def validation_facts(judged: Validated) -> Facts:
         v_unused = proof == NONE and any("v" in r.estimate.ran.log for r in results)
         rows.append(("checked against", _V_NOT_USED if v_unused else _PROOFS[proof]))
     rows += [("as exported", str(how))] if how else []
-    rows += [("largest uncertainty", limiting(budget)) for budget in budgets[:1]]
+    rows += [("largest uncertainty", limiting_parts(budget)) for budget in budgets[:1]]
     rows.append(("unseen errors", unseen_line(unseen_in(stored, results))))
     details = Facts(
         "The ECU beside the best estimate",

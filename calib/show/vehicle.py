@@ -15,7 +15,7 @@ from calib.car.balance import front_biased_up_to, front_share, pressure_per_g
 from calib.car.characteristics import characteristics
 from calib.car.effects.effect import Card
 from calib.car.forces import axle_loads
-from calib.car.plausible import plausible
+from calib.car.plausible import vehicle_warnings
 from calib.car.vehicle import Vehicle
 from calib.show.facts import Facts
 from calib.show.facts import Table as Cells
@@ -59,7 +59,7 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
             ("rear lifts at", f"{consequences['rear_lifts_at']:.2f} g"),
         ],
         parts=[Facts("Axles", tables=[Cells(("axle", "front", "rear"), axles)])],
-        warnings=plausible(vehicle),
+        warnings=vehicle_warnings(vehicle),
     )
 
 

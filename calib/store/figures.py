@@ -8,7 +8,7 @@ import numpy as np
 
 from calib.base.plain import NBSP
 from calib.base.random_effects import quantile95
-from calib.car.effects.catalogue import every_effect
+from calib.car.effects.catalogue import all_effects
 from calib.store.signature import signer
 from calib.store.snapshot import StoreEntry
 from calib.store.state import DRAFT, REJECTED, RELEASED
@@ -126,7 +126,7 @@ class _EffectFigure:
 
 def effect_figures(table: Table) -> Iterator[_EffectFigure]:
     """Yield every parameter of the effects of a table, in the order of its record."""
-    effects = every_effect(table.vehicle.effects)
+    effects = all_effects(table.vehicle.effects)
     for effect, values in table.effect_values.items():
         described = effects[effect].card.parameters if effect in effects else ()
         parameters = {parameter.name: parameter for parameter in described}

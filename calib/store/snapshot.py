@@ -20,7 +20,7 @@ from calib.store.folders import (
 from calib.store.journal import JOURNAL, Journal
 from calib.store.state import DRAFT, RELEASED, WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
-from calib.table.compare import inputs, same
+from calib.table.compare import inputs_digest, is_same_fit
 from calib.table.invariants import violations
 from calib.table.table import Table
 
@@ -171,10 +171,10 @@ class Snapshot:
 
     def identical(self, table: Table) -> Stored | None:
         """Return the newest undamaged version that holds the same table, or None."""
-        table_inputs, digest = inputs(table.content()[0]), table.digest
+        table_inputs, digest = inputs_digest(table.content()[0]), table.digest
         for version, history in reversed(self.journal.versions(table.name).items()):
             if history[0].digest == digest or history[0].inputs == table_inputs:
                 stored = self.entry(table.name, version).stored
-                if stored and same(stored.table, table):
+                if stored and is_same_fit(stored.table, table):
                     return replace(stored, existed=True)
         return None

@@ -29,7 +29,7 @@ from calib.store.journal import CHANGED, STORED, Journal, read_journal, write_jo
 from calib.store.snapshot import Snapshot, StoreEntry
 from calib.store.state import StateDecision, changes_state
 from calib.store.version import Stored, read_version, write_version
-from calib.table.compare import inputs
+from calib.table.compare import inputs_digest
 from calib.table.invariants import violations
 from calib.table.table import Table
 
@@ -175,7 +175,7 @@ class Store:
             write_version(table, version, path)
             stored = read_version(path, f"{table.name}@{version}")
             fields = {"digest": stored.digest, "record": stored.record}
-            fields["inputs"] = inputs(table.content()[0])
+            fields["inputs"] = inputs_digest(table.content()[0])
             journal = snapshot.journal.added(table.name, version, STORED, decision, **fields)
             write_journal(self.folder, journal)
         except BaseException:

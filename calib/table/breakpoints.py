@@ -1,9 +1,9 @@
-"""Breakpoints: the rows of a table to keep for the least error of linear interpolation.
+"""Breakpoints: the rows of a table that are kept, with the least error of linear interpolation.
 
-The table is linear between its rows, so the largest error is exact, at a dropped row. Dynamic
-programming finds the global optimum: the least maximum error, and among equal ones the least sum of
-squares (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969). The time grows with the cube of the
-rows: meant for some hundred.
+The whole table is linear between its rows, so the largest error of the reduced table is at a
+dropped row, and is exact. Dynamic programming finds the global optimum: the least maximum error,
+and among equal maxima the least sum of squares (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969).
+The time grows with the cube of the number of rows, which should be some hundred at most.
 """
 
 from collections.abc import Iterator
@@ -15,12 +15,12 @@ import numpy as np
 from calib.base.arrays import Array, Index
 
 FEWEST = 2
-"""Least number of breakpoints of an axis: its ends."""
+"""Least number of breakpoints of an axis, which are its two ends."""
 
 
 @dataclass(frozen=True)
 class Misfit:
-    """Largest error ``worst`` between breakpoints, where it is, and the largest ``rms``."""
+    """Errors of a reduced table: the largest error, its place, and the largest rms of a curve."""
 
     worst: float
     worst_at: float
@@ -28,27 +28,27 @@ class Misfit:
 
 
 def place(x: Array, curves: Array, points: int) -> Index:
-    """Rows of ``x`` (n,) to keep, with both ends, for ``curves`` (k, n) in one unit.
+    """Return the rows of ``x`` (n,) to keep for ``curves`` (k, n), which have one unit.
 
-    ``points`` of them, at least 2; fewer where more would increase the error.
+    They are ``points`` rows, at least 2, with both ends; fewer where more would increase the error.
     """
     n = len(x)
     if points >= n:
         return np.arange(n)
     worst, square = _segments(x, curves)
-    reach = _least(worst, points, np.maximum)[0][:, n - 1]
-    least = reach[FEWEST:].min()
+    worst_of_count = _least(worst, points, np.maximum)[0][:, n - 1]  # by number of points
+    least = worst_of_count[FEWEST:].min()
     # of equal errors take the most points: for usual curves that is ``points``
-    count = int(np.flatnonzero(reach == least)[-1])
-    _, back = _least(np.where(worst <= least, square, np.inf), count, np.add)
-    return _path(back, count, n)
+    count = int(np.flatnonzero(worst_of_count == least)[-1])
+    _, previous = _least(np.where(worst <= least, square, np.inf), count, np.add)
+    return _path(previous, count, n)
 
 
 def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
-    """Rows of ``x`` (n,) as in `place`, by the least weighted sum of _squared errors.
+    """Return the rows of ``x`` (n,) as in `place`, by the least weighted sum of squared errors.
 
-    ``curves`` (k, n) are slices of a map, ``weights`` (k, n) those of its cells, so that corners
-    that few draws reach do not take all breakpoints.
+    ``curves`` (k, n) are slices of a map, ``weights`` (k, n) those of its cells. With weights,
+    corners of the map that few draws reach do not take all breakpoints.
     """
     n = len(x)
     if points >= n:
@@ -56,47 +56,43 @@ def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Inde
     square = np.full((n, n), np.inf)
     for i, j, gaps in _lines(x, curves):
         square[i, j] = np.sum(weights[:, i : j + 1] * gaps**2)
-    reach, back = _least(square, points, np.add)
-    return _path(back, FEWEST + int(np.argmin(reach[FEWEST:, n - 1])), n)
+    least, previous = _least(square, points, np.add)
+    return _path(previous, FEWEST + int(np.argmin(least[FEWEST:, n - 1])), n)
 
 
 def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
-    """Error of ``values`` (k, m) at ``points`` (m,) against ``curves`` (k, n) over ``x`` (n,).
+    """Errors of ``values`` (k, m) at ``points`` (m,) against ``curves`` (k, n) over ``x`` (n,).
 
-    Exact, since both are piecewise linear; each is constant beyond its ends.
+    They are exact, since both are piecewise linear; both are constant beyond their ends.
     """
-    every = np.union1d(x, points)
-    gaps = np.array(
-        [
-            np.interp(every, points, v) - np.interp(every, x, y)
-            for v, y in zip(values, curves, strict=True)
-        ]
-    )
+    places = np.union1d(x, points)
+    pairs = zip(values, curves, strict=True)
+    gaps = np.array([np.interp(places, points, v) - np.interp(places, x, y) for v, y in pairs])
     k, i = np.unravel_index(int(np.argmax(np.abs(gaps))), gaps.shape)
-    squares = [_squared(every, gap) for gap in gaps]
-    rms = float(np.sqrt(max(squares) / (every[-1] - every[0])))
-    return Misfit(float(abs(gaps[k, i])), float(every[i]), rms)
+    squares = [_integral_of_square(places, gap) for gap in gaps]
+    rms = float(np.sqrt(max(squares) / (places[-1] - places[0])))
+    return Misfit(float(abs(gaps[k, i])), float(places[i]), rms)
 
 
-def _squared(x: Array, gap: Array) -> float:
+def _integral_of_square(x: Array, gap: Array) -> float:
     """Integral of the square of a ``gap`` that is linear between the points ``x``."""
     a, b = gap[:-1], gap[1:]
     return float(np.sum(np.diff(x) * (a * a + a * b + b * b)) / 3.0)
 
 
 def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
-    """Largest error and integral of the _squared error of a line from row i to row j, (n, n)."""
+    """Largest error and integral of the squared error of a line from row i to row j, (n, n)."""
     n = len(x)
     worst, square = np.full((n, n), np.inf), np.full((n, n), np.inf)
     for i, j, gaps in _lines(x, curves):
         gaps[:, 0] = gaps[:, -1] = 0.0
         worst[i, j] = np.abs(gaps).max()
-        square[i, j] = sum(_squared(x[i : j + 1], gap) for gap in gaps)
+        square[i, j] = sum(_integral_of_square(x[i : j + 1], gap) for gap in gaps)
     return worst, square
 
 
 def _lines(x: Array, curves: Array) -> Iterator[tuple[int, int, Array]]:
-    """Two rows i < j, and the distance (k, j - i + 1) of the curves from a line between them."""
+    """Yield all rows i < j, and the gaps (k, j - i + 1) of the curves to a line between them."""
     for i, j in combinations(range(len(x)), 2):
         share = (x[i : j + 1] - x[i]) / (x[j] - x[i])
         line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
@@ -104,21 +100,25 @@ def _lines(x: Array, curves: Array) -> Iterator[tuple[int, int, Array]]:
 
 
 def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, Index]:
-    """Least cost of p points that end at row j, (points + 1, n), and the row before j."""
+    """Return the least cost of p breakpoints of which the last is row j, (points + 1, n).
+
+    ``cost`` (n, n) is that of the line from one breakpoint to the next; ``join`` joins the costs of
+    successive lines. The second result is the breakpoint before j.
+    """
     n = len(cost)
-    reach = np.full((points + 1, n), np.inf)
-    back = np.zeros((points + 1, n), dtype=np.intp)
-    reach[1, 0] = 0.0
+    least = np.full((points + 1, n), np.inf)
+    previous = np.zeros((points + 1, n), dtype=np.intp)
+    least[1, 0] = 0.0
     for p in range(FEWEST, points + 1):
-        total = join(reach[p - 1][:, None], cost)
-        back[p] = np.argmin(total, axis=0)
-        reach[p] = total[back[p], np.arange(n)]
-    return reach, back
+        total = join(least[p - 1][:, None], cost)
+        previous[p] = np.argmin(total, axis=0)
+        least[p] = total[previous[p], np.arange(n)]
+    return least, previous
 
 
-def _path(back: Index, points: int, n: int) -> Index:
-    row, rows = n - 1, [n - 1]
+def _path(previous: Index, points: int, n: int) -> Index:
+    """Return the rows of ``points`` breakpoints, found from the last row backwards."""
+    rows = [n - 1]
     for p in range(points, 1, -1):
-        row = int(back[p, row])
-        rows.append(row)
+        rows.append(int(previous[p, rows[-1]]))
     return np.array(rows[::-1], dtype=np.intp)

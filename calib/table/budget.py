@@ -1,7 +1,9 @@
-"""The uncertainty of a pad friction by part, and what reduces it.
+"""The uncertainty of a pad friction, divided into parts by its causes, and advice that reduces it.
 
+A part, such as `mass`, is the standard deviation of ln of the pad friction that one cause makes.
 The page `validation` of the manual explains each part. Errors of the areas and radii of the brakes
-are not counted.
+are not counted. The level of the pads is the brake force of both axles per pressure, their ratio is
+front over rear pad friction, both relative to the vehicle file.
 """
 
 import math
@@ -18,7 +20,7 @@ from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, Table
 
 Parts = dict[str, float]
-"""Standard deviation of ln of a pad friction [1] by part: the squares add up to the whole."""
+"""Standard deviation of ln of a pad friction [1] by part: the sum of squares is its variance."""
 
 _Variances = Mapping[str, float]
 """Variance of ln of a pad friction, of the pads' level or of their ratio [1], by part."""
@@ -26,56 +28,61 @@ _Variances = Mapping[str, float]
 PER_RUN = ("noise", "zeros")
 """Parts that differ from run to run of the same car.
 
-The others are common to the cars of a line: mass, geometry, road, kind of sensor, method. Their
-differences, such as the weight of a driver, are in the scatter between cars.
+All other parts count as common to the cars of a line: mass, geometry, road, kind of sensor, method.
+What they differ by from car to car, such as the weight of a driver, is in the scatter between cars.
 """
 
 RAMP, STOP = "ramp", "stop"
-"""Kinds of a budget: of a fit, or of a stop. In a stop ``tyres`` is what the ramp left open."""
+"""Kinds of a budget, as the parts of an uncertainty are called: that of a fit, or of a stop."""
 
 
 @dataclass(frozen=True)
 class _Advice:
-    """What to ``do``, and the share of each part that then remains in a ``budget``, "" for both."""
+    """Advice ``do``, and the share of each part that remains if it is followed.
+
+    ``budget`` is the kind of budget for which the advice is, "" for both kinds.
+    """
 
     do: str
     budget: str
-    leaves: Mapping[str, float]
+    remaining_shares: Mapping[str, float]
 
     def remaining(self, parts: Parts) -> float:
-        """Standard deviation of a budget that then remains [1]; a stated mass stays as it is."""
-        weighed = parts.get("mass", 0.0) < _NOT_STATED
-        shares = {p: s for p, s in self.leaves.items() if not (p == "mass" and weighed)}
+        """Standard deviation [1] that remains of a budget; that of a weighed mass does not fall."""
+        shares = dict(self.remaining_shares)
+        if parts.get("mass", 0.0) < _WEIGHED_BELOW:
+            shares.pop("mass", None)
         return math.hypot(*(x * shares.get(part, 1.0) for part, x in parts.items()))
 
 
-_NOT_STATED = 0.99 * Vehicle.mass_tolerance
-"""Standard deviation of a mass [1] below which it was weighed, or the file has its tolerance."""
+_WEIGHED_BELOW = 0.99 * Vehicle.mass_tolerance
+"""Relative standard deviation of a mass [1] below which it was weighed, or the file states it."""
 
 
-_ADVICE = tuple(
-    _Advice(row.pop("do"), row.pop("budget"), {part: float(x) for part, x in row.items() if x})
-    for row in rows("budget.csv", "calib.table")
-)
+def _advice(row: dict[str, str]) -> _Advice:
+    shares = {part: float(x) for part, x in row.items() if x and part not in ("do", "budget")}
+    return _Advice(row["do"], row["budget"], shares)
+
+
+_ADVICE = tuple(map(_advice, rows("budget.csv", "calib.table")))
 
 
 def ramp_pads(table: Table) -> tuple[str, str]:
-    """Pad friction of front and rear from the ramp, each with its 95 % interval, in words."""
-    cal = table.calibration
-    front, rear = (
-        plus_minus(pad.value, pad.ci95[1] - pad.value)
-        for pad in (cal.pad_friction_f, cal.pad_friction_r)
+    """Text of front and rear pad friction from the ramp, each with its 95 % interval."""
+    front, rear = table.calibration.pad_friction_f, table.calibration.pad_friction_r
+    return (
+        plus_minus(front.value, front.ci95[1] - front.value),
+        plus_minus(rear.value, rear.ci95[1] - rear.value),
     )
-    return front, rear
 
 
 def per_run(variances: _Variances) -> float:
-    """Variance of the parts that differ from run to run."""
+    """Sum of the variances of the parts `PER_RUN`."""
     return sum(variances.get(part, 0.0) for part in PER_RUN)
 
 
 def shared(variances: _Variances) -> dict[str, float]:
-    """The parts that are common to all runs and to the cars of a line."""
+    """The variances of all parts but `PER_RUN`."""
     return {part: x for part, x in variances.items() if part not in PER_RUN}
 
 
@@ -84,14 +91,14 @@ def deviations(variances: _Variances) -> Parts:
     return {part: math.sqrt(x) for part, x in variances.items() if x > 0.0}
 
 
-def words(parts: Parts) -> str:
-    r"""The three largest parts, as a 95 % interval has them.
+def parts_text(parts: Parts) -> str:
+    r"""Text of the three largest parts, as half widths of 95 % intervals.
 
-    >>> words({"tyres": 0.01, "mass": 0.03, "load_geometry": 0.002})
+    >>> parts_text({"tyres": 0.01, "mass": 0.03, "load_geometry": 0.002})
     'mass ±5.9\xa0%, tyres ±2.0\xa0%, load geometry ±0.4\xa0% (95\xa0%)'
     """
-    ordered = sorted(parts.items(), key=lambda one: -one[1])[:3]
-    widths = (f"{_label(part)} ±{100.0 * Z95 * x:.1f}{NBSP}%" for part, x in ordered)
+    largest = sorted(parts, key=lambda part: -parts[part])[:3]
+    widths = (f"{_label(part)} ±{100.0 * Z95 * parts[part]:.1f}{NBSP}%" for part in largest)
     return f"{', '.join(widths)} (95{NBSP}%)"
 
 
@@ -99,25 +106,25 @@ def _label(part: str) -> str:
     return "ratio of front to rear pads" if part == "unlike_pads" else part.replace("_", " ")
 
 
-def limiting(axles: Sequence[Parts]) -> str:
-    r"""The largest part of each axle, as a 95 % interval.
+def limiting_parts(axles: Sequence[Parts]) -> str:
+    r"""Text of the largest part of each axle, as half widths of 95 % intervals.
 
-    >>> limiting([{"tyres": 0.01, "mass": 0.03}, {"unlike_pads": 0.04}])
+    >>> limiting_parts([{"tyres": 0.01, "mass": 0.03}, {"unlike_pads": 0.04}])
     'mass (±6\xa0% front), ratio of front to rear pads (±8\xa0% rear)'
     """
-    by_part: dict[str, list[str]] = {}
+    widths: dict[str, list[str]] = {}
     for axle, parts in zip(AXLE_NAMES.values(), axles, strict=True):
-        most = max(parts, key=parts.__getitem__)
-        width = f"±{100.0 * Z95 * parts[most]:.0f}{NBSP}%"
-        by_part.setdefault(_label(most), []).append(f"{width} {axle}")
-    return ", ".join(f"{part} ({', '.join(of)})" for part, of in by_part.items())
+        largest = max(parts, key=parts.__getitem__)
+        width = f"±{100.0 * Z95 * parts[largest]:.0f}{NBSP}% {axle}"
+        widths.setdefault(_label(largest), []).append(width)
+    return ", ".join(f"{part} ({', '.join(texts)})" for part, texts in widths.items())
 
 
 def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
-    """What narrows the 95 % intervals, and by how much, the most useful first.
+    """Return advice that narrows the 95 % intervals, and by how much, the most useful first.
 
-    ``axles`` budgets of front and rear pads in turn; the widest of each counts. The shares of
-    `budget.csv` are tested on the reference car in `tests/fitting/test_advice.py`.
+    ``axles`` are budgets of front and rear pads in turn; the widest of each axle counts. The shares
+    of `budget.csv` are tested on the reference car in `tests/fitting/test_advice.py`.
 
     >>> advice_lines([{"mass": 0.005, "noise": 0.02}, {"mass": 0.005, "noise": 0.04}])
     ['brake twice as long: front ±4 % -> ±3 %, rear ±8 % -> ±6 %']
@@ -125,63 +132,68 @@ def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
     budgets = list(axles)
     widest = [max(side, key=_sigma) for side in (budgets[::2], budgets[1::2]) if side]
     lines = []
-    for advice in _useful(kind):
+    for advice in _ADVICE:
         reduced = [advice.remaining(parts) for parts in widest]
-        widths = [
-            (axle, *(f"±{100.0 * Z95 * x:.0f} %" for x in (_sigma(parts), after)))
-            for axle, parts, after in zip(AXLE_NAMES.values(), widest, reduced, strict=False)
-        ]
-        if gains := [f"{axle} {a} -> {b}" for axle, a, b in widths if a != b]:
+        gains = []
+        for axle, parts, sigma in zip(AXLE_NAMES.values(), widest, reduced, strict=False):
+            present, future = _half_width(_sigma(parts)), _half_width(sigma)
+            if present != future:
+                gains.append(f"{axle} {present} -> {future}")
+        if gains and advice.budget in ("", kind):
             lines.append((math.prod(reduced), f"{advice.do}: {', '.join(gains)}"))
     return [line for _, line in sorted(lines)]
-
-
-def by_axle(axles: Iterable[Parts]) -> dict[str, Parts]:
-    """The parts of both axles by their names, for a JSON file."""
-    return dict(zip(AXLE_NAMES.values(), axles, strict=True))
-
-
-def _useful(kind: str) -> list[_Advice]:
-    return [advice for advice in _ADVICE if advice.budget in ("", kind)]
 
 
 def _sigma(parts: Parts) -> float:
     return math.hypot(*parts.values())
 
 
+def _half_width(sigma: float) -> str:
+    return f"±{100.0 * Z95 * sigma:.0f} %"
+
+
+def by_axle(axles: Iterable[Parts]) -> dict[str, Parts]:
+    """The parts of both axles by the name of the axle, for a JSON file."""
+    return dict(zip(AXLE_NAMES.values(), axles, strict=True))
+
+
 def axle_parts(
     vehicle: Vehicle, log_ratio: float, level: _Variances, ratio: _Variances
 ) -> tuple[Parts, Parts]:
-    """Parts of front and rear pads, from those of their ``level`` and their ``ratio``.
+    """Parts of front and rear pads, from the variances of ``level`` and ``ratio`` of the pads.
 
-    The ratio (``log_ratio`` as of `front_share`) changes the pads of an axle by the share of the
-    other one in the brake force.
+    Where the level is fixed, a change of ln of the ratio changes ln of the front pads by the share
+    of the rear axle in the brake force, and ln of the rear pads by that of the front axle.
+    ``log_ratio`` is as in `front_share`.
     """
     share = front_share(vehicle, log_ratio)
-    front, rear = (
-        {p: level.get(p, 0.0) + lever**2 * ratio.get(p, 0.0) for p in {**level, **ratio}}
-        for lever in (1.0 - share, share)
-    )
-    return deviations(front), deviations(rear)
+
+    def of_axle(other_share: float) -> Parts:
+        parts = {**level, **ratio}
+        return deviations(
+            {p: level.get(p, 0.0) + other_share**2 * ratio.get(p, 0.0) for p in parts}
+        )
+
+    return of_axle(1.0 - share), of_axle(share)
 
 
 class PadLevels(NamedTuple):
-    """Logarithms [1] over the pads of the vehicle file.
-
-    ``level`` of the brake force of both axles per pressure; ``ratio`` of the pads, front over rear.
-    """
+    """ln of the ``level`` and of the ``ratio`` of the pads, relative to the vehicle file [1]."""
 
     level: float
     ratio: float
 
 
-def grade(vehicle: Vehicle) -> float:
-    """Standard deviation of ln of the pads' level, relative to the file, by their grade [1]."""
+def grade_sigma(vehicle: Vehicle) -> float:
+    """Standard deviation of ln of the pads' level, relative to the file, for pads of a grade [1].
+
+    Without a tolerance in the file it is that with which two axles give the usual ratio.
+    """
     return vehicle.front.pad_friction_tolerance or CAR.log_pad_ratio.sigma / math.sqrt(2.0)
 
 
 def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:
-    """Level and ratio of the pads of a calibration."""
+    """Return level and ratio of the pads of a calibration."""
     front = pads.pad_friction_f.value / vehicle.front.pad_friction
     rear = pads.pad_friction_r.value / vehicle.rear.pad_friction
     share = front_share(vehicle, 0.0)
@@ -189,6 +201,9 @@ def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:
 
 
 def pad_scale(vehicle: Vehicle, levels: PadLevels) -> float:
-    """Common factor on the pads of the vehicle file [1]; with the ratio it gives both axles."""
-    share, half = front_share(vehicle, 0.0), math.exp(0.5 * levels.ratio)
-    return math.exp(levels.level) / (share * half + (1.0 - share) / half)
+    """Common factor on the pads of the vehicle file [1], as `Calibration.pad_scale`.
+
+    The front pads have this factor times exp(ratio/2), the rear pads this factor over exp(ratio/2).
+    """
+    share, factor = front_share(vehicle, 0.0), math.exp(0.5 * levels.ratio)
+    return math.exp(levels.level) / (share * factor + (1.0 - share) / factor)

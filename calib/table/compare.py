@@ -1,8 +1,8 @@
 """The differences of two tables, and whether both are the same fit.
 
-Processors round sums in another order, so the numbers of one fit differ from the seventh digit on.
-Two tables are the same fit where program, logs, vehicle and settings are equal, and no number
-differs by more than `TOLERANCE`.
+`diff` compares any two tables. `is_same_fit` asks whether program, logs, vehicle and settings are
+equal and no number differs by more than `TOLERANCE`: processors add in different orders, so the
+numbers of one fit may differ from the seventh digit on.
 """
 
 import json
@@ -21,18 +21,18 @@ from calib.table.maps import MAPS, Map, PadMap
 from calib.table.table import Table, Value
 
 TOLERANCE = 1e-5
-"""Largest difference of two numbers over the largest of their list or column [1].
+"""Largest difference of two numbers over the largest number of their list or column [1].
 
-A value is compared over itself or its sigma, whichever is larger.
+A fitted value and its sigma count as one list.
 """
 _VALUE = {"value", "sigma"}
 """Keys of a fitted value in a record."""
 _RESULTS = ("calibration", "effects", "noise", "quality")
 """Sections of the record that hold numbers of the fit."""
-_SURE = 0.95  # share of the cells that decides the verdict [1]
+_SHARE_OF_CELLS = 0.95  # that must be within the 95 % bands, as bands promise no more [1]
 
 _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
-"""Verdicts on two tables; the second where no difference exceeds the 95 % bands of both."""
+"""Verdicts on two tables. Tables are within bands where no difference exceeds the 95 % bands."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,12 @@ class _Curve(Map):
 
 @dataclass(frozen=True)
 class _CurveGap:
-    """Distance of one curve or map of ``b`` from that of ``a`` on their common axes [1].
+    """Difference b - a of a curve or a column of a map, where their axes overlap [1].
 
-    The axis is eta or slip; that of a map is z, over the part that both have of its other axes.
-    ``largest`` the b - a of largest magnitude, ``at`` its place; ``in_bands`` magnitude over the
-    combined 95 % half-width that 95 % of the cells do not exceed, as 95 % bands promise no more;
-    infinite without a band. Cells of a map have the weight of their share of the stops.
+    ``start`` and ``end`` are on the axis eta, slip or, for a map, z. ``largest`` is the difference
+    of largest magnitude, ``at`` its place on that axis. ``in_bands`` is a magnitude over the
+    combined half width of both 95 % bands: the one that 95 % of the cells do not exceed, infinite
+    without a band. Cells of a map have the weight of their share of the stops.
     """
 
     curve: str
@@ -64,7 +64,7 @@ class _CurveGap:
 
 @dataclass(frozen=True)
 class _RecordChange:
-    """One key of the records that differs; the JSON of both values, None where there is none."""
+    """A key of the records that differs: JSON of its value in each table, None if it is missing."""
 
     key: str
     a: str | None
@@ -73,7 +73,7 @@ class _RecordChange:
 
 @dataclass(frozen=True)
 class _ValueGap:
-    """A fitted value of ``a`` and ``b`` [1], and their distance over the combined half-width."""
+    """A fitted value of both tables [1], and its difference over the combined half width."""
 
     name: str
     a: float
@@ -85,9 +85,9 @@ class _ValueGap:
 class Difference:
     """Differences of two tables.
 
-    ``curves`` and maps with a common axis, names of those without one in ``apart``; ``values`` of
-    the pads; ``changes`` of the record by section: vehicle, quality, provenance and so on;
-    ``identical`` if nothing differs, not in the draws either.
+    ``curves`` are the curves and columns of maps whose axes overlap; ``apart`` names the others.
+    ``values`` are those of the pads. ``changes`` are those of the record by section: vehicle,
+    quality, provenance and so on. The tables are ``identical`` if the draws are equal, too.
     """
 
     curves: tuple[_CurveGap, ...]
@@ -98,31 +98,34 @@ class Difference:
 
     @property
     def verdict(self) -> str:
-        """`equal`; `equal within bands`, of 95 %; or `different`."""
+        """`equal`, `equal within bands` or `different`."""
         if self.identical:
             return _EQUAL
-        gaps = [g.in_bands for g in self.curves] + [g.in_bands for g in self.values]
+        gaps = [gap.in_bands for gap in self.curves] + [gap.in_bands for gap in self.values]
         return _DIFFERENT if self.apart or max(gaps, default=0.0) > 1.0 else _WITHIN
 
 
 def diff(a: Table, b: Table) -> Difference:
-    """Compare two tables: curves and maps on their common axes, pads, records by key.
-
-    Curves and maps are linear between rows.
-    """
-    others, pads = _curves(b), vars(b.calibration)
-    gaps = {name: _gap(name, *one, others[name][0]) for name, one in _curves(a).items()}
+    """Compare two tables: curves and maps where their axes overlap, pads, records by key."""
+    curves_b, pads_b = _curves(b), vars(b.calibration)
+    gaps = {
+        name: _gap(name, column, curve, curves_b[name][0])
+        for name, (curve, column) in _curves(a).items()
+    }
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
-        values=tuple(_value_gap(n, x, pads[n]) for n, x in vars(a.calibration).items()),
+        values=tuple(_value_gap(n, x, pads_b[n]) for n, x in vars(a.calibration).items()),
         changes=changes(a, b),
         identical=a.digest == b.digest,
     )
 
 
 def _curves(table: Table) -> dict[str, tuple[Map, str]]:
-    """Each curve, and each bounded column of the maps, named as "map ratio"."""
+    """Each curve, and each bounded column of a map, as a map and the name of its column.
+
+    The keys are names such as "D" and "map ratio".
+    """
     d, p, g = table.difference, table.paper, table.tyre
     curves: dict[str, tuple[Map, str]] = {
         "D": (_Curve(d.eta, d.D, d.lower, d.upper), "value"),
@@ -130,50 +133,65 @@ def _curves(table: Table) -> dict[str, tuple[Map, str]]:
         "f2": (_Curve(p.eta, p.f2, p.f2_lower, p.f2_upper), "value"),
         "g": (_Curve(g.slip, g.force, g.lower, g.upper), "value"),
     }
-    maps = {name: getattr(table, name) for name in MAPS}
-    return curves | {f"{n} {column}": (m, column) for n, m in maps.items() for column in m.bounded}
+    for name in MAPS:
+        part: Map = getattr(table, name)
+        curves |= {f"{name} {column}": (part, column) for column in part.bounded_columns}
+    return curves
 
 
-def _gap(name: str, a: Map, column: str, b: Map) -> _CurveGap | None:
-    """Gap of one column on the same cells; None where the axes have no part in common."""
+def _gap(name: str, column: str, a: Map, b: Map) -> _CurveGap | None:
+    """Return the gap of a column where the axes of ``a`` and ``b`` overlap, None if they do not."""
     axes = []
     for x, y in zip(a.axes.values(), b.axes.values(), strict=True):
-        values = np.union1d(x, y)  # both are linear between these, so the largest gap is at one
+        # both maps are linear between the values of both axes, so the largest gap is at a value
+        values = np.union1d(x, y)
         axes.append(values[(values >= max(x[0], y[0])) & (values <= min(x[-1], y[-1]))])
     if not all(axis.size for axis in axes):
         return None
     a, b = a.on(axes), b.on(axes)
     gap = getattr(b, column) - getattr(a, column)
-    ends = [(getattr(m, f"{column}_upper"), getattr(m, f"{column}_lower")) for m in (a, b)]
-    band = np.hypot(*((upper - lower) / 2 for upper, lower in ends))
-    shares = (m.share if isinstance(m, PadMap) else np.ones_like(m.z) for m in (a, b))
-    in_bands = _quantile(_over(gap, band), np.minimum(*shares))
+    half_widths = np.hypot(_half_widths(a, column), _half_widths(b, column))
+    weights = np.minimum(_weights(a), _weights(b))
+    in_bands = _quantile(_in_bands(gap, half_widths), weights)
     worst = int(np.argmax(np.abs(gap)))
-    start, end, largest, place = (float(x) for x in (a.z[0], a.z[-1], gap[worst], a.z[worst]))
-    return _CurveGap(name, start, end, largest, place, in_bands)
+    start, end, place = float(a.z[0]), float(a.z[-1]), float(a.z[worst])
+    return _CurveGap(name, start, end, float(gap[worst]), place, in_bands)
+
+
+def _half_widths(m: Map, column: str) -> Array:
+    """Half width of the 95 % band of a column in each cell (n,)."""
+    upper: Array = getattr(m, f"{column}_upper")
+    return np.asarray((upper - getattr(m, f"{column}_lower")) / 2)
+
+
+def _weights(m: Map) -> Array:
+    return m.share if isinstance(m, PadMap) else np.ones_like(m.z)
 
 
 def _quantile(x: Array, weights: Array) -> float:
-    """Quantile `_SURE` of ``x`` (n,) with ``weights`` (n,)."""
+    """Quantile `_SHARE_OF_CELLS` of ``x`` (n,) with ``weights`` (n,)."""
     order = np.argsort(x)
-    below = np.cumsum(weights[order])
-    return float(x[order][np.searchsorted(below, _SURE * below[-1])]) if below[-1] > 0.0 else 0.0
+    total = np.cumsum(weights[order])
+    if total[-1] <= 0.0:
+        return 0.0
+    return float(x[order][np.searchsorted(total, _SHARE_OF_CELLS * total[-1])])
 
 
 def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:
-    gap, band = np.array([b.value - a.value]), np.array([Z95 * math.hypot(a.sigma, b.sigma)])
-    return _ValueGap(name, a.value, b.value, float(_over(gap, band)[0]))
+    gap, half_width = np.array([b.value - a.value]), Z95 * math.hypot(a.sigma, b.sigma)
+    in_bands = float(_in_bands(gap, np.array([half_width]))[0])
+    return _ValueGap(name, a.value, b.value, in_bands)
 
 
-def _over(gap: Array, band: Array) -> Array:
-    """Gaps over their bands (n,); 0 where both are, infinite without a band."""
-    over = np.where(gap == 0.0, 0.0, math.inf)
-    np.divide(np.abs(gap), band, out=over, where=(band > 0.0) & (gap != 0.0))
-    return over
+def _in_bands(gap: Array, half_widths: Array) -> Array:
+    """Magnitudes of gaps over half widths (n,): 0 without a gap, infinite without a band."""
+    in_bands = np.where(gap == 0.0, 0.0, math.inf)
+    np.divide(np.abs(gap), half_widths, out=in_bands, where=(half_widths > 0.0) & (gap != 0.0))
+    return in_bands
 
 
 def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:
-    """The keys of two records that differ, by section."""
+    """Return the keys in which the records of two tables differ, by section."""
     first, second = _flat(_record(a)), _flat(_record(b))
     changed: dict[str, tuple[_RecordChange, ...]] = {}
     for key in sorted({*first, *second}):
@@ -185,7 +203,7 @@ def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:
 
 
 def _record(table: Table) -> dict[str, Any]:
-    """The record without one number for each row: the spread of D, fingerprints of logs."""
+    """Return the record without its long lists of numbers: scatter of D, fingerprints of logs."""
     record, _ = table.content()
     record.get("spread", {}).pop("D", None)
     for log in record["provenance"]["logs"]:
@@ -194,55 +212,63 @@ def _record(table: Table) -> dict[str, Any]:
 
 
 def _flat(value: object, path: str = "") -> dict[str, str]:
-    """Single values of a JSON value, by dotted key; logs by name, other lists by position."""
+    """Return the single values of a JSON value, as JSON by dotted key.
+
+    Items of a list have their position as key, or their names if all have different names.
+    """
     if isinstance(value, dict):
         items = {str(key): part for key, part in value.items()}
     elif isinstance(value, list):
         names = [part["name"] for part in value if isinstance(part, dict) and "name" in part]
-        named = len(set(names)) == len(value)
-        items = dict(zip(names if named else map(str, range(len(value))), value, strict=True))
+        have_names = len(set(names)) == len(value)
+        keys = names if have_names else [str(i) for i in range(len(value))]
+        items = dict(zip(keys, value, strict=True))
     else:
         return {path: json.dumps(value)}
-    leaves: dict[str, str] = {}
+    values: dict[str, str] = {}
     for key, part in items.items():
-        leaves |= _flat(part, f"{path}.{key}" if path else key)
-    return leaves
+        values |= _flat(part, f"{path}.{key}" if path else key)
+    return values
 
 
-def inputs(record: dict[str, Any]) -> str:
-    """SHA-256 over the inputs of the fit in a record, and over the program.
+def inputs_digest(record: dict[str, Any]) -> str:
+    """SHA-256 over the inputs of the fit in a record: name, vehicle, logs, settings, program.
 
     Fingerprints follow from the logs, so their numbers do not count.
     """
-    origin = record["provenance"]
-    logs = [{**log, "fingerprint": "fingerprint" in log} for log in origin["logs"]]
-    inputs_of_fit = {name: record.get(name) for name in ("name", "vehicle")}
-    inputs_of_fit["provenance"] = {**origin, "logs": logs}
-    return sha256(canonical_json(inputs_of_fit))
+    provenance = record["provenance"]
+    logs = [{**log, "fingerprint": "fingerprint" in log} for log in provenance["logs"]]
+    inputs = {name: record.get(name) for name in ("name", "vehicle")}
+    inputs["provenance"] = {**provenance, "logs": logs}
+    return sha256(canonical_json(inputs))
 
 
-def same(a: Table, b: Table) -> bool:
+def is_same_fit(a: Table, b: Table) -> bool:
     """Whether two tables have equal inputs, and numbers equal within `TOLERANCE`."""
     (record_a, curves_a), (record_b, curves_b) = a.content(), b.content()
-    if inputs(record_a) != inputs(record_b):
+    if inputs_digest(record_a) != inputs_digest(record_b):
         return False
-    left, right = (
-        dict(_leaves({**{name: record[name] for name in _RESULTS}, **curves}))
-        for record, curves in ((record_a, curves_a), (record_b, curves_b))
+    results_a = {name: record_a[name] for name in _RESULTS}
+    results_b = {name: record_b[name] for name in _RESULTS}
+    numbers_a, numbers_b = (
+        dict(_numbers(results_a | curves_a)),
+        dict(_numbers(results_b | curves_b)),
     )
-    return left.keys() == right.keys() and all(_near(left[key], right[key]) for key in left)
+    if numbers_a.keys() != numbers_b.keys():
+        return False
+    return all(_is_near(numbers_a[key], numbers_b[key]) for key in numbers_a)
 
 
-def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
-    """Numbers, lists and columns by dotted key; a fitted value is one of them."""
+def _numbers(value: Any, path: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
+    """Yield numbers, lists and columns with their dotted keys; a fitted value is one list."""
     if isinstance(value, dict) and value.keys() != _VALUE:
         for key, part in value.items():
-            yield from _leaves(part, f"{path}.{key}")
+            yield from _numbers(part, f"{path}.{key}")
     else:
-        yield path, np.asarray([*value.values()] if isinstance(value, dict) else value)
+        yield path, np.asarray(list(value.values()) if isinstance(value, dict) else value)
 
 
-def _near(a: NDArray[Any], b: NDArray[Any]) -> bool:
+def _is_near(a: NDArray[Any], b: NDArray[Any]) -> bool:
     if a.shape != b.shape or a.dtype.kind not in "fi":
         return bool(np.array_equal(a, b))
     scale = max(np.max(np.abs(x), initial=0.0) for x in (a, b))

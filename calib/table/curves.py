@@ -1,4 +1,7 @@
-"""The curves of a table: D(eta), f1(eta) and f2(eta), g(slip), with 95 % bands."""
+"""The curves of a table with their 95 % bands: D(eta), f1(eta) and f2(eta), g(slip).
+
+A row is made of the blocks, means over 50 ms, whose eta or slip is in its cell.
+"""
 
 from dataclasses import dataclass
 
@@ -8,15 +11,16 @@ from numpy.typing import ArrayLike
 from calib.base.arrays import Array, Mask
 
 MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
-"""Flags of a row: enough blocks, between such rows, beyond them."""
+"""Flags of a row: it has enough blocks; it lies between such rows; it lies beyond them."""
 
 
 @dataclass(frozen=True)
 class DifferenceCurve:
     """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
 
-    ``lower``, ``upper`` 95 % band; ``count`` of blocks in the cell; ``flag`` as above; ``own``
-    share of the variance that differs from run to run of the same car, 0 in a mean of cars.
+    ``lower`` and ``upper`` are the 95 % band, ``count`` is the number of blocks of the row, and
+    ``flag`` is one of the flags above. ``own`` is the share of the variance that differs from run
+    to run of the same car; 0 in a mean of cars.
     """
 
     eta: Array
@@ -45,8 +49,8 @@ class DifferenceCurve:
 class PaperCurves:
     """f1, f2 of (11), (12) and Fig. 6 over eta, where they are single-valued. Shapes (n,), all [1].
 
-    ``z`` deceleration of the ramp at that eta; the rest as in `DifferenceCurve`. (18) holds in
-    every row.
+    ``z`` is the deceleration of the ramp at that eta; the other columns are as in
+    `DifferenceCurve`. (18) holds in every row.
     """
 
     eta: Array
@@ -68,17 +72,17 @@ class PaperCurves:
 
     @property
     def measured_rows(self) -> Mask:
-        """Rows that are not extrapolated, (n,); the first, with eta = 1, is always one."""
+        """Whether each row (n,) is not extrapolated; the first row, eta = 1, counts as measured."""
         return np.asarray((self.flag != EXTRAPOLATED) | (np.arange(self.flag.size) == 0))
 
     @property
     def decelerations(self) -> tuple[float, float]:
-        """Least and greatest z [1] of all rows, with the extrapolated ones."""
+        """Least and greatest z [1] of all rows, also of the extrapolated rows."""
         return _ends(self.z)
 
     @property
     def usable(self) -> tuple[float, float]:
-        """Least and greatest z [1] of the measured rows: the table is usable between them."""
+        """Least and greatest z [1] of the measured rows, between which the table is usable."""
         return _ends(self.z[self.measured_rows])
 
     @property
@@ -93,9 +97,10 @@ def _ends(x: Array) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class TyreCurve:
-    """g(slip) common to both axles, at the static mean wheel load. Shapes (n,), all [1].
+    """The tyre curve g(slip), common to both axles. Shapes (n,), all [1].
 
-    The columns are those of `DifferenceCurve`.
+    ``force`` is the normalised force at half of the weight on the axle. The other columns are as in
+    `DifferenceCurve`.
     """
 
     slip: Array

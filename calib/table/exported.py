@@ -1,8 +1,11 @@
 """A table as an ECU reads it: on fewer breakpoints, in integers or in single precision.
 
-`calib.exports` writes these numbers, and `as_exported` returns them as a table, so that validation
-judges what is exported. The axes of a map are rounded first, and its cells are read from the whole
-map there: rounding an axis adds no error.
+    numbers --Precision.numbers, .axis--> Written        one column
+    Map     --written_map---------------> WrittenMap     `calib.exports` writes these numbers
+    Table   --as_exported---------------> Table          validation judges this table
+
+The axes of a map are rounded first, and its cells are interpolated from the whole map at the
+rounded axes, so that rounding an axis adds no error.
 """
 
 import math
@@ -20,15 +23,15 @@ from calib.table.table import Table
 
 BITS = (8, 16, 32)
 """Widths of the signed integer types of C [bit]."""
-FINEST = 52
-"""Largest shift: the step is then that of a double at 1."""
+_MAX_SHIFT = 52
+"""Largest `Fixed.shift`: the step is then that of a double at 1."""
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """Integers ``raw`` (n,) of ``bits``: value = origin + raw * 2^-shift, the finest that fits.
+    """Fixed point: integers ``raw`` (n,) of ``bits``, with value = origin + raw * 2^-shift.
 
-    ``error`` largest rounding error, in the unit of the values: at most 2^-(shift + 1).
+    ``error`` is the largest rounding error, in the unit of the values: at most 2^-(shift + 1).
     """
 
     raw: Index
@@ -49,7 +52,7 @@ class Fixed:
 
 
 def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
-    """Nearest integers of ``bits`` (signed) for ``values`` (n,).
+    """Return the nearest integers of ``bits`` (signed) for ``values`` (n,), with the finest step.
 
     Raises ExchangeError for a width that C does not have.
     """
@@ -57,11 +60,12 @@ def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
         expected = "one of " + ", ".join(map(str, BITS))
         raise ExchangeError(f"fixed point of {bits} bits", expected=expected)
     offsets = values - origin
-    largest, most = float(np.abs(offsets).max()), 2 ** (bits - 1) - 1
+    largest, max_integer = float(np.abs(offsets).max()), 2 ** (bits - 1) - 1
     shift = 0
     if largest > 0.0:
-        shift = min(FINEST, math.floor(math.log2(most) - math.log2(largest)))
-        shift -= math.ldexp(largest, shift) > most  # by rounding
+        shift = min(_MAX_SHIFT, math.floor(math.log2(max_integer) - math.log2(largest)))
+        if math.ldexp(largest, shift) > max_integer:  # the logarithms are rounded
+            shift -= 1
     raw = np.rint(np.ldexp(offsets, shift)).astype(np.int64)
     error = np.abs(Fixed(raw, bits, origin, shift).values - values).max()
     return Fixed(raw, bits, origin, shift, float(error))
@@ -70,25 +74,26 @@ def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
 _Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
 
 LEAST_BITS = 16
-"""Least bits of the axes of a map and of the scalars of a table.
+"""Least number of bits for the axes of a map and the scalars of a table.
 
-(eta - 1)/z needs small steps near 0 and a wide range. 8 bits would make mass and pads 0.8 % wrong.
+The axis (eta - 1)/z needs small steps near 0 and a wide range, and with 8 bits mass and pads would
+be 0.8 % wrong.
 """
-_UNREAD = ("share", "prior")
+_NOT_READ = ("share", "prior")
 """Columns that the estimator does not read."""
-_NARROWEST = 1e-3
-"""Lower limit of the width of bounds in the weights of breakpoints [1]."""
+_LEAST_WIDTH = 1e-3
+"""Least width of bounds that counts in the weights of breakpoints [1]."""
 
 
 class Written(NamedTuple):
-    """Numbers (n,) in double or single precision, and their integers in fixed point."""
+    """A column as it is written: numbers (n,), or integers if it has a ``fixed`` point."""
 
     values: Array
     fixed: Fixed | None = None
 
     @property
     def read(self) -> Array:
-        """The numbers as an ECU reads them."""
+        """The numbers (n,) as an ECU reads them."""
         return self.values if self.fixed is None else self.fixed.values
 
 
@@ -96,9 +101,9 @@ class Written(NamedTuple):
 class Precision:
     """How a table is written: in integers of ``bits``, in ``single`` precision, else in double.
 
-    ``points`` breakpoints on each axis, at those rows where they miss the table least; all rows if
-    not given; ``code`` whether C code reads them. Raises ExchangeError for integers in single
-    precision.
+    ``points`` is the number of breakpoints on each axis, which are the rows that make the least
+    error; None for all rows. ``code`` says whether C code reads the table. Raises ExchangeError for
+    integers together with single precision.
     """
 
     points: int | None = None
@@ -118,20 +123,20 @@ class Precision:
 
     @property
     def wide(self) -> "Precision":
-        """The same with at least `LEAST_BITS`: for axes and scalars."""
+        """The precision with at least `LEAST_BITS` bits, for axes of maps and scalars."""
         return replace(self, bits=max(self.bits, LEAST_BITS)) if self.bits else self
 
     @property
     def floating(self) -> int:
-        """Bits of the floating point in the ECU, which reads integers into single precision."""
+        """Bits of a floating-point number in the ECU, which converts integers to single ones."""
         return 32 if self.single or self.bits else 64
 
     def computed(self, values: Array) -> Array:
-        """Numbers rounded to that floating point."""
+        """Return numbers rounded to the floating point of the ECU."""
         return values.astype(np.float32).astype(np.float64) if self.floating == 32 else values
 
     def numbers(self, values: Array, origin: float = 0.0) -> Written:
-        """Numbers as they are written; integers count from ``origin``.
+        """Return numbers (n,) as they are written, with the ``origin`` of their integers.
 
         Raises ExchangeError for a width that C does not have.
         """
@@ -140,7 +145,10 @@ class Precision:
         return Written(self.computed(values))
 
     def axis(self, name: str, values: Array, origin: float = 0.0) -> Written:
-        """An axis, as `numbers`. Raises ExchangeError if it no longer increases."""
+        """Return an axis (n,) as it is written, as in `numbers`.
+
+        Raises ExchangeError if rounding makes two breakpoints equal.
+        """
         written = self.numbers(values, origin)
         if np.any(np.diff(written.read) <= 0.0):
             width, finer = f"{self.bits} bits", "more bits"
@@ -152,11 +160,11 @@ class Precision:
                 expected="an axis that increases strictly",
                 do=f"take fewer points, or {finer}",
             )
-        # C code searches an axis in floating point
+        # C code searches an axis in floating point, so its axes are not integers
         return Written(self.computed(written.read)) if self.code and self.bits else written
 
     def rows(self, name: str, x: Array, curves: Array) -> Index:
-        """Rows of ``curves`` (k, n) over ``x`` (n,) to keep.
+        """Return the rows of ``curves`` (k, n) over ``x`` (n,) to keep.
 
         Raises ExchangeError for more points than rows, or fewer than an axis has ends.
         """
@@ -173,9 +181,9 @@ class Precision:
 
 @dataclass(frozen=True)
 class WrittenMap:
-    """A map as it is written: ``axes`` and ``columns`` by name; ``misfit`` of each axis.
+    """A map as it is written: ``axes`` and ``columns`` by name.
 
-    The misfit is that of the reduced map at the cells of the whole one.
+    ``misfit`` has the errors of the written map, and for each axis the place of the largest error.
     """
 
     axes: dict[str, Written]
@@ -184,7 +192,10 @@ class WrittenMap:
 
 
 def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
-    """A map with at most ``how.points`` values on each axis; ``label`` names it in an error."""
+    """Return a map with at most ``how.points`` values on each axis.
+
+    Raises ExchangeError as `Precision`, with the ``label`` of the map.
+    """
     values = {
         name: x[_rows(whole, i, how.points)] for i, (name, x) in enumerate(whole.axes.items())
     }
@@ -195,47 +206,51 @@ def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(whole: Map, i: int, points: int | None) -> Index:
-    """Rows of axis ``i`` to keep, by the slices along it of all columns that are read.
+    """Return the values of axis ``i`` to keep, by the slices along it of all columns that are read.
 
-    An error is weighed by the share of stops in the cell, and over the width of the bounds there.
+    The square of an error has the weight of the share of stops in its cell, over the square of the
+    width of the bounds there.
     """
-    x = [*whole.axes.values()][i]
+    x = list(whole.axes.values())[i]
     if points is None:
         return np.arange(x.size)
-    names = [name for name in whole.names if name not in _UNREAD]
-    lower, upper = (whole.grid(whole.bounded[0] + end) for end in ("_lower", "_upper"))
+    bounded = whole.bounded_columns[0]
+    width = whole.grid(f"{bounded}_upper") - whole.grid(f"{bounded}_lower")
     share = whole.grid("share") if "share" in whole.names else 1.0
-    weight = share / np.maximum(upper - lower, _NARROWEST) ** 2
-    slices, weights = (
-        np.concatenate([np.moveaxis(grid, i, -1).reshape(-1, x.size) for grid in grids])
-        for grids in ([whole.grid(name) for name in names], [weight] * len(names))
-    )
-    return place_weighted(x, slices, weights, max(points, FEWEST))
+    weight = share / np.maximum(width, _LEAST_WIDTH) ** 2
+
+    def slices(grid: Array) -> Array:
+        return np.moveaxis(grid, i, -1).reshape(-1, x.size)
+
+    names = [name for name in whole.names if name not in _NOT_READ]
+    curves = np.concatenate([slices(whole.grid(name)) for name in names])
+    weights = np.tile(slices(weight), (len(names), 1))
+    return place_weighted(x, curves, weights, max(points, FEWEST))
 
 
 def _misfit(whole: Map, reduced: Map) -> dict[str, Misfit]:
-    """Errors of a reduced map at the cells of the whole one, with their place on each axis.
+    """Errors of a reduced map at the cells of the whole map, by axis.
 
-    Both are linear along each axis between these cells, so the largest error is at one of them.
+    Both maps are linear along each axis between these cells, so the largest error is in a cell.
     """
-    read_back = reduced.on([*whole.axes.values()])
-    bounded = [name + end for name in whole.bounded for end in ("_lower", "", "_upper")]
-    gaps = np.array([getattr(read_back, name) - getattr(whole, name) for name in bounded])
-    row = int(np.argmax(np.abs(gaps))) % whole.z.size
+    interpolated = reduced.on(list(whole.axes.values()))
+    names = [name + end for name in whole.bounded_columns for end in ("_lower", "", "_upper")]
+    gaps = np.array([getattr(interpolated, name) - getattr(whole, name) for name in names])
+    row = int(np.argmax(np.abs(gaps))) % whole.z.size  # gaps are (columns, rows)
     worst, rms = float(np.abs(gaps).max()), float(np.sqrt(np.mean(gaps**2, axis=1).max()))
     return {name: Misfit(worst, float(getattr(whole, name)[row]), rms) for name in whole.AXES}
 
 
 def as_exported(table: Table, how: Precision) -> Table:
-    """The curves and maps of a table as an ECU reads them in an export of this precision.
+    """Return a table with curves and maps as an ECU reads them in an export of this precision.
 
     Curves have the bands, counts and flags of the rows that remain. Mass, lengths and pads are not
-    rounded here: an export has them with 16 bits or more, so within 0.003 %.
-    Raises ExchangeError as `Precision`.
+    rounded here: an export has them with 16 bits or more, so within 0.003 %. Raises ExchangeError
+    as `Precision`.
     """
     p, d, g = table.paper, table.difference, table.tyre
     rows = how.rows("eta", p.eta, np.array([p.f1, p.f2, d.D]))
-    of_tyre = how.rows("slip", g.slip, g.force[None])
+    tyre_rows = how.rows("slip", g.slip, g.force[None])
     maps = {}
     for name in MAPS:
         whole = getattr(table, name)
@@ -246,7 +261,7 @@ def as_exported(table: Table, how: Precision) -> Table:
         table,
         paper=_curve(p, rows, how, "eta", 1.0, "f1", "f2"),
         difference=_curve(d, rows, how, "eta", 1.0, "D"),
-        tyre=_curve(g, of_tyre, how, "slip", 0.0, "force"),
+        tyre=_curve(g, tyre_rows, how, "slip", 0.0, "force"),
         **maps,
     )
 
@@ -254,7 +269,7 @@ def as_exported(table: Table, how: Precision) -> Table:
 def _curve(
     curve: _Curve, rows: Index, how: Precision, axis: str, origin: float, *names: str
 ) -> _Curve:
-    """Some ``rows`` of a curve, with its axis and the columns ``names`` as an ECU reads them."""
+    """Return some ``rows`` of a curve, with its axis and the columns ``names`` as an ECU reads."""
     columns = {name: column[rows] for name, column in vars(curve).items()}
     read = {name: how.numbers(columns[name]).read for name in names}
     return type(curve)(**{**columns, **read, axis: how.axis(axis, columns[axis], origin).read})

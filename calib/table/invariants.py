@@ -1,7 +1,6 @@
-"""Conditions that every table must satisfy.
+"""Conditions that every table must satisfy, whether its fit is good or not.
 
-Each check yields its violations in words; `violations` runs them all. They concern the table alone:
-only hold-outs show whether a fit is good.
+Each check yields its violations in words; `violations` runs all checks.
 """
 
 from collections.abc import Iterator
@@ -16,15 +15,15 @@ from calib.table.maps import MAPS, Map, columns
 from calib.table.table import COLUMNS, Table
 
 _TOLERANCE = 1e-9
-"""Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
+"""Tolerance of (18) [1]: a million times the rounding error, since f1 and f2 are below 1."""
 
 
 def violations(table: Table) -> tuple[str, ...]:
     """Return the conditions that ``table`` violates, in words."""
     shapes = tuple(_shapes(table))
-    if shapes:  # the next checks need columns of equal length
+    if shapes:  # the other checks need columns of equal length
         return shapes
-    checks = (_finite, _axes, _zero, _constraint)
+    checks = (_finite, _axes, _bands, _zero, _constraint)
     return tuple(flaw for check in checks for flaw in check(table))
 
 
@@ -43,7 +42,7 @@ def _shapes(table: Table) -> Iterator[str]:
 
 
 def require_finite(table: Table) -> None:
-    """Raise NotFiniteError, with the name of the quantity, for a number that is not finite."""
+    """Raise NotFiniteError with the name of the quantity if a number is not finite."""
     for flaw in _finite(table):
         raise not_finite(flaw.partition(":")[0], table.name)
 
@@ -62,41 +61,50 @@ def _finite(table: Table) -> Iterator[str]:
 
 
 def _axes(table: Table) -> Iterator[str]:
+    """Axes must increase, and maps must be complete."""
     d, p, g = table.difference, table.paper, table.tyre
     for name, axis in (("difference.eta", d.eta), ("paper.eta", p.eta), ("tyre.slip", g.slip)):
         if not np.all(np.diff(axis) > 0.0):
             yield f"{name}: does not increase from row to row"
     if not np.array_equal(d.eta, p.eta):
         yield "paper.eta: not that of difference"
-    maps: dict[str, Map] = {name: getattr(table, name) for name in MAPS}
-    for name, part in maps.items():
-        if not part.whole:
+    for name in MAPS:
+        part: Map = getattr(table, name)
+        if not part.is_complete:
             yield f"{name}: its rows are not every combination of {', '.join(part.AXES)} once"
-    bounded = (
-        (f"{name}.{key}", *(getattr(part, key + end) for end in ("_lower", "", "_upper")))
-        for name, part in maps.items()
-        for key in part.bounded
-    )
-    for name, lower, middle, upper in (
-        *bounded,
-        ("difference.D", d.lower, d.D, d.upper),
-        ("paper.f1", p.f1_lower, p.f1, p.f1_upper),
-        ("paper.f2", p.f2_lower, p.f2, p.f2_upper),
-        ("tyre.force", g.lower, g.force, g.upper),
-    ):
-        if not np.all((lower <= middle + 1e-12) & (middle <= upper + 1e-12)):
+
+
+def _bands(table: Table) -> Iterator[str]:
+    """Each value must be within its own 95 % band."""
+    d, p, g = table.difference, table.paper, table.tyre
+    bands: dict[str, tuple[Array, Array, Array]] = {
+        "difference.D": (d.lower, d.D, d.upper),
+        "paper.f1": (p.f1_lower, p.f1, p.f1_upper),
+        "paper.f2": (p.f2_lower, p.f2, p.f2_upper),
+        "tyre.force": (g.lower, g.force, g.upper),
+    }
+    for name in MAPS:
+        part = columns(getattr(table, name))
+        for key in getattr(table, name).bounded_columns:
+            bands[f"{name}.{key}"] = (part[f"{key}_lower"], part[key], part[f"{key}_upper"])
+    for name, (lower, value, upper) in bands.items():
+        if not np.all((lower <= value + 1e-12) & (value <= upper + 1e-12)):
             yield f"{name}: outside its own 95 % band"
 
 
 def _zero(table: Table) -> Iterator[str]:
+    """D must be 0 at eta = 1."""
     eta, D = table.difference.eta, table.difference.D
     if not eta[0] <= 1.0 <= eta[-1]:
         yield "difference.eta: does not reach 1"
-    elif abs(D_one := float(np.interp(1.0, eta, D))) > 1e-12:
-        yield f"difference.D: {D_one:.3g} at eta = 1, where it must be 0"
+        return
+    D_at_one = float(np.interp(1.0, eta, D))
+    if abs(D_at_one) > 1e-12:
+        yield f"difference.D: {D_at_one:.3g} at eta = 1, where it must be 0"
 
 
 def _constraint(table: Table) -> Iterator[str]:
+    """Equation (18) must hold in every row."""
     paper = table.paper
     F_zf, F_zr = axle_loads(table.vehicle, paper.z)
     error = np.abs(paper.f1 + F_zr / F_zf * paper.f2)  # (18)

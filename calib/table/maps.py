@@ -1,7 +1,7 @@
-"""The maps of a table: the pads, given what an ECU measures, with 95 % bounds.
+"""The maps of a table: level and ratio of the pads over what an ECU measures, with 95 % bounds.
 
-The bounds count what the ramp left open and how a stop may differ from it. Columns are flat,
-row-major over the axes, so that a map is a plain table in every file format.
+The bounds count what the ramp left open and how a stop may differ from the ramp. A map is stored as
+flat columns, row-major over its axes, so that it is a plain table in every file format.
 """
 
 from collections.abc import Sequence
@@ -16,9 +16,9 @@ from calib.base.arrays import Array
 
 @dataclass(frozen=True)
 class Map:
-    """Columns (n,) over every combination of the `AXES`, with ``z`` (n,) the slowest.
+    """Columns (n,) over every combination of the values of the `AXES`; ``z`` changes slowest.
 
-    A map is linear along each axis, and constant beyond its ends.
+    A map is linear along each axis, and constant beyond the ends of an axis.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z",)
@@ -27,7 +27,10 @@ class Map:
 
     @classmethod
     def from_grids(cls, axes: Sequence[Array], **grids: Array) -> Self:
-        """The map of ``grids`` by column, each of the shape of ``axes`` in the order of `AXES`."""
+        """Return the map with the columns ``grids``, each of the shape of ``axes``.
+
+        ``axes`` are in the order of `AXES`.
+        """
         flat = [x.ravel() for x in np.meshgrid(*axes, indexing="ij")]
         columns = {name: np.ravel(grid) for name, grid in grids.items()}
         return cls(**dict(zip(cls.AXES, flat, strict=True)), **columns)
@@ -44,19 +47,19 @@ class Map:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Columns that are no axes."""
-        return tuple(one.name for one in fields(self) if one.name not in self.AXES)
+        """Names of the columns that are no axes."""
+        return tuple(field.name for field in fields(self) if field.name not in self.AXES)
 
     @property
-    def bounded(self) -> tuple[str, ...]:
-        """Columns with bounds: NAME_lower and NAME_upper are columns, too."""
+    def bounded_columns(self) -> tuple[str, ...]:
+        """Names of the columns with bounds, which are the columns NAME_lower and NAME_upper."""
         return tuple(name for name in self.names if f"{name}_lower" in self.names)
 
     @property
-    def whole(self) -> bool:
-        """Whether the rows are every combination of the axes once, in their order."""
-        rows = zip(self.AXES, np.meshgrid(*self.axes.values(), indexing="ij"), strict=True)
-        return all(np.array_equal(getattr(self, name), x.ravel()) for name, x in rows)
+    def is_complete(self) -> bool:
+        """Whether the rows are every combination of the axes once, in the order of `AXES`."""
+        columns = zip(self.AXES, np.meshgrid(*self.axes.values(), indexing="ij"), strict=True)
+        return all(np.array_equal(getattr(self, name), x.ravel()) for name, x in columns)
 
     def grid(self, name: str) -> Array:
         """A column in the `shape` of the axes."""
@@ -64,7 +67,7 @@ class Map:
         return column.reshape(self.shape)
 
     def on(self, axes: Sequence[Array]) -> Self:
-        """The map, interpolated to other axes in the order of `AXES`."""
+        """Return the map, interpolated to other values of the axes in the order of `AXES`."""
         return self.from_grids(axes, **self(*np.meshgrid(*axes, indexing="ij")))
 
     def __call__(self, *points: ArrayLike) -> dict[str, Array]:
@@ -73,11 +76,14 @@ class Map:
 
 
 class Reader:
-    """Interpolator of columns of a map, constant beyond its ends."""
+    """Interpolates columns of a map, linearly in each cell.
+
+    ``columns`` are names of c columns, or rows of names: then the result has their shape (r, c).
+    """
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
         self.axes, names = list(m.axes.values()), np.array(columns)
-        self._cells = np.stack([getattr(m, name) for name in names.flat])
+        self._columns = np.stack([getattr(m, name) for name in names.flat])
         self._shape = names.shape
 
     def width(self, axis: int, x: Array) -> Array:
@@ -87,37 +93,38 @@ class Reader:
         return points[end] - points[end - 1]
 
     def __call__(self, *points: ArrayLike) -> Array:
-        """Return the columns at ``points``, an array (...) for each axis; shape (c, ...)."""
-        each = np.broadcast_arrays(*points)
-        corners = [(np.zeros(each[0].shape, np.intp), np.ones(each[0].shape))]
-        for axis, x in zip(self.axes, each, strict=True):
+        """Return the columns at ``points``, one array (...) for each axis; shape (c, ...)."""
+        coordinates = np.broadcast_arrays(*points)
+        shape = coordinates[0].shape
+        # each corner of the cell around a point: its row in the map, and its weight
+        corners = [(np.zeros(shape, np.intp), np.ones(shape))]
+        for axis, x in zip(self.axes, coordinates, strict=True):
             low = np.clip(np.searchsorted(axis, x, "right") - 1, 0, max(axis.size - 2, 0))
             high = np.minimum(low + 1, axis.size - 1)
             width = np.where(high > low, axis[high] - axis[low], 1.0)  # an axis may be one point
             share = np.clip((x - axis[low]) / width, 0.0, 1.0)
-            ends = (low, 1.0 - share), (high, share)
-            corners = [
-                (row * axis.size + place, weight * part)
-                for row, weight in corners
-                for place, part in ends
-            ]
-        read = np.zeros((self._cells.shape[0], *each[0].shape))
+            lower = [(row * axis.size + low, weight * (1.0 - share)) for row, weight in corners]
+            upper = [(row * axis.size + high, weight * share) for row, weight in corners]
+            # in row-major order
+            corners = [corner for pair in zip(lower, upper, strict=True) for corner in pair]
+        values = np.zeros((self._columns.shape[0], *shape))
         for row, weight in corners:
-            read += self._cells.take(row, axis=1) * weight
-        return read.reshape(*self._shape, *read.shape[1:])
+            values += self._columns.take(row, axis=1) * weight
+        return values.reshape(*self._shape, *shape)
 
 
 @dataclass(frozen=True)
 class PadMap(Map):
     """ln of the pads' ratio, given z, eta and slip. Shapes (n,), all [1].
 
-    Axes: ``z`` brake force over the weight, by the zeroed deceleration; ``shift`` (eta - 1)/z;
-    ``slip`` ln(slip/z) less its mean ``log_slip`` at this z and shift, over its standard deviation
-    ``log_slip_sigma``. ``share`` of the stops with this z that have such a shift.
+    The axis ``z`` is the brake force over the weight, by the zeroed deceleration. The axis
+    ``shift`` is (eta - 1)/z. The axis ``slip`` is ln(slip/z) less its mean ``log_slip`` at this z
+    and shift, over its standard deviation ``log_slip_sigma``.
 
-    ``ratio`` ln of front over rear pads, relative to the vehicle file; ``change`` the same relative
-    to the ramp: medians with 95 % bounds. ``prior`` width of the bounds of the ratio over that
-    without eta and slip: 1 where these say nothing.
+    ``ratio`` is ln of front over rear pad friction, relative to the vehicle file, and ``change`` is
+    the same relative to the ramp; both are medians with 95 % bounds. ``share`` is the share of the
+    stops with this z that have this shift. ``prior`` is the width of the bounds of the ratio over
+    their width without eta and slip: 1 where eta and slip say nothing.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
@@ -138,10 +145,10 @@ class PadMap(Map):
 
 @dataclass(frozen=True)
 class LevelMap(Map):
-    """Level and ratio of the pads given z alone: medians with 95 % bounds, all [1].
+    """Level and ratio of the pads given z alone: medians with 95 % bounds. Shapes (n,), all [1].
 
-    ``level`` ln of the true brake force over that by the zeroed deceleration z;
-    ``ratio`` and ``change`` as in `PadMap`.
+    ``level`` is ln of the true brake force over the brake force by the zeroed deceleration z.
+    ``ratio`` and ``change`` are as in `PadMap`.
     """
 
     level: Array
@@ -155,22 +162,28 @@ class LevelMap(Map):
     change_upper: Array
 
 
-_BLOCKS = {"forms": 5, "depart_eta": 10, "depart_slip": 10}
-"""Fields of `Draws` that have several numbers a row, and how many."""
+_WIDTHS = {"forms": 5, "depart_eta": 10, "depart_slip": 10}
+"""Number of columns of the fields of `Draws` that have several."""
 
 
 @dataclass(frozen=True)
 class Draws:
-    """Draws from the posterior of a fit, equally likely. Shapes (n,), all [1], or as said.
+    """Cars drawn from the posterior of a fit, equally likely. Shapes (n,), unit [1], or as said.
 
-    ``log_pad_ratio`` ln of front over rear pads and ``log_pad_level`` ln of their level, over the
-    vehicle file. ``compliance_f``, ``compliance_r`` slip per normalised force at small slip and
-    half the weight. ``load_exponent`` by which the compliance grows with the load,
-    ``peak_load_exponent`` by which the ``peak`` at half the weight falls with it. ``forms`` weights
-    (n, 5), see `calib.car.tyre_forms`. ``radius_load`` fall of a rolling radius per
-    100 % of load. ``v_late`` delay of v after the wheel speeds [s]. ``cg_to_front_axle``,
-    ``cg_height`` [m]; ``weight`` M g [N]. ``depart_eta``, ``depart_slip`` relative shape
-    discrepancy of eta - 1 and of the mean slip, at ten decelerations (n, 10).
+    Attributes
+    ----------
+    log_pad_ratio, log_pad_level : ln of the pads' ratio and of their level, over the vehicle file.
+    compliance_f, compliance_r : slip per normalised force at small slip and half the weight.
+    load_exponent : exponent with which the compliance grows with the load.
+    peak_load_exponent : exponent with which the peak falls with the load.
+    peak : largest normalised force at half the weight.
+    forms : weights of `calib.car.tyre_forms` (n, 5).
+    radius_load : relative fall of a rolling radius per 100 % of load.
+    v_late : delay of v after the wheel speeds [s].
+    cg_to_front_axle, cg_height : [m].
+    weight : M g [N].
+    depart_eta, depart_slip : relative error of the model's shape of eta - 1 and of the mean slip,
+        at ten decelerations (n, 10).
     """
 
     log_pad_ratio: Array
@@ -191,19 +204,24 @@ class Draws:
 
     @classmethod
     def from_columns(cls, **columns: Array) -> Self:
-        """The draws of `columns`. Raises KeyError or TypeError where one is missing or unknown."""
-        for name, count in _BLOCKS.items():
+        """Return the draws of flat `columns`. Raises KeyError or TypeError for other columns."""
+        for name, count in _WIDTHS.items():
             parts = [columns.pop(f"{name}_{i}") for i in range(1, count + 1)]
             columns[name] = np.stack(parts, axis=1)
         return cls(**columns)
 
 
 def columns(part: object) -> dict[str, Array]:
-    """Columns (n,) of a curve, map or draws; NAME_1, NAME_2 and so on of a field (n, k)."""
+    """Return the columns (n,) of a curve, map or draws by name.
+
+    A field NAME of shape (n, k) is the columns NAME_1, NAME_2 and so on.
+    """
     flat: dict[str, Array] = {}
     for name, x in vars(part).items():
-        wide = {f"{name}_{i}": column for i, column in enumerate(x.T, 1)} if x.ndim > 1 else {}
-        flat |= wide or {name: x}
+        if x.ndim > 1:
+            flat |= {f"{name}_{i}": column for i, column in enumerate(x.T, 1)}
+        else:
+            flat[name] = x
     return flat
 
 

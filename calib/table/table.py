@@ -1,11 +1,13 @@
 """The look-up table as a value: curves and maps, with their origin and their uncertainty.
 
-`Table.content` returns it as a JSON-able record and named float columns. The digest is over that
-content, so no file format changes it.
+`Table.content` returns a table as two parts, a record of JSON types and named columns of numbers:
 
     record  {schema, name, vehicle, calibration, budget, effects, noise, quality, provenance ...}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
              "tyre": {slip, force, ...}, "map": ..., "level_map": ..., "draws": ...}
+
+The digest of a table is over this content, so it does not depend on a file format. The file first
+has the parts of a table, then `Table`.
 """
 
 import json
@@ -35,15 +37,16 @@ _OPTIONAL = {
     *("own_effects", "empirical", "notes", "fingerprint", "warnings", "spread"),
     *("identity", "parents", "pad_friction_tolerance"),
 }
-"""Keys that a record lacks where their value is empty."""
+"""Keys that are left out of a record where their value is empty."""
+
 _CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
 COLUMNS: dict[str, Any] = {**_CURVES, **MAPS, "draws": Draws.from_columns}
-"""Constructors of the parts of a table that are columns, by name."""
+"""The parts of a table that are columns, by name; the values construct a part from its columns."""
 
 
 @dataclass(frozen=True)
 class Value:
-    """A value with one standard deviation, in SI."""
+    """A value with its standard deviation ``sigma``, in SI."""
 
     value: float
     sigma: float
@@ -59,10 +62,11 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Pads and tyres from the ramps [1]: ``pad_scale`` common factor on the vehicle file's pads.
+    """Pads and tyres as the ramps show them, all [1].
 
-    ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value; ``slip_stiffness`` normalised force
-    per slip at small slip and half the weight, the geometric mean of the axles.
+    ``pad_scale`` is the common factor on the pad frictions of the vehicle file. ``pad_log_ratio``
+    is ln of (mu_f/mu_r) over its nominal value. ``slip_stiffness`` is the normalised force per slip
+    at small slip and half the weight, the geometric mean of the axles.
     """
 
     pad_scale: Value
@@ -74,10 +78,12 @@ class Calibration:
 
 @dataclass(frozen=True)
 class LogReference:
-    """A log of the fit; ``digest`` SHA-256 of its bytes; ``notes`` of its reader.
+    """A log of the fit.
 
-    ``fingerprint`` tells a copy of the run from another run. ``sample_time`` [s] is not part of the
-    content of a table: those that were stored without it keep their digests.
+    ``digest`` is the SHA-256 of its bytes; ``role`` is "ramp" or another use in the fit; ``notes``
+    are those of its reader. ``fingerprint`` tells a copy of the run from another run.
+    ``sample_time`` [s] is not part of a table's content, so that tables that were stored without it
+    keep their digests.
     """
 
     name: str
@@ -96,7 +102,7 @@ class LogReference:
 
 @dataclass(frozen=True)
 class TableReference:
-    """A version that a table was made of: its name@version and the SHA-256 of its content."""
+    """A table that another table was made of: its name@version and the SHA-256 of its content."""
 
     id: str
     digest: str
@@ -104,10 +110,10 @@ class TableReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a table comes from.
+    """Where a table comes from: its logs, the settings of the fit and the program.
 
-    ``identity`` of the car; ``parents`` tables that it was merged from, or the cars of its prior,
-    see `Table.fleet`.
+    ``identity`` has names and numbers of the car, such as its VIN. ``parents`` are the tables that
+    were merged into this table, or the cars of its prior, see `Table.fleet`.
     """
 
     logs: tuple[LogReference, ...]
@@ -118,12 +124,12 @@ class Provenance:
 
     @property
     def sample_time(self) -> float | None:
-        """Sample time of the logs [s], to four digits; None if they differ or it is not known."""
+        """Sample time of the logs [s], to four digits; None if it differs or is not known."""
         times = {float(f"{log.sample_time:.4g}") for log in self.logs if log.sample_time}
         return times.pop() if len(times) == 1 else None
 
     def parent_of(self, log: Log) -> LogReference | None:
-        """The log of the fit of which ``log`` is the run or a copy; None for another run."""
+        """The log of the fit that has the run of ``log``, also if ``log`` is a copy; else None."""
         return next((parent for parent in self.logs if parent.is_run_of(log)), None)
 
 
@@ -131,8 +137,9 @@ class Provenance:
 class TableBudget:
     """Uncertainty of pads and tyres by part, see `calib.table.budget`.
 
-    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1]; ``level``,
-    ``ratio``, ``stiffness`` variances of those of pad level, pads' ratio and slip stiffness.
+    ``front`` and ``rear`` are standard deviations of ln of the pad friction [1]. ``level``,
+    ``ratio`` and ``stiffness`` are variances of ln of the pads' level, of ln of their ratio, and of
+    ln of the slip stiffness [1].
     """
 
     front: dict[str, float]
@@ -149,9 +156,10 @@ class TableBudget:
 
 @dataclass(frozen=True)
 class Scatter:
-    """``between`` standard deviation between cars; ``of_mean`` standard error of their mean.
+    """Standard deviation ``between`` cars, and standard error ``of_mean`` of their mean.
 
-    ``of_mean`` counts what differs between cars and between runs, not errors common to all of them.
+    ``of_mean`` counts differences between cars and between runs, but no errors that are common to
+    all of them.
     """
 
     between: float
@@ -160,10 +168,10 @@ class Scatter:
 
 @dataclass(frozen=True)
 class FleetScatter:
-    """Scatter of ``cars`` cars: of D [1] at the rows of the table's D, and of logarithms [1].
+    """Scatter of a number of ``cars``.
 
-    ``pad_level`` of the brake force of both axles per pressure; ``pad_ratio`` front over rear;
-    ``stiffness`` slip stiffness of the tyres.
+    ``D`` is the scatter of D [1] at each row of the table's difference curve. The other fields are
+    the scatter of ln of the pads' level, of the pads' ratio and of the tyres' slip stiffness [1].
     """
 
     cars: int
@@ -180,13 +188,14 @@ class FleetScatter:
 
 @dataclass(frozen=True, eq=False)
 class Table(Viewable):
-    """A fitted table, without version: the store gives it one.
+    """A fitted table; a version of it is made by the store.
 
-    ``effects`` holds drag and rolling resistance with their sigma; other known effects are in the
-    vehicle; ``noise`` long-run noise density of each sensor [unit * s^0.5]; ``quality`` metrics of
-    the fit; ``budget`` uncertainty of the pads by part; ``spread`` between the cars of a mean.
-    ``map`` has the pads' ratio given eta and slip, ``level_map`` level and ratio without them;
-    ``draws`` are some of the posterior, from which both are made.
+    ``map`` has the pads' ratio given z, eta and slip, and ``level_map`` has level and ratio given z
+    alone. Both maps are made from draws of the posterior, some of which are ``draws``. ``effects``
+    are drag and rolling resistance as fitted, with their sigma; other known effects are in
+    ``vehicle``. ``noise`` is the noise density of each sensor over long times [unit * s^0.5].
+    ``quality`` has the metrics of the fit. In a table that is the mean of several cars, ``spread``
+    is the scatter between them.
     """
 
     name: str
@@ -208,7 +217,8 @@ class Table(Viewable):
     spread: FleetScatter | None = None
 
     def __repr__(self) -> str:
-        eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
+        eta, pads = self.paper.eta, self.calibration
+        low, high = self.paper.decelerations
         logs = ", ".join(f"{log.name} ({log.role})" for log in self.provenance.logs)
         return (
             f"Table {self.name}, {self.provenance.program}\n"
@@ -223,7 +233,7 @@ class Table(Viewable):
         return self.paper.read("f1", eta)
 
     def f2(self, eta: ArrayLike) -> Array:
-        """f2 of (12) [1], as `f1`."""
+        """f2 of (12) [1] at ``eta`` [1], linear between rows; NaN beyond the measured rows."""
         return self.paper.read("f2", eta)
 
     def curves(self) -> "pd.DataFrame":
@@ -239,16 +249,16 @@ class Table(Viewable):
         return frame
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
-        """Return the record (JSON-able) and the curves and maps (named float columns)."""
+        """Return the record (JSON types) and the curves, maps and draws (named float columns)."""
         curves = {name: columns(getattr(self, name)) for name in COLUMNS}
         record = asdict(self)
-        effects = record["vehicle"].pop("effects")
-        record["vehicle"]["effects"] = effects["parameters"]
+        vehicle_effects = record["vehicle"].pop("effects")
+        record["vehicle"]["effects"] = vehicle_effects["parameters"]
         if self.vehicle.motor_odds == Vehicle.motor_odds:
             del record["vehicle"]["motor_odds"]
         definitions = self.vehicle.effects.defined_in.items()
         record["own_effects"] = {name: asdict(effect) for name, effect in definitions}
-        terms = effects["terms"]
+        terms = vehicle_effects["terms"]
         record["empirical"] = terms[0] if len(terms) == 1 else terms
         record["effects"] = {
             effect: {name: asdict(value) for name, value in values.items()}
@@ -258,23 +268,29 @@ class Table(Viewable):
             del record[name]
         for log in record["provenance"]["logs"]:
             del log["sample_time"]
-        return {"schema": 1, **json.loads(json.dumps(_written(record)))}, curves
+        as_json = json.dumps(_without_empty(record))
+        return {"schema": 1, **json.loads(as_json)}, curves
 
     @property
     def not_sensed(self) -> dict[str, str]:
-        """Effects that an ECU cannot take out, with the signal that it lacks; see `not_sensed`."""
-        pressures = {"wheel_pressures": "the pressures of the wheels, which are not p_mc"}
-        needed = any(warning.code in pressures for warning in self.warnings)
-        return not_sensed(self.vehicle.effects) | (pressures if needed else {})
+        """Effects that an ECU cannot take out, each with the signal that it lacks.
+
+        They are those of the vehicle, and wheel pressures if the fit warned that they differ from
+        p_mc.
+        """
+        lacking = not_sensed(self.vehicle.effects)
+        if any(warning.code == "wheel_pressures" for warning in self.warnings):
+            lacking["wheel_pressures"] = "the pressures of the wheels, which are not p_mc"
+        return lacking
 
     @property
     def fleet(self) -> tuple[TableReference, ...]:
-        """The cars of its model on which the prior of the fit rests."""
+        """The tables of other cars of the model, on which the prior of the fit rests."""
         return self.provenance.parents if self.spread is None else ()
 
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:
-        """The parameters of the effects with sigma [SI], by effect and parameter name."""
+        """The fitted parameters of ``effects`` with their sigma [SI], by effect and parameter."""
         sigma = self.effects.sigma
         return {
             effect: {name: Value(value, sigma[effect][name]) for name, value in named.items()}
@@ -283,12 +299,12 @@ class Table(Viewable):
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the canonical content [hex]."""
+        """SHA-256 of the content [hex]."""
         return content_digest(*self.content())
 
 
-def _written(value: Any) -> Any:
-    """A value without those of the `_OPTIONAL` keys that are empty."""
+def _without_empty(value: Any) -> Any:
+    """Return a record without those of the `_OPTIONAL` keys whose value is empty."""
     if isinstance(value, dict):
-        return {k: _written(v) for k, v in value.items() if v or k not in _OPTIONAL}
-    return [_written(v) for v in value] if isinstance(value, list | tuple) else value
+        return {k: _without_empty(v) for k, v in value.items() if v or k not in _OPTIONAL}
+    return [_without_empty(v) for v in value] if isinstance(value, list | tuple) else value

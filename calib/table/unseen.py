@@ -1,7 +1,7 @@
-"""Entries of a vehicle file that logs cannot show to be wrong, and what would show it.
+"""Entries of a vehicle file whose errors the logs cannot show, and measurements that would.
 
-A wrong entry moves level and ratio of the pads. Only an error that is too large for the pads of the
-file's grade gives a warning.
+A wrong entry makes level and ratio of the fitted pads wrong. A warning comes only when these are
+outside the usual scatter of pads of one kind, so smaller errors go unseen.
 """
 
 import math
@@ -15,12 +15,14 @@ from calib.base.warning import RULES
 from calib.car.balance import front_share
 from calib.car.beliefs import CAR, LOG
 from calib.car.forces import axle_loads
-from calib.table.budget import grade
+from calib.table.budget import grade_sigma
 from calib.table.table import Table
 
-_MOST = {"a_x": 0.08, "rolling_radius": 0.08}
-"""Largest error that the wheels do not show [1], see `a_x_by_wheels`; of other entries a half."""
-_RADIUS = 0.01  # standard deviation of the rolling radii of a file: wear and inflation [1]
+_LARGEST = {"a_x": 0.08, "rolling_radius": 0.08}
+"""Largest relative error that the rule `a_x_by_wheels` does not show [1]."""
+_LARGEST_OTHER = 0.5
+"""Largest relative error of other entries that is considered [1]."""
+_RADIUS_SIGMA = 0.01  # relative standard deviation of a file's radii, by wear and inflation [1]
 _SHOWN_BY = {
     "mass": "weigh the car with driver and load (--mass)",
     "p_mc": "a gauge at a caliper, or wheel pressures",
@@ -29,15 +31,16 @@ _SHOWN_BY = {
     "cg_height": "lift an axle on a scale, or the data sheet",
     "cg_to_front_axle": "axle loads on a scale",
 }
-_BRAKE = "a roller brake tester (--bench), or the drawing of the brake"
+_BRAKES_SHOWN_BY = "a roller brake tester (--bench), or the drawing of the brake"
 
 
 class Unseen(NamedTuple):
     """An ``entry`` of the vehicle file, or a channel, whose error may go unseen.
 
-    ``doubt`` its standard deviation in the intervals [1], None if they do not count it.
-    ``front``, ``rear`` relative change of the pads per relative error of the entry [1]; ``up_to``
-    largest error without a warning [1]; ``shown_by`` what would show it.
+    ``doubt`` is the relative standard deviation of the entry that the intervals of the table count
+    [1], None if they count none. ``front`` and ``rear`` are the relative changes of the pad
+    frictions per relative error of the entry [1]. ``up_to`` is the largest relative error without a
+    warning [1]. ``shown_by`` is a measurement that would show the error.
     """
 
     entry: str
@@ -48,20 +51,25 @@ class Unseen(NamedTuple):
     shown_by: str
 
 
-def unseen(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
-    """Entries whose errors the logs of a table's car do not show, the largest doubt first.
+def unseen_entries(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
+    """Return entries whose errors the logs do not show, those that change the pads most first.
 
-    ``v`` whether the logs have a reference speed; ``mass`` relative standard deviation of that of
-    the car [1].
+    ``v`` says whether the logs have a reference speed. ``mass`` is the relative standard deviation
+    of the car's mass [1], by default that of the table's vehicle.
     """
     mass_sigma = table.vehicle.mass_tolerance if mass is None else mass
-    entries = [_unseen(table, *one) for one in _entries(table, v, mass_sigma)]
+    entries = [_unseen(table, *entry) for entry in _entries(table, v, mass_sigma)]
     entries += _pads_of_file(table)
-    return sorted(entries, key=lambda x: (-(x.doubt or 0.0) * math.hypot(*x[2:4]), x.up_to))
+
+    def order(entry: Unseen) -> tuple[float, float]:
+        change = (entry.doubt or 0.0) * math.hypot(entry.front, entry.rear)
+        return -change, entry.up_to
+
+    return sorted(entries, key=order)
 
 
 def unseen_line(entries: list[Unseen]) -> str:
-    """Entries that move all pads alike, each with the largest error without a warning."""
+    """Return text with the entries that change all pads alike, each with its largest error."""
     alike = [x for x in entries if x.front == x.rear]
     errors = ", ".join(f"{x.entry} ±{100.0 * x.up_to:.0f} %" for x in alike)
     return f"{errors}, and {len(entries) - len(alike)} entries of an axle or its load"
@@ -70,64 +78,76 @@ def unseen_line(entries: list[Unseen]) -> str:
 def _entries(
     table: Table, v: bool, mass: float
 ) -> Iterator[tuple[str, float | None, float, float]]:
-    """Entry, its doubt, and the change of ln of the pads' level and ratio per its relative error.
+    """Yield entries: name, doubt, change of ln of the pads' level and of ln of their ratio.
 
-    A wrong entry moves only that part of the ratio that comes from eta, not from the file.
+    The changes are per relative error of the entry. A wrong entry changes only that part of the
+    ratio that comes from eta; the other part comes from the vehicle file.
     """
     share, by_eta = _share(table), 1.0 - table.quality.get("pad_ratio_nominal_weight", 0.0)
     yield "mass", mass, 1.0, 0.0
     yield "p_mc", None, -1.0, 0.0
     if not v:
         yield "a_x", LOG.a_x_scale.sigma, 1.0, 0.0
-        yield "rolling_radius", _RADIUS, 1.0, 0.0
+        yield "rolling_radius", _RADIUS_SIGMA, 1.0, 0.0
     for name in ("piston_area", "effective_radius"):
         yield f"front.{name}", None, -share, -by_eta
         yield f"rear.{name}", None, share - 1.0, by_eta
-    height, ahead = _by_loads(table)
-    yield "cg_height", CAR.cg_height.sigma, 0.0, by_eta * height
-    yield "cg_to_front_axle", CAR.cg_to_front_axle.sigma, 0.0, by_eta * ahead
+    by_height, by_distance = _by_loads(table)
+    yield "cg_height", CAR.cg_height.sigma, 0.0, by_eta * by_height
+    yield "cg_to_front_axle", CAR.cg_to_front_axle.sigma, 0.0, by_eta * by_distance
 
 
 def _pads_of_file(table: Table) -> Iterator[Unseen]:
-    """The pad frictions of the file, which have a weight in the ratio of the pads."""
+    """Yield the pad frictions of the file, which have a weight in the ratio of the fitted pads.
+
+    A wrong pad friction gives a warning at the same error as a wrong piston area of the axle.
+    """
     share, weight = _share(table), table.quality.get("pad_ratio_nominal_weight", 0.0)
-    for name, sign in (("front", 1.0), ("rear", -1.0)):
-        area = _unseen(
-            table, "", None, -share if sign > 0.0 else share - 1.0, sign * (weight - 1.0)
+    for name, sign, of_axle in (("front", 1.0, share), ("rear", -1.0, 1.0 - share)):
+        area = _unseen(table, "", None, -of_axle, sign * (weight - 1.0))
+        pads = _unseen(
+            table, f"{name}.pad_friction", grade_sigma(table.vehicle), 0.0, sign * weight
         )
-        pads = _unseen(table, f"{name}.pad_friction", grade(table.vehicle), 0.0, sign * weight)
         yield pads._replace(up_to=area.up_to)
 
 
 def _share(table: Table) -> float:
+    """Share of the front axle in the brake force [1] with the fitted pads."""
     return front_share(table.vehicle, table.calibration.pad_log_ratio.value)
 
 
 def _by_loads(table: Table) -> tuple[float, float]:
-    """Change of ln of the pads' ratio for one of cg_height and of cg_to_front_axle, relative [1].
+    """Change of ln of the pads' ratio per relative change of cg_height and cg_to_front_axle [1].
 
-    Eta holds share/F_zf - (1 - share)/F_zr, (22) for alike tyres, at half of the ramp.
+    With equal tyres, eta fixes share/F_zf - (1 - share)/F_zr, by (22), where share is that of the
+    front axle in the brake force. So a wrong load makes the share wrong. Computed at half of the
+    ramp.
     """
     car, share = table.vehicle, _share(table)
     z = 0.5 * table.quality.get("deceleration_max", 0.4)
     front, rear = (float(load) / car.weight for load in axle_loads(car, np.asarray(z)))
-    by_load = (share / front**2 + (1.0 - share) / rear**2) / (1.0 / front + 1.0 / rear)
-    by_share = by_load / (share * (1.0 - share))  # of a load that moves to the front axle [1]
-    height = z * car.cg_height / car.wheelbase
-    return by_share * height, -by_share * car.cg_to_front_axle / car.wheelbase
+    # change of the share, then of ln(share/(1 - share)), per load over W that moves to the front
+    share_by_load = (share / front**2 + (1.0 - share) / rear**2) / (1.0 / front + 1.0 / rear)
+    ratio_by_load = share_by_load / (share * (1.0 - share))
+    load_by_height = z * car.cg_height / car.wheelbase
+    load_by_distance = -car.cg_to_front_axle / car.wheelbase
+    return ratio_by_load * load_by_height, ratio_by_load * load_by_distance
 
 
 def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: float) -> Unseen:
-    share, cal = _share(table), table.calibration
-    sigmas = cal.pad_scale.sigma / cal.pad_scale.value, cal.pad_log_ratio.sigma
-    of_level, of_ratio = (
-        next(rule for rule in RULES if rule.code == code) for code in ("pads_off_file", "pad_ratio")
+    """Return an entry that changes ln of the pads' ``level`` and ``ratio`` per relative error."""
+    share, pads = _share(table), table.calibration
+    level_rule = next(rule for rule in RULES if rule.code == "pads_off_file")
+    ratio_rule = next(rule for rule in RULES if rule.code == "pad_ratio")
+    level_sigma = math.hypot(
+        grade_sigma(table.vehicle), pads.pad_scale.sigma / pads.pad_scale.value
     )
-    limits = (
-        of_level.sigmas * math.hypot(grade(table.vehicle), sigmas[0]),
-        max(of_ratio.high, Z95 * sigmas[1]),
+    level_limit = level_rule.sigmas * level_sigma
+    ratio_limit = max(ratio_rule.high, Z95 * pads.pad_log_ratio.sigma)
+    up_to = min(
+        _LARGEST.get(entry, _LARGEST_OTHER),
+        level_limit / max(abs(level), 1e-6),
+        ratio_limit / max(abs(ratio), 1e-6),
     )
-    moves, most = (level, ratio), _MOST.get(entry, 0.5)
-    up_to = min(most, *(x / max(abs(m), 1e-6) for x, m in zip(limits, moves, strict=True)))
     front, rear = level + (1.0 - share) * ratio, level - share * ratio
-    return Unseen(entry, doubt, front, rear, up_to, _SHOWN_BY.get(entry, _BRAKE))
+    return Unseen(entry, doubt, front, rear, up_to, _SHOWN_BY.get(entry, _BRAKES_SHOWN_BY))

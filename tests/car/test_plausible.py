@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from calib.base.warning import UNITS
-from calib.car.plausible import plausible
+from calib.car.plausible import vehicle_warnings
 from calib.car.vehicle import Axle, Vehicle
 from calib.car.vehicle_file import read_vehicle
 
@@ -82,19 +82,19 @@ MISTAKES = {
 
 @pytest.mark.parametrize("name", CARS)
 def test_a_good_car_has_no_warning(name):
-    assert plausible(CARS[name]) == ()
+    assert vehicle_warnings(CARS[name]) == ()
 
 
 def test_the_cars_of_the_samples_have_no_warning():
     files = [*LOGS.glob("*/vehicle.toml"), *LOGS.glob("hidden/*/vehicle.toml")]
     assert len(files) > 5
-    assert [w for path in files for w in plausible(read_vehicle(path))] == []
+    assert [w for path in files for w in vehicle_warnings(read_vehicle(path))] == []
 
 
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_told_with_its_causes(name):
     vehicle, code = MISTAKES[name]
-    found = {w.code: w for w in plausible(vehicle)}
+    found = {w.code: w for w in vehicle_warnings(vehicle)}
     assert code in found
     assert set(found) <= set(UNITS)
     assert all(w.causes and w.do and w.log == vehicle.name for w in found.values())

@@ -26,7 +26,7 @@ loads = st.floats(0.3, 1.7)
 @given(tyres, loads, st.floats(-0.999, 0.999))
 def test_slip_and_force_are_inverse_on_the_rising_branch(tyre, load, fraction):
     force = np.array([fraction * tyre.peak_at(load)])
-    assert tyre.force(tyre.rising(force, load)[0], load) == pytest.approx(
+    assert tyre.force(tyre.slip_at_force(force, load)[0], load) == pytest.approx(
         force, rel=1e-9, abs=1e-12
     )
 

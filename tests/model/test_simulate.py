@@ -80,7 +80,7 @@ def test_without_wheel_inertia_the_torque_is_the_force():
     assert log["a_x"] == pytest.approx(-G * z, abs=1e-8)
     F_zf = forces.axle_loads(bare, z)[0]
     F_f = log.truth["true_Tb_fl"] / bare.front.rolling_radius / (0.5 * F_zf)
-    slip = TYRE.rising(F_f, 2.0 * F_zf / bare.weight)[0]
+    slip = TYRE.slip_at_force(F_f, 2.0 * F_zf / bare.weight)[0]
     assert forces.slip(bare.front, log["omega_fl"], log["v"]) == pytest.approx(slip, abs=1e-9)
 
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.run.same_run import fingerprint_of
-from calib.table.compare import TOLERANCE, diff, inputs, same
+from calib.table.compare import TOLERANCE, diff, inputs_digest, is_same_fit
 from tests.support.made_runs import made_run
 from tests.support.tables import made_table
 
@@ -92,8 +92,8 @@ def test_numbers_may_differ_by_rounding_and_by_no_more(share, row):
         f1[row] += by * largest
         return replace(table, paper=replace(table.paper, f1=f1))
 
-    assert same(table, moved(0.5 * share * TOLERANCE))
-    assert not same(table, moved(np.copysign(2.0 * TOLERANCE, share)))
+    assert is_same_fit(table, moved(0.5 * share * TOLERANCE))
+    assert not is_same_fit(table, moved(np.copysign(2.0 * TOLERANCE, share)))
 
 
 def test_a_value_near_zero_is_measured_by_its_sigma():
@@ -105,17 +105,17 @@ def test_a_value_near_zero_is_measured_by_its_sigma():
         return replace(table, calibration=replace(pads, pad_log_ratio=ratio))
 
     sigma = pads.pad_log_ratio.sigma
-    assert same(with_ratio(1e-9), with_ratio(-1e-9))
-    assert not same(with_ratio(1e-9), with_ratio(0.1 * sigma))
+    assert is_same_fit(with_ratio(1e-9), with_ratio(-1e-9))
+    assert not is_same_fit(with_ratio(1e-9), with_ratio(0.1 * sigma))
 
 
 def test_other_inputs_are_another_table():
     table = made_table()
     heavier = replace(table, vehicle=replace(table.vehicle, mass=1744.0 + 1e-9))
     other = replace(table.provenance, settings={**table.provenance.settings, "block": 0.1})
-    assert not same(table, heavier)
-    assert not same(table, replace(table, provenance=other))
-    assert inputs(table.content()[0]) != inputs(heavier.content()[0])
+    assert not is_same_fit(table, heavier)
+    assert not is_same_fit(table, replace(table, provenance=other))
+    assert inputs_digest(table.content()[0]) != inputs_digest(heavier.content()[0])
 
 
 def test_numbers_of_a_fingerprint_follow_from_the_log():
@@ -130,6 +130,6 @@ def test_numbers_of_a_fingerprint_follow_from_the_log():
         return replace(table, provenance=replace(table.provenance, logs=logs))
 
     one, other = (fingerprint_of(made_run(noise=noise)) for noise in (1.0, 2.0))
-    assert same(with_fingerprints(one, None), with_fingerprints(other, None))
-    assert not same(with_fingerprints(one, None), table)
+    assert is_same_fit(with_fingerprints(one, None), with_fingerprints(other, None))
+    assert not is_same_fit(with_fingerprints(one, None), table)
     assert "fingerprint" not in str(table.content()[0])

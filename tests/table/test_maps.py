@@ -10,7 +10,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from calib.base.errors import NotFiniteError
 from calib.store.store import Store
-from calib.table.compare import diff, same
+from calib.table.compare import diff, is_same_fit
 from calib.table.invariants import require_finite, violations
 from calib.table.maps import PadMap, columns
 from calib.table.table import COLUMNS
@@ -33,7 +33,7 @@ def test_rows_are_every_combination_and_a_grid_has_the_shape_of_the_axes():
     assert made.axes["shift"].tolist() == [-0.004, 0.0, 0.003, 0.007, 0.02]
     assert made.z.tolist() == sorted([0.1, 0.3, 0.45, 0.8] * 15)
     assert made.grid("ratio")[2, 4, 1] == A + B_Z * 0.45 + B_SHIFT * 0.02 + B_SLIP * 0.5
-    assert made.bounded == ("ratio", "change")
+    assert made.bounded_columns == ("ratio", "change")
 
 
 def test_it_is_read_linearly_along_each_axis_and_clamped():
@@ -128,5 +128,5 @@ def test_maps_are_compared_where_two_fits_are():
         replace(made_table(), map=replace(made_map(), ratio=made_map().ratio * (1.0 + by)))
         for by in (1e-6, 1e-4)
     )
-    assert same(table, near)
-    assert not same(table, far)
+    assert is_same_fit(table, near)
+    assert not is_same_fit(table, far)

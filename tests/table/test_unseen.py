@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from calib.car.balance import front_share
 from calib.car.forces import axle_loads
-from calib.table.unseen import unseen
+from calib.table.unseen import unseen_entries
 from tests.support.tables import VEHICLE, made_table
 
 TABLE = made_table()
@@ -15,7 +15,7 @@ Z = 0.2  # half of the ramp that the table is taken to have
 
 
 def entries(**how):
-    return {one.entry: one for one in unseen(TABLE, **how)}
+    return {one.entry: one for one in unseen_entries(TABLE, **how)}
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_what_a_speed_shows_is_not_on_the_list(how, shown):
 
 
 def test_the_largest_doubt_comes_first():
-    order = [one.entry for one in unseen(TABLE, v=True, mass=0.1)]
+    order = [one.entry for one in unseen_entries(TABLE, v=True, mass=0.1)]
     assert order[0] == "mass"
     assert order.index("front.pad_friction") < order.index("p_mc")  # one without a doubt
 
@@ -67,7 +67,7 @@ def test_loads_move_the_ratio_as_the_same_eta_demands(entry):
 @pytest.mark.parametrize("weight", [0.0, 0.3])
 def test_pads_of_the_file_move_the_ratio_by_the_weight_that_they_have(weight):
     table = replace(TABLE, quality={"pad_ratio_nominal_weight": weight})
-    found = {one.entry: one for one in unseen(table, v=True)}
+    found = {one.entry: one for one in unseen_entries(table, v=True)}
     front, rear = (found[f"{axle}.pad_friction"] for axle in ("front", "rear"))
     assert front.front - front.rear == pytest.approx(weight)
     assert rear.front - rear.rear == pytest.approx(-weight)

@@ -1,1 +1,1 @@
-"""Named effects, a file for each link of the chain, and their catalogue."""
+"""Physical effects in addition to the paper's model, one file for each part of the car."""

@@ -1,12 +1,19 @@
 """Effects of the body (drag, grade, mass, pitch) and of the sensors.
 
-Drag F: acts at the height of the road            load_share = 1: (6) and (7) as in the paper
-        at that of the centre of gravity          load_share = 0: only tyre forces move load
-A share outside 0 to 1 adds a pitching moment; net lift is not modelled.
+Air drag F moves load between the axles according to the height at which it acts:
 
-Pitch:  z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
-        load transfer: (1 - e) z at once through the links, e z_b through the springs
-        nose down by e k z_b
+    at the road                     load_share = 1     load transfer (6), (7) as in the paper
+    at the centre of gravity        load_share = 0     only tyre forces transfer load
+
+A share outside 0 to 1 adds a pitching moment. Net lift is not modelled.
+
+Pitch: the body on its springs follows the deceleration z with the pitch mode of frequency w and
+damping D. Its deceleration z_b has
+
+    z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
+
+With the elastic share e, the links of the suspension transfer the load of (1 - e) z at once, and
+the springs that of e z_b. The nose goes down by the angle e k z_b, k the pitch gradient [rad].
 """
 
 import numpy as np
@@ -28,31 +35,31 @@ def _drag(parameters: Parameters, v: Array) -> Array:
 
 
 def _drag_height(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """(1 - s) F h/(W L) [1]: load transfer over W that (6) counts too much, s the ``load_share``.
+    """(1 - s) F h/(W L) [1], the load transfer over W that (6) has too much; s is ``load_share``.
 
-    A drag F at the height h of the centre of gravity (s = 0) moves no load.
+    A drag F at the height h of the centre of gravity (s = 0) transfers no load.
     """
     share = parameters.get("load_share", 1.0)
-    lever = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)
-    return (1.0 - share) * lever * _drag(parameters, history.v)
+    transfer_per_force = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)  # h/(W L) [1/N]
+    return (1.0 - share) * transfer_per_force * _drag(parameters, history.v)
 
 
 def _grade(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-    """W times the grade [N], constant over the run; within 0.5 % up to a grade of 10 %."""
+    """W times the grade [N], constant over the run; right to 0.5 % up to a grade of 10 %."""
     return np.full_like(motion.v, vehicle.weight * parameters["grade"])
 
 
 def _on_grade(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Reading on a grade: with gravity for ``felt`` = 1, as a real sensor; dv/dt alone for 0."""
+    """Reading of a_x on a grade; a real sensor feels gravity (``felt`` = 1), dv/dt does not (0)."""
     return a_x + parameters["felt"] * G * parameters["grade"]
 
 
 def _lagging_load(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """e (z - z_b) h/L [1] (n,): load transfer over W that the springs still lack.
+    """e (z - z_b) h/L [1] (n,), the load transfer over W that the springs have not yet made.
 
-    A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5); the elastic share e is 0 on a
-    stiff car, nearly 1 without anti-dive (ch. 7). From steady state at the first sample. Not valid
-    where a wheel lifts or the suspension reaches its stops.
+    A usual body has 1.3 Hz and a damping of 0.3 (Gillespie, ch. 5). The elastic share e is 0 on a
+    stiff car and nearly 1 without anti-dive (ch. 7). The body is in steady state at the first
+    sample. Not valid where a wheel lifts or the suspension reaches its stops.
     """
     lag = history.z - _body_mode(parameters, history)
     return np.asarray(parameters["elastic_share"] * lag * vehicle.cg_height / vehicle.wheelbase)
@@ -65,23 +72,22 @@ def _body_mode(parameters: Parameters, history: RunHistory) -> Array:
 
 
 def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Reading of a sensor that pitches with the body and so feels gravity; small angles."""
+    """Reading of an a_x sensor that pitches with the body and so feels gravity; small angles."""
     share = parameters["elastic_share"] * parameters["pitch_gradient"]
     return a_x - G * (share * _body_mode(parameters, history))
 
 
 def _filtered(parameters: Parameters) -> tuple[float, float]:
-    """T [s] and S = q T^2 [s^2] of S a'' + T a' + a; q is ``filter_bend``, 0 if not given."""
+    """T [s] and S = q T^2 [s^2] of the reading's lag; q is ``filter_bend``, 0 if not given."""
     T = parameters["filter_time"]
     return T, parameters.get("filter_bend", 0.0) * T**2
 
 
 def _runout(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
-    """Factors on the front wheel speeds from the runout of tone rings, once a turn.
+    """Factors [1] on the front wheel speeds from the runout of their tone rings, one wave a turn.
 
-    ``runout_side`` is 1 for the left ring only, -1 for the right one, 0 for both in step. The angle
-    is 0 at the first sample, unless the run gives another origin (`history.ripple`). Not valid for
-    a damaged tooth, which gives a spike.
+    ``runout_side`` is 1 for the left ring only, -1 for the right ring only, 0 for both in step. The
+    phase is that of `RunHistory.ripple`. Not valid for a damaged tooth, which gives a spike.
     """
     a, side = parameters["runout"], parameters["runout_side"]
     wave = a * motion.history.ripple(parameters["runout_phase"])
@@ -96,11 +102,11 @@ AERODYNAMIC_DRAG = effect(
 )
 EFFECTS = (
     AERODYNAMIC_DRAG,
-    # The centre of gravity stays where it is.
+    # the centre of gravity stays where it is
     effect("mass_error", mass=lambda parameters: 1.0 + parameters["mass_error"]),
     effect("road_grade", body_force=_grade, accelerometer=_on_grade),
     effect("pitch_coupling", load_shift=_lagging_load, accelerometer=_nose_down),
-    # Sensors: the car moves as without them.
+    # effects of sensors, which do not change the motion of the car
     effect(
         "accelerometer_scale",
         accelerometer=lambda vehicle, own, history, a_x: a_x * (1.0 + own["scale_error"]),

@@ -1,8 +1,9 @@
 """The catalogue of effects, and effects that the user defines in a Python file.
 
-A new effect of the catalogue stands in `EFFECTS` of the file of its link, in the order in which
-they act, with a card in `cards.csv` and its parameters in `parameters.csv`. Effects of the user
-belong to the `Effects` of a vehicle or model; `calib.car.effects.effect_file` reads their files.
+An effect of the catalogue is an entry of `EFFECTS` in `hydraulics`, `pads`, `wheels` or `body`, in
+the order in which the effects act. It has a card in `cards.csv` and parameters in `parameters.csv`.
+Effects of the user are kept in the `Effects` of a vehicle or a model, as an `OwnEffect` if their
+file was given; `calib.car.effects.effect_file` reads these files.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,15 +15,14 @@ from calib.car.effects.effect import CARDS, Effect
 from calib.car.effects.effects import DefinedIn, Effects
 from calib.car.vehicle import Vehicle
 
-_CHAIN = {
-    effect.card.name: effect for link in (hydraulics, pads, wheels, body) for effect in link.EFFECTS
-}
-CATALOGUE: dict[str, Effect] = {name: _CHAIN[name] for name in CARDS}
+_IN_ORDER = (*hydraulics.EFFECTS, *pads.EFFECTS, *wheels.EFFECTS, *body.EFFECTS)
+_BY_NAME = {effect.card.name: effect for effect in _IN_ORDER}
+CATALOGUE: dict[str, Effect] = {name: _BY_NAME[name] for name in CARDS}
+"""The effects of the catalogue by name, in the order of `CARDS`."""
 
-LINE, CALIPER = (
-    tuple(effect.card.name for effect in part) for part in (hydraulics.LINE, hydraulics.CALIPER)
-)
-SENSOR = tuple(name for name, effect in _CHAIN.items() if effect.accelerometer is not None)
+LINE_EFFECTS = tuple(effect.card.name for effect in hydraulics.LINE)
+CALIPER_EFFECTS = tuple(effect.card.name for effect in hydraulics.CALIPER)
+SENSOR_EFFECTS = tuple(effect.card.name for effect in _IN_ORDER if effect.accelerometer is not None)
 """Effects on the accelerometer: first on the acceleration that it feels, then on its reading."""
 
 
@@ -34,12 +34,12 @@ class OwnEffect(DefinedIn):
 
     @property
     def name(self) -> str:
-        """Return the name of the effect."""
+        """Name of the effect."""
         return self.effect.card.name
 
 
 def definition(effects: Effects, name: str) -> Effect:
-    """The effect of that name, of the user or of the catalogue.
+    """Return the effect of that name, of the user or of the catalogue.
 
     Raises ModelError for an unknown name, and for an effect of the user without its file.
     """
@@ -54,14 +54,14 @@ def definition(effects: Effects, name: str) -> Effect:
     return CATALOGUE[name]
 
 
-def every_effect(effects: Effects) -> dict[str, Effect]:
-    """All effects by name: those of the catalogue, then those of the user with their file."""
+def all_effects(effects: Effects) -> dict[str, Effect]:
+    """All effects by name: the catalogue, then the effects of the user whose file was given."""
     defined = effects.user_defined.items()
-    return {**CATALOGUE, **{n: x.effect for n, x in defined if isinstance(x, OwnEffect)}}
+    return CATALOGUE | {name: x.effect for name, x in defined if isinstance(x, OwnEffect)}
 
 
 def with_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffect:
-    """An effect of the user with its file. Raises ModelError where that was not given."""
+    """Return an effect of the user. Raises ModelError if its file was not given."""
     if isinstance(defined, OwnEffect):
         return defined
     raise ModelError(
@@ -73,10 +73,10 @@ def with_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffect:
 
 
 def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
-    """The vehicle that knows these effects of the user; none of them acts yet.
+    """Return the vehicle with these effects of the user, which do not yet act.
 
-    Raises ModelError for a file that differs from the one with which its parameters were fitted,
-    and for two effects of one name.
+    Raises ModelError for two effects of one name, and for a file that has changed since the
+    parameters of its effect were fitted.
     """
     files: dict[str, OwnEffect] = {}
     for effect in own_effects:
@@ -94,12 +94,15 @@ def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
 def completed(
     defined: Mapping[str, DefinedIn], files: Mapping[str, DefinedIn], where: object
 ) -> dict[str, DefinedIn]:
-    """The ``defined`` effects, with these ``files``. Raises ModelError where a file has changed."""
-    for name, new in files.items():
-        earlier = defined.get(name, new)
-        if earlier.sha256 and earlier.sha256 != new.sha256:
+    """Return the ``defined`` effects with the given ``files``, both by name of the effect.
+
+    Raises ModelError for a file that is not the one with which an effect was defined.
+    """
+    for name, given_file in files.items():
+        earlier = defined.get(name, given_file)
+        if earlier.sha256 and earlier.sha256 != given_file.sha256:
             raise ModelError(
-                f"{new.file} has changed since the parameters of {name!r} were found with it",
+                f"{given_file.file} has changed since the parameters of {name!r} were found",
                 where=where,
                 expected=f"the file with the SHA-256 {earlier.sha256[:12]}...",
                 do="take that file, or fit or diagnose again",

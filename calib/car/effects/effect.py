@@ -1,10 +1,13 @@
-"""An effect: a card that explains it, and its contribution to one or more links of the chain.
+"""An effect: a card that describes it, and functions that add it to the computation of a braking.
 
-    p_mc -> pressure -> friction -> wheels -> + moment -> tyre -> + body -> mass -> accelerometer
-            caliper     pads        L/R       inertia     radius  load_shift         a_x as read
-                                                                               v, wheels as read
+Such a function is a hook. Each hook belongs to one link of this chain of computation:
 
-The values of its parameters are in `Effects`: one object serves simulation, analysis and diagnosis.
+    p_mc -> pressure -> friction -> wheels -> + axle_moment -> tyre -> + body_force -> accelerometer
+            caliper     pads        L, R      inertia          radius  load_shift      a_x as read
+                                                               load    mass            wheels, v
+
+The values of the parameters are in `calib.car.effects.effects.Effects`, so one object `Effect`
+serves simulation, analysis and diagnosis.
 """
 
 import math
@@ -21,19 +24,20 @@ from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 
 Parameters = Mapping[str, float]
+"""Values [SI] of an effect's parameters by name."""
 Pair = tuple[Array, Array]
-
+"""Values of the front and of the rear axle."""
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: SI unit, plausible range, and default prior.
+    """A parameter of an effect: SI unit, plausible range from ``low`` to ``high``, and prior.
 
-    ``typical`` and ``spread`` mean and standard deviation over passenger cars; ``default`` value
-    where a file gives none, None where it must; ``share`` whether it divides something between the
-    axles, from 0 to 1.
+    ``typical`` and ``spread`` are the mean and the standard deviation over passenger cars.
+    ``default`` is the value where a file gives none; with None, each file must give one. ``share``
+    says whether the parameter divides something between the axles, from 0 to 1.
     """
 
     name: str
@@ -46,11 +50,11 @@ class Parameter:
     share: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ValueError for what no fit can search."""
+        """Raise ValueError for a name, unit or range with which no fit could search."""
         if not _NAME.fullmatch(self.name):
             raise ValueError(f"{self.name!r} is no name_of_words")
-        usual = (self.typical, self.typical if self.default is None else self.default)
-        is_range = all(self.low <= value <= self.high for value in usual)
+        values = (self.typical, self.typical if self.default is None else self.default)
+        is_range = all(self.low <= value <= self.high for value in values)
         if self.unit not in QUANTITIES:
             raise ValueError(f"{self.name}: unit {self.unit!r} is none of {', '.join(QUANTITIES)}")
         if not (is_range and 0.0 < self.spread < self.high - self.low < math.inf):
@@ -63,8 +67,9 @@ class Parameter:
 class Card:
     """Description of an effect for the user.
 
-    The first of ``parameters`` is its strength: at ``neutral`` there is no effect, for any value
-    of the others. ``not_sensed`` signal that an ECU lacks to take the effect out, else "".
+    The first of ``parameters`` is the strength: where it is ``neutral``, there is no effect for any
+    value of the other parameters. ``not_sensed`` is the signal for lack of which an ECU cannot take
+    the effect out, or "".
     """
 
     name: str
@@ -77,38 +82,40 @@ class Card:
     not_sensed: str = ""
 
     def __post_init__(self) -> None:
-        """Raise ValueError for what is missing, or named in two ways."""
+        """Raise ValueError for an empty text, a name that occurs twice, or a wrong ``neutral``."""
         texts = (self.cause, self.equation, self.source, self.looks_like)
         if not (_NAME.fullmatch(self.name) and all(map(str.strip, texts))):
             raise ValueError(f"{self.name!r} is no name_of_words, or a text of the card is empty")
         if len({p.name for p in self.parameters}) < len(self.parameters):
             raise ValueError(f"{self.name}: two parameters of one name")
-        for one in self.parameters[:1]:
-            if not one.low <= self.neutral <= one.high or one.typical == self.neutral:
+        if self.parameters:  # an empirical term has none
+            strength = self.parameters[0]
+            is_possible = strength.low <= self.neutral <= strength.high
+            if not is_possible or strength.typical == self.neutral:
                 raise ValueError(f"neutral {self.neutral:g}: no strength, or the typical one")
 
 
 @dataclass(frozen=True)
 class Effect:
-    """A named effect: one hook for each link that it acts on, None for every other link.
+    """An effect: one hook for each link on which it acts, None for every other link.
 
     Attributes
     ----------
     card : description for the user.
-    pressure : pressures of the front and the rear calipers [Pa] from those before this effect;
-        reads only ``time`` and ``p_mc`` of the history.
+    pressure : pressures of the front and the rear calipers [Pa] from the pressures before this
+        effect; reads only ``time`` and ``p_mc`` of the history.
     friction : factors on the pad friction of both axles [1] at the caliper pressures.
-    wheels : factors on the brake torque of wheels that differ from the other side [1].
+    wheels : factors [1] on the brake torque by wheel, for the wheels of axles whose sides differ.
     axle_moment : moment on the wheels besides the brake [N m per axle], positive when it slows.
-    inertia : inertia added to that of one wheel, front and rear [kg m^2].
-    radius : factors on the rolling radii [1].
-    load_shift : load of the front axle below that of (6), over W [1]; the rear has as much more.
+    inertia : inertia that is added to one wheel, front and rear [kg m^2].
+    radius : factors on the front and the rear rolling radius [1].
+    load_shift : load over W [1] that the front axle has less than by (6), and the rear axle more.
     body_force : force on the body [N], positive when it slows.
-    wheel_speed : factors on the speeds of wheels as read [1], by wheel name; no force changes.
+    wheel_speed : factors [1] by wheel on wheel speeds as read; no force changes.
     mass : factor on the mass [1].
     accelerometer : reading of a_x from the true a_x [m/s^2].
-    accelerometer_lag : time constant T [s] with which that reading a follows, and the factor S
-        [s^2] of its second order: S a'' + T a' + a is what it follows.
+    accelerometer_lag : T [s] and S [s^2] of S a'' + T a' + a = b, where the reading a lags behind
+        the result b of the hook ``accelerometer``.
     speed_delay : time [s] by which v is read late.
     wheel_speed_delay : time [s] by which all wheel speeds are read late.
     """
@@ -130,32 +137,36 @@ class Effect:
     wheel_speed_delay: Callable[[Parameters], float] | None = None
 
 
-def _cards() -> dict[str, Card]:
-    parameters: dict[str, list[Parameter]] = {}
-    for row in rows("parameters.csv", "calib.car.effects"):
-        low, high, typical = (float(row[k]) for k in ("low", "high", "typical"))
-        of_sensor = row["spread"] in SENSOR._fields  # by its name
-        spread = float(getattr(SENSOR, row["spread"]).sigma if of_sensor else row["spread"])
-        default = float(row["default"]) if row["default"] else None
-        numbers = (low, high, typical, spread, default)
-        parameter = Parameter(row["name"], row["unit"], *numbers, row["share"] == "yes")
-        parameters.setdefault(row["effect"], []).append(parameter)
-    cards = {}
-    for row in rows("cards.csv", "calib.car.effects"):
-        name, neutral = row["name"], float(row["neutral"])
-        of_effect = tuple(parameters[name])
-        equation = f"{row['equation']}; no effect at {of_effect[0].name} = {neutral:g}"
-        texts = (row["cause"], equation, row["source"], row["looks_like"])
-        cards[name] = Card(name, *texts, of_effect, neutral, row["not_sensed"])
-    return cards
+def _parameter(row: dict[str, str]) -> Parameter:
+    """Return the parameter of a row; its ``spread`` is a number or the name of a sensor's prior."""
+    low, high, typical = (float(row[key]) for key in ("low", "high", "typical"))
+    has_prior = row["spread"] in SENSOR._fields
+    spread = float(getattr(SENSOR, row["spread"]).sigma if has_prior else row["spread"])
+    default = float(row["default"]) if row["default"] else None
+    is_share = row["share"] == "yes"
+    return Parameter(row["name"], row["unit"], low, high, typical, spread, default, is_share)
 
 
-CARDS = _cards()
+def _card(row: dict[str, str], parameters: tuple[Parameter, ...]) -> Card:
+    neutral = float(row["neutral"])
+    equation = f"{row['equation']}; no effect at {parameters[0].name} = {neutral:g}"
+    texts = (row["cause"], equation, row["source"], row["looks_like"])
+    return Card(row["name"], *texts, parameters, neutral, row["not_sensed"])
+
+
+_PARAMETERS: dict[str, tuple[Parameter, ...]] = {}
+for _row in rows("parameters.csv", "calib.car.effects"):
+    _PARAMETERS[_row["effect"]] = (*_PARAMETERS.get(_row["effect"], ()), _parameter(_row))
+
+CARDS = {
+    row["name"]: _card(row, _PARAMETERS[row["name"]])
+    for row in rows("cards.csv", "calib.car.effects")
+}
 """The cards of the catalogue, in the order in which effects are listed and searched."""
 
 
 def effect(name: str, **hooks: Callable[..., Any]) -> Effect:
-    """The effect of the catalogue with these hooks."""
+    """Return the effect of the catalogue with these hooks."""
     return Effect(CARDS[name], **hooks)
 
 
@@ -164,13 +175,13 @@ BRAKES = ("pressure", "friction", "wheels")
 READINGS = (
     *("accelerometer", "wheel_speed", "accelerometer_lag", "speed_delay", "wheel_speed_delay"),
 )
-"""Links that change what a sensor reads; the car moves as without them."""
+"""Links that change the readings of sensors, but not the motion of the car."""
 AT_WHEELS = (*BRAKES, "axle_moment", "inertia", "radius", "wheel_speed", "wheel_speed_delay")
 """Links that change brakes, wheels or wheel speed sensors."""
 SLOWING = ("axle_moment", "body_force")
-"""Links that slow body or wheels besides the brakes."""
+"""Links that slow the wheels or the body in addition to the brakes."""
 BALANCE = (*SLOWING, "load_shift")
-"""Links of the force balance."""
+"""Links that `calib.car.balance` takes into account."""
 
 
 def acts_on(effect: Effect, links: tuple[str, ...]) -> bool:

@@ -1,6 +1,8 @@
-"""The effects of a car as one value: named effects with their parameters, and empirical terms.
+"""The effects of a car as data: named effects with their parameters, and empirical terms.
 
-Plain data: the equations are in the files of the links, in `empirical` and in `combined`.
+An effect is something physical in addition to the paper's model, such as air drag. This file has no
+equations: those of an effect are in `body`, `hydraulics`, `pads` or `wheels`, those of a term in
+`empirical`, and `combined` applies all effects together.
 """
 
 from collections.abc import Mapping
@@ -12,11 +14,12 @@ _ByParameter = Mapping[str, Mapping[str, float]]
 
 @dataclass(frozen=True)
 class EmpiricalTerm:
-    """An effect of unknown cause, over one driver: ``values`` [1] at ``knots`` of the driver.
+    """An effect of unknown cause that depends on one quantity of the run, its ``driver``.
 
-    Piecewise linear, and constant beyond the outer knots. ``place`` and ``driver`` as in
-    `calib.car.effects.empirical`. On brakes a value is the factor on the brake torque less one; on
-    wheels and body a force at the road over the weight, positive when it slows.
+    The effect has ``values`` [1] at ``knots`` [SI unit of the driver], is linear between knots and
+    constant beyond the outer knots. `calib.car.effects.empirical` lists places and drivers. At a
+    ``place`` on brakes, a value is the factor on the brake torque, less one. On wheels and body, it
+    is a force at the road over the weight, positive when it slows the car.
     """
 
     place: str
@@ -26,13 +29,13 @@ class EmpiricalTerm:
 
     @property
     def on_brakes(self) -> bool:
-        """Whether the values are for a brake torque, not for a force at the road."""
+        """Whether the values change a brake torque; otherwise they are forces at the road."""
         return self.place.endswith("brakes")
 
 
 @dataclass(frozen=True)
 class DefinedIn:
-    """The Python file of an effect of the user: its name without folder, and SHA-256 or ""."""
+    """The Python file that defines an effect of the user: name without folder, SHA-256 or ""."""
 
     file: str
     sha256: str = ""
@@ -42,10 +45,10 @@ class DefinedIn:
 class Effects:
     """The effects that act in a car in addition to the paper's model.
 
-    ``parameters`` of the named effects [SI]; ``terms`` empirical terms, whose cause is not known;
-    ``sigma`` one standard deviation of each parameter [SI], only where it is known;
-    ``user_defined`` effects of the user by name, whether they act or not: a `DefinedIn`, or an
-    `OwnEffect` of `calib.car.effects.catalogue` where the file was given.
+    ``parameters`` has the parameters [SI] of each named effect, ``terms`` the empirical terms.
+    ``sigma`` has the standard deviation of each parameter [SI], only where it is known.
+    ``user_defined`` has the effects of the user by name, whether they act or not: a `DefinedIn`,
+    or an `OwnEffect` of `calib.car.effects.catalogue` where the file was given.
     """
 
     parameters: _ByParameter = field(default_factory=dict)
@@ -54,15 +57,15 @@ class Effects:
     user_defined: Mapping[str, DefinedIn] = field(default_factory=dict)
 
     def __hash__(self) -> int:
-        """By the names: the parameters are mappings."""
+        """Return a hash of the names, since mappings of parameters have none."""
         return hash(frozenset(self.parameters))
 
     def __bool__(self) -> bool:
-        """Whether there is any effect."""
+        """Whether any effect or term acts."""
         return bool(self.parameters or self.terms)
 
     def __contains__(self, name: str) -> bool:
-        """Whether there is a named effect of that name."""
+        """Whether the effect of that name acts."""
         return name in self.parameters
 
     @property
@@ -72,9 +75,12 @@ class Effects:
 
     @property
     def defined_in(self) -> dict[str, DefinedIn]:
-        """Where the acting effects of the user are defined."""
-        acting = {n: x for n, x in self.user_defined.items() if n in self.parameters}
-        return {name: DefinedIn(x.file, x.sha256) for name, x in acting.items()}
+        """The files of those effects of the user that act, by name of the effect."""
+        return {
+            name: DefinedIn(effect.file, effect.sha256)
+            for name, effect in self.user_defined.items()
+            if name in self.parameters
+        }
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -83,9 +89,10 @@ class Effects:
         return (*self.parameters, *terms)
 
     def with_(self, other: Self) -> Self:
-        """Both together; an effect that both have is taken from ``other``.
+        """Return the effects of ``self`` and ``other`` together.
 
-        Terms of ``other`` replace those here, since a term was fitted without another one.
+        Where both have an effect, that of ``other`` counts. Terms of ``other`` replace the terms of
+        ``self``, since a term is fitted in the absence of other terms.
         """
         own_sigma = self.without(*other.names).sigma
         return type(self)(
@@ -96,14 +103,12 @@ class Effects:
         )
 
     def only(self, *names: str) -> Self:
-        """The effects of these names, without the empirical terms."""
-        parameters, sigma = (
-            {name: own for name, own in values.items() if name in names}
-            for values in (self.parameters, self.sigma)
-        )
+        """Return the effects of these names, without the empirical terms."""
+        parameters = {name: x for name, x in self.parameters.items() if name in names}
+        sigma = {name: x for name, x in self.sigma.items() if name in names}
         return type(self)(parameters, (), sigma, self.user_defined)
 
     def without(self, *names: str) -> Self:
-        """All but the effects of these names; the empirical terms stay."""
+        """Return all effects but those of these names; the empirical terms stay."""
         named = self.only(*(name for name in self.parameters if name not in names))
         return replace(named, terms=self.terms)

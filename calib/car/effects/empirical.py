@@ -1,4 +1,7 @@
-"""Empirical terms as effects: simulated and removed from a log as those of the catalogue."""
+"""Empirical terms as effects, so that they are simulated, or removed from a log, like all others.
+
+`EmpiricalTerm` in `calib.car.effects.effects` says what a term is.
+"""
 
 from collections.abc import Callable
 
@@ -22,7 +25,7 @@ PLACES = {
     "rear_wheels": "rear",
     "body": "body",
 }
-"""Places a term can act on, and the axle they belong to."""
+"""Places on which a term can act, and the axle of each."""
 
 DRIVERS = {
     "pressure": "Pa",
@@ -34,15 +37,18 @@ DRIVERS = {
     "distance": "m",
     "constant": "1",
 }
-"""Drivers of a term, with their units. `time` counts from the last brake application, `elapsed` and
-`distance` from the start of the run; the temperature is that of the axle's discs."""
+"""Drivers of a term, with their units.
+
+`time` counts from the moment when the brake was free last, `elapsed` and `distance` count from the
+start of the run. The temperature is that of the discs in `DISCS`.
+"""
 
 DISCS = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
-"""Axles whose disc temperatures a term uses; the front discs take most heat."""
+"""Axles whose disc temperatures a term uses; for the body the front, which take most heat."""
 
 
 def effect_of(term: EmpiricalTerm) -> Effect:
-    """The term as an effect without parameters."""
+    """Return the term as an effect without parameters."""
     card = Card(
         f"empirical_{term.place}_over_{term.driver}",
         cause="not known",
@@ -52,26 +58,25 @@ def effect_of(term: EmpiricalTerm) -> Effect:
         parameters=(),
     )
 
+    axles = DISCS[PLACES[term.place]]  # "f", "r" or "fr"
+
     def value(history: RunHistory, axle: str) -> Array:
         return np.interp(_driver_along(history, term.driver, axle), term.knots, term.values)
 
     def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-        front, rear = (
-            1.0 + value(history, axle) if axle in DISCS[PLACES[term.place]] else np.ones_like(p)
-            for axle, p in (("f", p_f), ("r", p_r))
-        )
+        front = 1.0 + value(history, "f") if "f" in axles else np.ones_like(p_f)
+        rear = 1.0 + value(history, "r") if "r" in axles else np.ones_like(p_r)
         return front, rear
 
     def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
         return np.asarray(vehicle.weight * value(motion.history, "f"))
 
     def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-        axle = DISCS[PLACES[term.place]]
-        force = vehicle.weight * value(motion.history, axle)
-        nothing = np.zeros_like(force)
-        if axle == "f":
-            return vehicle.front.rolling_radius * force, nothing
-        return nothing, vehicle.rear.rolling_radius * force
+        force = vehicle.weight * value(motion.history, axles)
+        zero = np.zeros_like(force)
+        if axles == "f":
+            return vehicle.front.rolling_radius * force, zero
+        return zero, vehicle.rear.rolling_radius * force
 
     if term.on_brakes:
         return Effect(card, friction=friction)
@@ -81,16 +86,17 @@ def effect_of(term: EmpiricalTerm) -> Effect:
 
 
 def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
-    """Driver of a term on ``place`` [SI], arrays (n,): one, or of each axle its temperature.
+    """Values of the driver of a term on ``place`` along a run [SI], arrays (n,).
 
-    Raises ModelError where a temperature is not known.
+    The list has one array, or for temperatures one for each axle of the place. Raises ModelError
+    for a temperature that is not known.
     """
     axles = DISCS[PLACES[place]] if driver == "temperature" else "f"
     return [_driver_along(history, driver, axle) for axle in axles]
 
 
 def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
-    """A driver along a run [SI] (n,). Raises ModelError for a temperature that is not known."""
+    """Values of a driver along a run [SI] (n,). Raises ModelError as `drivers_of`."""
     if driver != "temperature":
         return _ALONG[driver](history)
     temperature = history.temperature_f if axle == "f" else history.temperature_r
@@ -105,10 +111,10 @@ def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
 
 
 def _since_free(history: RunHistory) -> Array:
-    """Time since the brake was free last [s], or since the start."""
-    braked = history.p_mc > BITE
-    free = np.maximum.accumulate(np.where(braked, history.time[0], history.time))
-    return np.asarray(history.time - free)
+    """Time [s] (n,) since the brake was free last, or since the start of the run."""
+    is_braked = history.p_mc > BITE
+    last_free = np.maximum.accumulate(np.where(is_braked, history.time[0], history.time))
+    return np.asarray(history.time - last_free)
 
 
 _ALONG: dict[str, Callable[[RunHistory], Array]] = {

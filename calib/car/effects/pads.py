@@ -1,13 +1,16 @@
 """Effects of pads and discs: factors on the pad friction, and on the torque of single wheels.
 
-Fade:     T logged ------------------------------> T --> mu_p (1 - k max(T - T_0, 0))
-          not logged: heat E of the run --> disc --^
+Fade depends on the temperature T of the disc, which is logged or computed from the energy E that
+the run has dissipated: mu_p (1 - k max(T - T_0, 0)).
 
-Pressure: mu  |`.
-              |  `-.__                  bend > 0: most of the change at light braking
-              |       `````-----___
-              +----------|----------> p
-                       20 bar
+The friction over the pressure p is a straight line, or with a bend > 0 changes most at light
+braking:
+
+    mu_p |`.
+         |  `-.__
+         |       `````-----___
+         +----------|----------> p
+                  20 bar
 """
 
 import numpy as np
@@ -30,8 +33,9 @@ _STRAIGHT = 1e-10
 def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factors 1 - k max(T - T_0, 0) [1] on both axles.
 
-    T of the disc [degC] is logged, or else by `disc_temperature`; k and T_0 are then those of the
-    assumed disc. A straight line: not valid where little friction is left.
+    The disc temperature T [degC] is the logged one, or that of `disc_temperature`; in that case k
+    and T_0 hold for the assumed heat capacity. Since the factor falls linearly, it is not valid
+    where little friction is left.
     """
     slope, onset = parameters["fade_slope"], parameters["fade_onset"]
     start_f, start_r = history.start_heat
@@ -45,34 +49,39 @@ def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) 
 
 
 def _by_speed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factor 1 + k (v - 20 m/s) [1] on both axles: a straight line, wrong far from 20 m/s."""
+    """Factor 1 + k (v - 20 m/s) [1] on both axles; not valid far from 20 m/s."""
     factor = 1.0 + parameters["speed_slope"] * (history.v - _REFERENCE_SPEED)
     return factor, factor
 
 
 def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors 1 + k (p - 20 bar) [1] with p of the caliper.
+    """Factors 1 + k (p - p_0) [1] with the caliper pressure p and p_0 = 20 bar.
 
-    A ``pressure_bend`` b replaces p - 20 bar by 40 bar (exp(-20 bar b) - exp(-p b))/(1 - exp(-40
-    bar b)), so that k is the mean slope from 0 to 40 bar. Bends of 0 to 0.2/bar cover linings that
-    are described by powers of p: p^-0.1 within 3.5 % from 3 to 60 bar.
+    A ``pressure_bend`` b replaces p - p_0 by
+
+        2 p_0 (exp(-b p_0) - exp(-b p))/(1 - exp(-2 b p_0))
+
+    so that k is the mean slope from 0 to 2 p_0. Bends of 0 to 0.2/bar also fit linings whose
+    friction is a power of p, such as p^-0.1 within 3.5 % from 3 to 60 bar.
     """
     slope, bend = parameters["pressure_slope"], parameters.get("pressure_bend", 0.0)
     return 1.0 + slope * _with_bend(p_f, bend), 1.0 + slope * _with_bend(p_r, bend)
 
 
 def _with_bend(p: Array, bend: float) -> Array:
-    middle = _REFERENCE_PRESSURE
+    """p - p_0 [Pa], or the expression with the ``bend`` [1/Pa] in its place."""
+    p_0 = _REFERENCE_PRESSURE
     if bend < _STRAIGHT:
-        return p - middle
-    part = (np.exp(-bend * middle) - np.exp(-bend * p)) / -np.expm1(-2.0 * bend * middle)
-    return np.asarray(2.0 * middle * part)
+        return p - p_0
+    share = (np.exp(-bend * p_0) - np.exp(-bend * p)) / -np.expm1(-2.0 * bend * p_0)
+    return np.asarray(2.0 * p_0 * share)
 
 
 def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors 1 - k exp(-E/E_d) [1] with the energy E of each axle's brake since the first sample.
+    """Factors 1 - k exp(-E/E_d) [1] of wet pads that the energy E of each axle's brake dries.
 
-    E_d of the rear is ``dry_rear_share`` of it, by default 1. Not valid if water comes later.
+    E counts from the first sample. E_d is ``dry_energy`` on the front axle, and ``dry_rear_share``
+    (by default 1) of ``dry_energy`` on the rear axle. Not valid if water comes later.
     """
     loss, dry = parameters["wet_loss"], parameters["dry_energy"]
     dry_rear = dry * parameters.get("dry_rear_share", 1.0)
@@ -81,20 +90,20 @@ def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array)
 
 
 def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
-    """Factors on the torques of left and right wheels; side forces are neglected."""
-    ones, x = np.ones_like(history.time), parameters["imbalance"]
-    y = parameters["rear_share"] * x
-    left_right = {"fl": 1.0 + x, "fr": 1.0 - x, "rl": 1.0 + y, "rr": 1.0 - y}
-    if y == 0.0:  # both rear wheels are equal: only one of them is computed
-        del left_right["rl"], left_right["rr"]
-    return {wheel: factor * ones for wheel, factor in left_right.items()}
+    """Factors [1] on the torques of left and right wheels; side forces are neglected."""
+    ones, front = np.ones_like(history.time), parameters["imbalance"]
+    rear = parameters["rear_share"] * front
+    factors = {"fl": (1.0 + front) * ones, "fr": (1.0 - front) * ones}
+    if rear != 0.0:  # else both rear wheels are equal, and only one of them is computed
+        factors |= {"rl": (1.0 + rear) * ones, "rr": (1.0 - rear) * ones}
+    return factors
 
 
 def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
-    """Factors on the torques of front discs of uneven thickness, once a turn.
+    """Factors [1] on the torques of front discs of uneven thickness, one wave a turn.
 
-    ``side`` is 0 for both discs in step, 1 for the left one only, -1 for the right one. The angle
-    counts from the first sample, or from the origin that the ripple of the run sets.
+    ``side`` is 0 for both discs in step, 1 for the left disc only, -1 for the right disc only. The
+    phase is that of `RunHistory.ripple`.
     """
     wave = history.ripple(parameters["phase"])
     a, side = parameters["amplitude"], parameters["side"]

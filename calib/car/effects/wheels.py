@@ -1,11 +1,13 @@
-"""Effects of wheels, tyres and drive: moments besides the brake, inertia and radii.
+"""Effects of wheels, tyres and drive: moments on the wheels besides the brake, inertia, radii.
 
-Motor:  M ^  M_0 ________
-          |     /        '-.._  P/omega
-          |    /
-          +---'-----------------> v
+The moment M of a braking motor has two limits, a torque M_0 and a power P:
 
-Effects add to a logged ``T_drive_f`` or ``T_drive_r``.
+    M ^  M_0 ________
+      |     /        '-.._  P/omega
+      |    /
+      +---'-----------------> v
+
+The moments here are added to a logged ``T_drive_f`` or ``T_drive_r``.
 """
 
 import numpy as np
@@ -22,15 +24,15 @@ from calib.car.vehicle import Vehicle
 _SPEED = 20.0
 """Speed [m/s] at which rolling resistance and the torque of an engine are given."""
 
-_BLEND = 0.4
-"""Default ``regen_span`` over ``regen_onset`` [1]."""
+_DEFAULT_SPAN = 0.4
+"""Default of ``regen_span`` over ``regen_onset`` [1]."""
 
 FADE_OUT = 3.0
-"""Speed below which the motor hands over to the brakes [m/s], as usual for a blended stop."""
+"""Speed [m/s] below which the moment of a motor falls to zero, as is usual before a standstill."""
 
 
 def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-    """c_rr F_z R [N m per axle], growing with v^2 by ``rolling_growth``, by default 0."""
+    """c_rr F_z R [N m per axle]; ``rolling_growth``, by default 0, lets c_rr grow with v^2."""
     growth = 1.0 + parameters.get("rolling_growth", 0.0) * ((motion.v / _SPEED) ** 2 - 1.0)
     c_rr = parameters["coefficient"] * growth
     return (
@@ -40,10 +42,11 @@ def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 
 
 def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-    """Moment of friction and pumping of an engine [N m per axle], which grows with its speed.
+    """Moment of friction and pumping of an engine [N m per axle], which grows with the speed.
 
-    ``drag_growth`` and ``drag_rear_share`` are 0 by default: driven front wheels. Negative while
-    the engine or a torque converter still drives the car. Valid for one gear.
+    ``drag_growth`` is by default 0, and so is ``drag_rear_share``: the front wheels are driven. The
+    moment is negative while the engine or a torque converter still drives the car. Valid for one
+    gear.
     """
     growth = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _SPEED)
     moment, share = parameters["drag_torque"] * growth, parameters.get("drag_rear_share", 0.0)
@@ -51,39 +54,42 @@ def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 
 
 def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-    """M = min(M_0, P/omega) [N m per axle] from a pressure on, shared by the axles.
+    """M = min(M_0, P/omega) [N m per axle] times the blending by the pedal, shared by the axles.
 
-    It grows from the pressure ``regen_onset`` on over ``regen_span``, and follows the pedal with
-    the time constant ``regen_lag``, its limits at once. omega is that of free rolling: P is too
-    high by the slip, 1 to 3 %. Not valid for a motor that slows without the brake (`engine_drag`).
+    The blending grows from 0 to 1 over the pressures ``regen_onset`` to ``regen_onset`` plus
+    ``regen_span``, and follows the pedal with the time constant ``regen_lag``. omega is taken as
+    v/R, so P is too high by the slip, 1 to 3 %. Not valid for a motor that slows the car without
+    the brake pedal; that is `engine_drag`.
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
-    span = parameters.get("regen_span", _BLEND * onset)
-    braked = np.clip((motion.history.p_mc - onset) / span, 0.0, 1.0)
+    span = parameters.get("regen_span", _DEFAULT_SPAN * onset)
+    blending = np.clip((motion.history.p_mc - onset) / span, 0.0, 1.0)
     lag = parameters.get("regen_lag", 0.0)
     if lag > 0.0:
-        braked = first_order(motion.history.time, braked, lag)
+        blending = first_order(motion.history.time, blending, lag)
     fading = np.clip(motion.v / FADE_OUT, 0.0, 1.0)
     omega = np.maximum(motion.v, 0.1) / vehicle.front.rolling_radius
     moment = np.minimum(parameters["regen_torque"], parameters["regen_power"] / omega)
-    moment = moment * braked * fading
+    moment = moment * blending * fading
     return (1.0 - share) * moment, share * moment
 
 
 def _radius_by_load(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
-    """Factors on the wheel speeds: a radius falls with the load over that at rest.
+    """Factors [1] on the wheel speeds exp(q (F_z/F_z0 - 1)), since a radius falls with the load.
 
-    The change of torque, 0.1 to 0.5 %, is neglected. Valid at the inflation of the vehicle file.
+    F_z0 is the axle load at rest. The change of the brake force, 0.1 to 0.5 %, is neglected. Valid
+    at the tyre inflation at which the radii of the vehicle file hold.
     """
     q = parameters["radius_load"]
-    static = axle_loads(vehicle, np.zeros(1))
-    loads = (motion.load_f, motion.load_r)
-    return {
-        f"{axle}{side}": np.exp(q * (load / at_rest[0] - 1.0))
-        for axle, load, at_rest in zip(AXLES, loads, static, strict=True)
-        for side in "lr"
-    }
+    static_loads = axle_loads(vehicle, np.zeros(1))
+    factors: dict[str, Array] = {}
+    for axle, load, at_rest in zip(
+        AXLES, (motion.load_f, motion.load_r), static_loads, strict=True
+    ):
+        factor = np.exp(q * (load / at_rest[0] - 1.0))
+        factors |= {f"{axle}l": factor, f"{axle}r": factor}
+    return factors
 
 
 ROLLING_RESISTANCE = effect("rolling_resistance", axle_moment=_rolling)
@@ -91,9 +97,9 @@ EFFECTS = (
     ROLLING_RESISTANCE,
     effect("engine_drag", axle_moment=_engine),
     effect("regenerative_torque", axle_moment=_motor),
-    # Valid for one gear: the engine's share grows with the square of the ratio.
+    # valid for one gear: the inertia of an engine counts with the square of the gear ratio
     effect("wheel_inertia", inertia=lambda parameters: (parameters["extra_inertia"], 0.0)),
-    # The front radius is taken as right: a common error is one of the speed scale.
+    # the front radius is taken as right: a common error of both would be one of the speed scale
     effect(
         "rolling_radius_mismatch",
         radius=lambda parameters: (1.0, 1.0 + parameters["radius_mismatch"]),

@@ -141,7 +141,7 @@ def run_of(log: Log) -> ObservedRun:
 def _lag_of(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> RunLag:
     """How the wheels of a run follow, as if both axles used the road as the whole car does."""
     load = np.array(axle_loads(car, run.z))
-    _, slope, _ = tyre.rising(run.z, 2.0 * load / car.weight, _EDGE)
+    _, slope, _ = tyre.slip_at_force(run.z, 2.0 * load / car.weight, _EDGE)
     axles = (car.front, car.rear)
     heavy = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])
     tau = heavy * run.v / (0.5 * load * slope)
@@ -243,7 +243,7 @@ def _slip(
 ) -> Array:
     """Slip [1] of wheels while their tyres carry a force [N] that has a rate [N/s]."""
     carried = force[0] / load
-    slip, slope, past_edge = tyre.rising(carried, 4.0 * load / car.weight, _EDGE)
+    slip, slope, past_edge = tyre.slip_at_force(carried, 4.0 * load / car.weight, _EDGE)
     if tyre.relaxation == 0.0:
         return slip
     change = (force[1] - carried * np.gradient(load, lag.step, axis=-1)) / load

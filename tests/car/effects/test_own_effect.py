@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from calib.base.errors import ModelError
-from calib.car.effects.catalogue import CATALOGUE, definition, every_effect, with_own
+from calib.car.effects.catalogue import CATALOGUE, all_effects, definition, with_own
 from calib.car.effects.combined import total_axle_moment
 from calib.car.effects.effect_file import read_own_effects
 from calib.car.effects.effects import Effects
@@ -29,8 +29,8 @@ def own_of(tmp_path, text, name="mine.py"):
 
 def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
     assert definition(WITH.effects, "air_brake_flap") is FLAP.effect
-    assert list(every_effect(WITH.effects)) == [*CATALOGUE, "air_brake_flap"]
-    assert list(every_effect(SEDAN.effects)) == list(CATALOGUE)
+    assert list(all_effects(WITH.effects)) == [*CATALOGUE, "air_brake_flap"]
+    assert list(all_effects(SEDAN.effects)) == list(CATALOGUE)
     with pytest.raises(ModelError, match=r"unknown effect 'air_brake_flap'.*give --effect FILE"):
         definition(SEDAN.effects, "air_brake_flap")
 
