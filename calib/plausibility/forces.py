@@ -12,7 +12,7 @@ import numpy as np
 from calib.base.intervals import likelihood_ratio
 from calib.base.names import G
 from calib.base.warning import Measured
-from calib.car.braking import MOVING
+from calib.car.braking import BITE, MOVING
 from calib.plausibility.acceleration_delay import acceleration_delay
 from calib.plausibility.evidence import Evidence
 from calib.run.blocks import BLOCK
@@ -31,6 +31,9 @@ below 3 m/s. Pads that grip more at low speed make it negative."""
 _UPRIGHT = 0.1
 """Deceleration [1] beyond which left and right are not compared: in a bend the inner wheels bear
 less and slip more, which looks like a tighter bend."""
+_STEP_NOISE = 3.2
+"""Sigma of the difference of two medians over 0.3 s, over the density of the noise [1/s^0.5]: a
+median has 1.25 sigma of a mean, and 1.25 sqrt(2/0.3) is 3.2."""
 
 
 def bend(e: Evidence) -> Iterator[Measured]:
@@ -68,7 +71,7 @@ def a_x_late(e: Evidence) -> Iterator[Measured]:
 
 
 def brakes(e: Evidence) -> Iterator[Measured]:
-    """Force without pressure, a step of the force, and its delay.
+    """Force without pressure, and the delay of the brakes.
 
     A motor that brakes from the first pressure on is a force without pressure. One that hands over
     to the brakes before the car stands is a force that fades with the speed, which only a run
@@ -84,9 +87,23 @@ def brakes(e: Evidence) -> Iterator[Measured]:
     if odds * (early + fading + early * fading) / 3.0 > _MOTOR:
         yield Measured("unexplained_braking_force", share if early > fading else fading_share)
     yield Measured("braking_force_missing", share, response.share_sigma)
-    time, step, scatter = response.force_step
-    yield Measured("force_step", step, scatter, words={"at": time})
     yield Measured("pressure_lag", response.delay, response.delay_sigma)
+
+
+def force_step(e: Evidence) -> Iterator[Measured]:
+    """The largest step of the force without one of the pressure; sigma is that of such steps.
+
+    A short stop has few steps, whose scatter is small by chance: sigma is at least what the noise
+    of z on the lead-in makes.
+    """
+    if e.response is None or e.run.vehicle is None:
+        return
+    time, step, scatter = e.response.force_step
+    b = e.run.blocks
+    braked = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
+    usual = max(float(np.median(b.z[braked])), _UPRIGHT) if braked.any() else 1.0
+    noise = _STEP_NOISE * e.run.lead_in_noise.z / usual
+    yield Measured("force_step", step, max(scatter, noise), words={"at": time})
 
 
 def levels(e: Evidence) -> Iterator[Measured]:

@@ -50,7 +50,8 @@ _OF_MOTION: tuple[Figure, ...] = (
 _OF_SIGNALS: tuple[Figure, ...] = (
     *(channels.copied, channels.late, channels.pressure_sides, channels.from_master),
     *(wheels.car_wheels, wheels.a_x_by_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale),
-    *(forces.accelerometer, forces.a_x_late, forces.brakes, forces.bend, forces.levels),
+    *(forces.accelerometer, forces.a_x_late, forces.brakes, forces.force_step),
+    *(forces.bend, forces.levels),
 )
 """Those that need all channels, and a car that moves."""
 

@@ -9,7 +9,7 @@ import pytest
 from calib.base.names import WHEELS
 from calib.plausibility.channels import at_rest, pressure_sides
 from calib.plausibility.evidence import Evidence
-from calib.plausibility.forces import brakes
+from calib.plausibility.forces import brakes, force_step
 from calib.run.brake_response import BrakeResponse, _ForceStep
 from calib.run.run import Run
 from tests.support.reference_car import REAL, noisy, stop
@@ -45,9 +45,6 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
         (response(delay=-0.15), ["pressure_lag"]),
         (response(delay=0.15), []),
         (response(delay=0.25, sigma=0.1), []),
-        (response(force_step=_ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
-        (response(force_step=_ForceStep(4.0, 0.08, 0.02)), []),
-        (response(force_step=_ForceStep(4.0, 0.02, 0.001)), []),
     ],
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):
@@ -112,3 +109,20 @@ def test_wheel_pressures_of_an_axle_are_alike(scale, zero, codes):
     found = broken([pressure_sides], Evidence(Run(log)))
     assert [one.code for one in found] == codes
     assert all(one.measured == pytest.approx(scale - 1.0, abs=0.02) for one in found if codes)
+
+
+@pytest.mark.parametrize(
+    ("step", "scatter", "noise", "told"),
+    [
+        (-0.08, 0.01, 0.0, ["force_step"]),
+        (0.08, 0.02, 0.0, []),
+        (0.02, 0.001, 0.0, []),
+        (0.08, 0.01, 0.002, []),  # 3.2 * 0.002 / 0.3 is 0.021
+    ],
+)
+def test_a_step_of_the_force_stands_out_of_its_scatter_and_of_the_noise(step, scatter, noise, told):
+    blocks = SimpleNamespace(p_f=np.full(9, 2e6), p_r=np.zeros(9), speed=np.full(9, 20.0))
+    blocks.z = np.full(9, 0.3)
+    run = SimpleNamespace(vehicle=True, blocks=blocks, lead_in_noise=SimpleNamespace(z=noise))
+    seen = response(force_step=_ForceStep(4.0, step, scatter))
+    assert [one.code for one in broken([force_step], Evidence(run, response=seen))] == told
