@@ -1,7 +1,8 @@
-"""Facts as one HTML file: style, pictures and scripts are inside, and all is escaped.
+"""Facts as one HTML file, which holds its style, pictures and scripts; all texts are escaped.
 
-A page can be read and printed without its scripts. One sorts its tables and filters them. Those of
-a live page are `calib.show.interactive`'s; a browser unpacks them, since they are most of the page.
+A page can be read and printed without scripts. One script sorts tables and filters them. A live
+page also holds Bokeh and what `calib.show.interactive` makes of each sheet: these scripts are
+packed, as they would be most of the page, and a browser unpacks them.
 """
 
 import base64
@@ -28,17 +29,17 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 _GENERATOR = "brake-cal"
-"""Generator of every page, by which one is recognised."""
+"""Generator that every page names, by which `is_page` knows a page."""
 _HEAD = 1000
-"""First bytes of a page, which hold its generator."""
+"""Number of the first bytes of a page that hold the name of its generator."""
 _LONG = 3
 """Fewest rows of a table that can be sorted."""
 _ROOM = 900_000
-"""Letters of a page for live pictures; with Bokeh and the still ones it has 1.6 MB at most."""
+"""Letters for the live pictures of a page; Bokeh has 400,000, the still pictures about 200,000."""
 _PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
 _PARTS = 120
-"""Parts of a long line in a panel: two pixels of a screen each."""
+"""Parts of the `envelope` of a line in a panel: each is two pixels wide."""
 _UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n<>'"
 """Characters that need no escape in a data URI within double quotes."""
 _UNSEEN = re.compile(
@@ -46,33 +47,36 @@ _UNSEEN = re.compile(
     r"| id=\"[a-z2]+_\d+\"| transform=\"rotate\(-0 [^\"]*\"",
     re.DOTALL,
 )
-"""Parts of an SVG that show nothing, and the font of each element; `_FONT` names it once."""
+"""Parts of an SVG that show nothing, and the font of each element, which `_FONT` names once."""
 _EMPTY, _TAG = "<g></g>", re.compile("<[^<>']*>")
-"""A group without content; a tag without an apostrophe, whose quotes can be exchanged for them."""
+"""A group without content; a tag without an apostrophe, whose quotes become apostrophes."""
 _STYLE, _FONT = "<style type='text/css'>*{", "font-family: DejaVu Sans, Verdana, sans-serif; "
-"""Font of all text, and fonts of similar width for machines without it."""
+"""Start of the style of an SVG; font of all texts, and fonts of similar width in its place."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
 """A coordinate with three decimals or more, inside a tag."""
 _STRAIGHT = re.compile(r"M(?: [-\d.]+ [-\d.]+ \nL)+ [-\d.]+ [-\d.]+ \n(?=z?\n?\"|M)")
-"""A line of straight pieces; a path has several where samples are missing between them."""
+"""A line of straight pieces; a path with gaps has several."""
 _HALF_A_PIXEL = 1.0 / 3.0
-"""Distance [pt] by which a point of a panel may lie off its line: half a pixel of a wide screen."""
+"""Distance by which a shortened line may leave the line [pt]: half a pixel of a wide screen."""
 _AGAINST = "What speaks against the result, although it is given."
+"""Caption of the warnings."""
 
 
 @cache
 def _template() -> "Template":
+    """Return the template of a page, which keeps numbers and units together."""
     pages = templates("calib.show", markup=True)
-    # Markup, a kind of str, is escaped already.
+    # Markup is a subclass of str, and escaped already
     pages.finalize = lambda value: whole(value) if type(value) is str else value
     return pages.get_template("page.html.j2")
 
 
 def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
-    """The page, which fetches nothing; equal facts give equal bytes.
+    """Return the page of the facts, which fetches nothing; equal facts give equal bytes.
 
-    It loads itself again after ``again`` [s], 0: never. Then it has no scripts, since what a reader
-    sorted would be lost each time. Pictures of a ``live`` page can be zoomed; it needs Bokeh.
+    A page with ``again`` above 0 loads itself again after so many seconds. It does not sort tables,
+    since each time the order would be lost. Pictures of a ``live`` page can be zoomed; this needs
+    Bokeh.
     """
     sorting = _asset("tables.js") if not again and _has_long_table(facts) else ""
     digest = base64.b64encode(hashlib.sha256(sorting.encode()).digest()).decode()
@@ -96,18 +100,18 @@ def _has_long_table(facts: Facts) -> bool:
 
 
 def _asset(name: str) -> str:
-    """A script from the folder of the templates."""
+    """Return a script from the folder of the templates."""
     return (Path(__file__).parent / "templates" / name).read_text(encoding="utf-8")
 
 
 def _packed(text: str) -> str:
-    """A script as a browser unpacks it: by zlib, in letters."""
+    """Return a script, packed by zlib, as letters (base64)."""
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 @cache
 def _drawing() -> str:
-    """What draws live pictures, packed: Bokeh and the script that uses it."""
+    """Return the packed scripts that draw live pictures: Bokeh and live.js."""
     return _packed(f"{source()}\n{_asset('live.js')}")
 
 
@@ -126,7 +130,7 @@ class _Pictures:
         self.live, self.scripts = live, list[str]()
 
     def panels(self, picture: Picture) -> list[tuple[str, str]]:
-        """Each panel as SVG, with the place of its live picture, or ""."""
+        """Return each panel as SVG, and the id of the place of its live picture, "" for none."""
         sheet = picture.make()
         names = picture.names or sheet.names
         stills = [_panel(sheet, name) for name in names]
@@ -140,10 +144,10 @@ class _Pictures:
 
 
 def _panel(sheet: Sheet, name: str) -> str:
-    """A panel as a small SVG, since a page has many."""
+    """Return a panel as a small SVG in a data URI, since a page has many panels."""
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
     svg = _UNSEEN.sub("", render(figure, ".svg", text=True).decode())
-    # places are exact to a tenth of a point
+    # coordinates are rounded to a tenth of a point
     short = _PLACE.sub(lambda place: f"{float(place[0]):.1f}", _STRAIGHT.sub(_shortened, svg))
     short = _TAG.sub(lambda tag: tag[0].replace('"', "'"), short)
     short = short.replace(_STYLE, _STYLE + _FONT, 1)
@@ -153,21 +157,23 @@ def _panel(sheet: Sheet, name: str) -> str:
 
 
 def _shortened(path: re.Match[str]) -> str:
-    """A line in relative coordinates, without points that cannot be seen."""
+    """Return a line in relative coordinates, without points that cannot be seen."""
     from matplotlib.path import Path
 
-    parts = (part.split() for part in path[0].removeprefix("M").split("L"))
-    line = Path(np.array([*parts], float))
+    points = [point.split() for point in path[0].removeprefix("M").split("L")]
+    line = Path(np.array(points, float))
     line.should_simplify, line.simplify_threshold = True, _HALF_A_PIXEL
-    visible = np.asarray(line.cleaned(simplify=True).vertices)[:-1]
+    visible = np.asarray(line.cleaned(simplify=True).vertices)[:-1]  # (m, 2), without its end mark
     first, *steps = 0.1 * np.diff(np.rint(10.0 * visible), axis=0, prepend=0.0)
-    moves = (first, *(step for step in steps if step.any()))
-    ways = ([f"{way:.1f}".removesuffix(".0") for way in move] for move in moves)
-    return "M" + "l".join(f"{x}{' ' * (y[0] != '-')}{y}" for x, y in ways)
+    moves = []
+    for step in (first, *(step for step in steps if step.any())):
+        x, y = (f"{way:.1f}".removesuffix(".0") for way in step)
+        moves.append(f"{x}{y}" if y.startswith("-") else f"{x} {y}")
+    return "M" + "l".join(moves)
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:
-    """One row a warning: log and quantity, value and range, causes, next step."""
+    """Return a table with a row for each warning: its name, its figures, causes, next step."""
     rows = [
         (f"{w.log}: {w.title}", f"{w.amount}; expected {w.bounds}",
          ", or ".join(w.causes), w.do)

@@ -1,9 +1,10 @@
-"""A sheet in the browser, drawn by Bokeh: panels that zoom together, values under the cursor.
+"""A sheet in the browser, drawn by Bokeh: panels that zoom together, values at the pointer.
 
-    Sheet --script--> what fills the places of its panels, by live.js
-    source            Bokeh itself, which stands once in a page and fetches nothing
+    Sheet --script--> call of `live` in templates/live.js, which draws the panels
+    source            Bokeh's own script, which a page holds once
 
-Panels over one x axis share its ends, and an upright line at the cursor.
+Panels with the same x axis share its ends, an upright line at the pointer, and two cursors that
+taps set.
 """
 
 import json
@@ -22,14 +23,15 @@ from calib.show.style import LINE_WIDTH, Array, Stroke, envelope, pale
 EXTRA = "pages"
 """Extra of the package that brings Bokeh."""
 _PARTS = 25_000
-"""Parts of an `envelope`: a line of at most 100,000 samples has all of them."""
+"""Parts of the `envelope` of a line; a line of at most 100,000 samples is drawn as it is."""
 _HEIGHT, _ROW = 250, 20
 """Height of a panel and of each row of its legend [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
 _MARKERS = {"o": "circle", ".": "dot", "^": "triangle", "D": "diamond"}
+"""Names of markers in matplotlib and in Bokeh."""
 _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
-"""A finger on a panel scrolls the page."""
+"""Style of a panel: a finger that moves on it scrolls the page."""
 _LEGEND = {
     "click_policy": "hide", "location": "top_left", "border_line_color": None,
     "background_fill_alpha": 0.0, "label_text_font_size": "11px", "glyph_width": 22,
@@ -38,30 +40,34 @@ _LEGEND = {
 _ID = re.compile(r'(?<="id": ")p\d+(?=")|(?<=[{ ]")p\d+(?=": "sheet-)')
 """Number of a model of Bokeh, where it stands in a document or names the place of a panel."""
 _COLOURS = 64
-"""Colours of a field."""
+"""Number of colours of a field."""
 _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
 
 
 def installed() -> bool:
-    """Whether Bokeh is there; it comes with the `EXTRA`."""
+    """Whether Bokeh is installed; it comes with the `EXTRA`."""
     return find_spec("bokeh") is not None
 
 
 def source() -> str:
-    """The JavaScript of Bokeh."""
+    """Return the JavaScript of Bokeh."""
     from bokeh.resources import Resources
 
     return "\n".join(Resources("inline", components=["bokeh"], minified=True).js_raw)
 
 
 def script(sheet: Sheet, places: Mapping[str, str]) -> str:
-    """Script that fills the ``places`` of panels by their names, escaped for HTML."""
+    """Return the script that draws panels, escaped for HTML.
+
+    ``places`` are the ids of the elements of the page that it fills, by the names of the panels.
+    """
     from bokeh.document import Document
 
-    panels, making = {panel.name: panel for panel in sheet.panels}, _Making()
+    panels, drawing = {panel.name: panel for panel in sheet.panels}, _Drawing()
     roots, document = {}, Document()
     for name, place in places.items():
-        document.add_root(figure := making.figure(panels[name]))
+        figure = drawing.figure(panels[name])
+        document.add_root(figure)
         roots[figure.id] = place
     call = f"live({json.dumps(document.to_json(deferred=False))}, {json.dumps(roots)});"
     # Bokeh numbers all models of a process; a page counts its own
@@ -69,15 +75,21 @@ def script(sheet: Sheet, places: Mapping[str, str]) -> str:
     return _ID.sub(lambda id_: numbers[id_[0]], call).replace("<", "\\u003c")
 
 
-class _Making:
-    """Figures of a sheet; those with one x share its data, and those with one axis its range."""
+class _Drawing:
+    """Figures of a sheet.
+
+    Attributes
+    ----------
+    sources : data that lines with the same x share, by the identity of the x.
+    axes : what panels with the same x axis share, see `_axis`, by its name, ends and words.
+    """
 
     def __init__(self) -> None:
         self.sources: dict[int, Any] = {}
         self.axes: dict[tuple[object, ...], tuple[Any, ...]] = {}
 
     def figure(self, panel: Panel) -> Any:
-        """One panel with its legend, which is above the axes as on paper."""
+        """Return the figure of a panel, with its legend above the axes as on paper."""
         from bokeh.models import BoxZoomTool, PanTool, ResetTool, WheelZoomTool
         from bokeh.plotting import figure
 
@@ -104,8 +116,9 @@ class _Making:
             fig.add_tools(hover)
             for cursor in cursors:
                 fig.add_layout(cursor)
-        back = [one for one in fig.renderers if one.level == "underlay"]  # first line on top
-        fig.renderers = [*reversed(back), *(one for one in fig.renderers if one not in back)]
+        bands = [glyph for glyph in fig.renderers if glyph.level == "underlay"]
+        others = [glyph for glyph in fig.renderers if glyph not in bands]
+        fig.renderers = [*reversed(bands), *others]  # the band of the first line is on top
         for text, x, y in panel.texts:
             is_right = panel.xlim is not None and x > np.mean(panel.xlim)
             side = {"text_align": "right", "x_offset": -5} if is_right else {}
@@ -122,7 +135,7 @@ class _Making:
         return fig
 
     def _axis(self, panel: Panel) -> tuple[Any, ...]:
-        """Ends and crosshair of the x axis, and its two cursors."""
+        """Return the ends of the x axis, its crosshair and its two cursors."""
         from bokeh.models import CrosshairTool, Span
 
         key = panel.x, panel.xlim, tuple(panel.xticks)
@@ -134,7 +147,7 @@ class _Making:
         return self.axes[key]
 
     def _columns(self, line: Line, values: Sequence[Array]) -> tuple[Any, list[str]]:
-        """The source of a line, and the names of its ``values`` there."""
+        """Return the data source of a line, and the names of its ``values``, (n,) each, there."""
         from bokeh.models import ColumnDataSource
 
         points = envelope(line.shown, _PARTS)
@@ -142,25 +155,28 @@ class _Making:
         if key not in self.sources:
             self.sources[key] = ColumnDataSource({"x": np.asarray(line.x, float)[points]})
         source, names = self.sources[key], []
-        for one in values:
+        for column in values:
             names.append(f"y{len(source.data)}")
-            source.data[names[-1]] = _short(one[points])
+            source.data[names[-1]] = _short(column[points])
         return source, names
 
     def _line(self, fig: Any, line: Line) -> tuple[Any, list[str]]:
-        """Draw a line with its band, and its mean over measured values, in one entry of the legend.
+        """Draw a line, its band and the values behind a mean, as one entry of the legend.
 
-        Returns its glyph; its name, and those of its columns: the values and their bounds.
+        Return the glyph of the line, None without one, and a list of its name and of the names of
+        its columns: values, lower bounds, upper bounds.
         """
         band = [np.asarray(end, float) for end in line.band or ()]
-        raw = [np.asarray(line.y, float)] if line.mean else []
-        source, columns = self._columns(line, [line.shown, *band, *raw])
+        values = [np.asarray(line.y, float)] if line.mean else []
+        source, columns = self._columns(line, [line.shown, *band, *values])
         look, name = _look(line.look), _plain(line.label)
-        more = {"source": source, **({"legend_label": name} if name else {})}
+        more: dict[str, Any] = {"source": source}
+        if name:
+            more["legend_label"] = name
         if band:
             fill = {"fill_color": pale(look["color"]), "level": "underlay"}
             fig.varea("x", *columns[1:3], **fill, **more)
-        if raw:
+        if values:
             fig.line("x", columns.pop(), color=look["color"], line_alpha=RAW, **more)
         glyph, more["name"] = None, name
         if line.look.get("linestyle", "-"):
@@ -179,21 +195,26 @@ class _Making:
 
 
 def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str]]]) -> Any:
-    """Tool that tells the values of the lines over the commonest x, by live.js; None for none."""
+    """Return the tool that tells values at the pointer; None for a panel without a named line.
+
+    ``shown`` are the glyphs and columns of the lines, see `_Drawing._line`. It tells the lines that
+    have the commonest x; live.js writes the text.
+    """
     from bokeh.models import HoverTool
 
     named = [(glyph, row) for glyph, row in shown if glyph and (row[0] or len(shown) == 1)]
     if not named:
         return None
-    shared = Counter(id(glyph.data_source) for glyph, _ in named).most_common(1)[0][0]
-    glyphs, rows = zip(*(one for one in named if id(one[0].data_source) == shared), strict=True)
+    commonest, _ = Counter(id(glyph.data_source) for glyph, _ in named).most_common(1)[0]
+    hovered = [(glyph, row) for glyph, row in named if id(glyph.data_source) == commonest]
+    glyphs, rows = zip(*hovered, strict=True)
     tags = [[_plain(panel.x), "x"], *([row[0] or _plain(panel.y), *row[1:]] for row in rows)]
     look = {"mode": "vline", "point_policy": "follow_mouse"}
     return HoverTool(renderers=[glyphs[0]], tags=tags, **look)
 
 
 def _image(fig: Any, panel: Panel, field: Field) -> None:
-    """Draw a field with its scale, its values under the cursor, and what a slider moves through."""
+    """Draw a field with its scale, the slices for its slider, and a tool that tells its values."""
     from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
@@ -204,12 +225,12 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
     place = {"x": left, "y": bottom, "dw": right - left, "dh": top - bottom, "level": "image"}
     source = ColumnDataSource({"image": [_short(field.values)]})
     if field.slider:
-        # one byte a place, finer than the colours
+        # a value is a byte, first + step * byte: more steps than there are colours
         first, last = np.nanmin(field.slices), np.nanmax(field.slices)
         step = (last - first) / 255.0
         source.tags = [*field.slider, float(first), float(step)]
-        for i, one in enumerate(field.slices):
-            source.data[f"slice{i}"] = [np.nan_to_num((one - first) / step).astype("u1")]
+        for i, values in enumerate(field.slices):
+            source.data[f"slice{i}"] = [np.nan_to_num((values - first) / step).astype("u1")]
     image = fig.image("image", source=source, color_mapper=colour, **place)
     fig.add_layout(image.construct_color_bar(width=12), "right")
     tags = ["", *map(_plain, (panel.x, panel.y)), *field.torques]
@@ -217,14 +238,19 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
 
 
 def _short(values: Array) -> Array:
-    """Values to 1 part in 4,000, as the last digits are noise, and the page has to carry them."""
+    """Return values (n,) rounded to 11 of the 23 bits of a float32: to 1 part in 4,000.
+
+    The last digits are noise, and zeros in their place can be packed.
+    """
     bits = values.astype(np.float32).view(np.uint32)
     return ((bits + 0x800) & np.uint32(0xFFFFF000)).view(np.float32)
 
 
 def _mark(fig: Any, mark: Mark) -> None:
-    more = {"level": "image"}  # behind the bands
-    more |= {"legend_label": _plain(mark.label)} if mark.label else {}
+    """Draw a mark behind the bands."""
+    more = {"level": "image"}
+    if mark.label:
+        more["legend_label"] = _plain(mark.label)
     if mark.start == mark.end:
         fig.vspan([mark.start], **_look(mark.look), **more)
     else:
@@ -233,7 +259,7 @@ def _mark(fig: Any, mark: Mark) -> None:
 
 
 def _look(stroke: Stroke) -> dict[str, Any]:
-    """Colour, width and dashes of a line as Bokeh names them."""
+    """Return colour, width and dashes of a line as Bokeh names them."""
     points = stroke.get("linewidth", LINE_WIDTH)
     look = {"color": stroke["color"], "line_width": _PIXEL * points}
     style = stroke.get("linestyle", "-")
@@ -244,11 +270,12 @@ def _look(stroke: Stroke) -> dict[str, Any]:
 
 
 def _ends(ends: tuple[float, float] | None) -> Any:
+    """Return the range of an axis; with None, that of all that is drawn."""
     from bokeh.models import DataRange1d, Range1d
 
     return DataRange1d() if ends is None else Range1d(*map(float, ends))
 
 
 def _plain(text: str) -> str:
-    """A text in which MathJax sees no formula: a word joiner follows each of its signs."""
+    r"""Return a text in which MathJax sees no formula: a word joiner goes after each $ and \."""
     return re.sub(r"([$\\])", "\\1\u2060", text)

@@ -1,10 +1,12 @@
-"""A panel: what one pair of axes shows.
+"""A panel: what one pair of axes shows, and how matplotlib draws it.
 
-    Line   values over an axis, with their 95 % band
-    Mark   a part of the axis, over the whole height
-    Panel  lines, marks and texts
+    Line   values over the x axis, with their 95 % band
+    Mark   a part of the x axis, over the whole height
+    Field  values as colours over the whole panel
+    Panel  lines, marks, texts and a field
 
-The legend of a panel is between its title and its axes, where it covers no data.
+The legend of a panel is between its title and its axes, where it covers no data. The module
+`calib.show.interactive` draws the same panels in a browser.
 """
 
 from collections.abc import Sequence
@@ -20,12 +22,21 @@ _POINTS = 72.0
 RAW = 0.3
 """Opacity of measured values behind their mean."""
 PARTS = 2000
-"""Parts of the `envelope` of a long line: a page has some 1000 pixels."""
+"""Parts of the `envelope` of a long line; a printed page is about 1,000 pixels wide."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """``y`` over ``x`` (n,) with its ``band``; of noisy values also the mean over ``mean`` [s]."""
+    """A line through ``y`` over ``x``, (n,) each.
+
+    Attributes
+    ----------
+    look : colour, width, dashes and marker.
+    label : name in the legend, "" for none.
+    band : lower and upper bounds (n,) of the values.
+    mean : window of a mean [s], of noisy values over time: the mean is drawn as the line, and the
+        values thin and pale behind it. 0: the values are the line.
+    """
 
     x: Array | Sequence[float]
     y: Array | Sequence[float]
@@ -36,12 +47,12 @@ class Line:
 
     @property
     def shown(self) -> Array:
-        """The values of the thick line (n,)."""
+        """Values of the thick line (n,): the mean where there is one, or else ``y``."""
         y = np.asarray(self.y, float)
         return smooth(np.asarray(self.x), y, self.mean) if self.mean else y
 
     def fill(self, ax: Axes, parts: int) -> None:
-        """Draw the line; of a long one the `envelope` in so many ``parts``."""
+        """Draw the line; of a long line the `envelope` in so many ``parts``."""
         x, colour = np.asarray(self.x, float), self.look["color"]
         if self.mean:
             y = np.asarray(self.y, float)
@@ -51,10 +62,10 @@ class Line:
         ax.plot(x[points], self.shown[points], label=self.label, **self.look)
 
     def fill_band(self, ax: Axes, parts: int) -> None:
-        """Draw the band, opaque and pale, with its edges."""
+        """Draw the band in a pale colour, with its edges."""
         if self.band is None:
             return
-        x, (low, high) = np.asarray(self.x, float), (np.asarray(end, float) for end in self.band)
+        x, low, high = (np.asarray(values, float) for values in (self.x, *self.band))
         points, colour = envelope(low, parts), self.look["color"]
         fill: Stroke = {"fc": pale(colour), "ec": (colour, 0.7), "lw": 0.6, "zorder": 1}
         ax.fill_between(x[points], low[points], high[points], **fill)
@@ -79,13 +90,21 @@ class Mark:
 
 @dataclass(frozen=True)
 class Field:
-    """Values (rows, columns) as colours over the whole of a panel, NaN where none is known.
+    """Values as colours over the whole panel, whose title names them.
 
-    The title of the panel names them. ``ends`` of its axes: left, right, bottom, top; ``middle`` of
-    a scale that has one. ``slices`` the values at equal steps of one axis more, which only a
-    browser can show; ``slider`` its name and both ends.
-    ``torques`` of the front and the rear axle [N m] at a height of 1 if it brakes alone, and the
-    odds of front over rear where the value is 1; () for a field that has none.
+    A third axis, which only a browser can show, has a slider. For the map of a table, the cursor
+    tells the brake torques at a place.
+
+    Attributes
+    ----------
+    values : shape (rows, columns), the lowest row first; NaN where the value is not known.
+    ends : left, right, lower and upper end of the axes.
+    middle : value in the middle of the colours; None for a scale from the lowest to the highest.
+    slices : the values at equal steps of the third axis.
+    slider : name and both ends of the third axis.
+    torques : torque of the front and of the rear axle [N m], for y = 1, if that axle brakes alone;
+        torque share of the front axle over that of the rear axle where the value is 1 [1]. () for
+        none.
     """
 
     values: Array
@@ -98,22 +117,22 @@ class Field:
     @property
     def scale(self) -> tuple[str, float, float]:
         """Name of the colours in matplotlib, and the values of the first and the last one."""
-        low, high = np.nanquantile(self.values, [0.02, 0.98])
+        low, high = np.nanquantile(self.values, [0.02, 0.98])  # a few outliers keep the end colour
         if self.middle is None:
             return "viridis_r", low, high
-        far = max(high - self.middle, self.middle - low)
-        return "RdBu_r", self.middle - far, self.middle + far
+        half = max(high - self.middle, self.middle - low)
+        return "RdBu_r", self.middle - half, self.middle + half
 
     def fill(self, ax: Axes) -> None:
-        """Draw it with its scale beside the axes; a picture in an SVG, too."""
+        """Draw the field, with its scale beside the axes; in an SVG both are pixels."""
         from matplotlib.ticker import MaxNLocator
 
         cmap, low, high = self.scale
         look: Stroke = {"aspect": "auto", "origin": "lower", "interpolation": "none", "zorder": 0}
         image = ax.imshow(self.values, cmap, vmin=low, vmax=high, extent=self.ends, **look)
-        ticks = MaxNLocator(6)  # as many in every height, so that they keep their width
-        room = ax.inset_axes((1.02, 0.0, 0.035, 1.0))
-        scale = ax.figure.colorbar(image, cax=room, ticks=ticks, extend="both")
+        ticks = MaxNLocator(6)  # their number, and so their width, is the same at every height
+        beside = ax.inset_axes((1.02, 0.0, 0.035, 1.0))
+        scale = ax.figure.colorbar(image, cax=beside, ticks=ticks, extend="both")
         if scale.solids is not None:
             scale.solids.set(rasterized=True)
 
@@ -124,14 +143,18 @@ class Panel:
 
     Attributes
     ----------
-    name, title : for ``--figure``, and above the axes.
-    x, y : what is on the axes, with units.
-    lines, marks : as they are drawn, the last on top.
-    texts : words, each beside a point of the axes.
-    xlim, ylim : ends of the axes. ``ylim`` None: those of zero and of the means of the lines.
+    name : name of the panel, which ``--figure`` takes.
+    title : text above the axes.
+    x, y : names of what is on the axes, with units.
+    lines : lines in the order in which they are drawn, the last one on top. Of the bands the first
+        one is on top.
+    marks : parts of the x axis, behind the lines.
+    texts : words, and x and y of the point that they stand beside.
+    xlim, ylim : ends of the axes. With ``ylim`` None they hold zero and the means of the lines,
+        where a line has a mean, or else all that is drawn.
     xticks, yticks : words at 0, 1, 2 ... instead of numbers.
-    columns : entries in a row of the legend.
-    field : colours behind all, between ``xlim`` and ``ylim``.
+    columns : number of entries in a row of the legend.
+    field : colours behind everything, between ``xlim`` and ``ylim``.
     """
 
     name: str
@@ -149,7 +172,10 @@ class Panel:
     field: Field | None = None
 
     def fill(self, ax: Axes, parts: int = PARTS) -> float:
-        """Draw the panel, long lines in so many ``parts``; return the height of the legend [pt]."""
+        """Draw the panel without its title; return the height of the legend [pt].
+
+        Long lines are drawn as their `envelope` in so many ``parts``.
+        """
         if self.field is not None:
             self.field.fill(ax)
         for line in self.lines:
@@ -159,7 +185,8 @@ class Panel:
         for mark in self.marks:
             mark.fill(ax)
         for text, *point in self.texts:
-            is_left = self.xlim is not None and point[0] > np.mean(self.xlim)  # there is room
+            # in the right half of the axis there is room on the left of the point
+            is_left = self.xlim is not None and point[0] > np.mean(self.xlim)
             shift: dict[str, Any] = {"xytext": (-4.0 if is_left else 4.0, -9.5), "fontsize": 7.0}
             side = "right" if is_left else "left"
             ax.annotate(text, (point[0], point[1]), textcoords="offset points", ha=side, **shift)
@@ -177,12 +204,12 @@ class Panel:
         return _POINTS * legend.get_window_extent().height / legend.figure.dpi
 
     def shares(self, other: "Panel") -> bool:
-        """Whether both have the same x axis, which is then labelled once."""
+        """Whether this panel and the ``other`` one have the same x axis, which is labelled once."""
         return self.xlim is not None and (self.x, self.xlim) == (other.x, other.xlim)
 
     @property
     def height(self) -> tuple[float, float] | None:
-        """Ends of the y axis; None where nothing sets them."""
+        """Ends of the y axis; None where the axis shows all that is drawn."""
         if self.ylim is not None:
             return self.ylim
         return reach(*(line.shown for line in self.lines if line.mean), zero=True)

@@ -25,15 +25,21 @@ COLUMNS = (
 )
 """Numeric columns of a result that are drawn."""
 _VALID = ("valid", "ecu_valid")
+"""Columns that say where the best estimate and the ECU are valid."""
 
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Answers of the ECU to one log, shapes (n,): ``values`` by `COLUMNS`, ``valid``.
+    """What an ECU answers to one log.
 
-    ``name`` is the stem of the log, ``digest`` the SHA-256 of the file. ``verdict``, in
-    words, and ``ramp_pads``, the pad friction on the ramp [1], come from the summary beside it;
-    both are empty without one.
+    Attributes
+    ----------
+    name : stem of the log's name.
+    digest : SHA-256 of the file.
+    values : the `COLUMNS` (n,) by their names.
+    valid : samples (n,) in which the answer of the ECU counts.
+    verdict : the verdict in words; "" without a summary beside the file.
+    ramp_pads : pad friction of the front and the rear axle on the ramp [1]; () without a summary.
     """
 
     name: str
@@ -45,7 +51,7 @@ class StoredResult:
 
 
 def is_result(path: Path) -> bool:
-    """Whether ``path`` is a Parquet file with the columns that only a result has."""
+    """Return whether ``path`` is a Parquet file with the columns that only a result has."""
     from pyarrow import ArrowException
     from pyarrow.parquet import read_schema
 
@@ -54,7 +60,7 @@ def is_result(path: Path) -> bool:
     try:
         names = set(read_schema(path).names)
     except (OSError, ArrowException, ValueError):
-        return False  # it is then read as a log, which reports the cause
+        return False  # the caller reads it as a log, and reports the cause
     return {"valid", "pad_friction_f", "pad_friction_r"} <= names
 
 
@@ -74,16 +80,17 @@ def read_result(path: Path) -> StoredResult:
                 expected="a result of `brake-cal validate --out`",
             )
         values = {name: numbers(columns[name]) for name in COLUMNS}
-        by_v, by_ecu = (numbers(columns[name]) > 0.0 for name in _VALID)
+        best_valid, ecu_valid = (numbers(columns[name]) > 0.0 for name in _VALID)
     except (OSError, ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
     digest = sha256(data)
-    # Where not even the estimate with v holds, no answer of the ECU does.
-    return StoredResult(path.stem, digest, values, by_ecu & by_v.any(), *_summary_of(path))
+    # in a run where the best estimate is nowhere valid, no answer of the ECU counts
+    valid = ecu_valid & best_valid.any()
+    return StoredResult(path.stem, digest, values, valid, *_summary_of(path))
 
 
 def _summary_of(path: Path) -> tuple[str, tuple[float, ...]]:
-    """Verdict in words and pads of the ramp, from the summary beside a result."""
+    """Return the verdict in words and the pads of the ramp, from the summary beside a result."""
     try:
         summary = json.loads(path.with_name(SUMMARY).read_bytes())
         (log,) = (one for one in summary["logs"] if one["log"] == path.stem)

@@ -1,4 +1,4 @@
-"""A sheet: panels of one page, the rows in which it shows them, drawn together or one by one."""
+"""A sheet: the panels of one page, drawn together or one by one, and written into files."""
 
 import io
 import textwrap
@@ -15,7 +15,7 @@ from calib.show.panel import PARTS, Panel
 from calib.show.style import HEIGHT, WIDTH, Figure, styled
 
 _LETTER = 0.09
-"""Width of a letter of the title [in], with a little to spare."""
+"""Width of a letter of the title [in], rounded up."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +25,13 @@ class Sheet:
     Attributes
     ----------
     kind : what is drawn: table, stop, simulation, log and so on.
-    name : used in file names.
-    panels : all panels; those that ``rows`` does not name are drawn only alone.
-    rows : names of the panels of the page, repeated where one spans places; () for a row each.
-    heights : relative heights of the rows, or one for all.
+    name : name of what is drawn, for file names.
+    panels : all panels; a panel that ``rows`` does not name is drawn only alone.
+    rows : names of the panels in each row of the page. All rows have as many places, and a panel
+        that spans several places is named in each of them. () for one panel a row.
+    heights : height of each row, over that of a usual row; a single value is for all rows.
     title, note : text above the panels and below them.
-    result : what came out, in a line below the title.
+    result : the answer in short, below the title.
     """
 
     kind: str
@@ -49,47 +50,50 @@ class Sheet:
 
     @property
     def laid_out(self) -> tuple[str, ...]:
-        """Names of the panels of the page, in its order."""
+        """Names of the panels of the page, from its top to its bottom."""
         return tuple(dict.fromkeys(name for row in self.rows for name in row)) or self.names
 
     def overview(self) -> Figure:
-        """The page: A4 wide and 2.5 in for each row, at most A4 high."""
+        """Draw the page: A4 wide and 2.5 in for each row, at most A4 high."""
         from matplotlib.figure import Figure
 
         rows = self.rows or tuple((name,) for name in self.names)
         heights = self.heights if len(self.heights) == len(rows) else self.heights * len(rows)
-        panels = {panel.name: panel for panel in self.panels}
-        above = {
-            up
-            for upper, lower in pairwise(rows)
-            for up, down in zip(upper, lower, strict=True)
-            if up != down
-            and upper.count(up) == lower.count(down)
-            and panels[up].shares(panels[down])
-        }
+        panels, unlabelled = {panel.name: panel for panel in self.panels}, self._unlabelled()
         with styled():
             height = min(2.5 * sum(heights) + 0.8, HEIGHT)
             figure = Figure(figsize=(WIDTH, height), layout="constrained")
-            places = figure.subplot_mosaic([list(r) for r in rows], height_ratios=heights)
-            legends = {n: panels[n].fill(ax) for n, ax in places.items()}
-            first_row = {n: next(i for i, row in enumerate(rows) if n in row) for n in places}
-            for i, (name, ax) in enumerate(places.items()):
-                # titles of one row are at one height
-                room = max(legends[n] for n in places if first_row[n] == first_row[name])
-                letter = f"({ascii_letters[i]}) " * (len(places) > 1)
-                ax.set_title(letter + panels[name].title, pad=4.0 + room)
-                if name in above:
+            axes = figure.subplot_mosaic([list(row) for row in rows], height_ratios=heights)
+            legends = {name: panels[name].fill(ax) for name, ax in axes.items()}
+            for letter, (name, ax) in zip(ascii_letters, axes.items(), strict=False):
+                row = next(row for row in rows if name in row)
+                # the titles of a row are at one height, above its highest legend
+                room = max(legends[beside] for beside in row)
+                title = panels[name].title
+                ax.set_title(f"({letter}) {title}" if len(axes) > 1 else title, pad=4.0 + room)
+                if name in unlabelled:
                     ax.set_xlabel("")
                     ax.tick_params(labelbottom=False)
             _frame(figure, self, 150)
         return figure
 
+    def _unlabelled(self) -> set[str]:
+        """Names of the panels whose x axis is labelled at a panel of the same width below."""
+        panels, names = {panel.name: panel for panel in self.panels}, set[str]()
+        for upper, lower in pairwise(self.rows or [(name,) for name in self.names]):
+            for above, below in zip(upper, lower, strict=True):
+                is_as_wide = above != below and upper.count(above) == lower.count(below)
+                if is_as_wide and panels[above].shares(panels[below]):
+                    names.add(above)
+        return names
+
     def figure(
         self, name: str, size: tuple[float, float] = (0.85 * WIDTH, 4.4), parts: int = PARTS
     ) -> Figure:
-        """One panel on its own, of a ``size`` [in], with ``parts`` of a long line.
+        """Draw the panel ``name`` alone, in a ``size`` of width and height [in].
 
-        Raises KeyError for a name that the sheet does not have.
+        Long lines are drawn as their `envelope` in so many ``parts``. Raises KeyError for a name
+        that the sheet does not have.
         """
         from matplotlib.figure import Figure
 
@@ -103,7 +107,7 @@ class Sheet:
 
 
 def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
-    """Panels side by side in so many ``columns``; the last one fills its row.
+    """Return rows with so many ``columns`` of the panels; the last panel fills its row.
 
     >>> rows_of(["a", "b", "c"], 2)
     (('a', 'b'), ('c', 'c'))
@@ -113,7 +117,7 @@ def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
 
 
 def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
-    """Title above and note below, both from the left edge."""
+    """Write the title above the panels, and below them the note in lines of ``width`` letters."""
     lines = (sheet.title, *textwrap.wrap(whole(sheet.result), int(figure.get_figwidth() / _LETTER)))
     figure.suptitle("\n".join(lines), x=0.012, ha="left")
     if sheet.note:
@@ -129,7 +133,7 @@ _METADATA: dict[str, dict[str, Any]] = {
 """Metadata of a file by ending; no time and no version, which would change the bytes."""
 ENDINGS = tuple(_METADATA)
 _BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
-"""First bytes of a file by each ending."""
+"""First bytes of a file, one for each of the `ENDINGS`."""
 
 
 def is_picture(data: bytes) -> bool:
@@ -138,9 +142,10 @@ def is_picture(data: bytes) -> bool:
 
 
 def render(figure: Figure, ending: str, text: bool = False) -> bytes:
-    """Bytes of one figure as ``.png``, ``.svg`` or ``.pdf``. Raises KeyError for another ending.
+    """Return a figure as the bytes of a file with an ``ending`` of `ENDINGS`.
 
-    An SVG whose letters are ``text``, not outlines, is half as large, in the font of the reader.
+    An SVG whose letters are ``text`` and not outlines has half the size, and shows the font of the
+    machine where it is read. Raises KeyError for another ending.
     """
     with styled(outlines=not text):
         buffer = io.BytesIO()
@@ -149,7 +154,7 @@ def render(figure: Figure, ending: str, text: bool = False) -> bytes:
 
 
 def save(pages: dict[Path, list[Figure]], step: Callable[[], None] = lambda: None) -> None:
-    """Write each file with its pages; all are drawn before the first is written.
+    """Write each file with its pages; all pages are drawn before the first file is written.
 
     ``step`` is called after each page is drawn. A file other than a PDF takes one page. Raises
     KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be

@@ -24,11 +24,13 @@ else:
     Axes = Figure = "of matplotlib, which is imported when something is drawn"
 
 Stroke = dict[str, Any]
+"""Look of a line: colour, width, dashes and marker, as matplotlib names them."""
 
 WIDTH, HEIGHT = 8.27, 11.69
 """Width of a page [in], and its largest height: A4."""
 
 DASHED, DOTTED, DASH_DOT, LONG = (0, (4, 1.6)), (0, (1, 1.4)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2))
+"""Dashes: the offset of the first one, then lengths of dashes and gaps over the line's width."""
 
 FRONT: Stroke = {"color": "#0072B2", "linestyle": "-"}
 REAR: Stroke = {"color": "#D55E00", "linestyle": DASHED}
@@ -45,25 +47,29 @@ WHEEL_STROKES: dict[str, Stroke] = {
 
 
 def dots(stroke: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
-    """Points in the colour of a line, of a ``size`` [pt], without the line."""
+    """Return the look of points in the colour of ``stroke``, of a ``size`` [pt], without a line."""
     return {"color": stroke["color"], "marker": marker, "linestyle": "", "ms": size, **more}
 
 
 def pale(colour: str) -> str:
-    """The colour of a 95 % band; opaque, so that two bands mix to no grey."""
-    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{255 - round(_BAND * (255 - part)):02X}" for part in parts)
+    """Return the colour of the 95 % band of a line of a ``colour`` #RRGGBB.
+
+    The band is opaque, since transparent bands that overlap look grey.
+    """
+    red_green_blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{255 - round(_BAND * (255 - part)):02X}" for part in red_green_blue)
 
 
 _BAND = 0.25
-"""Share of the colour of its line in a band, the rest is white."""
+"""Share of the colour of a line in the colour of its band; the rest is white."""
 SHADE = "#E9E9E9"
+"""Colour of a part of an axis that is set apart."""
 ETA = "\u03b7 - 1 [%]"
-"""Name of an axis: rear wheel speed over front one."""
+"""Label of an axis of eta, the wheel speed of the rear axle over that of the front axle."""
 LINE_WIDTH = 1.3
-"""Width of a line whose look has none [pt]."""
+"""Width of a line whose look names none [pt]."""
 MEAN = 0.1
-"""Width of the mean that is drawn over a noisy line [s]."""
+"""Window of the mean that is drawn over a noisy line [s]."""
 
 _RC: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # part of matplotlib: the same on every machine
@@ -103,9 +109,9 @@ _RC: dict[str, Any] = {
 
 @contextmanager
 def styled(outlines: bool = True) -> Iterator[None]:
-    """Context in which to draw and save; the user's settings for other figures are not changed.
+    """Draw and save within this context; the user's settings for other figures stay.
 
-    Letters of an SVG are ``outlines``, the same on every machine, or text.
+    Letters of an SVG are ``outlines``, which look the same on every machine, or else text.
     """
     import matplotlib
 
@@ -117,7 +123,10 @@ def styled(outlines: bool = True) -> Iterator[None]:
 
 
 def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
-    """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
+    """Return the centred mean (n,) of ``values`` over a ``window`` [s]; NaN counts nowhere.
+
+    A sample that is NaN stays NaN.
+    """
     width = samples_in(window, step_of(time)) | 1
     is_finite = np.isfinite(values)
     weight = centred_mean(is_finite.astype(float), width)
@@ -126,7 +135,11 @@ def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
 
 
 def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[float, float] | None:
-    """Ends of an axis that shows all finite ``values``, and 0 with ``zero``; None without any."""
+    """Return the ends of an axis that shows all finite ``values``, and 0 if ``zero``.
+
+    There is a ``margin`` at both ends, over the length of the axis [1], but none below an end at 0
+    that ``zero`` asks for. None without a finite value.
+    """
     numbers = np.concatenate([v[np.isfinite(v)] for v in values] or [np.empty(0)])
     if numbers.size == 0:
         return None
@@ -138,7 +151,10 @@ def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[flo
 
 
 def envelope(y: Array, parts: int) -> Index:
-    """Indices of the points of ``y`` (n,) to draw: extremes of each part, or all if few."""
+    """Return the indices of the points of ``y`` (n,) that are drawn.
+
+    They are the lowest and the highest of each of so many ``parts``; all points of a short line.
+    """
     if y.size <= 4 * parts:
         return np.arange(y.size)
     width = -(-y.size // parts)
@@ -152,7 +168,7 @@ def envelope(y: Array, parts: int) -> Index:
 
 
 def names_below(names: Sequence[str]) -> list[str]:
-    """Names as they fit below the axis of a small panel, in short lines; none if they are many."""
+    """Return the names in short lines, which fit below the axis of a small panel; [] if many."""
     if len(names) > _NAMED:
         return []
     letters = _LETTERS // len(names) - 1 if names else 0
@@ -160,10 +176,13 @@ def names_below(names: Sequence[str]) -> list[str]:
 
 
 _NAMED, _LETTERS = 8, 56
-"""Most names below an axis, and letters of all of them side by side."""
+"""Largest number of names below an axis; letters that fit there side by side."""
 
 
 def as_text(name: str) -> str:
-    """A name in letters of the font; matplotlib hides a label that begins with an underscore."""
+    """Return a name in ASCII, other letters as question marks.
+
+    A space goes before an underscore, since matplotlib hides a label that begins with one.
+    """
     plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in name)
-    return " " * plain.startswith("_") + plain
+    return f" {plain}" if plain.startswith("_") else plain

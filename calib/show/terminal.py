@@ -1,4 +1,4 @@
-"""Facts on a terminal, drawn by rich, which is imported with this file."""
+"""Facts as lines and grids of a terminal, which rich draws; rich is imported with this file."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -14,28 +14,34 @@ from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Row, Tabl
 from calib.show.numbers import whole
 
 _NARROWEST = 20
-"""Columns that a text has at least, beside its name."""
+"""Smallest width of a text beside its name [letters]."""
 _STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "green", UNJUDGED: "dim", "": ""}
+"""Style of each verdict."""
 
 
 def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterator[RenderableType]:
-    """Texts and grids as printed, ``details`` before the answer; ``quiet``: a headline alone.
+    """Yield texts and grids in the order in which they are printed.
 
-    A plain string is a command to copy, and is never cut into lines.
+    The parts are ``details``, printed before the answer so that it stands at the end; they are the
+    answer of facts that have nothing else. Of a result that has a verdict, ``quiet`` prints that
+    line alone. A plain string is a command to copy, and is never cut into lines.
     """
     facts = _texts(facts)
-    head = replace(facts, parts=()).filled
-    for part in facts.parts if details or not head else ():
-        yield from [Text(printable(part.title), style="bold")] * bool(part.title)
+    has_answer = replace(facts, parts=()).filled
+    for part in facts.parts if details or not has_answer else ():
+        if part.title:
+            yield Text(printable(part.title), style="bold")
         yield from drawn(part, details=details)
-        yield from [""] * (head or part is not facts.parts[-1])
+        if has_answer or part is not facts.parts[-1]:
+            yield ""
     if text := facts.verdict_line:
         yield _Paragraph(text, f"bold {_STYLES[facts.verdict]}".strip())
         if quiet:
             return
     for table in facts.tables:
+        if table.rows and table.caption:
+            yield Text(printable(table.caption))
         if table.rows:
-            yield from [Text(printable(table.caption))] * bool(table.caption)
             yield _Grid(table)
     if rows := [*facts.numbers, *facts.rows]:
         yield _Terms(rows)
@@ -45,13 +51,13 @@ def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterat
 
 
 def _texts(facts: Facts) -> Facts:
-    """The facts without pictures, warnings and empty parts."""
+    """Return the facts without pictures, warnings and empty parts."""
     parts = [part for part in map(_texts, facts.parts) if part.filled]
     return replace(facts, pictures=(), warnings=(), parts=parts)
 
 
 class _Paragraph:
-    """A text in lines; a number keeps its unit on its line."""
+    """A text in lines, in which a number and its unit stay on one line."""
 
     def __init__(self, text: str, style: str = "") -> None:
         self.text, self.style = whole(printable(text)), style
@@ -77,11 +83,15 @@ class _Terms:
 
 
 def _longest_word(texts: Iterable[str]) -> int:
+    """Return the length of the longest word; a no-break space does not end a word."""
     return max(len(word) for text in texts for word in text.split(" "))
 
 
 class _Grid:
-    """A table; where its words and numbers do not fit side by side, a block of lines for a row."""
+    """A table as a grid, or as a block of lines for each row where the grid is too wide.
+
+    ``least`` is the smallest width of each column: of its longest word or number.
+    """
 
     def __init__(self, table: Table) -> None:
         rows = [[whole(cell) for cell in row] for row in table.rows]
@@ -100,14 +110,15 @@ class _Grid:
 
     def _grid(self) -> Grid:
         grid = Grid(box=None, header_style="bold", pad_edge=False)
-        rows = zip(self.table.heads, self.table.numeric, self.least, *self.table.rows, strict=True)
-        for head, numeric, least, *cells in rows:
-            # else rich narrows it first
+        heads, rows = self.table.heads, self.table.rows
+        columns = zip(heads, self.table.numeric, self.least, *rows, strict=True)
+        for head, numeric, least, *cells in columns:
+            # rich narrows other columns first
             no_wrap = numeric or max(map(len, (head, *cells))) <= least
             justify: JustifyMethod = "right" if numeric else "left"
             title = "\n".join(wrap(head, least)) if numeric else head
             grid.add_column(title, justify=justify, no_wrap=no_wrap, min_width=least)
-        for i, row in enumerate(self.table.rows):
+        for i, row in enumerate(rows):
             grid.add_row(*row, style=self._style(i))
         return grid
 

@@ -1,4 +1,4 @@
-"""Brake torque of a stop: of each axle and of both together, with 95 % bounds, and its error."""
+"""Brake torque of the axles and of both together in a stop, with 95 % bounds and error, as text."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -15,14 +15,14 @@ from calib.estimation.validate import NONE, REFERENCE, TRUTH, Validation
 from calib.table.table import Table
 
 Columns = Mapping[str, Any]
-"""Columns of an estimate by their names, (n,) each."""
+"""Columns of an estimate by their names, (n,) each, as `calib.estimation.estimator` has them."""
 SIDES = (*AXLE_NAMES.values(), "total")
-"""An answer has a torque of the front, of the rear axle and of both."""
+"""Parts of a car that have a torque: the front axle, the rear axle, both together."""
 NOT_KNOWN = "not known"
 UNIT = f"N{NBSP}m"
 HEADS = tuple(f"{side} [{UNIT}]" for side in SIDES)
 _WHEELS = {"fl": 2.0, "rl": 2.0, "sum": 1.0}
-"""Columns of the `SIDES`, and how many times each counts: an axle has two wheels."""
+"""Part of the column's name for each of the `SIDES`, and its factor: an axle has two wheels."""
 AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v", NONE: "nothing"}
 """What the torques of an ECU are compared with, in words."""
 ENDS = ("", "_lower", "_upper")
@@ -30,38 +30,41 @@ ENDS = ("", "_lower", "_upper")
 
 
 def torques(columns: Columns, prefix: str = "ecu_") -> list[Bounded]:
-    """Torques of the `SIDES` [N m], (n,) each; ``prefix`` is empty for the best estimate."""
+    """Return the torques of the `SIDES` [N m] (n,) with their bounds.
+
+    ``prefix`` begins the names of the columns: "ecu_" of the ECU, "" of the best estimate.
+    """
     return [
-        Bounded(*(count * columns[f"{prefix}brake_torque_{part}{end}"] for end in ENDS))
-        for part, count in _WHEELS.items()
+        Bounded(*(wheels * columns[f"{prefix}brake_torque_{part}{end}"] for end in ENDS))
+        for part, wheels in _WHEELS.items()
     ]
 
 
-def valid_samples(r: Validation) -> Mask:
-    """Samples (n,) in which the ECU has a valid answer to a run that counts."""
-    return r.estimate.ecu.valid & (not r.estimate.unfit)
+def valid_samples(result: Validation) -> Mask:
+    """Return the samples (n,) in which the ECU is valid; none of a run that does not count."""
+    return result.estimate.ecu.valid & (not result.estimate.unfit)
 
 
 def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
-    """Mean torques of the `SIDES` over the ``valid`` samples, each with its 95 % interval."""
-    return [_mean(*(x[valid] for x in torque)) for torque in torques(columns, prefix)]
+    """Return mean torques of the `SIDES` over ``valid`` samples (n,), with their 95 % intervals."""
+    return [_mean(*(end[valid] for end in torque)) for torque in torques(columns, prefix)]
 
 
-def ecu_means(r: Validation) -> list[str]:
-    """Mean torques of the ECU in a stop."""
-    return means(r.estimate.columns(), valid_samples(r))
+def ecu_means(result: Validation) -> list[str]:
+    """Return the mean torques of the ECU in a stop."""
+    return means(result.estimate.columns(), valid_samples(result))
 
 
 def _mean(value: Array, lower: Array, upper: Array) -> str:
-    total = float(np.sum(value))
-    if not total > 0.0:
+    """Return the mean of a torque [N m] (n,) and of the half width of its interval."""
+    if not np.sum(value) > 0.0:
         return NOT_KNOWN
-    half = float(np.sum(upper - lower)) / (2.0 * value.size)
-    return f"{total / value.size:.0f}{NBSP}±{NBSP}{half:.0f}"
+    half_width = 0.5 * float(np.mean(upper - lower))
+    return f"{np.mean(value):.0f}{NBSP}±{NBSP}{half_width:.0f}"
 
 
 def in_words(texts: list[str]) -> str:
-    """Torques of the `SIDES` in one phrase; "" where none is known."""
+    """Return the torques of the `SIDES` in one phrase; "" where one is not known."""
     if NOT_KNOWN in texts:
         return ""
     named = ", ".join(f"{side} {text}" for side, text in zip(SIDES, texts, strict=True))
@@ -69,54 +72,60 @@ def in_words(texts: list[str]) -> str:
 
 
 def per_bar(table: Table) -> list[str]:
-    """Torques of the axles per bar on the ramp [N m], each with its 95 % interval."""
-    car, cal = table.vehicle, table.calibration
-    axles = (car.front, cal.pad_friction_f), (car.rear, cal.pad_friction_r)
-    gains = [(2.0 * BAR * axle.torque_gain, pad) for axle, pad in axles]
-    return [
-        f"{gain * pad.value:.1f}{NBSP}±{NBSP}{gain * (pad.ci95[1] - pad.value):.1f}"
-        for gain, pad in gains
-    ]
+    """Return the torque of each axle per bar on the ramp [N m], with its 95 % interval."""
+    car, ramp, texts = table.vehicle, table.calibration, []
+    for axle, pad in ((car.front, ramp.pad_friction_f), (car.rear, ramp.pad_friction_r)):
+        per_friction = 2.0 * BAR * axle.torque_gain  # two wheels, at a pad friction of 1
+        half_width = per_friction * (pad.ci95[1] - pad.value)
+        texts.append(f"{per_friction * pad.value:.1f}{NBSP}±{NBSP}{half_width:.1f}")
+    return texts
 
 
 class _TorqueErrors(NamedTuple):
-    """Relative rms errors of the torques of the `SIDES` [1], ``against`` a key of `AGAINST`."""
+    """Relative rms errors of the torques of the `SIDES` [1]; () where they are not known.
+
+    ``against``, a key of `AGAINST`, says what the torques are compared with.
+    """
 
     against: str
     values: tuple[float, ...] = ()
 
     @property
     def texts(self) -> list[str]:
-        """The errors of the `SIDES`."""
+        """The errors of the `SIDES` as texts."""
         return [f"{100.0 * x:.1f}{NBSP}%" for x in self.values]
 
     @property
     def of_axles(self) -> str:
-        """The errors of both axles; that of the total shows no wrong split and no wrong mass."""
+        """The errors of both axles as one text; a total can be right where its split is wrong."""
         return " / ".join(self.texts[:2]) or NOT_KNOWN
 
 
 _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
+"""Metrics that are the errors of the `SIDES` against the truth."""
 
 
-def errors(r: Validation) -> _TorqueErrors:
-    """Errors of the ECU's torques in a stop, against the truth, or else against v."""
-    against_truth = tuple(x for x in map(r.figures.get, _ERRORS) if x is not None)
+def errors(result: Validation) -> _TorqueErrors:
+    """Return the errors of the ECU's torques in a stop.
+
+    They are against the truth where the log has it, or else against the estimate with v.
+    """
+    against_truth = tuple(x for x in map(result.figures.get, _ERRORS) if x is not None)
     if len(against_truth) == len(SIDES):
         return _TorqueErrors(TRUTH, against_truth)
-    valid = valid_samples(r) & r.estimate.valid
-    if r.estimate.blocks.v is None or not valid.any():
+    valid = valid_samples(result) & result.estimate.valid
+    if result.estimate.blocks.v is None or not valid.any():
         return _TorqueErrors(NONE)
-    columns = r.estimate.columns()
-    pairs = zip(torques(columns), torques(columns, ""), strict=True)
-    ends = ((ecu.value[valid], best.value[valid]) for ecu, best in pairs)
-    values = (float(np.sqrt(np.sum((a - b) ** 2) / np.sum(b**2))) for a, b in ends)
+    columns, values = result.estimate.columns(), []
+    for ecu, best in zip(torques(columns), torques(columns, ""), strict=True):
+        error, reference = (ecu.value - best.value)[valid], best.value[valid]
+        values.append(float(np.sqrt(np.sum(error**2) / np.sum(reference**2))))
     return _TorqueErrors(REFERENCE, tuple(values))
 
 
-def true_means(r: Validation, samples: Mask) -> list[str]:
-    """Means of the true torques of the `SIDES` over some samples; empty where none is known."""
-    truth = truth_of(r.estimate)
+def true_means(result: Validation, samples: Mask) -> list[str]:
+    """Return the mean true torques of the `SIDES` over ``samples`` (n,); [] where not known."""
+    truth = truth_of(result.estimate)
     if truth is None or not samples.any():
         return []
     axles = 2.0 * truth.torque[:, samples].mean(axis=1)
